@@ -1,4 +1,4 @@
-// A thread module in C++: simulates an arm of six axes as rigid bodies.
+// A thread module in C++: simulates a six-axis arm as rigid bodies.
 #include <takt/component.hpp>
 
 #include <chrono>
@@ -12,17 +12,18 @@
 #include "rigid_arm.hpp"
 
 class Arm : public takt::Component {
-  takt::InPort<motion::JointEffort> effort{*this, "effort", {.text = "What the drives give."}};
-  takt::OutPort<motion::JointState> measured{*this, "measured", {.text = "Where the axes are."}};
+  takt::InPort<motion::JointEffort> effort{*this, "effort", {.text = "Torques of the drives."}};
+  takt::OutPort<motion::JointState> measured{
+      *this, "measured", {.text = "Position and velocity of the axes."}};
   takt::Property<std::string> model{
-      *this, "model", "", {.text = "File of the arm's parameters; empty: the arm that is built in."}};
+      *this, "model", "", {.text = "File with the arm's parameters; empty: the built-in arm."}};
   takt::Property<double> friction{
-      *this, "friction", 1, {.min = 0, .max = 1, .text = "Share of the parameters' friction that there is."}};
+      *this, "friction", 1, {.min = 0, .max = 1, .text = "Fraction of the model's friction to apply."}};
   takt::Property<double> brake{
       *this,
       "brake",
       0.02,
-      {.unit = "s", .min = 0.001, .max = 10, .text = "The brakes close when no effort came for this long."}};
+      {.unit = "s", .min = 0.001, .max = 10, .text = "The brakes close if no effort arrives for this long."}};
 
   std::optional<arm::RigidArm> arm_;
   motion::JointState state_;
@@ -30,11 +31,11 @@ class Arm : public takt::Component {
   takt::Result<void> initialize() override {
     auto read = arm_model::read(model);
     if (const auto* problem = std::get_if<std::string>(&read))
-      return takt::fail(*problem, "name another file in the property 'model', or mend this one");
+      return takt::fail(*problem, "correct the file, or set property 'model' to another file");
     const auto& parameters = std::get<arm_model::Parameters>(read);
     if (const std::size_t stiff = arm::RigidArm::too_stiff(parameters); stiff < arm_model::kAxes)
-      return takt::fail("axes[" + std::to_string(stiff) + "] has more friction than can be simulated",
-                        "viscous + 20 dry must be below 1500 rotor");
+      return takt::fail("axes[" + std::to_string(stiff) + "] has too much friction to simulate",
+                        "viscous + 20 * dry must be below 1500 * rotor");
     arm_.emplace(parameters);
     return {};
   }
@@ -46,7 +47,7 @@ class Arm : public takt::Component {
       arm_->brake(cycle.seconds());
     } else {
       for (const double torque : effort.value().torque())
-        if (!std::isfinite(torque)) return fail("an effort is not a number");
+        if (!std::isfinite(torque)) return fail("an effort is not a finite number");
       arm_->step(effort.value().torque(), cycle.seconds());
     }
     state_.position() = arm_->position;
@@ -54,4 +55,4 @@ class Arm : public takt::Component {
     measured.write(state_);
   }
 };
-TAKT_COMPONENT(Arm, "Rigid bodies of a six-axis arm, simulated.")
+TAKT_COMPONENT(Arm, "Simulates the rigid bodies of a six-axis arm.")

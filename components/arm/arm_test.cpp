@@ -23,7 +23,7 @@ constexpr double kPeriod = 1e-3;
 const arm_model::Parameters& figures() { return arm_model::built_in(); }
 Joints home() { return arm_model::home(figures()); }
 
-// Of all bodies: motion and height.
+// The kinetic and potential energy of all bodies.
 double energy(const arm::RigidArm& arm) {
   KDL::Chain chain = arm_model::chain(figures());
   KDL::ChainFkSolverPos_recursive forward{chain};
@@ -46,7 +46,7 @@ double energy(const arm::RigidArm& arm) {
   return sum;
 }
 
-TEST(RigidArm, KeepsItsEnergyWhenItSwingsFreely) {
+TEST(RigidArm, ConservesEnergyInAFreeSwing) {
   arm::RigidArm arm{figures()};
   arm.friction = 0;
   arm.position = {0, 0.3, 0.2, 0, 1, 0};
@@ -71,7 +71,7 @@ TEST(RigidArm, KeepsItsEnergyWhenItSwingsFreely) {
   EXPECT_LT(drift, 1e-3);
 }
 
-TEST(RigidArm, StandsUnderTheTorqueThatCarriesItsWeight) {
+TEST(RigidArm, HoldsItsPositionUnderGravityCompensation) {
   arm::RigidArm arm{figures()};
   servo::JointServo servo{figures()};
   const servo::Motion rest{arm.position, {}};
@@ -80,12 +80,12 @@ TEST(RigidArm, StandsUnderTheTorqueThatCarriesItsWeight) {
   for (int n = 0; n < 200; ++n) arm.step(weight, kPeriod);
   for (std::size_t i = 0; i < kAxes; ++i) EXPECT_NEAR(arm.position[i], home()[i], 1e-9);
   for (int n = 0; n < 200; ++n) arm.step({}, kPeriod);
-  EXPECT_GT(arm.position[1], home()[1] + 0.01) << "without it, it falls forwards";
+  EXPECT_GT(arm.position[1], home()[1] + 0.01) << "without compensation the arm falls forwards";
 }
 
-TEST(RigidArm, FrictionBringsItToRestAndTheBrakesSooner) {
+TEST(RigidArm, StopsByFrictionAndFasterByItsBrakes) {
   arm::RigidArm arm{figures()};
-  arm.velocity = {2, 0, 0, 0, 0, 4};  // the axes that no weight turns at home: the first, and the tool's
+  arm.velocity = {2, 0, 0, 0, 0, 4};  // axes that gravity does not turn at home: the first and the last
   const Joints weight = servo::JointServo{figures()}.torque({arm.position, {}}, {arm.position, {}},
                                                             {arm.position, {}}, kPeriod);
   for (int n = 0; n < 5000; ++n) arm.step(weight, kPeriod);
@@ -96,14 +96,14 @@ TEST(RigidArm, FrictionBringsItToRestAndTheBrakesSooner) {
   EXPECT_EQ(arm.velocity, Joints{});
 }
 
-TEST(RigidArm, StopsAtTheLimitsOfItsAxes) {
+TEST(RigidArm, StopsAtItsAxisLimits) {
   arm::RigidArm arm{figures()};
   for (int n = 0; n < 5000; ++n) arm.step({900, 1000, 600, 150, 150, 80}, kPeriod);
   for (std::size_t i = 0; i < kAxes; ++i) EXPECT_LE(arm.position[i], figures()[i].upper);
   EXPECT_EQ(arm.position[0], figures()[0].upper);
 }
 
-TEST(RigidArm, RefusesFrictionThatCannotBeIntegrated) {
+TEST(RigidArm, RejectsFrictionTooHighToIntegrate) {
   EXPECT_EQ(arm::RigidArm::too_stiff(figures()), kAxes);
   arm_model::Parameters stiff = figures();
   stiff[3].dry = 200;
@@ -113,7 +113,7 @@ TEST(RigidArm, RefusesFrictionThatCannotBeIntegrated) {
 // ---- the module
 // --------------------------------------------------------------------------------------------
 
-TEST(Arm, StandsWithItsBrakesOnUntilAnEffortComesAndAfterTheLast) {
+TEST(Arm, AppliesItsBrakesBeforeTheFirstEffortAndAfterTheLast) {
   takt::testing::Module module;
   auto& effort = module.in<motion::JointEffort>("effort");
   auto& measured = module.out<motion::JointState>("measured");
@@ -126,14 +126,14 @@ TEST(Arm, StandsWithItsBrakesOnUntilAnEffortComesAndAfterTheLast) {
   effort.write(turn);
   module.step(20);
   EXPECT_GT(measured.value().velocity()[0], 0.02);
-  module.step(500);  // nobody says anything any more
+  module.step(500);  // no more efforts arrive
   EXPECT_EQ(measured.value().velocity(), (std::array<double, kAxes>{}));
   const auto at = measured.value().position();
   module.step(500);
   EXPECT_EQ(measured.value().position(), at);
 }
 
-TEST(Arm, AnEffortThatIsNoNumberIsAnErrorAndDoesNotSpoilIt) {
+TEST(Arm, TreatsANonFiniteEffortAsAnErrorAndKeepsItsState) {
   takt::testing::Module module;
   auto& effort = module.in<motion::JointEffort>("effort");
   auto& measured = module.out<motion::JointState>("measured");
@@ -142,7 +142,7 @@ TEST(Arm, AnEffortThatIsNoNumberIsAnErrorAndDoesNotSpoilIt) {
   wrong.torque()[2] = std::numeric_limits<double>::quiet_NaN();
   effort.write(wrong);
   module.step();
-  EXPECT_EQ(module.last_error().text, "an effort is not a number");
+  EXPECT_EQ(module.last_error().text, "an effort is not a finite number");
   effort.write({});
   ASSERT_TRUE(module.recover());
   module.step();

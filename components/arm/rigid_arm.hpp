@@ -1,6 +1,6 @@
-// Six driven links as rigid bodies under gravity, with friction in the joints: what arm simulates, by the
-// forward dynamics of Orocos KDL. SI units, rad. The constructor allocates; the rest is for real-time
-// threads.
+// The simulation behind the component arm: six driven links as rigid bodies under gravity, with joint
+// friction, using the forward dynamics of Orocos KDL. SI units, rad. The constructor allocates; all other
+// functions are real-time.
 #pragma once
 
 #include <algorithm>
@@ -19,10 +19,10 @@ using arm_model::kAxes;
 
 class RigidArm {
  public:
-  static constexpr double kLongestStep = 1e-3;  ///< s; a longer one is divided
-  static constexpr double kDryBand = 0.05;      ///< rad/s, within which dry friction fades
-  static constexpr double kBraking = 15;        ///< rad/s^2, of every axis when the brakes are on
-  /// 1/s: with more friction for its rotor an axis could not be integrated.
+  static constexpr double kLongestStep = 1e-3;  ///< s; longer steps are divided
+  static constexpr double kDryBand = 0.05;      ///< rad/s; below this speed dry friction fades out
+  static constexpr double kBraking = 15;        ///< rad/s^2, deceleration of every axis by its brake
+  /// 1/s: limit of friction divided by rotor inertia, above which an axis cannot be integrated.
   static constexpr double kMostFriction = 1500;
 
   explicit RigidArm(const arm_model::Parameters& parameters)
@@ -32,11 +32,11 @@ class RigidArm {
   RigidArm(const RigidArm&) = delete;
   RigidArm& operator=(const RigidArm&) = delete;
 
-  Joints position;      ///< rad; at home
+  Joints position;      ///< rad; initially at home
   Joints velocity{};    ///< rad/s
-  double friction = 1;  ///< share of the parameters' friction
+  double friction = 1;  ///< fraction of the model's friction to apply
 
-  /// The first axis with more friction than kMostFriction; kAxes: none.
+  /// The first axis whose friction exceeds kMostFriction; kAxes if there is none.
   [[nodiscard]] static std::size_t too_stiff(const arm_model::Parameters& parameters) noexcept {
     std::size_t i = 0;
     while (i < kAxes &&
@@ -45,14 +45,14 @@ class RigidArm {
     return i;
   }
 
-  /// What the links do with this torque, after the drives' limits. By Runge and Kutta's method of fourth
-  /// order.
+  /// Moves the links under this torque, clamped to the drives' limits, with the fourth-order Runge-Kutta
+  /// method.
   void step(const Joints& torque, double dt) noexcept {
     const int pieces = static_cast<int>(std::ceil(dt / kLongestStep - 1e-6));
     for (int n = 0; n < pieces; ++n) small_step(torque, dt / pieces);
     stop_at_limits();
   }
-  /// The brakes are on: every axis slows down and stands.
+  /// Moves the links with the brakes closed: every axis slows down and stops.
   void brake(double dt) noexcept {
     for (std::size_t i = 0; i < kAxes; ++i) {
       velocity[i] -= std::clamp(velocity[i], -kBraking * dt, kBraking * dt);

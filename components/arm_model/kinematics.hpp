@@ -1,4 +1,4 @@
-// Where the tool of an arm is, and how it moves when the axes do, by the solvers of Orocos KDL.
+// Forward kinematics and Jacobian of a six-axis arm, with the solvers of Orocos KDL.
 #pragma once
 
 #include <kdl/chain.hpp>
@@ -14,7 +14,7 @@ namespace arm_model {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// With masses, rotors and the frames of Axis.
+/// The KDL chain of the arm, with masses, rotors and the frames of Axis.
 KDL::Chain chain(const Parameters& parameters);
 
 /// x, y, z in m; roll, pitch, yaw in rad about the fixed axes, in this order.
@@ -29,11 +29,10 @@ struct Pose {
 KDL::Frame frame(const Pose& pose) noexcept;
 Pose pose(const KDL::Frame& frame) noexcept;
 
-/// How the axes have to turn so that the tool moves by `twist`, in the sense of least squares with a price on
-/// turning: rad or rad/s. Real-time.
+/// The axis motions (rad or rad/s) that move the tool by `twist`, by damped least squares. Real-time.
 Vector6 rates(const Matrix6& jacobian, const Vector6& twist, double damping = 0) noexcept;
 
-/// The constructor allocates; the rest is for real-time threads.
+/// The constructor allocates; all other functions are real-time.
 class Kinematics {
  public:
   explicit Kinematics(const Parameters& parameters);
@@ -41,13 +40,13 @@ class Kinematics {
   Kinematics& operator=(const Kinematics&) = delete;
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
-  /// Of the tool in the foot.
+  /// The frame of the tool in the frame of the foot.
   [[nodiscard]] KDL::Frame forward(const Joints& joints) noexcept;
-  /// Velocity and angular velocity of the tool, in the axes of the foot, for each axis at 1 rad/s.
+  /// Velocity and angular velocity of the tool in the frame of the foot, for each axis at 1 rad/s.
   [[nodiscard]] const Matrix6& jacobian(const Joints& joints) noexcept;
 
-  /// How far from a singularity: the least that the tool moves when the axes together move by 1 rad. In m,
-  /// where a turn by 1 rad counts as `lever` m.
+  /// Distance from a singularity: the smallest tool motion, in m, for a joint motion of length 1 rad. A turn
+  /// of the tool by 1 rad counts as `lever` m.
   [[nodiscard]] static double dexterity(const Matrix6& jacobian, double lever = 0.5) noexcept;
 
  private:

@@ -17,7 +17,7 @@ struct Number {
   const char* name;
   double Axis::*value;
   double at_least;
-  bool above;  // at_least itself is too small
+  bool above;  // the value must be above at_least, not equal to it
 };
 constexpr double kAny = -1e9;
 constexpr Number kNumbers[] = {
@@ -66,7 +66,7 @@ Axis axis(const nlohmann::json& json, const std::string& where) {
     const auto known = [&item](const auto& entry) { return item.key() == entry.name; };
     if (std::none_of(std::begin(kNumbers), std::end(kNumbers), known) &&
         std::none_of(std::begin(kTriples), std::end(kTriples), known))
-      throw std::runtime_error(where + "." + item.key() + ": there is no such value");
+      throw std::runtime_error(where + "." + item.key() + ": unknown member");
   }
   if (axis.lower >= axis.upper) throw std::runtime_error(where + ".lower: must be below upper");
   if (axis.home < axis.lower || axis.home > axis.upper)
@@ -186,7 +186,7 @@ std::variant<Parameters, std::string> read(const std::string& file) {
     const nlohmann::json json = nlohmann::json::parse(stream, nullptr, true, true);
     const nlohmann::json* axes = json.is_object() && json.contains("axes") ? &json["axes"] : nullptr;
     if (axes == nullptr || !axes->is_array() || axes->size() != kAxes)
-      return file + ": must be an object whose \"axes\" are six objects";
+      return file + ": must be an object whose member \"axes\" is a list of six objects";
     Parameters parameters;
     for (std::size_t i = 0; i < kAxes; ++i)
       parameters[i] = axis((*axes)[i], "axes[" + std::to_string(i) + "]");

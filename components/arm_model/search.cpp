@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// From one pose to the other: m, and rad about an axis.
+/// The difference between two poses: m, and rad about an axis.
 Vector6 between(const KDL::Frame& from, const KDL::Frame& to) noexcept {
   const KDL::Twist twist = KDL::diff(from, to);
   Vector6 result;
@@ -23,8 +23,8 @@ Joints moved(const Joints& joints, const Vector6& by) noexcept {
   return result;
 }
 
-/// The i-th of points that fill the line from 0 to 1 evenly, however many there are; with another `base` the
-/// points are others (van der Corput).
+/// The i-th point of a van der Corput sequence, whose points fill the range 0 to 1 evenly for any number of
+/// points. Each `base` gives another sequence.
 double evenly(std::size_t i, std::size_t base) noexcept {
   double result = 0;
   double share = 1;
@@ -57,7 +57,8 @@ void Search::go_on() noexcept {
   start();
 }
 
-// First the axes as they are but turned towards the goal, then as they are, then anywhere within the limits.
+// Starting point 0 is the present axes, with the first axis turned towards the goal. Point 1 is the present
+// axes. The others are spread over the limits.
 void Search::start() noexcept {
   static constexpr std::size_t kBases[kAxes] = {2, 3, 5, 7, 11, 13};
   const Parameters& axes = kinematics_.parameters();
@@ -74,7 +75,7 @@ void Search::start() noexcept {
 Reach Search::step() noexcept {
   if (start_ >= kStarts) return give_up();
   Vector6 by = rates(kinematics_.jacobian(joints_), miss_, damping_);
-  by *= std::min(1.0, 0.7 / by.cwiseAbs().maxCoeff());  // the Jacobian is good for small steps
+  by *= std::min(1.0, 0.7 / by.cwiseAbs().maxCoeff());  // the Jacobian is accurate only for small steps
   const Joints next = moved(joints_, by);
   const Vector6 miss = between(kinematics_.forward(next), goal_);
   if (miss.squaredNorm() < miss_.squaredNorm()) {
@@ -97,7 +98,7 @@ Reach Search::step() noexcept {
 
 Reach Search::give_up() noexcept { return beyond_ ? Reach::joint_limit : Reach::out_of_reach; }
 
-/// Turns each axis by full turns to where it is near and within its limits, if there is such a place.
+/// Shifts each axis by full turns to a position near `near_` and within its limits. False if there is none.
 bool Search::within_limits() noexcept {
   for (std::size_t i = 0; i < kAxes; ++i) {
     const Axis& axis = kinematics_.parameters()[i];

@@ -1,7 +1,7 @@
-// Which positions of the axes bring the tool to a pose. There is no formula for any six axes, so it is
-// searched for, from many starting points until one works out, and that takes a while that nobody knows
-// beforehand. A real-time thread does a bounded piece of the search each period: KDL's own search
-// (ChainIkSolverPos_LMA) allocates and comes back only at its end.
+// Inverse kinematics: finds axis positions that bring the tool to a pose. There is no formula for arbitrary
+// six-axis arms, so it searches from many starting points until one succeeds. The time is not known in
+// advance, so a real-time thread does a bounded piece of the search each period. KDL's own search
+// (ChainIkSolverPos_LMA) allocates and returns only at its end.
 #pragma once
 
 #include <cstddef>
@@ -10,31 +10,32 @@
 
 namespace arm_model {
 
-/// What a pose turned out to be.
+/// The result of a search.
 enum class Reach { searching, found, out_of_reach, joint_limit };
 
-/// By Levenberg and Marquardt's method. Same goal, same start: same answer in as many steps, on every run.
-/// The constructor does not allocate; everything is for real-time threads.
+/// Uses the Levenberg-Marquardt method. It is deterministic: the same goal and start give the same answer in
+/// the same number of steps. Everything is real-time, also the constructor.
 class Search {
  public:
-  static constexpr std::size_t kStarts = 60;  ///< starting points that are tried
-  static constexpr int kStepsPerStart = 60;   ///< at most
-  static constexpr int kStalled = 8;          ///< steps in a row that hardly help end one
-  static constexpr double kTolerance = 1e-9;  ///< m and rad, of what is found
+  static constexpr std::size_t kStarts = 60;  ///< number of starting points
+  static constexpr int kStepsPerStart = 60;   ///< maximum
+  static constexpr int kStalled =
+      8;  ///< a starting point ends after this many consecutive steps with little progress
+  static constexpr double kTolerance = 1e-9;  ///< m and rad, of the answer
 
   explicit Search(Kinematics& kinematics) noexcept : kinematics_(kinematics) {}
 
-  /// Of several answers those near `near` are preferred.
+  /// Prefers answers near `near`.
   void begin(const KDL::Frame& goal, const Joints& near) noexcept;
-  /// The answer that was found will not do; from the next starting point on.
+  /// Rejects the answer that was found and continues from the next starting point.
   void go_on() noexcept;
   /// One step, about 3 us: one Jacobian and one linear system of six.
   Reach step() noexcept;
 
   [[nodiscard]] const Joints& found() const noexcept { return joints_; }
 
-  /// Of one step of Newton's method from `joints` to `goal`, damped by `damping`: the joints, and in `error`
-  /// how far the tool was from the goal before (m and rad, the larger). Real-time.
+  /// One step of Newton's method from `joints` to `goal`, with damping. Returns the new joints. Sets `error`
+  /// to the distance of the tool from the goal before the step (the larger of m and rad). Real-time.
   static Joints newton(Kinematics& kinematics, const KDL::Frame& goal, const Joints& joints, double damping,
                        double& error) noexcept;
 
@@ -50,9 +51,9 @@ class Search {
   Vector6 miss_ = Vector6::Zero();
   double damping_ = 0;
   int steps_ = 0;
-  int stalled_ = 0;  // steps in a row that hardly helped
+  int stalled_ = 0;  // consecutive steps with little progress
   std::size_t start_ = 0;
-  bool beyond_ = false;  // an answer was found, beyond the limits
+  bool beyond_ = false;  // an answer was found, but beyond the limits
 };
 
 }  // namespace arm_model

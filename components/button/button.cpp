@@ -1,13 +1,15 @@
-// A thread module in C++: a push button that somebody presses from afar, by its property.
+// A thread module in C++: a push button that an operator presses remotely, by its property.
 #include <takt/component.hpp>
 
 #include <basic.hpp>
 
 class Button : public takt::Component {
   takt::OutPort<basic::Flag> pressed{
-      *this, "pressed", {.text = "Its contact that closes when it is pressed."}};
-  takt::OutPort<basic::Flag> closed{*this, "closed", {.text = "Its contact that opens when it is pressed."}};
-  takt::Property<bool> down{*this, "down", false, {.text = "Whether it is pressed; takt set does that."}};
+      *this, "pressed", {.text = "Normally open contact: true while pressed."}};
+  takt::OutPort<basic::Flag> closed{
+      *this, "closed", {.text = "Normally closed contact: false while pressed."}};
+  takt::Property<bool> down{
+      *this, "down", false, {.text = "True: the button is pressed. Set it with takt set."}};
 
   basic::Flag contact_;
 
@@ -18,4 +20,4 @@ class Button : public takt::Component {
     closed.write(contact_);
   }
 };
-TAKT_COMPONENT(Button, "A push button that is pressed from afar.")
+TAKT_COMPONENT(Button, "A push button that you press with takt set.")

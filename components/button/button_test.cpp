@@ -6,7 +6,7 @@
 
 namespace {
 
-TEST(Button, HasAContactThatClosesAndOneThatOpens) {
+TEST(Button, HasANormallyOpenAndANormallyClosedContact) {
   takt::testing::Module module{{}};
   auto& pressed = module.out<basic::Flag>("pressed");
   auto& closed = module.out<basic::Flag>("closed");
@@ -18,7 +18,7 @@ TEST(Button, HasAContactThatClosesAndOneThatOpens) {
   module.step();
   EXPECT_TRUE(pressed.value().value());
   EXPECT_FALSE(closed.value().value());
-  EXPECT_EQ(pressed.count(), 2U) << "it is said every period";
+  EXPECT_EQ(pressed.count(), 2U) << "written every period";
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 
 namespace common {
 
-/// Steps until it is true: a release each millisecond, for a body on virtual time would outrun a thread,
-/// whose clock is the real one. False after 20 s.
+/// Steps the module until `done` is true; false after 20 s. It makes one release per real millisecond,
+/// because a body on virtual time would outrun a thread that runs on real time.
 template <std::predicate Done>
 bool comes_in_time(takt::testing::Module& module, Done&& done) {
   using namespace std::chrono_literals;

@@ -5,7 +5,7 @@
 
 namespace common {
 
-/// R_TRIG of IEC 61131-3: the flag is taken to have been false before its first value.
+/// R_TRIG of IEC 61131-3: the flag counts as false before its first value.
 class RisingEdge {
  public:
   bool step(bool value) noexcept {
@@ -19,8 +19,8 @@ class RisingEdge {
   bool last_ = false;
 };
 
-/// Reads all that has come to a port of flags; how many rising edges there were among it. The port's value is
-/// the newest then.
+/// Reads all new samples of a flag port and returns the number of rising edges in them. The port's value is
+/// then the newest sample.
 template <class Port>
 std::uint32_t count_rising(Port& port, RisingEdge& edge) noexcept {
   std::uint32_t edges = 0;
@@ -28,7 +28,7 @@ std::uint32_t count_rising(Port& port, RisingEdge& edge) noexcept {
   return edges;
 }
 
-/// Goes on to the newest sample of a port, whatever kind its connection is. False when none has come since.
+/// Advances a port to its newest sample, for any kind of connection. False if there is no new sample.
 template <class Port>
 bool read_newest(Port& port) noexcept {
   bool any = false;

@@ -1,4 +1,4 @@
-// How much of a sine passes a filter, for tests.
+// Measures the frequency response of a filter, for tests.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace common {
 
-/// Steps the filter with a sine of `cycles` whole periods in `window` steps until it has settled, then
-/// correlates its output with that sine over one window. Exact to rounding.
+/// Feeds the filter a sine with `cycles` whole periods in `window` steps. After `settle` steps it correlates
+/// the output with that sine over one window. Exact to rounding.
 template <class Step>
 std::complex<double> frequency_response(Step&& step, int cycles, int window, int settle) {
   const double turn = 2 * std::numbers::pi * cycles / window;
@@ -19,7 +19,7 @@ std::complex<double> frequency_response(Step&& step, int cycles, int window, int
     const double output = step(std::sin(angle));
     if (i >= settle) sum += output * std::polar(1.0, -angle);
   }
-  // Of sin(angle) alone the sum is -i window / 2.
+  // For an output of sin(angle), the sum is -i window / 2.
   return sum / std::complex<double>(0, -window / 2.0);
 }
 

@@ -1,5 +1,5 @@
-// Which points go in one request: those of one table whose addresses follow each other without a gap, as many
-// as a request may have. What lies between points is never asked for: a device may refuse it.
+// Groups points into requests: adjacent points of one table, up to the size limit of a request. Addresses
+// between points are never requested, because a device may reject them.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace modbus {
 
-/// Of one request, from the Modbus specification.
+/// Size limits of one request, from the Modbus specification.
 struct Limits {
   unsigned bits;
   unsigned registers;
@@ -22,10 +22,10 @@ struct Group {
   Table table = Table::coil;
   std::uint16_t address = 0;
   unsigned count = 0;                 ///< bits or registers
-  std::vector<std::size_t> points{};  ///< by their place in the map, by address
+  std::vector<std::size_t> points{};  ///< indexes into the map, sorted by address
 };
 
-/// Of the outputs or of the inputs. A point is never divided; inputs may overlap, outputs do not.
+/// Groups the outputs or the inputs. A point is never split. Inputs may overlap, outputs do not.
 inline std::vector<Group> groups_of(const std::vector<Point>& points, bool out, Limits limits) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i) {

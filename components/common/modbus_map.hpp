@@ -1,5 +1,5 @@
-// Which value of a Modbus device is which port: the text of the property `map` of modbus_master and
-// modbus_device, one point a line, as the master sees it:
+// Parses the property `map` of modbus_master and modbus_device, which assigns values of a Modbus device to
+// ports. One point per line, from the master's view:
 //
 //   lamp         out coil 0 safe 0
 //   button       in  discrete 3
@@ -7,7 +7,7 @@
 //   temperature  in  input-register 4 int16 scale 0.1 unit degC
 //   position     in  register 20 float32 order low-first      # two registers, the low word in the first
 //
-// Addresses are those in the frames, from 0. Not for real-time threads.
+// Addresses are those in the frames and begin at 0. Not for real-time threads.
 #pragma once
 
 #include <algorithm>
@@ -24,9 +24,9 @@
 
 namespace modbus {
 
-/// As many points as one map may have.
+/// Maximum number of points in a map.
 inline constexpr std::size_t kMaxPoints = 256;
-/// After as many mistakes no more is read.
+/// Parsing stops after this number of mistakes.
 inline constexpr std::size_t kMostMistakes = 50;
 
 enum class Table { coil, discrete, holding, input };
@@ -48,37 +48,37 @@ inline const char* to_text(Table table) noexcept {
 inline bool is_bit(Table table) noexcept { return table == Table::coil || table == Table::discrete; }
 
 struct Point {
-  std::string name{};  ///< of its port
-  bool out = false;    ///< the master writes it
+  std::string name{};  ///< name of its port
+  bool out = false;    ///< true: the master writes it
   Table table = Table::coil;
   std::uint16_t address = 0;
-  Encoding encoding{};  ///< of a register
+  Encoding encoding{};  ///< for a register
   std::string unit{};
-  std::optional<double> safe{};  ///< of an output, when its master ends or its values stop
+  std::optional<double> safe{};  ///< for an output: the value if its master ends or its values stop
 
-  /// Bits or registers.
+  /// Number of bits or registers.
   [[nodiscard]] unsigned width() const noexcept { return is_bit(table) ? 1 : words(encoding.type); }
   [[nodiscard]] unsigned end() const noexcept { return address + width(); }
 };
 
 struct Mistake {
-  unsigned line = 0;  ///< of the map, from 1
+  unsigned line = 0;  ///< line of the map, from 1
   std::string what;
   std::string fix;
 };
 
 struct Map {
   std::vector<Point> points;
-  std::vector<Mistake> mistakes;  ///< all of them; with one the points are of no use
+  std::vector<Mistake> mistakes;  ///< if there is one, do not use the points
 };
 
-/// Ports that the two programs have besides; no point may be named so.
+/// Names of the two programs' other ports, which no point may use.
 inline constexpr std::array<std::string_view, 5> kReserved{"connected", "exchanges", "failures", "clients",
                                                            "requests"};
 
 namespace detail {
 
-/// As Takt has it for ports.
+/// Whether the text is a valid port name in Takt.
 inline bool is_name(std::string_view text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto later = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; };
@@ -86,10 +86,10 @@ inline bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), later);
 }
 
-/// What moves a cursor and is no character.
+/// Whether it is a control character.
 inline bool is_control(char c) { return (c >= 0 && c < ' ') || c == 0x7f; }
 
-/// All of the text, or none.
+/// The number, if it is the whole text.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -98,7 +98,7 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
-/// Foreign text, fit to be shown.
+/// User text in quotes, shortened and with unprintable characters replaced.
 inline std::string in_quotes(std::string_view text) {
   std::string result = "'";
   for (const char c : text.substr(0, 60)) result += c >= ' ' && c <= '~' ? c : '?';
@@ -120,7 +120,7 @@ class LineReader {
     if (words_.empty()) return;
     const std::size_t before = map_.mistakes.size();
     if (words_.size() < 4) {
-      wrong(in_quotes(words_[0]) + " is not a whole point",
+      wrong(in_quotes(words_[0]) + " is not a complete point",
             "write NAME in|out TABLE ADDRESS, as in 'lamp out coil 0'");
       return;
     }
@@ -144,20 +144,20 @@ class LineReader {
   void name() {
     point_.name = words_[0];
     if (!is_name(words_[0]))
-      wrong(in_quotes(words_[0]) + " is no name of a port",
+      wrong(in_quotes(words_[0]) + " is not a valid port name",
             "use up to 63 letters, digits, '_' and '-', beginning with a letter or '_'");
     else if (std::find(kReserved.begin(), kReserved.end(), words_[0]) != kReserved.end())
-      wrong("the port " + in_quotes(words_[0]) + " is there already", "choose another name");
+      wrong("the port name " + in_quotes(words_[0]) + " is reserved", "choose another name");
     else if (std::any_of(map_.points.begin(), map_.points.end(),
                          [&](const Point& p) { return p.name == words_[0]; }))
-      wrong("there are two points " + in_quotes(words_[0]), "give each a name of its own");
+      wrong("there are two points named " + in_quotes(words_[0]), "give each its own name");
   }
 
   void direction() {
     point_.out = words_[1] == "out";
     if (!point_.out && words_[1] != "in")
-      wrong(in_quotes(words_[1]) + " is no direction",
-            "say 'in' for what the master reads, 'out' for what it writes");
+      wrong(in_quotes(words_[1]) + " is not a direction",
+            "write 'in' for a value that the master reads, 'out' for one that it writes");
   }
 
   bool table() {
@@ -165,12 +165,12 @@ class LineReader {
       if (words_[2] != modbus::to_text(table)) continue;
       point_.table = table;
       if (point_.out && (table == Table::discrete || table == Table::input))
-        wrong("nobody can write " +
-                  std::string{table == Table::discrete ? "a discrete input" : "an input register"},
-              table == Table::discrete ? "say 'in', or 'out coil'" : "say 'in', or 'out register'");
+        wrong(std::string{table == Table::discrete ? "a discrete input" : "an input register"} +
+                  " cannot be written",
+              table == Table::discrete ? "write 'in', or 'out coil'" : "write 'in', or 'out register'");
       return true;
     }
-    wrong("there is no table " + in_quotes(words_[2]), "say coil, discrete, register or input-register");
+    wrong("unknown table " + in_quotes(words_[2]), "write coil, discrete, register or input-register");
     return false;
   }
 
@@ -178,9 +178,8 @@ class LineReader {
     if (const auto address = number<std::uint16_t>(words_[3]))
       point_.address = *address;
     else
-      wrong(
-          "the address cannot be " + in_quotes(words_[3]),
-          "write the address that is in the frames, 0 to 65535 (register 40001 of a manual is 'register 0')");
+      wrong("the address cannot be " + in_quotes(words_[3]),
+            "write the address in the frames, 0 to 65535 (register 40001 in a manual is 'register 0')");
   }
 
   void read_options(bool table_known) {
@@ -195,12 +194,12 @@ class LineReader {
         continue;
       }
       if (key != "scale" && key != "offset" && key != "unit" && key != "order" && key != "safe") {
-        wrong(in_quotes(key) + " is not known here",
-              "say uint16, int16, uint32, int32, float32, scale X, offset X, unit U, order O or safe X");
+        wrong("unknown option " + in_quotes(key),
+              "write uint16, int16, uint32, int32, float32, scale X, offset X, unit U, order O or safe X");
         continue;
       }
       if (++i == words_.size()) {
-        wrong("nothing follows " + in_quotes(key), "write '" + std::string{key} + " VALUE', or leave it out");
+        wrong(in_quotes(key) + " has no value", "write '" + std::string{key} + " VALUE', or leave it out");
         return;
       }
       if (bit && key != "safe") {
@@ -216,14 +215,14 @@ class LineReader {
     if (key == "unit") {
       point_.unit = value;
       if (std::any_of(value.begin(), value.end(), is_control))
-        wrong("the unit " + in_quotes(value) + " cannot be shown", "write letters, as in 'm/s'");
+        wrong("the unit " + in_quotes(value) + " contains control characters", "write letters, as in 'm/s'");
       return;
     }
     if (key == "order") {
-      order_said_ = true;
+      order_given_ = true;
       point_.encoding.low_first = value == "low-first";
       if (!point_.encoding.low_first && value != "high-first")
-        wrong("the order of the words cannot be " + in_quotes(value), "say high-first or low-first");
+        wrong("the word order cannot be " + in_quotes(value), "write high-first or low-first");
       return;
     }
     const auto x = number<double>(value);
@@ -237,43 +236,42 @@ class LineReader {
     if (key == "safe") point_.safe = *x;
   }
 
-  /// What needs the whole line.
+  /// Checks that need the whole line.
   void check_whole() {
     if (point_.end() > 65536)
-      wrong("the two registers of " + in_quotes(point_.name) + " end beyond 65535",
-            "begin at 65534 or before");
-    if (order_said_ && point_.width() == 1)
-      wrong("a type of one word has no order of words", "leave out 'order', or say uint32, int32 or float32");
+      wrong("the two registers of " + in_quotes(point_.name) + " extend beyond address 65535",
+            "start at 65534 or lower");
+    if (order_given_ && point_.width() == 1)
+      wrong("a type of one register has no word order", "leave out 'order', or use uint32, int32 or float32");
     if (point_.safe && !point_.out) wrong("an input has no safe value", "leave out 'safe'");
     if (point_.safe && is_bit(point_.table) && *point_.safe != 0 && *point_.safe != 1)
-      wrong("a coil cannot be as its safe value says", "say 'safe 0' or 'safe 1'");
+      wrong("the safe value of a coil is not 0 or 1", "write 'safe 0' or 'safe 1'");
     if (point_.safe && !is_bit(point_.table) && !fits(point_.encoding, *point_.safe))
       wrong("the safe value does not fit the type",
-            "with this scale and offset it may be " + range_text(point_.encoding));
+            "with this scale and offset the range is " + range_text(point_.encoding));
     for (const Point& other : map_.points) {
       const bool overlap =
           other.table == point_.table && other.address < point_.end() && point_.address < other.end();
       if (point_.out && other.out && overlap)
         wrong(in_quotes(point_.name) + " and " + in_quotes(other.name) + " write the same " +
                   modbus::to_text(point_.table),
-              "give each an address of its own");
+              "give each its own address");
     }
     if (map_.points.size() == kMaxPoints)
       wrong("there are more than " + std::to_string(kMaxPoints) + " points",
-            "have a second module for the others");
+            "use a second module for the rest");
   }
 
   Map& map_;
   unsigned line_;
   std::vector<std::string_view> words_;
   Point point_;
-  bool order_said_ = false;
+  bool order_given_ = false;
 };
 
 }  // namespace detail
 
-/// Any text is taken; what it says wrongly is said, every mistake at once. A line ends with a line feed or
-/// ';', and '#' begins a comment to its end.
+/// Parses any text and collects all mistakes. A line ends with a line feed or ';'; '#' begins a comment.
 inline Map parse_map(std::string_view text) {
   Map map;
   unsigned line = 1;
@@ -289,7 +287,7 @@ inline Map parse_map(std::string_view text) {
   }
   if (map.points.empty() && map.mistakes.empty())
     map.mistakes.push_back(
-        {1, "the map has no point", "write NAME in|out TABLE ADDRESS, as in 'lamp out coil 0'"});
+        {1, "the map has no points", "write NAME in|out TABLE ADDRESS, as in 'lamp out coil 0'"});
   return map;
 }
 

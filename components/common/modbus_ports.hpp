@@ -1,5 +1,5 @@
-// The ports of a map's points, made when the map is known: a basic::Flag for a bit, a basic::Number for a
-// register. For programs, before initPeriodExe(); read() and write() for their cyclic body.
+// The ports of a map's points: a basic::Flag for a bit, a basic::Number for a register. A program creates
+// them before initPeriodExe(), when it knows the map; its cyclic body calls read() and write().
 #pragma once
 
 #include <cstdio>
@@ -21,7 +21,7 @@ inline std::string description(const Point& point) {
   return point.unit.empty() ? text : text + ", in " + point.unit;
 }
 
-/// What the cell says of a point.
+/// The input port of a point.
 class PointInput {
  public:
   explicit PointInput(const Point& point) {
@@ -31,7 +31,7 @@ class PointInput {
       number_ =
           std::make_unique<takt::InPort<basic::Number>>(point.name, takt::PortOptions{description(point)});
   }
-  /// True when a value has come, which is the newest then; a bit is 0 or 1.
+  /// True if there is a new sample; `value` is then the newest one. A bit is 0 or 1.
   bool read(double& value) noexcept {
     bool news = false;
     while (flag_ ? flag_->read() : number_->read()) news = true;
@@ -44,7 +44,7 @@ class PointInput {
   std::unique_ptr<takt::InPort<basic::Number>> number_;
 };
 
-/// What the cell is told of a point.
+/// The output port of a point.
 class PointOutput {
  public:
   explicit PointOutput(const Point& point) {
@@ -72,11 +72,11 @@ class PointOutput {
   std::unique_ptr<takt::OutPort<basic::Number>> number_;
 };
 
-/// The points of the property `map`; says every mistake on standard error, a line each, and ends the program
-/// with status 1 when there is one.
+/// The points of the property `map`. If it has mistakes, prints each on a line of standard error and ends the
+/// program with status 1.
 inline std::vector<Point> points_or_end(const std::string& text) {
   if (text.empty()) {
-    std::fprintf(stderr, "property 'map' is missing; write a point a line, as in 'lamp out coil 0'\n");
+    std::fprintf(stderr, "property 'map' is missing; write one point per line, as in 'lamp out coil 0'\n");
     std::exit(1);
   }
   Map map = parse_map(text);

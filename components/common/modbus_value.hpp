@@ -1,4 +1,5 @@
-// A number in one or two registers of a Modbus device. For real-time threads, but for range_text().
+// Converts between a number and one or two registers of a Modbus device. For real-time threads, except
+// range_text().
 #pragma once
 
 #include <algorithm>
@@ -17,13 +18,13 @@ enum class Type { uint16, int16, uint32, int32, float32 };
 
 struct Encoding {
   Type type = Type::uint16;
-  double scale = 1;  ///< the value is what the registers hold, times scale, plus offset; not 0
+  double scale = 1;  ///< value = register content * scale + offset; not 0
   double offset = 0;
-  bool low_first =
-      false;  ///< of two registers the first holds the low word; else the high word, as Modbus has it
+  bool low_first = false;  ///< true: the first of two registers holds the low word; false: the high word, as
+                           ///< usual in Modbus
 };
 
-/// Registers.
+/// Number of registers.
 constexpr unsigned words(Type type) noexcept { return type == Type::uint16 || type == Type::int16 ? 1 : 2; }
 
 inline std::optional<Type> type_of(std::string_view text) noexcept {
@@ -39,7 +40,7 @@ struct Range {
   double min;
   double max;
 };
-/// Of what the registers hold.
+/// Range of the register content.
 constexpr Range raw_range(Type type) noexcept {
   switch (type) {
     case Type::uint16:
@@ -74,8 +75,8 @@ inline std::string range_text(const Encoding& encoding) {
   return text(std::min(a, b)) + " to " + text(std::max(a, b));
 }
 
-/// Into words(type) registers: the nearest that they can hold; what lies beyond is held at the end of the
-/// range. False, and nothing is written, when the value is no number.
+/// Writes the value, rounded and clamped to the range, into words(type) registers. If the value is NaN,
+/// returns false and writes nothing.
 inline bool encode(const Encoding& encoding, double value, std::uint16_t* to) noexcept {
   const Range range = raw_range(encoding.type);
   const double raw = (value - encoding.offset) / encoding.scale;
@@ -85,7 +86,7 @@ inline bool encode(const Encoding& encoding, double value, std::uint16_t* to) no
   if (encoding.type == Type::float32)
     bits = std::bit_cast<std::uint32_t>(static_cast<float>(held));
   else
-    bits = static_cast<std::uint32_t>(std::llround(held));  // modulo 2^32: the two's complement
+    bits = static_cast<std::uint32_t>(std::llround(held));  // modulo 2^32: two's complement
   if (words(encoding.type) == 1) {
     to[0] = static_cast<std::uint16_t>(bits);
     return true;
@@ -95,7 +96,7 @@ inline bool encode(const Encoding& encoding, double value, std::uint16_t* to) no
   return true;
 }
 
-/// Not finite for a float32 that is not.
+/// The result is not finite if the registers hold a float32 that is not.
 inline double decode(const Encoding& encoding, const std::uint16_t* from) noexcept {
   const std::uint32_t first = from[0];
   double raw = 0;

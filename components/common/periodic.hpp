@@ -1,4 +1,4 @@
-// What blocks ask of the module that they are: a period.
+// Helpers for blocks that need a period.
 #pragma once
 
 #include <takt/component.hpp>
@@ -10,21 +10,21 @@
 
 namespace common {
 
-/// Fails for a module without a period: a block counts time and makes its filters by it.
+/// Fails for a module without a period, which a block needs to count time and to design its filters.
 inline takt::Result<void> check_period(takt::Nanoseconds period) {
   if (period > takt::Nanoseconds{0}) return {};
-  return takt::fail("it counts time in periods, and this module has none",
+  return takt::fail("this module has no period, but the component needs one",
                     "make it periodic, with <operationtype>periodic</operationtype> and a <period>");
 }
 
 inline double in_seconds(takt::Nanoseconds span) { return std::chrono::duration<double>(span).count(); }
-/// To six digits, as people write an end of a range.
+/// Rounded to six digits, for the limits of a range.
 inline double rounded(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", value);
   return std::strtod(text.data(), nullptr);
 }
-/// The reason that stands behind a range which the period makes.
+/// The reason for a range that depends on the period.
 inline std::string at_period(takt::Nanoseconds period) { return "at a period of " + takt::to_text(period); }
 
 }  // namespace common

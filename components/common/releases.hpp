@@ -1,4 +1,4 @@
-// How many periods have passed since a block was called last. For real-time threads.
+// Counts the periods since a block's last call. For real-time threads.
 #pragma once
 
 #include <algorithm>
@@ -6,18 +6,18 @@
 
 namespace common {
 
-/// A release that was missed leaves a gap in the numbers of the grid; a block that counts time by its calls
-/// alone would lose that time.
+/// A missed release leaves a gap in the numbers of the grid. A block that only counted its calls would lose
+/// that time.
 class Releases {
  public:
-  /// Of the release `number`: how many have passed since the last call, at least 1; 1 at the first.
+  /// The releases from the last call to release `number`: at least 1, and 1 at the first call.
   std::uint64_t step(std::uint64_t number) noexcept {
     const std::uint64_t passed = known_ && number > last_ ? number - last_ : 1;
     last_ = number;
     known_ = true;
     return passed;
   }
-  /// The next one is the first.
+  /// The next call counts as the first.
   void reset() noexcept { known_ = false; }
 
  private:
@@ -25,8 +25,8 @@ class Releases {
   bool known_ = false;
 };
 
-/// For what is computed step by step: as many steps as releases have passed, up to this many. So a long gap
-/// does not make the call that follows it a long one.
+/// For blocks that compute step by step: one step per release that has passed, up to this number. The limit
+/// bounds the run time after a long gap.
 inline constexpr std::uint64_t kMostSteps = 32;
 inline std::uint64_t steps_for(std::uint64_t passed) noexcept { return std::min(passed, kMostSteps); }
 

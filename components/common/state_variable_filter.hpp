@@ -1,5 +1,5 @@
-// A second-order filter whose two states are those of its analog model, for low_pass and notch. For real-time
-// threads.
+// A second-order filter whose two states are those of its analog model. low_pass and notch use it. For
+// real-time threads.
 #pragma once
 
 #include <cmath>
@@ -7,30 +7,29 @@
 
 namespace common {
 
-/// The bilinear transform with prewarping maps the frequency f to tan(pi f / rate): a filter that is made so
-/// has at f exactly the gain of its analog model.
+/// The bilinear transform with prewarping maps the frequency f to tan(pi f / rate). At f, the filter then has
+/// exactly the gain of its analog model.
 inline double prewarped(double frequency, double period) noexcept {
   return std::tan(std::numbers::pi * frequency * period);
 }
 
-/// Two trapezoidal integrators in a loop: s'' + damping w s' + w^2 s = w^2 x, by the bilinear transform. A
-/// filter in direct form holds old samples, which mean something else after its coefficients changed; the
-/// states of this one are the low-pass and the band-pass output, and mean the same. So coefficients may
-/// change between any two steps and the output goes on from where it is (Zavalishin, The Art of VA Filter
-/// Design).
+/// Two trapezoidal integrators in a loop: s'' + damping w s' + w^2 s = w^2 x, by the bilinear transform. The
+/// states are the low-pass and the band-pass output, so they keep their meaning when the coefficients change.
+/// The old samples in a direct-form filter do not. So coefficients may change between any two steps, and the
+/// output continues without a jump (Zavalishin, The Art of VA Filter Design).
 class StateVariableFilter {
  public:
   struct Output {
-    double low, band;  ///< band: as steep as `damping` says, 1 / damping at its middle
+    double low, band;  ///< band: its gain at the centre frequency is 1 / damping
   };
 
-  /// `g`: prewarped() frequency, above 0; `damping`: 1 / quality, above 0.
+  /// `g`: the prewarped() frequency, above 0; `damping`: 1 / quality, above 0.
   void design(double g, double damping) noexcept {
     g_ = g;
     damping_ = damping;
     scale_ = 1 / (1 + g * (g + damping));
   }
-  /// At rest with this input: the next outputs are it and 0.
+  /// Puts the filter at rest with this input: the next outputs are `input` (low) and 0 (band).
   void settle(double input) noexcept {
     band_state_ = 0;
     low_state_ = input;

@@ -1,5 +1,5 @@
-// A thread module in C++: the velocity loop of a DC motor that swings to and fro under a load that comes and
-// goes, 100 us.
+// A thread module in C++, 100 us: the velocity loop of a DC motor with a sine as set point and a load that
+// switches on and off.
 #include <takt/component.hpp>
 
 #include <cstdio>
@@ -15,29 +15,29 @@ class Control2 : public takt::Component {
   takt::Property<double> derivative{
       *this, "derivative", 0, {.unit = "V s^2/rad", .min = 0, .max = 0.01, .text = "Derivative gain."}};
   takt::Property<double> voltage{
-      *this, "voltage", 24, {.unit = "V", .min = 1, .max = 60, .text = "What the amplifier can give."}};
+      *this, "voltage", 24, {.unit = "V", .min = 1, .max = 60, .text = "Limit of the amplifier."}};
   takt::Property<double> amplitude{
       *this,
       "amplitude",
       200,
-      {.unit = "rad/s", .min = 0, .max = 1000, .text = "Of the speed that is asked for."}};
+      {.unit = "rad/s", .min = 0, .max = 1000, .text = "Amplitude of the speed set point."}};
   takt::Property<double> frequency{
       *this,
       "frequency",
       1,
-      {.unit = "Hz", .min = 0.01, .max = 50, .text = "Of the speed that is asked for."}};
+      {.unit = "Hz", .min = 0.01, .max = 50, .text = "Frequency of the speed set point."}};
   takt::Property<double> load{
       *this,
       "load",
       0.1,
-      {.unit = "N m", .min = 0, .max = 2, .text = "Torque that comes and goes every 0.5 s."}};
+      {.unit = "N m", .min = 0, .max = 2, .text = "Load torque, on or off for 0.5 s each."}};
 
   control2::Motor motor_;
   control2::Pid pid_;
   control2::ErrorMeter meter_;
-  double phase_ = 0;  // periods of the set point, 0 to 1
+  double phase_ = 0;  // of the set point, in periods, 0 to 1
   double time_ = 0;   // of the load, 0 to 1 s
-  unsigned long long bounded_ = 0;
+  unsigned long long limited_ = 0;
   unsigned long long runs_ = 0;
 
   takt::Result<void> start() override { return recover(); }
@@ -49,7 +49,7 @@ class Control2 : public takt::Component {
     time_ = time_ >= 1 ? 0 : time_ + dt;
     motor_.load = time_ < 0.5 ? 0 : load.value();
 
-    // Copied each time, so that a gain set while it runs takes effect at the next release.
+    // Copied every time, so that a gain that is set while it runs takes effect at the next release.
     pid_.gain = gain;
     pid_.integral_gain = integral;
     pid_.derivative_gain = derivative;
@@ -58,7 +58,7 @@ class Control2 : public takt::Component {
     const double output = pid_.step(wanted, motor_.speed, dt);
     motor_.step(output, dt);
     meter_.step(wanted - motor_.speed, dt);
-    bounded_ += std::abs(output) >= voltage ? 1 : 0;
+    limited_ += std::abs(output) >= voltage ? 1 : 0;
     ++runs_;
   }
 
@@ -71,9 +71,9 @@ class Control2 : public takt::Component {
 
   void destruct() override {
     std::fprintf(stderr,
-                 "control2: speed error %.2f rad/s rms, %.2f at most; amplifier at its bound in %llu of %llu "
+                 "control2: speed error %.2f rad/s rms, %.2f at most; amplifier at its limit in %llu of %llu "
                  "periods\n",
-                 std::sqrt(meter_.mean_square), meter_.largest, bounded_, runs_);
+                 std::sqrt(meter_.mean_square), meter_.largest, limited_, runs_);
   }
 };
-TAKT_COMPONENT(Control2, "Velocity loop of a DC motor under a load that comes and goes.")
+TAKT_COMPONENT(Control2, "Velocity loop of a DC motor with a load that switches on and off.")

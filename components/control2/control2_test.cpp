@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPeriod = 100e-6;
 
-TEST(Motor, ReachesTheSpeedThatItsConstantsSay) {
+TEST(Motor, ReachesTheNoLoadSpeedOfItsConstants) {
   Motor motor;
   for (int i = 0; i < 50000; ++i) motor.step(12, kPeriod);
   const double no_load =
@@ -20,7 +20,7 @@ TEST(Motor, ReachesTheSpeedThatItsConstantsSay) {
   EXPECT_NEAR(motor.speed, no_load, 0.01);
 }
 
-TEST(Pid, BringsTheMotorToAStepWithoutLastingError) {
+TEST(Pid, FollowsAStepWithoutSteadyStateError) {
   Motor motor;
   Pid pid;
   motor.load = 0.1;
@@ -28,20 +28,20 @@ TEST(Pid, BringsTheMotorToAStepWithoutLastingError) {
   EXPECT_NEAR(motor.speed, 100, 0.01);
 }
 
-TEST(Pid, NeverAsksForMoreThanItsLimit) {
+TEST(Pid, NeverExceedsItsOutputLimit) {
   Pid pid{.limit = 24};
   EXPECT_EQ(pid.step(10000, 0, kPeriod), 24);
   EXPECT_EQ(pid.step(-10000, 0, kPeriod), -24);
 }
 
-TEST(Pid, DoesNotWindUpWhileItIsBounded) {
+TEST(Pid, DoesNotWindUpAtItsLimit) {
   Motor motor;
   Pid pid;
-  // 600 rad/s is above what 24 V can give: one second at the bound.
+  // 24 V cannot reach 600 rad/s: one second at the limit.
   for (int i = 0; i < 10000; ++i) motor.step(pid.step(600, motor.speed, kPeriod), kPeriod);
   EXPECT_LT(motor.speed, 500);
   EXPECT_LT(pid.integral, 2 * pid.limit);
-  // It leaves the bound and settles at once; wound up it would stay at full speed for seconds.
+  // It leaves the limit and settles at once; with windup it would stay at full speed for seconds.
   for (int i = 0; i < 5000; ++i) motor.step(pid.step(200, motor.speed, kPeriod), kPeriod);
   EXPECT_NEAR(motor.speed, 200, 1);
 }
@@ -54,14 +54,14 @@ TEST(Pid, WindsUpWithoutTracking) {
   EXPECT_GT(motor.speed, 250);
 }
 
-TEST(Pid, DoesNotKickItsDerivativeOnASetPointStep) {
+TEST(Pid, HasNoDerivativeKickOnASetPointStep) {
   Pid pid{.gain = 0, .integral_gain = 0, .derivative_gain = 0.001};
   EXPECT_EQ(pid.step(0, 0, kPeriod), 0);
   EXPECT_EQ(pid.step(100, 0, kPeriod), 0);
   EXPECT_LT(pid.step(100, 1, kPeriod), 0);
 }
 
-TEST(ErrorMeter, KeepsTheLargest) {
+TEST(ErrorMeter, KeepsTheLargestError) {
   ErrorMeter meter;
   meter.step(1, kPeriod);
   meter.step(-3, kPeriod);
@@ -69,7 +69,7 @@ TEST(ErrorMeter, KeepsTheLargest) {
   EXPECT_EQ(meter.largest, 3);
 }
 
-TEST(ErrorMeter, ComesToTheMeanSquareOfASteadyError) {
+TEST(ErrorMeter, ConvergesToTheMeanSquareOfASteadyError) {
   ErrorMeter meter;
   for (int i = 0; i < 100000; ++i) meter.step(i % 2 == 0 ? 2 : -2, kPeriod);
   EXPECT_NEAR(std::sqrt(meter.mean_square), 2, 0.001);
@@ -77,7 +77,7 @@ TEST(ErrorMeter, ComesToTheMeanSquareOfASteadyError) {
 
 using namespace std::chrono_literals;
 
-/// The root mean square of the speed's error over two seconds.
+/// The root mean square of the speed error over two seconds.
 double error_of(const char* gain, const char* integral) {
   takt::testing::Module module{{.period = 100us}};
   EXPECT_TRUE(module.set("gain", gain));
@@ -93,7 +93,7 @@ double error_of(const char* gain, const char* integral) {
   return error;
 }
 
-TEST(Control2, FollowsItsSetPointTheBetterForItsGains) {
+TEST(Control2, FollowsItsSetPointBetterWithHigherGains) {
   const double loose = error_of("0", "0");
   const double tight = error_of("0.2", "10");
   EXPECT_GT(loose, 50);
@@ -101,7 +101,7 @@ TEST(Control2, FollowsItsSetPointTheBetterForItsGains) {
   EXPECT_LT(tight, loose / 10);
 }
 
-TEST(Control2, GoesOnFromStandstillAfterAnError) {
+TEST(Control2, RestartsFromStandstillAfterAnError) {
   takt::testing::Module module{{.period = 100us}};
   ASSERT_TRUE(module.start());
   module.step(1000);
@@ -110,7 +110,7 @@ TEST(Control2, GoesOnFromStandstillAfterAnError) {
   EXPECT_EQ(module.step(1000), 1000U);
 }
 
-TEST(Control2, RefusesGainsThatNoLoopHas) {
+TEST(Control2, RejectsGainsOutOfRange) {
   takt::testing::Module module;
   EXPECT_FALSE(module.set("gain", "-1"));
   EXPECT_FALSE(module.set("voltage", "0"));

@@ -1,5 +1,4 @@
-// The velocity loop of a DC motor: what control2 computes every period, without the module around it. SI
-// units. Everything here is for real-time threads.
+// The mathematics of control2: the velocity loop of a DC motor. SI units. Everything here is real-time.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +6,8 @@
 
 namespace control2 {
 
-/// A brushed 24 V motor of about 100 W with its load. Integrated with the current first, then the speed with
-/// the new current: stable up to a step of twice the electrical time constant.
+/// A brushed 24 V motor of about 100 W with its load. Each step integrates the current first, then the speed
+/// with the new current. It is stable for steps up to twice the electrical time constant.
 struct Motor {
   double resistance = 0.6;     ///< ohm
   double inductance = 0.6e-3;  ///< H
@@ -26,14 +25,14 @@ struct Motor {
   }
 };
 
-/// PID with the derivative on the measurement, filtered, so that a step of the set point does not kick; the
-/// output is bounded. Anti-windup by back-calculation: what the bound cut off is taken from the integral with
+/// A PID with limited output. The derivative acts on the filtered measurement, so a set point step causes no
+/// derivative kick. Anti-windup by back-calculation removes the excess over the limit from the integral with
 /// the time constant `tracking`.
 struct Pid {
   double gain = 0.2;           ///< V s/rad
   double integral_gain = 10;   ///< V/rad
   double derivative_gain = 0;  ///< V s^2/rad
-  double filter = 0.5e-3;      ///< s, of the derivative
+  double filter = 0.5e-3;      ///< s, time constant of the derivative's filter
   double tracking = 0.02;      ///< s
   double limit = 24;           ///< V
 
@@ -54,7 +53,7 @@ struct Pid {
   void reset() noexcept { integral = slope = last = 0; }
 };
 
-/// The mean square of an error over what one second weighs, and its largest value since the last take.
+/// The mean square of an error with a time constant of one second, and its largest absolute value.
 struct ErrorMeter {
   double mean_square = 0;
   double largest = 0;

@@ -1,5 +1,5 @@
-// A thread module in the form of the paper's Figure 8: a notch and a low-pass keep a joint's resonance out of
-// its torque command, 100 us.
+// A thread module in the form of the paper's Figure 8, 100 us: a notch and a low-pass keep a joint's
+// resonance out of its torque command.
 #include <takt/module.h>
 
 #include <cstdio>
@@ -7,15 +7,15 @@
 #include "filter.hpp"
 
 TAKT_TEXT("Notch and low-pass that keep a joint's resonance out of its torque command.");
-TAKT_NUMBER(resonance_hz, 180, 1, 4999, "Hz", "Of the ripple.");
-TAKT_NUMBER(notch_hz, 180, 1, 4999, "Hz", "What the notch takes out.");
-TAKT_NUMBER(notch_quality, 2, 0.1, 100, "1", "Frequency over width of the notch.");
-TAKT_NUMBER(low_pass_hz, 1000, 1, 4999, "Hz", "Corner of the low-pass.");
-TAKT_NUMBER(command_hz, 2, 0.01, 100, "Hz", "Of the command.");
+TAKT_NUMBER(resonance_hz, 180, 1, 4999, "Hz", "Frequency of the ripple.");
+TAKT_NUMBER(notch_hz, 180, 1, 4999, "Hz", "Frequency that the notch removes.");
+TAKT_NUMBER(notch_quality, 2, 0.1, 100, "1", "Frequency divided by width of the notch.");
+TAKT_NUMBER(low_pass_hz, 1000, 1, 4999, "Hz", "Cut-off frequency of the low-pass.");
+TAKT_NUMBER(command_hz, 2, 0.01, 100, "Hz", "Frequency of the command.");
 
 namespace {
 
-constexpr double kRate = 10000;  // Hz; the interface of Figure 8 does not hand over the period
+constexpr double kRate = 10000;  // Hz; the interface of Figure 8 does not pass the period
 constexpr double kTorque = 10;   // N m
 constexpr double kRipple = 2;    // N m
 
@@ -56,7 +56,7 @@ void error(int) { ++errors; }
 void recover(void) { start(); }
 
 void destruct(void) {
-  std::fprintf(stderr, "control3: resonance %.3f N m before the filters, %.3f N m behind them; %d errors\n",
+  std::fprintf(stderr, "control3: resonance %.3f N m before the filters, %.3f N m after them; %d errors\n",
                before.amplitude, after.amplitude, errors);
 }
 }

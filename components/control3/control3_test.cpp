@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kRate = 10000;
 
-/// How much of a sine passes, after the filter has settled.
+/// The gain for a sine, after the filter has settled.
 double gain_at(Biquad filter, double frequency) {
   Oscillator sine(frequency, kRate);
   Detector detector;
@@ -28,35 +28,35 @@ TEST(Oscillator, KeepsItsAmplitudeAndFrequencyForAMillionSteps) {
   EXPECT_NEAR(sine.y, 0, 1e-6);  // 18000 whole periods
 }
 
-TEST(LowPass, PassesWhatIsSlowAndStopsWhatIsFast) {
+TEST(LowPass, PassesLowFrequenciesAndStopsHighOnes) {
   const Biquad filter = Biquad::low_pass(1000, 0.7071, kRate);
   EXPECT_NEAR(gain_at(filter, 2), 1, 1e-3);
   EXPECT_NEAR(gain_at(filter, 1000), 0.7071, 1e-3);
   EXPECT_LT(gain_at(filter, 4000), 0.02);
 }
 
-TEST(Notch, TakesOutItsFrequencyAndLeavesTheRest) {
+TEST(Notch, RemovesItsFrequencyAndPassesTheRest) {
   const Biquad filter = Biquad::notch(180, 2, kRate);
   EXPECT_LT(gain_at(filter, 180), 1e-6);
   EXPECT_NEAR(gain_at(filter, 2), 1, 1e-3);
   EXPECT_NEAR(gain_at(filter, 3000), 1, 1e-3);
 }
 
-TEST(Notch, LosesHalfThePowerAtTheEdgesOfItsWidth) {
-  // For a width of 90 Hz about 180 Hz the edges are where their product is 180^2 and their distance 90.
+TEST(Notch, PassesHalfThePowerAtTheEdgesOfItsWidth) {
+  // For a width of 90 Hz at 180 Hz, the product of the two edges is 180^2 and their distance is 90.
   const Biquad filter = Biquad::notch(180, 2, kRate);
   EXPECT_NEAR(gain_at(filter, 141), 0.7071, 0.01);
   EXPECT_NEAR(gain_at(filter, 231), 0.7071, 0.01);
 }
 
-TEST(Biquad, RefusesAFrequencyItCannotMake) {
+TEST(Biquad, RejectsFrequenciesOutsideItsRange) {
   EXPECT_THROW(Biquad::notch(0, 1, kRate), std::invalid_argument);
   EXPECT_THROW(Biquad::notch(5000, 1, kRate), std::invalid_argument);
   EXPECT_THROW(Biquad::low_pass(100, 0, kRate), std::invalid_argument);
   EXPECT_NO_THROW(Biquad::low_pass(4999, 0.7, kRate));
 }
 
-TEST(Detector, FindsOneSineBesideAnother) {
+TEST(Detector, MeasuresOneSineInAMixOfTwo) {
   Oscillator slow(2, kRate);
   Oscillator fast(180, kRate);
   Detector detector;
@@ -78,14 +78,14 @@ TEST(Control3, KeepsTheResonanceOutOfTheTorque) {
   ASSERT_TRUE(module.destruct());
   double before = 0, after = -1;
   ASSERT_EQ(std::sscanf(testing::internal::GetCapturedStderr().c_str(),
-                        "control3: resonance %lf N m before the filters, %lf N m behind", &before, &after),
+                        "control3: resonance %lf N m before the filters, %lf N m after", &before, &after),
             2);
   EXPECT_NEAR(before, 2, 0.01);
   EXPECT_GE(after, 0);
   EXPECT_LT(after, 0.05);
 }
 
-TEST(Control3, RefusesAFrequencyThatItsRateCannotHold) {
+TEST(Control3, RejectsANotchFrequencyAtHalfTheRate) {
   takt::testing::Module module{{.period = 100us}};
   ASSERT_TRUE(module.set("notch_hz", "5000"));
   EXPECT_EQ(module.start().text(),

@@ -1,5 +1,5 @@
-// A torque command on its way to a joint that resonates: what control3 computes every period, without the
-// module around it. Everything but the design of a filter is for real-time threads.
+// The mathematics of control3: filters for the torque command of a resonant joint. Everything is real-time
+// except the design of a filter.
 #pragma once
 
 #include <cmath>
@@ -9,13 +9,12 @@
 
 namespace control3 {
 
-/// A second-order filter in transposed direct form II, designed by the bilinear transform with its frequency
-/// prewarped.
+/// A second-order filter in transposed direct form II, designed with the bilinear transform and prewarping.
 struct Biquad {
   double b0 = 1, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   double s1 = 0, s2 = 0;
 
-  /// Unity at 0 Hz, -3 dB at `frequency` for a quality of 0.7071. Throws when the frequency is not below half
+  /// Gain 1 at 0 Hz, -3 dB at `frequency` for a quality of 0.7071. Throws if the frequency is not below half
   /// the rate.
   static Biquad low_pass(double frequency, double quality, double rate) {
     const auto [cosine, alpha] = warp(frequency, quality, rate);
@@ -27,8 +26,7 @@ struct Biquad {
             .a2 = (1 - alpha) / a0};
   }
 
-  /// Zero at `frequency`, unity far from it; half the power is lost over frequency/quality. Throws as
-  /// low_pass() does.
+  /// Gain 0 at `frequency`, 1 far from it; the half-power width is frequency/quality. Throws like low_pass().
   static Biquad notch(double frequency, double quality, double rate) {
     const auto [cosine, alpha] = warp(frequency, quality, rate);
     const double a0 = 1 + alpha;
@@ -51,15 +49,16 @@ struct Biquad {
   };
   static Warped warp(double frequency, double quality, double rate) {
     if (!(frequency > 0 && frequency < rate / 2)) {
-      throw std::invalid_argument("a filter's frequency is above 0 and below half the rate");
+      throw std::invalid_argument(
+          "the frequency of a filter must be above 0 and below half the sampling rate");
     }
-    if (!(quality > 0)) throw std::invalid_argument("a filter's quality is above 0");
+    if (!(quality > 0)) throw std::invalid_argument("the quality of a filter must be above 0");
     const double angle = 2 * std::numbers::pi * frequency / rate;
     return {std::cos(angle), std::sin(angle) / (2 * quality)};
   }
 };
 
-/// A sine without a call of sin(): one rotation a step, its length held at 1.
+/// Generates a sine without calling sin(): one rotation per step, with the length held at 1.
 struct Oscillator {
   double cosine = 1, sine = 0;  // the rotation of one step
   double x = 1, y = 0;
@@ -79,11 +78,11 @@ struct Oscillator {
   }
 };
 
-/// What of one frequency is in a signal: products with a sine and a cosine of it, averaged over a whole
-/// number of its periods.
+/// Measures one frequency in a signal: multiplies it with a sine and a cosine and averages over a whole
+/// number of periods.
 struct Detector {
   double in_phase = 0, quadrature = 0;
-  double amplitude = 0;          ///< of the last full window
+  double amplitude = 0;          ///< in the last full window
   std::uint64_t window = 10000;  ///< steps
   std::uint64_t step_number = 0;
 

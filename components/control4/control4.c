@@ -1,4 +1,4 @@
-/* A process module in plain C, in the form of the paper's Figure 9: a temperature loop, 300 us. */
+/* A process module in plain C, in the form of the paper's Figure 9, 300 us: a temperature loop. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,20 +9,20 @@
 TAKT_TEXT("Temperature loop of an extruder's heating zone.");
 TAKT_NUMBER(low_c, 60, 30, 300, "degC", "The lower set point.");
 TAKT_NUMBER(high_c, 80, 30, 300, "degC", "The higher set point.");
-TAKT_NUMBER(hold_s, 10, 0.01, 3600, "s", "At each set point.");
+TAKT_NUMBER(hold_s, 10, 0.01, 3600, "s", "Time at each set point.");
 TAKT_NUMBER(gain_w_k, 30, 0.1, 1000, "W/K", "Proportional gain.");
 TAKT_NUMBER(integral_s, 4, 0.1, 1000, "s", "Integral time.");
-TAKT_NUMBER(power_w, 400, 1, 5000, "W", "Of the heater.");
+TAKT_NUMBER(power_w, 400, 1, 5000, "W", "Maximum power of the heater.");
 
 static struct zone zone;
 static struct heater_loop loop;
 static double wanted;
 static unsigned long long releases;
 
-/* waitPeriod() ends the program by exit() when the device ends the module. */
-static void say_goodbye(void) {
-  printf("control4: %llu releases, %.2f C of %.2f C, heater at %.1f W\n", releases, zone.sensor, wanted,
-         loop.integral);
+/* waitPeriod() calls exit() when the device ends the module. */
+static void print_summary(void) {
+  printf("control4: %llu releases, zone at %.2f C, set point %.2f C, heater at %.1f W\n", releases,
+         zone.sensor, wanted, loop.integral);
 }
 
 int main(void) {
@@ -32,7 +32,7 @@ int main(void) {
   loop.gain = gain_w_k;
   loop.integral_time = integral_s;
   loop.power_limit = power_w;
-  atexit(say_goodbye);
+  atexit(print_summary);
   const double dt = (double)takt_period_ns() * 1e-9;
   double time = 0;
 

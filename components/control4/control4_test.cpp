@@ -37,7 +37,7 @@ TEST(HeaterLoop, BringsTheZoneToItsSetPoint) {
   EXPECT_NEAR(plant.block.sensor, 80, 0.1);
 }
 
-TEST(HeaterLoop, OvershootsLittleAfterTheHeaterWasAtItsBound) {
+TEST(HeaterLoop, OvershootsLittleAfterHeaterSaturation) {
   Plant plant;
   plant.run(60, 80);
   EXPECT_LT(plant.hottest, 83);
@@ -49,7 +49,7 @@ TEST(HeaterLoop, NeitherCoolsNorExceedsItsPower) {
   EXPECT_EQ(heater_loop_step(&loop, 200, 20, kPeriod), 400);
 }
 
-TEST(HeaterLoop, HoldsItsIntegralWhileBounded) {
+TEST(HeaterLoop, HoldsItsIntegralWhileSaturated) {
   heater_loop loop{.gain = 30, .integral_time = 4, .power_limit = 400, .integral = 50};
   for (int i = 0; i < 100000; ++i) heater_loop_step(&loop, 200, 20, kPeriod);
   EXPECT_EQ(loop.integral, 50);
@@ -59,7 +59,7 @@ TEST(HeaterLoop, HoldsItsIntegralWhileBounded) {
 
 using namespace std::chrono_literals;
 
-TEST(Control4, HoldsItsZoneAtTheTemperature) {
+TEST(Control4, HoldsTheZoneAtItsSetPoint) {
   takt::testing::Module module{{.period = 300us}};
   ASSERT_TRUE(module.set("high_c", "70"));
   ASSERT_TRUE(module.set("hold_s", "3600"));
@@ -70,20 +70,20 @@ TEST(Control4, HoldsItsZoneAtTheTemperature) {
   unsigned long long releases = 0;
   double is = 0, wanted = 0;
   ASSERT_EQ(std::sscanf(testing::internal::GetCapturedStdout().c_str(),
-                        "control4: %llu releases, %lf C of %lf C", &releases, &is, &wanted),
+                        "control4: %llu releases, zone at %lf C, set point %lf C", &releases, &is, &wanted),
             3);
   EXPECT_EQ(releases, 200'000U);
   EXPECT_EQ(wanted, 70);
   EXPECT_NEAR(is, 70, 0.1);
 }
 
-TEST(Control4, RefusesATemperatureBelowThatOfTheRoom) {
+TEST(Control4, RejectsASetPointBelowItsRange) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("low_c", "10"));
-  const std::string said = module.start().text();
-  EXPECT_NE(said.find("property 'low_c' cannot be '10'; it takes a number, 30 to 300, in degC"),
+  const std::string problem = module.start().text();
+  EXPECT_NE(problem.find("property 'low_c' cannot be '10'; it takes a number, 30 to 300, in degC"),
             std::string::npos)
-      << said;
+      << problem;
 }
 
 }  // namespace

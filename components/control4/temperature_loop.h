@@ -1,20 +1,20 @@
-/* The temperature loop of an extruder's heating zone: what control4 computes every release, without the
- * program around it. Temperatures are in degrees Celsius, times in seconds, power in watts. */
+/* The mathematics of control4: the temperature loop of an extruder's heating zone. Temperatures are in
+ * degrees Celsius, times in seconds, power in watts. */
 #ifndef TAKT_COMPONENTS_TEMPERATURE_LOOP_H
 #define TAKT_COMPONENTS_TEMPERATURE_LOOP_H
 
-/* A heater in a block of metal that loses heat to the room; the sensor follows the block with a lag. */
+/* A heater in a metal block, which loses heat to the room. The sensor follows the block with a lag. */
 struct zone {
   double capacity; /* J/K */
   double loss;     /* W/K */
   double lag;      /* s, of the sensor */
   double room;     /* C */
   double block;    /* C */
-  double sensor;   /* C, what is measured */
+  double sensor;   /* C, measured value */
 };
 
 static inline struct zone zone_at_room(double room) {
-  /* A small zone, so that there is something to see within a minute. */
+  /* A small zone, so that its temperature changes visibly within a minute. */
   const struct zone zone = {40.0, 0.5, 0.3, room, room, room};
   return zone;
 }
@@ -24,8 +24,8 @@ static inline void zone_step(struct zone* zone, double power, double dt) {
   zone->sensor += (zone->block - zone->sensor) / zone->lag * dt;
 }
 
-/* PI whose output is bounded to what a heater can do, which is not to cool. The integral stops where it would
- * drive the output further past a bound, and is itself bounded to the heater's range. */
+/* A PI loop whose output is limited to 0 (a heater cannot cool) and the maximum power. The integral stops
+ * when it would drive the output further beyond a limit, and is itself limited to the heater's range. */
 struct heater_loop {
   double gain;          /* W/K */
   double integral_time; /* s */

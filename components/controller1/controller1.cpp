@@ -1,16 +1,17 @@
-// A thread module in the form of the paper's Figure 8: the position loop of an axis, at the period of the
-// descriptor.
+// A thread module in the form of the paper's Figure 8, at the period of the descriptor: the position loop of
+// an axis.
 #include <takt/module.h>
 
 #include <cstdio>
 
 #include "position_loop.hpp"
 
-TAKT_TEXT("Position loop of a linear axis that goes to and fro on a trapezoidal profile.");
-TAKT_INTEGER(counter, 5, 1, 1000000, "periods", "Inside the window before the axis is in position.");
-TAKT_NUMBER(stroke_mm, 100, 1, 10000, "mm", "From one end to the other.");
-TAKT_NUMBER(velocity_mm_s, 500, 1, 5000, "mm/s", "Of the profile.");
-TAKT_NUMBER(acceleration_mm_s2, 5000, 10, 100000, "mm/s^2", "Of the profile.");
+TAKT_TEXT("Position loop of a linear axis that moves back and forth on a trapezoidal profile.");
+TAKT_INTEGER(counter, 5, 1, 1000000, "periods",
+             "Consecutive periods inside the window before the axis is in position.");
+TAKT_NUMBER(stroke_mm, 100, 1, 10000, "mm", "Distance between the ends.");
+TAKT_NUMBER(velocity_mm_s, 500, 1, 5000, "mm/s", "Maximum velocity of the profile.");
+TAKT_NUMBER(acceleration_mm_s2, 5000, 10, 100000, "mm/s^2", "Acceleration of the profile.");
 TAKT_NUMBER(gain_1_s, 60, 1, 200, "1/s", "Proportional gain.");
 TAKT_NUMBER(integral_1_s2, 800, 0, 5000, "1/s^2", "Integral gain.");
 

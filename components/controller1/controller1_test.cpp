@@ -37,23 +37,23 @@ TEST(Move, IsATriangleWhenTooShortForItsVelocity) {
   EXPECT_NEAR(move.at(move.duration() / 2).position, 0.5, 1e-9);
 }
 
-TEST(Move, OfNoLengthIsOver) {
+TEST(Move, HasNoDurationWithoutADistance) {
   const Move move{.from = 5, .to = 5, .velocity = 500, .acceleration = 5000};
   EXPECT_EQ(move.duration(), 0);
   EXPECT_EQ(move.at(0).position, 5);
 }
 
-TEST(PositionLoop, BringsTheAxisToASteppedSetPoint) {
+TEST(PositionLoop, BringsTheAxisToASetPointStep) {
   Axis axis;
   PositionLoop loop;
   for (int i = 0; i < 5000; ++i) axis.step(loop.step({10, 0}, axis.position, kPeriod), kPeriod);
   EXPECT_NEAR(axis.position, 10, 1e-6);
 }
 
-TEST(PositionLoop, DoesNotWindUpAtItsBound) {
+TEST(PositionLoop, DoesNotWindUpAtItsLimit) {
   Axis axis;
   PositionLoop loop{.command_limit = 50};
-  // 100 mm at no more than 50 mm/s: two seconds at the bound.
+  // 100 mm at 50 mm/s at most: two seconds at the limit.
   double highest = 0;
   for (int i = 0; i < 10000; ++i) {
     axis.step(loop.step({100, 0}, axis.position, kPeriod), kPeriod);
@@ -63,7 +63,7 @@ TEST(PositionLoop, DoesNotWindUpAtItsBound) {
   EXPECT_LT(highest, 101);
 }
 
-TEST(InPosition, NeedsTheCountWithoutABreak) {
+TEST(InPosition, NeedsConsecutiveSamplesInsideTheWindow) {
   InPosition in_position{.window = 0.01, .counter = 3};
   EXPECT_FALSE(in_position.step(0.005));
   EXPECT_FALSE(in_position.step(-0.01));
@@ -73,13 +73,13 @@ TEST(InPosition, NeedsTheCountWithoutABreak) {
   EXPECT_TRUE(in_position.step(0));
 }
 
-TEST(InPosition, OfOneIsTheFirstSampleInside) {
+TEST(InPosition, IsReachedAtTheFirstSampleInsideWithACounterOfOne) {
   InPosition in_position{.window = 0.01, .counter = 1};
   EXPECT_FALSE(in_position.step(0.02));
   EXPECT_TRUE(in_position.step(0.01));
 }
 
-TEST(Shuttle, GoesToAndFroWithASmallFollowingError) {
+TEST(Shuttle, MovesBackAndForthWithASmallFollowingError) {
   Shuttle shuttle;
   shuttle.move.velocity = 500;
   shuttle.move.acceleration = 5000;
@@ -91,7 +91,7 @@ TEST(Shuttle, GoesToAndFroWithASmallFollowingError) {
   EXPECT_LT(shuttle.settling, 0.4);
 }
 
-TEST(Shuttle, SettlesNoSoonerForALargerCounter) {
+TEST(Shuttle, SettlesLaterByTheExtraPeriodsOfItsCounter) {
   double settling[2] = {};
   for (int which = 0; which < 2; ++which) {
     Shuttle shuttle;
@@ -113,7 +113,7 @@ std::string end_of(takt::testing::Module& module) {
   return testing::internal::GetCapturedStderr();
 }
 
-TEST(Controller1, MovesToAndFroAtThePeriodOfItsDescriptor) {
+TEST(Controller1, MovesBackAndForthAtThePeriodOfItsDescriptor) {
   takt::testing::Module module{{.period = 600us}};
   ASSERT_TRUE(module.set("stroke_mm", "200"));
   ASSERT_TRUE(module.start());
@@ -124,12 +124,12 @@ TEST(Controller1, MovesToAndFroAtThePeriodOfItsDescriptor) {
       std::sscanf(end_of(module).c_str(), "controller1: %llu moves of %lf mm, following error at most %lf mm",
                   &moves, &stroke, &error),
       3);
-  EXPECT_NEAR(static_cast<double>(moves), 6 / 0.75, 2);  // half a second and a rest each
+  EXPECT_NEAR(static_cast<double>(moves), 6 / 0.75, 2);  // each move takes half a second and a rest
   EXPECT_EQ(stroke, 200);
   EXPECT_LT(error, 5);
 }
 
-TEST(Controller1, BeginsAtItsOriginAgainAfterAnError) {
+TEST(Controller1, RestartsAtItsOriginAfterAnError) {
   takt::testing::Module module{{.period = 600us}};
   ASSERT_TRUE(module.start());
   module.step(100);
@@ -139,7 +139,7 @@ TEST(Controller1, BeginsAtItsOriginAgainAfterAnError) {
   EXPECT_NE(end_of(module).find("1 errors"), std::string::npos);
 }
 
-TEST(Controller1, RefusesWhatItCannotCountTo) {
+TEST(Controller1, RejectsACounterOfZero) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("counter", "0"));
   EXPECT_EQ(module.start().text(),

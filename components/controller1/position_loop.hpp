@@ -1,5 +1,5 @@
-// The position loop of a linear axis: what controller1 computes every period, without the module around it.
-// Lengths are in mm, times in seconds. Everything here is for real-time threads.
+// The mathematics of controller1: the position loop of a linear axis. Lengths are in mm, times in seconds.
+// Everything here is real-time.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace controller1 {
 
-/// A move from standstill to standstill at bounded velocity and acceleration; a triangle when it is too short
-/// to reach the velocity.
+/// A move from standstill to standstill with limited velocity and acceleration. Its velocity profile is a
+/// trapezoid, or a triangle if the move is too short to reach the velocity.
 struct Move {
   double from = 0;
   double to = 0;
@@ -23,7 +23,8 @@ struct Move {
 
   [[nodiscard]] double duration() const noexcept { return 2 * ramp() + cruise(); }
 
-  /// Where the axis should be at `time` after the move began; the ends before and after it.
+  /// The set point at `time` after the beginning of the move. Before and after the move it is the respective
+  /// end.
   [[nodiscard]] Point at(double time) const noexcept {
     const double sign = to < from ? -1.0 : 1.0;
     const double end = duration();
@@ -47,7 +48,8 @@ struct Move {
   }
 };
 
-/// The drive and the carriage: the drive follows a velocity command with a lag, the carriage integrates it.
+/// The drive and the carriage. The drive follows a velocity command with a lag; the carriage integrates the
+/// velocity.
 struct Axis {
   double lag = 0.004;  ///< time constant of the drive's velocity loop
   double position = 0;
@@ -59,8 +61,8 @@ struct Axis {
   }
 };
 
-/// PI on the position error, the move's own velocity fed forward, the command bounded. While the command is
-/// at its bound the integral does not grow further in that direction.
+/// PI on the position error, with feed-forward of the profile's velocity and a limited command. While the
+/// command is at its limit, the integral does not grow further in that direction.
 struct PositionLoop {
   double gain = 60;             ///< 1/s
   double integral_gain = 800;   ///< 1/s^2
@@ -76,8 +78,8 @@ struct PositionLoop {
   }
 };
 
-/// The move is done when the error has been inside the window for `counter` periods without a break: a single
-/// sample inside may be an overshoot on its way through.
+/// A move is done when the error has been inside the window for `counter` consecutive periods. A single
+/// sample inside may only be an overshoot passing through.
 struct InPosition {
   double window = 0.01;      ///< mm
   std::int64_t counter = 5;  ///< periods, at least 1
@@ -89,19 +91,19 @@ struct InPosition {
   }
 };
 
-/// The axis going to and fro between 0 and `stroke`, with a rest at each end.
+/// The axis moves back and forth between 0 and `stroke`, with a rest at each end.
 struct Shuttle {
   double stroke = 100;
-  double rest = 0.2;  ///< seconds at each end, after it is in position
+  double rest = 0.2;  ///< seconds at each end, once in position
   Move move{};
   Axis axis{};
   PositionLoop loop{};
   InPosition in_position{};
 
-  double time = 0;           ///< since the move began
-  double arrived = -1;       ///< when, in `time`; negative while under way
-  double largest_error = 0;  ///< mm, of all moves
-  double settling = 0;       ///< the longest from the end of a move's profile to "in position"
+  double time = 0;           ///< since the beginning of the move
+  double arrived = -1;       ///< the `time` of arrival; negative during the move
+  double largest_error = 0;  ///< mm, over all moves
+  double settling = 0;       ///< the longest time from the end of a profile to "in position"
   std::uint64_t moves = 0;
 
   void begin() noexcept {

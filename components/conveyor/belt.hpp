@@ -1,4 +1,4 @@
-// A belt with parts on it and a light barrier at its end: what conveyor simulates. SI units. For real-time
+// The simulation behind conveyor: a belt with parts and a light barrier at its end. SI units. For real-time
 // threads.
 #pragma once
 
@@ -9,27 +9,27 @@
 
 namespace conveyor {
 
-/// A part that was laid on the belt; the same for a number in every run.
+/// A part on the belt. In every run, a number has the same part.
 struct Laid {
-  std::uint32_t number = 0;  ///< from 1, in the order in which they come to the barrier
-  double x = 0;              ///< m along the belt, from the light barrier against the way that the belt runs
-  double y = 0;              ///< m across the belt, from its middle: within 5 cm
-  double angle = 0;          ///< rad, of its longer side to the belt: within an eighth of a turn
+  std::uint32_t number = 0;  ///< from 1, in order of arrival at the barrier
+  double x = 0;              ///< m, distance from the light barrier against the belt's direction
+  double y = 0;              ///< m across the belt from its middle, within 5 cm
+  double angle = 0;          ///< rad, from the belt to its longer side, within an eighth of a turn
   const char* kind = "";     ///< "bottle" for odd numbers, "box" for even ones
 };
 
-/// Parts lie `spacing` apart. One that comes to the barrier is held there, and the belt with it, until it is
-/// taken away.
+/// Parts lie `spacing` apart. A part that arrives at the barrier stops the belt until it is taken away.
 struct Belt {
   double acceleration = 1;  ///< m/s^2
   double spacing = 0.3;     ///< m
 
   double speed = 0;         ///< m/s
   double position = 0;      ///< m
-  std::uint32_t parts = 0;  ///< that have come to the barrier
+  std::uint32_t parts = 0;  ///< number of parts that have arrived at the barrier
   bool holding = false;
 
-  /// True when a part has just come to the barrier. A wanted speed below 0, or that is no number, stops.
+  /// True if a part has just arrived at the barrier. A speed below 0, or one that is not finite, stops the
+  /// belt.
   bool step(double wanted_speed, double dt) noexcept {
     const double wanted = std::isfinite(wanted_speed) ? std::max(wanted_speed, 0.0) : 0.0;
     const double target = holding ? 0 : wanted;
@@ -42,19 +42,20 @@ struct Belt {
     speed = 0;
     return true;
   }
-  /// The part at the barrier was taken away. A number that is not its own is of a part that is gone already.
+  /// The part `number` was taken away. The belt ignores the number of a part that is gone already.
   void taken(std::uint32_t number) noexcept {
     if (number == parts) holding = false;
   }
-  /// The next part gets the number after this one; where it lies does not change. Not while one is held.
+  /// The next part gets the number after `number`; its position does not change. Do not call it while a part
+  /// is held.
   void recount(std::uint32_t number) noexcept {
     position -= spacing * (static_cast<double>(parts) - number);
     parts = number;
   }
 
-  /// The part that is at the barrier or comes next.
+  /// The number of the part at the barrier, or of the next one.
   [[nodiscard]] std::uint32_t first() const noexcept { return holding ? parts : parts + 1; }
-  /// Of a part that still lies on the belt: first() or later.
+  /// The part `number`, which must still be on the belt: first() or later.
   [[nodiscard]] Laid laid(std::uint32_t number) const noexcept {
     return {.number = number,
             .x = spacing * number - position,
@@ -64,9 +65,9 @@ struct Belt {
   }
 };
 
-/// From a part's being taken to the next one's coming to the barrier, in s: from rest over `spacing`, at no
-/// more than `speed`. With the time for which a part is held, it gives the parts that come in a minute: 60 /
-/// (time_between + held).
+/// The time in s from the removal of a part to the arrival of the next one: from rest over `spacing`, at most
+/// at `speed`. With the time `held` for which a part is held, 60 / (time_between + held) parts arrive per
+/// minute.
 inline double time_between(double spacing, double speed, double acceleration) noexcept {
   if (speed * speed >= 2 * acceleration * spacing) return std::sqrt(2 * spacing / acceleration);
   return spacing / speed + speed / (2 * acceleration);

@@ -1,5 +1,5 @@
-// A thread module in C++: a conveyor belt that brings parts to a light barrier and waits until they are taken
-// away.
+// A thread module in C++: simulates a conveyor belt that brings parts to a light barrier and holds each until
+// it is taken away.
 #include <takt/component.hpp>
 
 #include <algorithm>
@@ -12,25 +12,35 @@
 #include "belt.hpp"
 
 class Conveyor : public takt::Component {
-  takt::InPort<line::BeltCommand> command{*this, "command", {.text = "How fast the belt is to run."}};
+  takt::InPort<line::BeltCommand> command{*this, "command", {.text = "Speed of the belt."}};
   takt::InPort<basic::Flag> enable{
-      *this, "enable", {.text = "The belt may run; false stops it. It may where nobody says anything."}};
-  takt::InPort<motion::PickDone> taken{*this, "taken", {.text = "Parts that were taken away."}};
-  takt::OutPort<line::BeltState> state{*this, "state", {.text = "What the belt does."}};
-  takt::OutPort<line::Part> part{*this, "part", {.text = "A part has come to the light barrier."}};
+      *this,
+      "enable",
+      {.text = "False stops the belt. Before the first value, or if not connected, the belt may run."}};
+  takt::InPort<motion::PickDone> taken{
+      *this, "taken", {.text = "Parts that were taken away; connect it as a queue."}};
+  takt::OutPort<line::BeltState> state{*this, "state", {.text = "State of the belt."}};
+  takt::OutPort<line::Part> part{*this, "part", {.text = "Event: a part has arrived at the light barrier."}};
   takt::OutPort<basic::Flag> barrier{*this, "barrier", {.text = "A part is at the light barrier."}};
-  takt::OutPort<line::Scene> scene{*this, "scene", {.text = "The parts near the light barrier."}};
+  takt::OutPort<line::Scene> scene{
+      *this, "scene", {.text = "The parts before the light barrier, for a camera."}};
   takt::Service<basic::Count, basic::Count> count{
-      *this, "count", {.text = "Goes on counting parts from this number; answers with the last one."}};
+      *this, "count", {.text = "Continues counting parts from this number; returns the previous count."}};
   takt::Property<double> acceleration{
-      *this, "acceleration", 1, {.unit = "m/s^2", .min = 0.01, .max = 20, .text = "Of the belt."}};
+      *this,
+      "acceleration",
+      1,
+      {.unit = "m/s^2", .min = 0.01, .max = 20, .text = "Acceleration and braking of the belt."}};
   takt::Property<double> spacing{
-      *this, "spacing", 0.3, {.unit = "m", .min = 0.05, .max = 10, .text = "From one part to the next."}};
+      *this, "spacing", 0.3, {.unit = "m", .min = 0.05, .max = 10, .text = "Distance between two parts."}};
   takt::Property<double> view{
       *this,
       "view",
       0.5,
-      {.unit = "m", .min = 0, .max = 10, .text = "How far before the light barrier parts are in the scene."}};
+      {.unit = "m",
+       .min = 0,
+       .max = 10,
+       .text = "The scene shows parts up to this distance before the light barrier."}};
   takt::Property<double> enable_timeout{
       *this,
       "enable_timeout",
@@ -38,16 +48,16 @@ class Conveyor : public takt::Component {
       {.unit = "s",
        .min = 0,
        .max = 3600,
-       .text = "An older `enable`, or none yet, counts as false; 0: it holds for ever."}};
+       .text = "An enable older than this, or a missing one, counts as false; 0: never expires."}};
   takt::Property<double> repeat{
       *this,
       "repeat",
       2,
-      {.unit = "s", .min = 0.1, .max = 3600, .text = "A part that waits is told again after this."}};
+      {.unit = "s", .min = 0.1, .max = 3600, .text = "A waiting part is announced again after this time."}};
 
   conveyor::Belt belt_;
   basic::Count counted_;
-  double waited_ = 0;  // s, since the part was told
+  double waited_ = 0;  // s, since the part was announced
   line::BeltState state_;
   line::Scene scene_;
   basic::Flag barrier_;
@@ -69,28 +79,29 @@ class Conveyor : public takt::Component {
     waited_ += cycle.seconds();
     const bool came =
         belt_.step(common::is_enabled(enable, enable_timeout) ? command.value().speed() : 0, cycle.seconds());
-    if (came || (belt_.holding && waited_ >= repeat)) tell_part();
-    tell_state();
-    tell_scene();
+    if (came || (belt_.holding && waited_ >= repeat)) announce_part();
+    write_state();
+    write_scene();
   }
 
   void recount() noexcept {
     const std::int64_t number = count.request().value();
-    if (number < 0 || number > 1'000'000'000) return count.refuse("a count is 0 to 1000000000");
-    if (belt_.holding) return count.refuse("a part waits at the light barrier under its number");
+    if (number < 0 || number > 1'000'000'000) return count.refuse("the count must be 0 to 1000000000");
+    if (belt_.holding)
+      return count.refuse("a part is waiting at the light barrier; its number cannot change");
     counted_.value(belt_.parts);
     belt_.recount(static_cast<std::uint32_t>(number));
     count.reply(counted_);
   }
 
-  // The one thing a belt must do when nobody tells it how fast to run.
+  // Without a valid command, the belt must stop.
   void error(takt::ErrorType) override { belt_.speed = 0; }
 
-  void tell_part() noexcept {
+  void announce_part() noexcept {
     waited_ = 0;
-    line::Part told;
-    set(told, belt_.laid(belt_.parts));
-    part.write(told);
+    line::Part announced;
+    set(announced, belt_.laid(belt_.parts));
+    part.write(announced);
   }
 
   static void set(line::Part& part, const conveyor::Laid& laid) noexcept {
@@ -101,7 +112,7 @@ class Conveyor : public takt::Component {
     part.angle(laid.angle);
   }
 
-  void tell_state() noexcept {
+  void write_state() noexcept {
     state_.mode(belt_.holding        ? line::BELT_HOLDING
                 : belt_.speed > 1e-6 ? line::BELT_RUNNING
                                      : line::BELT_STOPPED);
@@ -113,7 +124,7 @@ class Conveyor : public takt::Component {
     barrier.write(barrier_);
   }
 
-  void tell_scene() noexcept {
+  void write_scene() noexcept {
     scene_.position(belt_.position);
     scene_.parts().clear();
     for (std::uint32_t number = belt_.first(); scene_.parts().size() < line::MAX_PARTS; ++number) {

@@ -30,7 +30,7 @@ TEST(Belt, HoldsEachPartUntilItIsTaken) {
   EXPECT_EQ(belt.parts, 2U);
 }
 
-TEST(Belt, IsNotReleasedByTheNumberOfAPartThatIsGone) {
+TEST(Belt, IgnoresTheNumberOfAPartThatIsGone) {
   Belt belt;
   while (!belt.step(0.5, kPeriod)) {
   }
@@ -41,7 +41,7 @@ TEST(Belt, IsNotReleasedByTheNumberOfAPartThatIsGone) {
   EXPECT_TRUE(belt.holding);
 }
 
-TEST(Belt, StopsWhenItIsToldTo) {
+TEST(Belt, BrakesToAStandstillAtSpeedZero) {
   Belt belt;
   for (int i = 0; i < 200; ++i) belt.step(0.5, kPeriod);
   EXPECT_GT(belt.speed, 0.3);
@@ -49,7 +49,7 @@ TEST(Belt, StopsWhenItIsToldTo) {
   EXPECT_NEAR(belt.speed, 0, 1e-12);
 }
 
-TEST(Belt, NeverAcceleratesMoreThanItMay) {
+TEST(Belt, NeverExceedsItsAcceleration) {
   Belt belt{.acceleration = 0.5};
   double last = 0;
   for (int i = 0; i < 300; ++i) {
@@ -60,7 +60,7 @@ TEST(Belt, NeverAcceleratesMoreThanItMay) {
   }
 }
 
-TEST(Belt, StandsForASpeedThatMakesNoSense) {
+TEST(Belt, DoesNotMoveAtANegativeOrNonFiniteSpeed) {
   Belt belt;
   for (const double wanted :
        {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
@@ -85,22 +85,22 @@ TEST(Belt, HasTheSamePartsInEachRun) {
   }
 }
 
-TEST(Belt, BringsThePartThatItSaysNext) {
+TEST(Belt, ReportsThePositionOfTheNextPart) {
   Belt belt;
   EXPECT_EQ(belt.first(), 1U);
   EXPECT_DOUBLE_EQ(belt.laid(1).x, 0.3);
   while (!belt.step(0.5, kPeriod)) {
   }
   EXPECT_EQ(belt.first(), 1U);
-  EXPECT_NEAR(belt.laid(1).x, 0, 0.5 * kPeriod);  // at most a step behind the barrier
+  EXPECT_NEAR(belt.laid(1).x, 0, 0.5 * kPeriod);  // at most one step beyond the barrier
   EXPECT_LE(belt.laid(1).x, 0);
   belt.taken(1);
   EXPECT_EQ(belt.first(), 2U);
   EXPECT_NEAR(belt.laid(2).x, 0.3, 0.5 * kPeriod);
 }
 
-// What README.md says, to two periods for each part.
-TEST(Belt, BringsAsManyPartsAMinuteAsItsFormulaSays) {
+// The formula in README.md, to two periods per part.
+TEST(Belt, BringsPartsAtTheRateOfTheFormula) {
   struct Case {
     double spacing, speed, acceleration, held;
   };
@@ -137,7 +137,7 @@ motion::PickDone done(std::uint32_t number) {
   return part;
 }
 
-TEST(Conveyor, TellsOfEachPartAndGoesOnWhenItWasTaken) {
+TEST(Conveyor, AnnouncesEachPartAndContinuesWhenItIsTaken) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("spacing", "0.5"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -158,7 +158,7 @@ TEST(Conveyor, TellsOfEachPartAndGoesOnWhenItWasTaken) {
   EXPECT_NEAR(state.value().position(), 1, 0.01);
 }
 
-TEST(Conveyor, SaysAPartThatWaitsAgainAndAgain) {
+TEST(Conveyor, RepeatsTheAnnouncementOfAWaitingPart) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("repeat", "0.1"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -171,13 +171,13 @@ TEST(Conveyor, SaysAPartThatWaitsAgainAndAgain) {
   EXPECT_EQ(part.value().number(), 1U);
 }
 
-TEST(Conveyor, StandsStillWhenItsCommandIsStale) {
+TEST(Conveyor, StopsWhenItsCommandIsStale) {
   takt::testing::Module module{{.period = 2ms}};
   auto& command = module.in<line::BeltCommand>("command", {.deadline = 100ms, .stale_is_error = true});
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.start());
   command.write(speed(0.1));
-  module.step(51);  // to 100 ms after the first
+  module.step(51);  // until 100 ms after the first command
   EXPECT_GT(state.value().speed(), 0.09);
   module.step();
   EXPECT_EQ(module.state(), State::recover);
@@ -195,7 +195,7 @@ basic::Flag flag(bool value) {
   return one;
 }
 
-TEST(Conveyor, BrakesWhenItIsNotEnabledAndGoesOnWhenItIsAgain) {
+TEST(Conveyor, BrakesWhenDisabledAndContinuesWhenEnabled) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("spacing", "10"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -203,11 +203,11 @@ TEST(Conveyor, BrakesWhenItIsNotEnabledAndGoesOnWhenItIsAgain) {
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.start());
   command.write(speed(0.5));
-  module.step(300);  // nobody has said anything of enable
+  module.step(300);  // no value of enable yet
   EXPECT_DOUBLE_EQ(state.value().speed(), 0.5);
 
   enable.write(flag(false));
-  module.step(125);  // half of the braking, with 1 m/s^2
+  module.step(125);  // half of the braking time, at 1 m/s^2
   EXPECT_NEAR(state.value().speed(), 0.25, 1e-9);
   module.step(126);
   EXPECT_EQ(state.value().mode(), line::BELT_STOPPED);
@@ -220,7 +220,7 @@ TEST(Conveyor, BrakesWhenItIsNotEnabledAndGoesOnWhenItIsAgain) {
   EXPECT_DOUBLE_EQ(state.value().speed(), 0.5);
 }
 
-TEST(Conveyor, ShowsACameraThePartsBeforeTheBarrier) {
+TEST(Conveyor, WritesThePartsBeforeTheBarrierToTheScene) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("view", "0.7"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -249,7 +249,7 @@ TEST(Conveyor, ShowsACameraThePartsBeforeTheBarrier) {
   EXPECT_EQ(scene.value().parts()[0].number(), 2U);
 }
 
-TEST(Conveyor, ShowsNoMorePartsThanASceneHolds) {
+TEST(Conveyor, WritesAtMostSixteenPartsToTheScene) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("view", "10"));
   ASSERT_TRUE(module.set("spacing", "0.05"));
@@ -260,7 +260,7 @@ TEST(Conveyor, ShowsNoMorePartsThanASceneHolds) {
   EXPECT_EQ(scene.unfit(), 0U);
 }
 
-TEST(Conveyor, GoesOnCountingFromANumber) {
+TEST(Conveyor, ContinuesCountingFromARequestedNumber) {
   takt::testing::Module module{{.period = 2ms}};
   auto& command = module.in<line::BeltCommand>("command");
   auto& part = module.out<line::Part>("part");
@@ -274,7 +274,7 @@ TEST(Conveyor, GoesOnCountingFromANumber) {
     number.value(from);
     return module.call<basic::Count, basic::Count>("count", number);
   };
-  EXPECT_FALSE(recount(41)) << "the part at the barrier has its number";
+  EXPECT_FALSE(recount(41)) << "the waiting part keeps its number";
   taken.write(done(1));
   module.step();
   const auto last = recount(41);
@@ -285,17 +285,17 @@ TEST(Conveyor, GoesOnCountingFromANumber) {
 
   taken.write(done(42));
   module.step();
-  EXPECT_EQ(recount(-1).text(), "a count is 0 to 1000000000");
+  EXPECT_EQ(recount(-1).text(), "the count must be 0 to 1000000000");
 }
 
-TEST(Conveyor, RefusesWhatNoBeltCanDo) {
+TEST(Conveyor, RejectsPropertiesOutOfRange) {
   takt::testing::Module module;
   EXPECT_EQ(module.set("spacing", "0").text(),
             "property 'spacing' cannot be '0'; it takes a number, 0.05 to 10, in m");
   EXPECT_FALSE(module.set("acceleration", "fast"));
 }
 
-TEST(Conveyor, StopsWhenTheOneWhoEnablesItFallsSilent) {
+TEST(Conveyor, StopsWhenEnableTimesOut) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("enable_timeout", "0.1"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -306,7 +306,7 @@ TEST(Conveyor, StopsWhenTheOneWhoEnablesItFallsSilent) {
   fast.speed(0.5);
   command.write(fast);
   module.step(100);
-  EXPECT_EQ(state.value().speed(), 0) << "nobody has said yet that it may run";
+  EXPECT_EQ(state.value().speed(), 0) << "enable has no value yet";
   basic::Flag yes;
   yes.value(true);
   for (int i = 0; i < 100; ++i) {
@@ -314,11 +314,11 @@ TEST(Conveyor, StopsWhenTheOneWhoEnablesItFallsSilent) {
     module.step();
   }
   EXPECT_GT(state.value().speed(), 0.1);
-  module.step(400);  // 0.1 s of silence, then it brakes
+  module.step(400);  // after 0.1 s of silence it brakes
   EXPECT_EQ(state.value().speed(), 0);
 }
 
-TEST(Conveyor, KeepsAPartThatTheRobotRefused) {
+TEST(Conveyor, KeepsHoldingAPartThatTheRobotRejected) {
   takt::testing::Module module{{.period = 2ms}};
   auto& command = module.in<line::BeltCommand>("command");
   auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});

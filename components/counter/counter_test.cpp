@@ -18,11 +18,11 @@ double after(double seconds, double parts_per_second) {
   return per_minute;
 }
 
-TEST(Rate, IsZeroBeforeAnythingCame) { EXPECT_EQ(after(10, 0), 0); }
-TEST(Rate, IsReckonedForAMinuteBeforeOneHasPassed) { EXPECT_NEAR(after(10, 2), 120, 6); }
-TEST(Rate, IsThatOfTheLastMinuteLater) { EXPECT_NEAR(after(300, 0.5), 30, 1); }
+TEST(Rate, IsZeroWithoutParts) { EXPECT_EQ(after(10, 0), 0); }
+TEST(Rate, ExtrapolatesDuringTheFirstMinute) { EXPECT_NEAR(after(10, 2), 120, 6); }
+TEST(Rate, CoversTheLastMinuteAfterwards) { EXPECT_NEAR(after(300, 0.5), 30, 1); }
 
-TEST(Rate, ForgetsWhatIsOlderThanAMinute) {
+TEST(Rate, ForgetsPartsOlderThanAMinute) {
   counter_rate rate{};
   counter_rate_step(&rate, 100, 0.02);
   double per_minute = 0;
@@ -30,7 +30,7 @@ TEST(Rate, ForgetsWhatIsOlderThanAMinute) {
   EXPECT_EQ(per_minute, 0);
 }
 
-TEST(Rate, TakesNoPartsFromACountThatBeginsAnew) {
+TEST(Rate, AddsNoPartsWhenTheCountRestarts) {
   counter_rate rate{};
   double per_minute = 0;
   for (int i = 0; i < 10 * 50; ++i) per_minute = counter_rate_step(&rate, 10, 0.02);
@@ -41,7 +41,7 @@ TEST(Rate, TakesNoPartsFromACountThatBeginsAnew) {
 
 using namespace std::chrono_literals;
 
-TEST(Counter, SaysHowManyPartsCameInAMinute) {
+TEST(Counter, WritesPartsAndPartsPerMinute) {
   takt::testing::Module module{{.period = 20ms}};
   auto& state = module.in<line::BeltState>("state");
   auto& throughput = module.out<line::Throughput>("throughput");
@@ -57,7 +57,7 @@ TEST(Counter, SaysHowManyPartsCameInAMinute) {
   EXPECT_NEAR(throughput.value().per_minute(), 120, 3);
 }
 
-TEST(Counter, SaysZeroBeforeItHeardOfTheBelt) {
+TEST(Counter, WritesZeroBeforeTheFirstBeltState) {
   takt::testing::Module module{{.period = 20ms}};
   auto& throughput = module.out<line::Throughput>("throughput");
   ASSERT_TRUE(module.start());

@@ -1,4 +1,4 @@
-/* Parts a minute: what counter computes. For real-time threads. */
+/* The mathematics of counter: parts per minute. For real-time threads. */
 #ifndef COUNTER_RATE_H
 #define COUNTER_RATE_H
 
@@ -6,21 +6,21 @@
 
 enum { COUNTER_SLOTS = 60 };
 
-/* What was counted in each of the last 60 seconds, oldest to newest from `at`. */
+/* A ring buffer of the counts in each of the last 60 seconds; `at` is the newest. */
 struct counter_rate {
   uint32_t slots[COUNTER_SLOTS];
   uint32_t at;
-  uint32_t filled; /* seconds so far, at most 60 */
+  uint32_t filled; /* complete seconds so far, at most 59 */
   uint32_t last;   /* the count at the last step */
-  double second;   /* of the slot that is being filled */
+  double second;   /* elapsed part of the current slot's second */
 };
 
-/* `parts` have come so far, `dt` s after the last step. Returns the parts of a minute: those of the last 60 s, or of as many
- * as have passed, reckoned for a minute. */
+/* `parts` is the count so far, `dt` the time in s since the last step. Returns the parts per minute, from the
+ * last 60 s. During the first 60 s it extrapolates from the time so far. */
 static inline double counter_rate_step(struct counter_rate* rate, uint32_t parts, double dt) {
   uint32_t sum = 0;
   double seconds = 0;
-  if (parts > rate->last) rate->slots[rate->at] += parts - rate->last; /* fewer: counting began anew */
+  if (parts > rate->last) rate->slots[rate->at] += parts - rate->last; /* fewer: the count restarted */
   rate->last = parts;
   rate->second += dt;
   for (uint32_t i = 0; i < COUNTER_SLOTS; ++i) sum += rate->slots[i];

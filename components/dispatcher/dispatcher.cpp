@@ -1,5 +1,4 @@
-// A sporadic thread module in C++: a part has come, so the robot is asked to take it away. Runs when the
-// event arrives.
+// A sporadic thread module in C++: when a part arrives, it asks the robot to take the part away.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -11,42 +10,63 @@
 #include "station.hpp"
 
 class Dispatcher : public takt::Component {
-  takt::EventPort<line::Part> part{*this, "part", {.text = "A part waits at the light barrier."}};
-  takt::OutPort<motion::PickRequest> request{*this, "request", {.text = "What the robot is asked to take."}};
-  takt::Property<bool> bottles{*this, "bottles", true, {.text = "Whether bottles are taken too, or left."}};
+  takt::EventPort<line::Part> part{*this, "part", {.text = "Event: a part waits at the light barrier."}};
+  takt::OutPort<motion::PickRequest> request{
+      *this, "request", {.text = "Pick and place pose for the robot."}};
+  takt::Property<bool> bottles{
+      *this, "bottles", true, {.text = "True: pick bottles too; false: leave them."}};
 
-  // All in the robot's foot. The belt runs along y, and what is right of it lies along x.
+  // All positions are in the frame of the robot's foot. The belt runs along y; x is across the belt.
   takt::Property<double> belt_x{
-      *this, "belt_x", 0.75, {.unit = "m", .min = -5, .max = 5, .text = "The belt's middle at the barrier."}};
+      *this,
+      "belt_x",
+      0.75,
+      {.unit = "m", .min = -5, .max = 5, .text = "x of the belt's middle at the barrier."}};
   takt::Property<double> belt_y{
-      *this, "belt_y", 0.45, {.unit = "m", .min = -5, .max = 5, .text = "The belt's middle at the barrier."}};
+      *this,
+      "belt_y",
+      0.45,
+      {.unit = "m", .min = -5, .max = 5, .text = "y of the belt's middle at the barrier."}};
   takt::Property<double> belt_z{
-      *this, "belt_z", 0.3, {.unit = "m", .min = -5, .max = 5, .text = "Where a part is held, there."}};
+      *this,
+      "belt_z",
+      0.3,
+      {.unit = "m", .min = -5, .max = 5, .text = "Height at which the gripper holds a part there."}};
   takt::Property<double> pallet_x{
-      *this, "pallet_x", 0.45, {.unit = "m", .min = -5, .max = 5, .text = "The first place of the pallet."}};
+      *this,
+      "pallet_x",
+      0.45,
+      {.unit = "m", .min = -5, .max = 5, .text = "x of the first place of the pallet."}};
   takt::Property<double> pallet_y{
-      *this, "pallet_y", -0.85, {.unit = "m", .min = -5, .max = 5, .text = "The first place of the pallet."}};
+      *this,
+      "pallet_y",
+      -0.85,
+      {.unit = "m", .min = -5, .max = 5, .text = "y of the first place of the pallet."}};
   takt::Property<double> pallet_z{
-      *this, "pallet_z", 0.2, {.unit = "m", .min = -5, .max = 5, .text = "Where a part is held, there."}};
+      *this,
+      "pallet_z",
+      0.2,
+      {.unit = "m", .min = -5, .max = 5, .text = "Height at which the gripper holds a part there."}};
   takt::Property<std::int64_t> columns{
-      *this, "columns", 4, {.min = 1, .max = 100, .text = "Places of the pallet along x."}};
+      *this, "columns", 4, {.min = 1, .max = 100, .text = "Number of places along x."}};
   takt::Property<std::int64_t> rows{
-      *this, "rows", 3, {.min = 1, .max = 100, .text = "Places of the pallet along y."}};
+      *this, "rows", 3, {.min = 1, .max = 100, .text = "Number of places along y."}};
   takt::Property<double> pitch{
-      *this, "pitch", 0.12, {.unit = "m", .min = 0.01, .max = 2, .text = "From place to place."}};
+      *this, "pitch", 0.12, {.unit = "m", .min = 0.01, .max = 2, .text = "Distance between places."}};
 
   motion::PickRequest request_;
-  std::uint64_t asked_ = 0;  // parts, each once
+  std::uint64_t asked_ = 0;  // number of parts, each counted once
 
   void run(const takt::Cycle&) noexcept override {
     while (part.read()) {
       const line::Part& seen = part.value();
       if (!bottles && seen.kind() == "bottle") continue;
-      if (asked_ == 0 || seen.number() != request_.number()) ++asked_;  // else it still waits
+      if (asked_ == 0 || seen.number() != request_.number())
+        ++asked_;  // else it is the same part, still waiting
       const dispatcher::Pallet pallet{{pallet_x, pallet_y, pallet_z}, columns, rows, pitch};
       const dispatcher::Place place = pallet.slot(asked_ - 1);
       request_.number(seen.number());
-      // The fingers close across the longer side, which has no direction.
+      // The fingers close across the longer side. Half a turn gives the same grip.
       set(request_.pick(), {belt_x + seen.y(), belt_y - seen.x(), belt_z},
           -std::remainder(seen.angle(), std::numbers::pi));
       set(request_.place(), place, 0);
@@ -63,4 +83,4 @@ class Dispatcher : public takt::Component {
     pose.yaw(yaw);
   }
 };
-TAKT_COMPONENT(Dispatcher, "Asks a robot to take the parts that come.")
+TAKT_COMPONENT(Dispatcher, "Requests a robot to move each part that arrives.")

@@ -12,7 +12,7 @@
 namespace dispatcher {
 namespace {
 
-TEST(Pallet, FillsColumnByColumnAndBeginsAgain) {
+TEST(Pallet, FillsRowByRowAndThenStartsAgain) {
   const Pallet pallet{{1, 2, 3}, 3, 2, 0.1};
   EXPECT_NEAR(pallet.slot(0).x, 1, 1e-12);
   EXPECT_NEAR(pallet.slot(2).x, 1.2, 1e-12);
@@ -32,7 +32,7 @@ line::Part seen(std::uint32_t number, const char* kind, double y) {
   return part;
 }
 
-TEST(Dispatcher, AsksForThePartWhereItLiesAndForTheNextPlace) {
+TEST(Dispatcher, RequestsEachPartForTheNextPlace) {
   takt::testing::Module module{{.sporadic = true}};
   auto& part = module.in<line::Part>("part");
   auto& request = module.out<motion::PickRequest>("request");
@@ -45,7 +45,7 @@ TEST(Dispatcher, AsksForThePartWhereItLiesAndForTheNextPlace) {
   EXPECT_NEAR(first.pick().x(), 0.77, 1e-12);
   EXPECT_NEAR(first.pick().roll(), std::numbers::pi, 1e-12);
 
-  part.write(seen(1, "box", 0.02));  // it still waits
+  part.write(seen(1, "box", 0.02));  // the same part, still waiting
   module.step();
   EXPECT_EQ(request.value().place().x(), first.place().x());
   part.write(seen(2, "bottle", -0.01));
@@ -61,7 +61,7 @@ TEST(Dispatcher, TurnsTheToolWithThePart) {
   auto& request = module.out<motion::PickRequest>("request");
   ASSERT_TRUE(module.start());
   line::Part turned = seen(1, "box", 0);
-  turned.x(0.01);  // has not come as far as the barrier
+  turned.x(0.01);  // not yet at the barrier
   turned.angle(0.4);
   part.write(turned);
   module.step();
@@ -69,13 +69,13 @@ TEST(Dispatcher, TurnsTheToolWithThePart) {
   EXPECT_NEAR(request.value().pick().yaw(), -0.4, 1e-12);
   EXPECT_EQ(request.value().place().yaw(), 0);
   turned.number(2);
-  turned.angle(3);  // the same as 0.14 the other way
+  turned.angle(3);  // the same axis as -0.14
   part.write(turned);
   module.step();
   EXPECT_NEAR(request.value().pick().yaw(), std::numbers::pi - 3, 1e-12);
 }
 
-TEST(Dispatcher, LeavesBottlesWhenItIsToldTo) {
+TEST(Dispatcher, SkipsBottlesIfConfigured) {
   takt::testing::Module module{{.sporadic = true}};
   ASSERT_TRUE(module.set("bottles", "false"));
   auto& part = module.in<line::Part>("part");

@@ -1,4 +1,4 @@
-// Where parts are taken from and put down, seen from a robot's foot: what dispatcher says to it. SI units.
+// Pick and place positions for dispatcher, in the frame of the robot's foot. SI units.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@ struct Place {
   double z = 0;
 };
 
-/// A pallet of `columns` along x and `rows` along y, `pitch` m apart. A full one is exchanged for an empty
-/// one.
+/// A pallet with `columns` places along x and `rows` along y, `pitch` m apart. After the last place it starts
+/// again, as with an empty pallet.
 struct Pallet {
   Place first;
   std::int64_t columns = 4;
   std::int64_t rows = 3;
   double pitch = 0.12;
 
-  /// Of the n-th part, from 0.
+  /// The place of part n, from 0.
   [[nodiscard]] Place slot(std::uint64_t n) const noexcept {
     const auto place = n % static_cast<std::uint64_t>(columns * rows);
     const auto column = place % static_cast<std::uint64_t>(columns);

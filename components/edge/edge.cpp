@@ -1,4 +1,4 @@
-// A thread module in C++: edges of a flag.
+// A thread module in C++: detects edges of a flag.
 #include <takt/component.hpp>
 
 #include <string>
@@ -8,20 +8,19 @@
 #include "edge_detector.hpp"
 
 class Edge : public takt::Component {
-  takt::InPort<basic::Flag> in{*this, "in", {.text = "CLK; a queue where no edge may be lost."}};
+  takt::InPort<basic::Flag> in{*this, "in", {.text = "CLK; connect it as a queue if no edge may be lost."}};
   takt::OutPort<basic::Flag> q{*this, "q", {.text = "True for the one cycle that sees an edge."}};
   takt::OutPort<basic::Count> count{*this, "count", {.text = "Edges since the start."}};
   takt::Property<std::string> direction{
       *this,
       "direction",
       "rising",
-      {.text = "R_TRIG, F_TRIG, or either.", .choices = {"rising", "falling", "both"}}};
+      {.text = "R_TRIG, F_TRIG, or both.", .choices = {"rising", "falling", "both"}}};
   takt::Property<bool> at_start{
       *this,
       "at_start",
       false,
-      {.text =
-           "The first sample ends an edge if it is as after one, as IEC 61131-3 has it after a cold start."}};
+      {.text = "True: the first sample can be an edge, as in IEC 61131-3 after a cold start."}};
 
   edge::EdgeDetector detector_;
   bool begun_ = false;
@@ -44,10 +43,10 @@ class Edge : public takt::Component {
     count.write(count_);
   }
 
-  // What the flag did in between nobody saw.
+  // The module did not see the flag before the recovery.
   takt::Result<void> recover() override {
     detector_.forget();
     return {};
   }
 };
-TAKT_COMPONENT(Edge, "Finds rising and falling edges of a flag.")
+TAKT_COMPONENT(Edge, "Detects rising and falling edges of a flag.")

@@ -1,26 +1,26 @@
-// Edges of a flag. For real-time threads.
+// Detects edges of a flag. For real-time threads.
 #pragma once
 
 namespace edge {
 
-/// R_TRIG and F_TRIG of IEC 61131-3, and both.
+/// R_TRIG or F_TRIG of IEC 61131-3, or both.
 struct EdgeDetector {
   bool rising = true;
   bool falling = false;
 
-  /// Whether this value ends an edge after the last one.
+  /// Whether there is an edge from the last value to this one.
   bool step(bool value) noexcept {
     const bool edge = known_ && value != last_ && (value ? rising : falling);
     known_ = true;
     last_ = value;
     return edge;
   }
-  /// What the flag is taken to have been before the next value.
+  /// Sets the value before the next one.
   void assume(bool value) noexcept {
     known_ = true;
     last_ = value;
   }
-  /// The next value is the first: no edge.
+  /// The next value counts as the first one, which is not an edge.
   void forget() noexcept { known_ = false; }
 
  private:

@@ -23,14 +23,14 @@ std::string edges_of(bool rising, bool falling, const std::string& in) {
   return out;
 }
 
-TEST(EdgeDetector, TellsEachEdgeForOneStep) {
+TEST(EdgeDetector, ReportsEachEdgeForOneStep) {
   const std::string in = "0110010111000";
   EXPECT_EQ(edges_of(true, false, in), "0100010100000");
   EXPECT_EQ(edges_of(false, true, in), "0001001000100");
   EXPECT_EQ(edges_of(true, true, in), "0101011100100");
 }
 
-TEST(EdgeDetector, TheFirstValueIsNoEdge) {
+TEST(EdgeDetector, DoesNotCountTheFirstValueAsAnEdge) {
   EXPECT_EQ(edges_of(true, true, "111"), "000");
   EXPECT_EQ(edges_of(true, true, "000"), "000");
 }
@@ -59,14 +59,14 @@ TEST_F(Edge, IsTrueForOneCycle) {
   EXPECT_TRUE(is(true));
 }
 
-TEST_F(Edge, TakesTheFirstSampleAsTheStandardDoesWhereItIsToldTo) {
+TEST_F(Edge, TreatsATrueFirstSampleAsAnEdgeIfConfigured) {
   ASSERT_TRUE(module.set("at_start", "true"));
   ASSERT_TRUE(module.start());
   EXPECT_TRUE(is(true));
   EXPECT_FALSE(is(true));
 }
 
-TEST_F(Edge, TheFirstSampleOfAFallingOneIsAnEdgeWhenItIsFalse) {
+TEST_F(Edge, TreatsAFalseFirstSampleAsAFallingEdgeIfConfigured) {
   ASSERT_TRUE(module.set("at_start", "true"));
   ASSERT_TRUE(module.set("direction", "falling"));
   ASSERT_TRUE(module.start());
@@ -95,7 +95,7 @@ TEST_F(Edge, CountsEveryEdgeOfAQueue) {
   }
 }
 
-TEST_F(Edge, TakesNoEdgeFromWhatItDidNotSee) {
+TEST_F(Edge, ReportsNoEdgeAcrossARecovery) {
   ASSERT_TRUE(module.start());
   is(false);
   ASSERT_TRUE(module.error(takt::ErrorType::budget));

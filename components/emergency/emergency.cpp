@@ -1,5 +1,5 @@
 // A sporadic thread module in the form of the paper's Figure 10: switches a motor off when its winding is too
-// hot and on again when it has cooled. With the defaults it trips about three times a second.
+// hot, and on again when it has cooled. With the defaults it trips about three times a second.
 #include <takt/module.h>
 
 #include <cstdio>
@@ -8,9 +8,9 @@
 #include "limit.hpp"
 
 TAKT_TEXT("Switches a motor off when its winding is too hot, and on again when it has cooled.");
-TAKT_NUMBER(current_a, 10, 0, 100, "A", "While it is on; heats the winding to 1.5 K/A^2.");
-TAKT_NUMBER(trip_k, 90, 1, 1000, "K", "Above the room: off.");
-TAKT_NUMBER(clear_k, 60, 0.1, 1000, "K", "Above the room: on again; below trip_k.");
+TAKT_NUMBER(current_a, 10, 0, 100, "A", "Motor current while on; heats the winding to 1.5 K/A^2.");
+TAKT_NUMBER(trip_k, 90, 1, 1000, "K", "Temperature above the room that trips.");
+TAKT_NUMBER(clear_k, 60, 0.1, 1000, "K", "Temperature above the room that clears; below trip_k.");
 
 namespace {
 
@@ -51,7 +51,7 @@ void recover(void) {
 
 void destruct(void) {
   std::fprintf(stderr,
-               "emergency: tripped %llu times, hottest %.2f K above the room of %.2f K allowed; %d errors\n",
+               "emergency: tripped %llu times, at most %.2f K above the room, limit %.2f K; %d errors\n",
                static_cast<unsigned long long>(drive.trips), drive.hottest, drive.limit.trip, errors);
 }
 }

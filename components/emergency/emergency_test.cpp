@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kCheck = 100e-6;
 
-TEST(Limit, FiresExactlyAtItsEdges) {
+TEST(Limit, FiresExactlyAtItsThresholds) {
   Limit limit{.trip = 90, .clear = 60};
   EXPECT_FALSE(limit.pending(std::nextafter(90.0, 0.0)));
   EXPECT_TRUE(limit.pending(90));
@@ -34,7 +34,7 @@ TEST(Limit, StaysPendingUntilServed) {
   EXPECT_FALSE(limit.pending(95));
 }
 
-TEST(Winding, WarmsToWhatItsCurrentSays) {
+TEST(Winding, WarmsToTheSteadyStateOfItsCurrent) {
   Winding winding;
   for (int i = 0; i < 100000; ++i) winding.step(2, kCheck);
   EXPECT_NEAR(winding.temperature, 6, 1e-6);
@@ -65,9 +65,9 @@ TEST(Drive, TripsAFewTimesASecond) {
   EXPECT_LT(drive.hottest, drive.limit.trip + 0.1);
 }
 
-TEST(Drive, NeverTripsAtACurrentItStands) {
+TEST(Drive, NeverTripsAtASafeCurrent) {
   Drive drive;
-  drive.current = 7;  // 73.5 K in the end
+  drive.current = 7;  // steady state: 73.5 K
   for (int i = 0; i < 100000; ++i) ASSERT_FALSE(drive.condition(kCheck));
 }
 
@@ -81,12 +81,12 @@ std::uint64_t runs_in_a_second(const char* current) {
 }
 
 TEST(Emergency, TripsAboutThreeTimesASecond) {
-  EXPECT_GE(runs_in_a_second("10"), 4U);  // off and on again
+  EXPECT_GE(runs_in_a_second("10"), 4U);  // each trip takes two runs: off and on
   EXPECT_LE(runs_in_a_second("10"), 8U);
 }
 TEST(Emergency, DoesNotRunWhileTheWindingIsCool) { EXPECT_EQ(runs_in_a_second("5"), 0U); }
 
-TEST(Emergency, IsColdAgainAfterARecovery) {
+TEST(Emergency, StartsColdAfterARecovery) {
   takt::testing::Module module{{.period = 100us, .sporadic = true}};
   ASSERT_TRUE(module.start());
   ASSERT_TRUE(module.step_until([&] { return module.runs() == 1; }, 10'000));
@@ -95,7 +95,7 @@ TEST(Emergency, IsColdAgainAfterARecovery) {
   EXPECT_EQ(module.step(1000), 0U);
 }
 
-TEST(Emergency, RefusesALimitThatWouldNeverClear) {
+TEST(Emergency, RejectsAClearLimitAboveTheTripLimit) {
   takt::testing::Module module{{.sporadic = true}};
   ASSERT_TRUE(module.set("clear_k", "95"));
   EXPECT_EQ(module.start().text(), "threw: property 'clear_k' must be below 'trip_k'");

@@ -1,5 +1,5 @@
-// The winding temperature of a motor and the limit on it: what emergency computes, without the module around
-// it. Kelvin above the room's temperature, amperes, seconds. Everything here is for real-time threads.
+// The mathematics of emergency: the winding temperature of a motor and its limit. Temperatures are in kelvin
+// above the room, currents in amperes, times in seconds. Everything here is real-time.
 #pragma once
 
 #include <cmath>
@@ -7,9 +7,9 @@
 
 namespace emergency {
 
-/// One thermal mass that is heated by the square of the current.
+/// One thermal mass, heated by the square of the current.
 struct Winding {
-  double time_constant = 0.4;  ///< s; a winding of a servo motor, without its housing
+  double time_constant = 0.4;  ///< s; the winding of a servo motor, without the housing
   double heating = 1.5;        ///< K/A^2 in the steady state
   double temperature = 0;      ///< K above the room
 
@@ -18,20 +18,20 @@ struct Winding {
   }
 };
 
-/// A limit with hysteresis. An edge stays pending until it is served, so none is lost when run() comes late
-/// or not at all.
+/// A limit with hysteresis. An edge stays pending until it is served, so none is lost if run() is late or
+/// skipped.
 struct Limit {
   double trip = 90;
   double clear = 60;
   bool tripped = false;
 
-  /// Whether there is an edge to serve: the limit is reached and has not tripped, or has tripped and the
-  /// value is low again.
+  /// Whether there is an edge to serve: the value has reached `trip`, or after a trip it has fallen to
+  /// `clear`.
   [[nodiscard]] bool pending(double value) const noexcept { return tripped ? value <= clear : value >= trip; }
   void serve() noexcept { tripped = !tripped; }
 };
 
-/// The motor that overheats: it runs until the limit trips, rests until it clears.
+/// A motor that overheats: it runs until the limit trips and rests until the limit clears.
 struct Drive {
   Winding winding{};
   Limit limit{};
@@ -39,7 +39,7 @@ struct Drive {
   double hottest = 0;
   std::uint64_t trips = 0;
 
-  /// One step of the motor; whether the emergency has something to do.
+  /// Steps the motor. True if there is an edge to serve.
   bool condition(double dt) noexcept {
     winding.step(limit.tripped ? 0 : current, dt);
     if (winding.temperature > hottest) hottest = winding.temperature;

@@ -11,28 +11,35 @@
 #include "two_channel_stop.hpp"
 
 class EmergencyStop : public takt::Component {
-  takt::InPort<basic::Flag> channel_a{*this, "channel_a", {.text = "True: closed, nobody asks for a stop."}};
-  takt::InPort<basic::Flag> channel_b{*this, "channel_b", {.text = "The same, by the second contact."}};
-  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge permits, once both are closed."}};
+  takt::InPort<basic::Flag> channel_a{
+      *this, "channel_a", {.text = "First contact. True: closed, no stop is requested."}};
+  takt::InPort<basic::Flag> channel_b{
+      *this, "channel_b", {.text = "Second contact. True: closed, no stop is requested."}};
+  takt::InPort<basic::Flag> reset{
+      *this, "reset", {.text = "A rising edge permits running, once both channels are closed."}};
   takt::OutPort<basic::Flag> run_permitted{
       *this,
       "run_permitted",
-      {.text = "Every cycle: read it with a deadline. Its safe value is false.", .safe = basic::Flag{}}};
+      {.text = "Written every cycle; read it with a deadline. Its safe value is false.",
+       .safe = basic::Flag{}}};
   takt::OutPort<basic::Count> state{
       *this, "state", {.text = "0 permitted, 1 stopped, 2 waits for the reset, 3 discrepancy, 4 no signal."}};
   takt::Property<double> discrepancy_time{
       *this,
       "discrepancy_time",
       0.1,
-      {.unit = "s", .min = 1e-6, .max = 10, .text = "Within which one channel follows the other."}};
+      {.unit = "s", .min = 1e-6, .max = 10, .text = "One channel must follow the other within this time."}};
   takt::Property<double> timeout{
-      *this, "timeout", 0.1, {.unit = "s", .min = 1e-6, .max = 10, .text = "An input that is older stops."}};
+      *this,
+      "timeout",
+      0.1,
+      {.unit = "s", .min = 1e-6, .max = 10, .text = "An input older than this stops."}};
 
   takt::Property<bool> start_reset{
       *this,
       "start_reset",
       false,
-      {.text = "After the start it permits without a reset, once both are closed."}};
+      {.text = "True: after the start, no reset is needed once both channels are closed."}};
 
   emergency_stop::TwoChannelStop stop_;
   common::Releases releases_;
@@ -72,7 +79,7 @@ class EmergencyStop : public takt::Component {
     state.write(state_);
   }
 
-  // Whatever takes it out of the table stops at once, and a reset is needed after it.
+  // When the module leaves the table for any reason, it stops at once and then needs a reset.
   void halt() noexcept {
     stop_.trip();
     tell();
@@ -85,4 +92,4 @@ class EmergencyStop : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(EmergencyStop, "Logic of an emergency stop with two channels; not certified.")
+TAKT_COMPONENT(EmergencyStop, "Logic of a two-channel emergency stop; not certified.")

@@ -45,13 +45,13 @@ TEST_F(Stop, PermitsNothingAtTheStart) {
   EXPECT_EQ(step(kClosed), State::wait_reset);
 }
 
-TEST_F(Stop, PermitsByARisingEdgeOfTheReset) {
+TEST_F(Stop, PermitsOnARisingEdgeOfTheReset) {
   step(kClosed);
   EXPECT_EQ(step(with_reset(kClosed)), State::permitted);
   EXPECT_EQ(step(kClosed), State::permitted);
 }
 
-TEST_F(Stop, NeedsNoResetAfterTheStartWhereThatIsAllowed) {
+TEST_F(Stop, NeedsNoResetAfterTheStartWithStartReset) {
   TwoChannelStop::Inputs closed = kClosed;
   closed.start_reset = true;
   TwoChannelStop::Inputs open = kOpen;
@@ -64,19 +64,19 @@ TEST_F(Stop, NeedsNoResetAfterTheStartWhereThatIsAllowed) {
   EXPECT_EQ(step(closed), State::wait_reset) << "nor after an error";
 }
 
-TEST_F(Stop, IsNotReleasedByAResetThatIsHeld) {
+TEST_F(Stop, IgnoresAHeldReset) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
   permit();
   step(with_reset(kOpen));
   for (int i = 0; i < 5; ++i) EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(Stop, IsNotReleasedByAnEdgeInTheStepInWhichTheChannelsClose) {
+TEST_F(Stop, IgnoresAResetEdgeInTheStepThatClosesTheChannels) {
   step(kOpen);
   EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(Stop, StopsAtOnceByEitherChannel) {
+TEST_F(Stop, StopsAtOnceOnEitherChannel) {
   for (const bool a : {true, false}) {
     permit();
     EXPECT_EQ(step(one_open(a)), State::stopped);
@@ -85,11 +85,11 @@ TEST_F(Stop, StopsAtOnceByEitherChannel) {
   }
 }
 
-TEST_F(Stop, CallsAChannelThatDoesNotFollowADiscrepancy) {
+TEST_F(Stop, ReportsADiscrepancyWhenAChannelDoesNotFollow) {
   permit();
   for (int i = 0; i < 10; ++i) EXPECT_EQ(step(one_open(true)), State::stopped) << i;
   EXPECT_EQ(step(one_open(true)), State::discrepancy);
-  // It does not go by itself, nor by a reset, until both channels were open.
+  // The discrepancy does not end by itself or by a reset before both channels have been open.
   EXPECT_EQ(step(kClosed), State::discrepancy);
   EXPECT_EQ(step(with_reset(kClosed)), State::discrepancy);
   EXPECT_EQ(step(kOpen), State::stopped);
@@ -97,7 +97,7 @@ TEST_F(Stop, CallsAChannelThatDoesNotFollowADiscrepancy) {
   EXPECT_EQ(step(with_reset(kClosed)), State::permitted);
 }
 
-TEST_F(Stop, ExpectsTheSecondChannelAlsoAfterTheFirstClosedAgain) {
+TEST_F(Stop, ReportsADiscrepancyEvenIfTheFirstChannelClosedAgain) {
   permit();
   step(one_open(false));
   for (int i = 0; i < 9; ++i) {
@@ -106,13 +106,13 @@ TEST_F(Stop, ExpectsTheSecondChannelAlsoAfterTheFirstClosedAgain) {
   EXPECT_EQ(step(kClosed), State::discrepancy);
 }
 
-TEST_F(Stop, WatchesTheChannelsAlsoWhenTheyClose) {
+TEST_F(Stop, ReportsADiscrepancyWhenOnlyOneChannelCloses) {
   step(kOpen);
   for (int i = 0; i < 10; ++i) step(one_open(true));
   EXPECT_EQ(step(one_open(true)), State::discrepancy);
 }
 
-TEST_F(Stop, FailsToStoppedWithoutASignal) {
+TEST_F(Stop, StopsWithoutASignal) {
   permit();
   TwoChannelStop::Inputs silent = kClosed;
   silent.fresh = false;
@@ -120,18 +120,18 @@ TEST_F(Stop, FailsToStoppedWithoutASignal) {
   EXPECT_EQ(step(kClosed), State::wait_reset);
 }
 
-TEST_F(Stop, TakesNoEdgeFromAButtonThatWasNotHeard) {
+TEST_F(Stop, IgnoresAnEdgeFromAButtonThatWasSilent) {
   TwoChannelStop::Inputs unheard = kClosed;
   unheard.reset_fresh = false;
   step(unheard);
   EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(Stop, NeverPermitsAgainstItsRulesWhateverComes) {
+TEST_F(Stop, KeepsItsRulesForRandomInputs) {
   std::mt19937 random(13);
   bool permitted = false;
-  bool both_last = false;      // at the last step both were closed and heard
-  bool released_last = false;  // and the button was seen released
+  bool both_last = false;      // at the last step both channels were closed and fresh
+  bool released_last = false;  // at the last step the button was seen released
   for (int i = 0; i < 200000; ++i) {
     const TwoChannelStop::Inputs in{.a = random() % 8 != 0,
                                     .b = random() % 8 != 0,
@@ -146,7 +146,7 @@ TEST_F(Stop, NeverPermitsAgainstItsRulesWhateverComes) {
         ASSERT_TRUE(both_last && released_last && in.reset && in.reset_fresh) << i;
       }
     } else if (permitted) {
-      ASSERT_FALSE(both) << i;  // it stops for no other reason
+      ASSERT_FALSE(both) << i;  // there is no other reason to stop
     }
     permitted = now;
     both_last = both;
@@ -192,7 +192,7 @@ TEST_F(EmergencyStop, PermitsStopsAndPermitsAgain) {
   permit();
 }
 
-TEST_F(EmergencyStop, StopsWhenAChannelIsSilentForLongerThanItsTime) {
+TEST_F(EmergencyStop, StopsWhenAChannelTimesOut) {
   ASSERT_TRUE(module.start());
   permit();
   for (int i = 0; i < 10; ++i) {
@@ -206,7 +206,7 @@ TEST_F(EmergencyStop, StopsWhenAChannelIsSilentForLongerThanItsTime) {
   EXPECT_EQ(state.value().value(), 4);
 }
 
-TEST_F(EmergencyStop, StopsWhenReleasesWereMissedSoLongThatItsInputsAreOld) {
+TEST_F(EmergencyStop, StopsWhenMissedReleasesMakeItsInputsTooOld) {
   ASSERT_TRUE(module.start());
   permit();
   module.miss(20);
@@ -239,7 +239,7 @@ TEST_F(EmergencyStop, PermitsNothingWithOneChannelUnconnected) {
   }
 }
 
-TEST_F(EmergencyStop, RefusesTimesShorterThanItsPeriod) {
+TEST_F(EmergencyStop, RejectsTimesShorterThanItsPeriod) {
   ASSERT_TRUE(module.set("timeout", "0.005"));
   EXPECT_EQ(module.start().text(),
             "property 'timeout' cannot be '0.005'; it takes a number, 0.01 to 10 at a period of 10 ms, in s");

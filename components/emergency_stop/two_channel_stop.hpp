@@ -7,28 +7,28 @@ namespace emergency_stop {
 
 enum class State : std::uint8_t {
   permitted = 0,    ///< running is permitted
-  stopped = 1,      ///< a channel is open, or was and the other has not followed
-  wait_reset = 2,   ///< both channels are closed; a reset permits
-  discrepancy = 3,  ///< a channel did not follow the other; both have to open first
-  no_signal = 4,    ///< a channel was never heard, or not for too long
+  stopped = 1,      ///< a channel is open, or was open and the other has not followed
+  wait_reset = 2,   ///< both channels are closed; a reset permits running
+  discrepancy = 3,  ///< a channel did not follow the other; both must open first
+  no_signal = 4,    ///< a channel has no sample, or only one that is too old
 };
 
-/// Closed (true) channels mean that nobody asks for a stop. After PLCopen Safety: SF_Equivalent for the two
-/// channels, SF_EmergencyStop for the rest: with a manual reset, also after the start
-/// unless start_reset.
+/// A closed (true) channel requests no stop. The logic follows PLCopen Safety: SF_Equivalent for the two
+/// channels, SF_EmergencyStop for the rest. It needs a manual reset, also after the start unless start_reset
+/// is true.
 class TwoChannelStop {
  public:
   struct Inputs {
     bool a = false, b = false;  ///< closed
-    bool fresh = false;         ///< both were heard lately
+    bool fresh = false;         ///< both channels have a recent sample
     bool reset = false;         ///< the button
-    bool reset_fresh = false;   ///< was heard lately
-    bool start_reset = false;   ///< the first time needs none
+    bool reset_fresh = false;   ///< the button has a recent sample
+    bool start_reset = false;   ///< the first time needs no reset
   };
 
-  /// Times in nanoseconds: since the last step; within which one channel follows the other.
+  /// `passed_ns`: time since the last step. `discrepancy_ns`: one channel must follow the other within it.
   State step(const Inputs& in, std::int64_t passed_ns, std::int64_t discrepancy_ns) noexcept {
-    // An edge is of a button that was seen released, while the channels were closed already.
+    // An edge counts only if the button was seen released and the channels were already closed.
     const bool edge = in.reset_fresh && in.reset && released_ && state_ == State::wait_reset;
     released_ = in.reset_fresh && !in.reset;
     if (!in.fresh) {
@@ -36,7 +36,7 @@ class TwoChannelStop {
       state_ = fault_ ? State::discrepancy : State::no_signal;
       return state_;
     }
-    // A channel that opened and closed again does not do: a contact of the other one may be welded.
+    // It is not enough that a channel opened and closed again: the other one's contact may be welded.
     const bool agree = in.a == in.b && !(waits_ && agreed_ && in.a);
     waited_ns_ = waits_ && !agree ? waited_ns_ + passed_ns : 0;
     waits_ = !agree;
@@ -53,7 +53,7 @@ class TwoChannelStop {
     }
     return state_;
   }
-  /// Back to the start: stopped, a reset is needed. A discrepancy stays.
+  /// Stops; then a reset is needed, as after the start. A discrepancy stays.
   void trip() noexcept {
     state_ = State::stopped;
     released_ = false;
@@ -64,9 +64,9 @@ class TwoChannelStop {
   State state_ = State::stopped;
   bool was_permitted_ = false;
   bool fault_ = false;
-  bool agreed_ = false;    // what both channels were when they last agreed
-  bool waits_ = false;     // one channel has changed, and the other has not followed yet
-  bool released_ = false;  // the button, at the last step
+  bool agreed_ = false;    // the common value when the channels last agreed
+  bool waits_ = false;     // one channel has changed and the other has not followed yet
+  bool released_ = false;  // the button was seen released at the last step
   std::int64_t waited_ns_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Two fingers that close on a part: what gripper simulates. SI units. For real-time threads.
+// The simulation behind gripper: two fingers that close on a part. SI units. For real-time threads.
 #pragma once
 
 #include <algorithm>
@@ -6,21 +6,21 @@
 namespace gripper {
 
 struct Fingers {
-  double stroke = 0.08;      ///< m, between the fingers when they are open
-  double speed = 0.1;        ///< m/s, of the width
-  double part_width = 0.04;  ///< m, of a part that is there; more than the stroke cannot be gripped
+  double stroke = 0.08;      ///< m, distance between the open fingers
+  double speed = 0.1;        ///< m/s, rate of change of the width
+  double part_width = 0.04;  ///< m, width of a part; a part wider than the stroke cannot be gripped
 
   double width = 0.08;  ///< m
   bool holding = false;
 
-  /// Open fingers, at rest.
+  /// Opens the fingers at once.
   void reset() noexcept {
     width = stroke;
     holding = false;
   }
 
-  /// One that comes between fingers that are closer than it is wide is not gripped; one that is gone is not
-  /// held any more, and the fingers go on.
+  /// Moves the fingers. If they are already closer together than a part is wide, they do not grip it. If a
+  /// held part is gone, they lose it and close.
   void step(bool close, bool part_present, double dt) noexcept {
     const double before = width;
     const double wanted = close ? 0 : stroke;

@@ -1,4 +1,4 @@
-// A thread module in C++: a gripper with two fingers, simulated.
+// A thread module in C++: simulates a gripper with two fingers.
 #include <takt/component.hpp>
 
 #include <sstream>
@@ -9,17 +9,25 @@
 #include "grip.hpp"
 
 class Gripper : public takt::Component {
-  takt::InPort<basic::Flag> close{*this, "close", {.text = "The fingers are to close; false opens them."}};
+  takt::InPort<basic::Flag> close{*this, "close", {.text = "True closes the fingers, false opens them."}};
   takt::InPort<basic::Flag> part_present{
-      *this, "part_present", {.text = "A part is between the fingers. Not connected: there always is one."}};
-  takt::OutPort<basic::Flag> holding{*this, "holding", {.text = "The fingers rest on a part."}};
-  takt::OutPort<basic::Number> width{*this, "width", {.text = "Between the fingers, m."}};
+      *this,
+      "part_present",
+      {.text = "A part is between the fingers. If not connected, there is always one."}};
+  takt::OutPort<basic::Flag> holding{*this, "holding", {.text = "The fingers are closed on a part."}};
+  takt::OutPort<basic::Number> width{*this, "width", {.text = "Distance between the fingers, m."}};
   takt::Property<double> stroke{
-      *this, "stroke", 0.08, {.unit = "m", .min = 0.001, .max = 1, .text = "Between the open fingers."}};
+      *this,
+      "stroke",
+      0.08,
+      {.unit = "m", .min = 0.001, .max = 1, .text = "Distance between the open fingers."}};
   takt::Property<double> speed{
-      *this, "speed", 0.1, {.unit = "m/s", .min = 0.001, .max = 5, .text = "At which the width changes."}};
+      *this, "speed", 0.1, {.unit = "m/s", .min = 0.001, .max = 5, .text = "Rate of change of the width."}};
   takt::Property<double> part_width{
-      *this, "part_width", 0.04, {.unit = "m", .min = 0, .max = 1, .text = "Of the parts."}};
+      *this,
+      "part_width",
+      0.04,
+      {.unit = "m", .min = 0, .max = 1, .text = "Width of the parts; at most stroke."}};
 
   gripper::Fingers fingers_;
   basic::Flag holding_;
@@ -33,8 +41,8 @@ class Gripper : public takt::Component {
         return out.str();
       };
       return takt::fail(
-          "a part of " + text(part_width) + " does not go between fingers that open " + text(stroke),
-          "make stroke larger or part_width smaller");
+          "a part of " + text(part_width) + " does not fit between fingers that open " + text(stroke),
+          "increase stroke or reduce part_width");
     }
     fingers_.stroke = stroke;
     fingers_.reset();
@@ -47,7 +55,7 @@ class Gripper : public takt::Component {
     fingers_.part_width = part_width;
     close.read();
     part_present.read();
-    // What nobody has said yet is false: the fingers open.
+    // Inputs are false before their first sample: the fingers open.
     const bool there = !part_present.connected() || part_present.value().value();
     fingers_.step(close.value().value(), there, cycle.seconds());
     holding_.value(fingers_.holding);
@@ -56,4 +64,4 @@ class Gripper : public takt::Component {
     width.write(width_);
   }
 };
-TAKT_COMPONENT(Gripper, "A gripper with two fingers, simulated.")
+TAKT_COMPONENT(Gripper, "Simulates a gripper with two fingers.")

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;
 
-/// After so many seconds.
+/// The fingers after this many seconds.
 Fingers after(Fingers fingers, double seconds, bool close, bool part) {
   for (int i = 0; i < static_cast<int>(seconds / kPeriod + 0.5); ++i) fingers.step(close, part, kPeriod);
   return fingers;
@@ -25,13 +25,13 @@ TEST(Fingers, HoldAPartAsSoonAsTheyReachIt) {
   EXPECT_TRUE(after(closed, 10, true, true).holding);
 }
 
-TEST(Fingers, CloseWhollyWhenThereIsNothing) {
+TEST(Fingers, CloseCompletelyWithoutAPart) {
   const Fingers closed = after({}, 1, true, false);
   EXPECT_FALSE(closed.holding);
   EXPECT_DOUBLE_EQ(closed.width, 0);
 }
 
-TEST(Fingers, DoNotGripWhatComesTooLate) {
+TEST(Fingers, DoNotGripAPartThatArrivesTooLate) {
   const Fingers closed = after(after({}, 1, true, false), 1, true, true);
   EXPECT_FALSE(closed.holding);
   EXPECT_DOUBLE_EQ(closed.width, 0);
@@ -43,7 +43,7 @@ TEST(Fingers, LoseAPartThatIsTakenAway) {
   EXPECT_DOUBLE_EQ(after(closed, 1, true, false).width, 0);
 }
 
-TEST(Fingers, LetGoWhenTheyOpenAndOpenNoFurtherThanTheirStroke) {
+TEST(Fingers, ReleaseThePartAndOpenToTheirStroke) {
   const Fingers closed = after({}, 1, true, true);
   const Fingers opening = after(closed, kPeriod, false, true);
   EXPECT_FALSE(opening.holding);
@@ -51,7 +51,7 @@ TEST(Fingers, LetGoWhenTheyOpenAndOpenNoFurtherThanTheirStroke) {
   EXPECT_DOUBLE_EQ(after(closed, 1, false, true).width, 0.08);
 }
 
-TEST(Fingers, HoldAPartAsWideAsTheyOpen) {
+TEST(Fingers, HoldAPartAsWideAsTheStroke) {
   EXPECT_TRUE(after({.part_width = 0.08}, kPeriod, true, true).holding);
 }
 
@@ -61,7 +61,7 @@ basic::Flag flag(bool value) {
   return one;
 }
 
-TEST(Gripper, IsOpenUntilItIsToldToClose) {
+TEST(Gripper, IsOpenUntilTheFirstCloseCommand) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("stroke", "0.06"));
   auto& width = module.out<basic::Number>("width");
@@ -72,7 +72,7 @@ TEST(Gripper, IsOpenUntilItIsToldToClose) {
   EXPECT_FALSE(holding.value().value());
 }
 
-TEST(Gripper, HoldsAPartWhereNobodySaysWhetherThereIsOne) {
+TEST(Gripper, AssumesAPartIfPartPresentIsNotConnected) {
   takt::testing::Module module;
   auto& close = module.in<basic::Flag>("close");
   auto& holding = module.out<basic::Flag>("holding");
@@ -84,7 +84,7 @@ TEST(Gripper, HoldsAPartWhereNobodySaysWhetherThereIsOne) {
   EXPECT_DOUBLE_EQ(width.value().value(), 0.04);
 }
 
-TEST(Gripper, HoldsOnlyWhatIsThere) {
+TEST(Gripper, HoldsAPartOnlyWhileItIsPresent) {
   takt::testing::Module module;
   auto& close = module.in<basic::Flag>("close");
   auto& there = module.in<basic::Flag>("part_present");
@@ -104,12 +104,13 @@ TEST(Gripper, HoldsOnlyWhatIsThere) {
   EXPECT_FALSE(holding.value().value());
 }
 
-TEST(Gripper, RefusesPartsThatDoNotFit) {
+TEST(Gripper, RejectsPartsThatDoNotFit) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("part_width", "0.1"));
-  EXPECT_EQ(module.start().text(),
-            "a part of 0.1 m does not go between fingers that open 0.08 m; make stroke larger or part_width "
-            "smaller");
+  EXPECT_EQ(
+      module.start().text(),
+      "a part of 0.1 m does not fit between fingers that open 0.08 m; increase stroke or reduce part_width"
+      "smaller");
 }
 
 }  // namespace

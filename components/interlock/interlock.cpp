@@ -1,4 +1,4 @@
-// A thread module in C++: conditions that must all hold, and which one failed first.
+// A thread module in C++: permits while all conditions are true, and reports which one failed first.
 #include <takt/component.hpp>
 
 #include <array>
@@ -11,7 +11,7 @@
 
 class Interlock : public takt::Component {
   using Input = takt::InPort<basic::Flag>;
-  std::array<Input, 8> in{Input{*this, "in_1", {.text = "A permissive; ignored when it is not connected."}},
+  std::array<Input, 8> in{Input{*this, "in_1", {.text = "A permissive; ignored if not connected."}},
                           Input{*this, "in_2"},
                           Input{*this, "in_3"},
                           Input{*this, "in_4"},
@@ -19,18 +19,22 @@ class Interlock : public takt::Component {
                           Input{*this, "in_6"},
                           Input{*this, "in_7"},
                           Input{*this, "in_8"}};
-  Input reset{*this, "reset", {.text = "A rising edge forgets the first-out, once all hold."}};
+  Input reset{*this, "reset", {.text = "A rising edge clears first_out, if all permissives are true."}};
   takt::OutPort<basic::Flag> permitted{
-      *this, "permitted", {.text = "All that are connected are true.", .safe = basic::Flag{}}};
+      *this, "permitted", {.text = "True if all connected permissives are true.", .safe = basic::Flag{}}};
   takt::OutPort<basic::Count> first_out{
-      *this, "first_out", {.text = "The input that dropped first, 1 to 8; 0: none since the reset."}};
-  takt::Property<bool> latching{
-      *this, "latching", false, {.text = "Permission comes back by the reset only."}};
-  takt::Property<double> timeout{
       *this,
-      "timeout",
-      0,
-      {.unit = "s", .min = 0, .max = 1e6, .text = "An input that is older counts as false; 0: of any age."}};
+      "first_out",
+      {.text = "Number of the permissive that dropped first, 1 to 8; 0: none since the reset."}};
+  takt::Property<bool> latching{
+      *this, "latching", false, {.text = "True: permission returns only after a reset."}};
+  takt::Property<double> timeout{*this,
+                                 "timeout",
+                                 0,
+                                 {.unit = "s",
+                                  .min = 0,
+                                  .max = 1e6,
+                                  .text = "An input older than this counts as false; 0: never expires."}};
 
   interlock::Permissives permissives_;
   common::RisingEdge reset_;
@@ -41,8 +45,8 @@ class Interlock : public takt::Component {
     for (const Input& input : in) {
       if (input.connected()) return {};
     }
-    return takt::fail("no permissive is connected, so it would never permit anything",
-                      "connect a flag to in_1, ... in_8");
+    return takt::fail("no permissive is connected, so it can never permit anything",
+                      "connect a flag to one of in_1 to in_8");
   }
 
   void run(const takt::Cycle&) noexcept override {
@@ -71,4 +75,4 @@ class Interlock : public takt::Component {
   void error(takt::ErrorType) override { tell(false); }
   void destruct() override { tell(false); }
 };
-TAKT_COMPONENT(Interlock, "Permits when all its inputs do, and says which failed first.")
+TAKT_COMPONENT(Interlock, "Permits while all connected inputs are true, and reports which failed first.")

@@ -14,7 +14,7 @@ namespace {
 using common::flag;
 using std::chrono::milliseconds;
 
-TEST(Permissives, PermitWhenAllThatAreUsedAreGiven) {
+TEST(Permissives, PermitWhenAllUsedInputsAreTrue) {
   Permissives permissives;
   for (std::uint32_t used = 0; used < 256; ++used) {
     for (std::uint32_t given = 0; given < 256; ++given) {
@@ -23,7 +23,7 @@ TEST(Permissives, PermitWhenAllThatAreUsedAreGiven) {
   }
 }
 
-TEST(Permissives, KeepTheFirstThatDropped) {
+TEST(Permissives, KeepTheFirstInputThatDropped) {
   Permissives permissives;
   permissives.step(0b111, 0b111, false, false);
   EXPECT_EQ(permissives.first_out(), 0);
@@ -33,19 +33,19 @@ TEST(Permissives, KeepTheFirstThatDropped) {
   permissives.step(0b111, 0b010, false, false);
   EXPECT_EQ(permissives.first_out(), 2);
   permissives.step(0b111, 0b111, false, false);
-  EXPECT_EQ(permissives.first_out(), 2);  // it can still be read
+  EXPECT_EQ(permissives.first_out(), 2);  // it stays readable
   permissives.step(0b111, 0b011, false, false);
-  EXPECT_EQ(permissives.first_out(), 3);  // of the next time
+  EXPECT_EQ(permissives.first_out(), 3);  // the next drop replaces it
 }
 
-TEST(Permissives, NameTheLowestOfThoseThatDropTogether) {
+TEST(Permissives, ReportTheLowestOfInputsThatDropTogether) {
   Permissives permissives;
   permissives.step(0b1111, 0b1111, false, false);
   permissives.step(0b1111, 0b0001, false, false);
   EXPECT_EQ(permissives.first_out(), 2);
 }
 
-TEST(Permissives, ForgetTheFirstOutByAResetWhileAllHold) {
+TEST(Permissives, ClearTheFirstOutOnAResetWhileAllHold) {
   Permissives permissives;
   permissives.step(1, 1, false, false);
   permissives.step(1, 0, false, true);
@@ -54,7 +54,7 @@ TEST(Permissives, ForgetTheFirstOutByAResetWhileAllHold) {
   EXPECT_EQ(permissives.first_out(), 0);
 }
 
-TEST(Permissives, DoWhatTheirDefinitionSaysForRandomInputs) {
+TEST(Permissives, MatchTheirDefinitionForRandomInputs) {
   std::mt19937 random(17);
   for (const bool latching : {false, true}) {
     Permissives permissives;
@@ -96,7 +96,7 @@ class Interlock : public ::testing::Test {
   }
 };
 
-TEST_F(Interlock, IgnoresWhatIsNotConnectedAndWaitsForWhatIs) {
+TEST_F(Interlock, IgnoresUnconnectedInputsAndWaitsForConnectedOnes) {
   ASSERT_TRUE(module.start());
   second.write(flag(true));
   module.step();
@@ -107,7 +107,7 @@ TEST_F(Interlock, IgnoresWhatIsNotConnectedAndWaitsForWhatIs) {
   EXPECT_TRUE(permitted.value().value());
 }
 
-TEST_F(Interlock, SaysWhichDroppedFirst) {
+TEST_F(Interlock, ReportsWhichInputDroppedFirst) {
   ASSERT_TRUE(module.start());
   cycle(true, true);
   cycle(true, false);
@@ -117,7 +117,7 @@ TEST_F(Interlock, SaysWhichDroppedFirst) {
   EXPECT_EQ(first_out.value().value(), 5);
 }
 
-TEST_F(Interlock, PermitsAgainByTheResetWhenItLatches) {
+TEST_F(Interlock, PermitsAgainAfterAResetWhenLatching) {
   auto& reset = module.in<basic::Flag>("reset");
   ASSERT_TRUE(module.set("latching", "true"));
   ASSERT_TRUE(module.start());
@@ -132,7 +132,7 @@ TEST_F(Interlock, PermitsAgainByTheResetWhenItLatches) {
   EXPECT_EQ(first_out.value().value(), 0);
 }
 
-TEST_F(Interlock, TakesAnInputThatIsOldForFalse) {
+TEST_F(Interlock, TreatsAnExpiredInputAsFalse) {
   ASSERT_TRUE(module.set("timeout", "0.05"));
   ASSERT_TRUE(module.start());
   cycle(true, true);
@@ -154,13 +154,13 @@ TEST_F(Interlock, PermitsNothingAfterAnError) {
   EXPECT_FALSE(permitted.value().value());
 }
 
-TEST(InterlockAlone, IsRefusedWithoutAPermissive) {
+TEST(InterlockAlone, RejectsToStartWithoutAPermissive) {
   takt::testing::Module module;
-  const auto refused = module.start();
-  ASSERT_FALSE(refused.ok());
+  const auto start = module.start();
+  ASSERT_FALSE(start.ok());
   EXPECT_EQ(
-      refused.text(),
-      "no permissive is connected, so it would never permit anything; connect a flag to in_1, ... in_8");
+      start.text(),
+      "no permissive is connected, so it can never permit anything; connect a flag to one of in_1 to in_8");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Conditions that must all hold, and which one failed first. For real-time threads.
+// Permits while all conditions are true, and keeps the first one that failed. For real-time threads.
 #pragma once
 
 #include <bit>
@@ -6,12 +6,12 @@
 
 namespace interlock {
 
-/// Sets of inputs are words: bit 0 is input 1. First-out as an annunciator of ISA-18.1 has it: of what
-/// dropped after all was well, the first is kept, whatever drops or comes back after it.
+/// A set of inputs is a bit mask: bit 0 is input 1. First-out works as in an annunciator of ISA-18.1: it
+/// keeps the first input that dropped after all were true, whatever drops or returns later.
 class Permissives {
  public:
-  /// `used`: those that count; `given`: those that hold now. With `latching`, permission comes back only by
-  /// `reset`, and that only while all hold. Whether it is permitted.
+  /// `used`: the inputs that count; `given`: the inputs that are true. With `latching`, permission returns
+  /// only on a `reset` while all used inputs are true. Returns whether it permits.
   bool step(std::uint32_t used, std::uint32_t given, bool latching, bool reset) noexcept {
     const std::uint32_t missing = used & ~given;
     const bool all = used != 0 && missing == 0;

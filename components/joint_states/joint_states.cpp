@@ -1,4 +1,4 @@
-// A thread module in C++: says to programs of ROS 2 where an arm's axes are, as sensor_msgs/JointState.
+// A thread module in C++: publishes an arm's axis positions for ROS 2, as sensor_msgs/JointState.
 #include <takt/component.hpp>
 
 #include <chrono>
@@ -9,15 +9,16 @@
 #include "names.hpp"
 
 class JointStates : public takt::Component {
-  takt::InPort<motion::JointState> measured{*this, "measured", {.text = "Where the axes are."}};
+  takt::InPort<motion::JointState> measured{
+      *this, "measured", {.text = "Position and velocity of the axes."}};
   takt::OutPort<sensor_msgs::msg::JointState> joint_states{
-      *this, "joint_states", {.text = "The same, for a topic of ROS 2."}};
+      *this, "joint_states", {.text = "The same as a ROS 2 message, for a ROS 2 topic."}};
   takt::Property<std::string> names{
       *this,
       "names",
       "joint1 joint2 joint3 joint4 joint5 joint6",
-      {.text = "What ROS 2 calls the axes, as in its URDF: six names with spaces between them."}};
-  takt::Property<std::string> frame{*this, "frame", "base_link", {.text = "The frame of the header."}};
+      {.text = "Axis names in ROS 2, as in the URDF: six names separated by spaces."}};
+  takt::Property<std::string> frame{*this, "frame", "base_link", {.text = "Frame in the message header."}};
 
   sensor_msgs::msg::JointState message_;
 
@@ -25,14 +26,14 @@ class JointStates : public takt::Component {
     const auto words = joint_states::words(names.value());
     if (words.size() != motion::AXES) {
       return takt::fail("'names' has " + std::to_string(words.size()) + " names",
-                        "an arm has six axes: write six names with spaces between them");
+                        "an arm has six axes; write six names separated by spaces");
     }
     for (const std::string& word : words) {
       if (word.size() > joint_states::kLongest)
-        return takt::fail("the name '" + word + "' is too long", "a name has at most 63 characters");
+        return takt::fail("the name '" + word + "' is too long", "use at most 63 characters");
     }
     if (frame.value().size() > joint_states::kLongest)
-      return takt::fail("'frame' is too long", "a frame has at most 63 characters");
+      return takt::fail("'frame' is too long", "use at most 63 characters");
     message_.name().assign(words.begin(), words.end());
     message_.header().frame_id(frame.value());
     message_.position().resize(motion::AXES);
@@ -42,7 +43,7 @@ class JointStates : public takt::Component {
 
   void run(const takt::Cycle&) noexcept override {
     if (!measured.read()) return;
-    // Wall-clock time, as ROS 2 stamps; read without a system call.
+    // Wall-clock time, as ROS 2 expects; read without a system call.
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
     message_.header().stamp().sec(static_cast<std::int32_t>(seconds.count()));
@@ -56,4 +57,4 @@ class JointStates : public takt::Component {
     joint_states.write(message_);
   }
 };
-TAKT_COMPONENT(JointStates, "Says an arm's axes to programs of ROS 2.")
+TAKT_COMPONENT(JointStates, "Publishes an arm's axis positions for ROS 2 programs.")

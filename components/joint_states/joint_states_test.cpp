@@ -11,20 +11,20 @@ namespace {
 
 using sensor_msgs::msg::JointState;
 
-TEST(JointStates, SaysWhatWasMeasuredAndNothingTwice) {
+TEST(JointStates, PublishesEachMeasurementOnce) {
   takt::testing::Module module{{.period = std::chrono::milliseconds{20}}};
   auto& measured = module.in<motion::JointState>("measured");
-  auto& said = module.out<JointState>("joint_states");
+  auto& published = module.out<JointState>("joint_states");
   ASSERT_TRUE(module.start());
   module.step(10);
-  EXPECT_EQ(said.count(), 0U);
+  EXPECT_EQ(published.count(), 0U);
   motion::JointState arm;
   arm.position()[5] = 1.5;
   arm.velocity()[0] = -2;
   measured.write(arm);
   module.step();
-  ASSERT_EQ(said.count(), 1U);
-  const JointState state = said.value();
+  ASSERT_EQ(published.count(), 1U);
+  const JointState state = published.value();
   EXPECT_EQ(state.position(), (std::vector<double>{0, 0, 0, 0, 0, 1.5}));
   EXPECT_EQ(state.velocity(), (std::vector<double>{-2, 0, 0, 0, 0, 0}));
   EXPECT_TRUE(state.effort().empty());
@@ -33,20 +33,20 @@ TEST(JointStates, SaysWhatWasMeasuredAndNothingTwice) {
   EXPECT_GT(state.header().stamp().sec(), 1'700'000'000);
   EXPECT_LT(state.header().stamp().nanosec(), 1'000'000'000U);
   module.step(10);
-  EXPECT_EQ(said.count(), 1U) << "nothing new was measured";
+  EXPECT_EQ(published.count(), 1U) << "no new measurement";
 }
 
-TEST(JointStates, RefusesNamesThatAreNotSix) {
+TEST(JointStates, RejectsThreeNames) {
   takt::testing::Module module{{}};
   ASSERT_TRUE(module.set("names", "a b c"));
   EXPECT_NE(module.initialize().text().find("'names' has 3 names"), std::string::npos);
 }
-TEST(JointStates, RefusesANameThatIsTooLong) {
+TEST(JointStates, RejectsANameThatIsTooLong) {
   takt::testing::Module module{{}};
   ASSERT_TRUE(module.set("names", "a b c d e " + std::string(64, 'x')));
   EXPECT_NE(module.initialize().text().find("is too long"), std::string::npos);
 }
-TEST(Words, AreWhatSpacesPart) {
+TEST(Words, AreSeparatedByWhiteSpace) {
   EXPECT_EQ(joint_states::words("  a  bc\td "), (std::vector<std::string>{"a", "bc", "d"}));
   EXPECT_TRUE(joint_states::words(" ").empty());
 }

@@ -1,4 +1,4 @@
-// Names in one text with spaces between them.
+// Splits a text into names at white space.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace joint_states {
 
-inline constexpr std::size_t kLongest = 63;  ///< of a name in sensor_msgs/JointState as idl/ros2 has it
+inline constexpr std::size_t kLongest = 63;  ///< limit of a name in sensor_msgs/JointState of idl/ros2
 
 inline std::vector<std::string> words(const std::string& text) {
   std::istringstream stream{text};

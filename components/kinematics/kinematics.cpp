@@ -1,4 +1,4 @@
-// A thread module in C++: where the tool of an arm of six axes is.
+// A thread module in C++: computes the pose of a six-axis arm's tool.
 #include <takt/component.hpp>
 
 #include <optional>
@@ -10,10 +10,11 @@
 #include "arm_model/kinematics.hpp"
 
 class KinematicsModule : public takt::Component {
-  takt::InPort<motion::JointState> joints{*this, "joints", {.text = "Where the axes are."}};
-  takt::OutPort<motion::Pose> pose{*this, "pose", {.text = "Where the tool is then, in the foot."}};
+  takt::InPort<motion::JointState> joints{*this, "joints", {.text = "Position of the axes."}};
+  takt::OutPort<motion::Pose> pose{
+      *this, "pose", {.text = "Pose of the tool in the frame of the robot's foot."}};
   takt::Property<std::string> model{
-      *this, "model", "", {.text = "File of the arm's parameters; empty: the arm that is built in."}};
+      *this, "model", "", {.text = "File with the arm's parameters; empty: the built-in arm."}};
 
   std::optional<arm_model::Kinematics> kinematics_;
   motion::Pose output_;
@@ -21,7 +22,7 @@ class KinematicsModule : public takt::Component {
   takt::Result<void> initialize() override {
     auto read = arm_model::read(model);
     if (const auto* problem = std::get_if<std::string>(&read))
-      return takt::fail(*problem, "name another file in the property 'model', or mend this one");
+      return takt::fail(*problem, "correct the file, or set property 'model' to another file");
     kinematics_.emplace(std::get<arm_model::Parameters>(read));
     return {};
   }
@@ -38,4 +39,4 @@ class KinematicsModule : public takt::Component {
     pose.write(output_);
   }
 };
-TAKT_COMPONENT(KinematicsModule, "Where the tool of a six-axis arm is.")
+TAKT_COMPONENT(KinematicsModule, "Computes the pose of a six-axis arm's tool.")

@@ -43,7 +43,7 @@ Answer search(Search& search, const KDL::Frame& goal, const Joints& near) {
   return answer;
 }
 
-TEST(Kinematics, TheToolPointsDownBeforeTheArmAtHome) {
+TEST(Kinematics, PointsTheToolDownInFrontOfTheArmAtHome) {
   Kinematics kinematics{arm_model::built_in()};
   const arm_model::Pose pose = arm_model::pose(kinematics.forward(home()));
   EXPECT_NEAR(pose.x, 0.16 + 0.64, 1e-12);
@@ -54,8 +54,8 @@ TEST(Kinematics, TheToolPointsDownBeforeTheArmAtHome) {
   EXPECT_NEAR(pose.yaw, 0, 1e-9);
 }
 
-TEST(Kinematics, APoseIsTurnedAboutTheFixedAxesInTurn) {
-  // A quarter about x brings z to -y; another about z brings that to x.
+TEST(Kinematics, AppliesRollAndYawAboutTheFixedAxesInOrder) {
+  // A quarter turn about x moves z to -y; a quarter turn about z moves that to x.
   const KDL::Frame frame = arm_model::frame({.roll = kPi / 2, .yaw = kPi / 2});
   EXPECT_LT((frame.M.UnitZ() - KDL::Vector{1, 0, 0}).Norm(), 1e-12);
   const arm_model::Pose back = arm_model::pose(frame);
@@ -63,7 +63,7 @@ TEST(Kinematics, APoseIsTurnedAboutTheFixedAxesInTurn) {
   EXPECT_NEAR(back.yaw, kPi / 2, 1e-9);
 }
 
-TEST(Kinematics, TheJacobianIsWhatTheToolDoesWhenAnAxisMovesALittle) {
+TEST(Kinematics, HasAJacobianThatMatchesFiniteDifferences) {
   Kinematics kinematics{arm_model::built_in()};
   const Joints at{0.3, 0.4, -0.2, 0.5, 1.1, -0.7};
   const arm_model::Matrix6 jacobian = kinematics.jacobian(at);
@@ -76,13 +76,13 @@ TEST(Kinematics, TheJacobianIsWhatTheToolDoesWhenAnAxisMovesALittle) {
   }
 }
 
-TEST(Kinematics, IsSingularWhereTwoAxesAreInLine) {
+TEST(Kinematics, IsSingularWhenTwoAxesAreAligned) {
   Kinematics kinematics{arm_model::built_in()};
   EXPECT_GT(Kinematics::dexterity(kinematics.jacobian(home())), 0.1);
   EXPECT_LT(Kinematics::dexterity(kinematics.jacobian({0.2, 0.3, 0.1, 0.4, 0, 0.5})), 1e-6);
 }
 
-TEST(Search, FindsThousandsOfPosesThatTheArmCanTake) {
+TEST(Search, FindsThousandsOfReachablePoses) {
   Kinematics kinematics{arm_model::built_in()};
   Search here{kinematics};
   std::mt19937 random{1};
@@ -110,7 +110,7 @@ TEST(Search, FindsThousandsOfPosesThatTheArmCanTake) {
   EXPECT_LT(most, int(Search::kStarts) * Search::kStepsPerStart);
 }
 
-TEST(Search, OfSeveralAnswersTakesTheOneThatTheAxesAreNear) {
+TEST(Search, PrefersTheAnswerNearestToTheAxes) {
   Kinematics kinematics{arm_model::built_in()};
   Search here{kinematics};
   Joints near = home();
@@ -119,7 +119,7 @@ TEST(Search, OfSeveralAnswersTakesTheOneThatTheAxesAreNear) {
   for (std::size_t i = 0; i < kAxes; ++i) EXPECT_NEAR(here.found()[i], wanted[i], 1e-6) << "axis " << i;
 }
 
-TEST(Search, SaysWhyThereIsNoAnswer) {
+TEST(Search, ReportsWhyThereIsNoAnswer) {
   Kinematics kinematics{arm_model::built_in()};
   Search here{kinematics};
   const Answer far = search(here, arm_model::frame({.x = 2, .z = 0.5, .roll = kPi}), home());
@@ -137,7 +137,7 @@ TEST(Search, SaysWhyThereIsNoAnswer) {
   EXPECT_EQ(beside.reach, Reach::joint_limit);
 }
 
-TEST(Search, IsTheSameEveryTime) {
+TEST(Search, IsDeterministic) {
   Kinematics kinematics{arm_model::built_in()};
   const KDL::Frame goal = arm_model::frame({.x = 0.4, .y = -0.6, .z = 0.3, .roll = kPi, .yaw = 2});
   Search one{kinematics};
@@ -171,13 +171,13 @@ TEST(Parameters, AreReadFromAFile) {
   EXPECT_EQ(std::get<arm_model::Parameters>(arm_model::read(""))[0].a, arm_model::built_in()[0].a);
 }
 
-TEST(Parameters, SayWhatIsWrongAndWhere) {
+TEST(Parameters, ReportErrorsWithTheirPlace) {
   using testing::HasSubstr;
   EXPECT_THAT(std::get<std::string>(arm_model::read("/no/such.json")),
               HasSubstr("no/such.json: cannot be read"));
   EXPECT_THAT(problem("{"), HasSubstr("arm_parameters.json: "));
   EXPECT_THAT(problem(R"({"axes":[]})"), HasSubstr("six objects"));
-  EXPECT_THAT(problem(axes(R"(,"mas":3)")), HasSubstr("axes[5].mas: there is no such value"));
+  EXPECT_THAT(problem(axes(R"(,"mas":3)")), HasSubstr("axes[5].mas: unknown member"));
   EXPECT_THAT(problem(axes(R"(,"mass":-3)")), HasSubstr("axes[5].mass: must be a number of at least 0"));
   EXPECT_THAT(problem(axes(R"(,"rotor":0)")), HasSubstr("axes[5].rotor: must be a number above 0"));
   EXPECT_THAT(problem(axes(R"(,"upper":-4)")), HasSubstr("axes[5].lower: must be below upper"));
@@ -186,7 +186,7 @@ TEST(Parameters, SayWhatIsWrongAndWhere) {
   EXPECT_THAT(problem(R"({"axes":[{},{},{},{},{},{}]})"), HasSubstr("axes[0].a: is missing"));
 }
 
-TEST(KinematicsModule, SaysWhereTheToolIsWhenAxesCome) {
+TEST(KinematicsModule, WritesThePoseForEachNewAxisSample) {
   takt::testing::Module module;
   auto& joints = module.in<motion::JointState>("joints");
   auto& pose = module.out<motion::Pose>("pose");
@@ -202,7 +202,7 @@ TEST(KinematicsModule, SaysWhereTheToolIsWhenAxesCome) {
   EXPECT_NEAR(pose.value().z(), 0.92, 1e-12);
 }
 
-TEST(KinematicsModule, RefusesAFileThatIsNotThere) {
+TEST(KinematicsModule, RejectsAMissingModelFile) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("model", "no_such_arm.json"));
   EXPECT_THAT(module.start().text(), testing::HasSubstr("no_such_arm.json: cannot be read"));

@@ -3,7 +3,7 @@
 
 namespace latch {
 
-/// SR lets set win over reset, RS reset over set.
+/// SR: set wins over reset. RS: reset wins over set.
 class Bistable {
  public:
   bool step(bool set, bool reset, bool set_wins) noexcept {

@@ -1,13 +1,13 @@
-// An alarm on a value that is beyond its limit. For real-time threads.
+// An alarm for a value beyond its limit. For real-time threads.
 #pragma once
 
 #include <cstdint>
 
 namespace limit_monitor {
 
-/// Comes when the value has been beyond the limit for a time without a break, goes when it is back by the
-/// hysteresis (ISA-18.2: on-delay and deadband). With `latching` it goes only when it is acknowledged after
-/// that.
+/// The alarm starts when the value has been beyond the limit for the delay without interruption. It ends when
+/// the value is within the limit by the hysteresis (ISA-18.2: on-delay and deadband). With `latching` it then
+/// also needs an acknowledgement.
 class LimitAlarm {
  public:
   struct Settings {
@@ -16,7 +16,8 @@ class LimitAlarm {
     bool latching = false;
   };
 
-  /// `beyond`: how far the value is beyond the limit, below 0 when it is within. Times in nanoseconds.
+  /// `beyond`: distance of the value beyond the limit, negative within it. `passed_ns`: time since the last
+  /// step.
   bool step(double beyond, const Settings& settings, bool acknowledge, std::int64_t passed_ns) noexcept {
     const bool over = beyond > 0;
     over_ns_ = over && was_over_ ? over_ns_ + passed_ns : 0;

@@ -1,4 +1,4 @@
-// A thread module in C++: tells when a value is beyond its limits.
+// A thread module in C++: raises an alarm when a value is beyond its limits.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -11,39 +11,45 @@
 #include "limit_alarm.hpp"
 
 class LimitMonitor : public takt::Component {
-  takt::InPort<basic::Number> value{*this, "value", {.text = "What is watched."}};
-  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge ends alarms that are latched."}};
-  takt::OutPort<basic::Flag> high_alarm{*this, "high_alarm", {.text = "The value is above its limit."}};
-  takt::OutPort<basic::Flag> low_alarm{*this, "low_alarm", {.text = "The value is below its limit."}};
-  takt::OutPort<basic::Flag> ok{
-      *this, "ok", {.text = "There is a value, it is a number, and there is no alarm."}};
-  takt::Property<double> high{*this, "high", 1e300, {.text = "In the unit of the value; above low."}};
-  takt::Property<double> low{*this, "low", -1e300, {.text = "In the unit of the value; below high."}};
+  takt::InPort<basic::Number> value{*this, "value", {.text = "The monitored value, in any unit."}};
+  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge clears latched alarms."}};
+  takt::OutPort<basic::Flag> high_alarm{*this, "high_alarm", {.text = "The value is above the high limit."}};
+  takt::OutPort<basic::Flag> low_alarm{*this, "low_alarm", {.text = "The value is below the low limit."}};
+  takt::OutPort<basic::Flag> ok{*this, "ok", {.text = "There is a finite value and no alarm."}};
+  takt::Property<double> high{
+      *this, "high", 1e300, {.text = "High limit, in the unit of the value; above low."}};
+  takt::Property<double> low{
+      *this, "low", -1e300, {.text = "Low limit, in the unit of the value; below high."}};
   takt::Property<double> hysteresis{
-      *this, "hysteresis", 0, {.min = 0, .max = 1e300, .text = "An alarm goes this far within its limit."}};
-  takt::Property<double> delay{
       *this,
-      "delay",
+      "hysteresis",
       0,
-      {.unit = "s", .min = 0, .max = 1e6, .text = "How long it is beyond before an alarm."}};
-  takt::Property<bool> latching{*this, "latching", false, {.text = "An alarm stays until the reset."}};
+      {.min = 0, .max = 1e300, .text = "An alarm ends when the value is this far within its limit."}};
+  takt::Property<double> delay{*this,
+                               "delay",
+                               0,
+                               {.unit = "s",
+                                .min = 0,
+                                .max = 1e6,
+                                .text = "The value must be beyond its limit for this long before an alarm."}};
+  takt::Property<bool> latching{*this, "latching", false, {.text = "True: an alarm stays until the reset."}};
 
   limit_monitor::LimitAlarm above_;
   limit_monitor::LimitAlarm below_;
-  bool was_no_number_ = false;
+  bool was_not_finite_ = false;
   double high_ = 0, low_ = 0, hysteresis_ = 0;
   common::Releases releases_;
   common::RisingEdge reset_;
   basic::Flag flag_;
 
-  [[nodiscard]] bool limits_make_sense() const noexcept { return low < high && hysteresis < high - low; }
+  [[nodiscard]] bool limits_are_valid() const noexcept { return low < high && hysteresis < high - low; }
 
   takt::Result<void> initialize() override {
     if (auto checked = common::check_period(period()); !checked) return checked;
-    if (!limits_make_sense()) {
+    if (!limits_are_valid()) {
       return takt::fail(
-          "with these limits an alarm could never go: low is not below high, or hysteresis spans both",
-          "give it low < high and a hysteresis below high - low");
+          "low is not below high, or hysteresis is not below high - low, so an alarm could never end",
+          "set low < high and hysteresis < high - low");
     }
     return {};
   }
@@ -52,8 +58,9 @@ class LimitMonitor : public takt::Component {
     const auto passed = static_cast<std::int64_t>(releases_.step(cycle.number)) * cycle.period.count();
     const bool acknowledge = common::count_rising(reset, reset_) > 0;
     common::read_newest(value);
-    // Of limits that are set one after the other some may not go together: then the old ones hold.
-    if (limits_make_sense()) {
+    // Limits that are set one after the other may be inconsistent in between; then the old ones stay in
+    // effect.
+    if (limits_are_valid()) {
       high_ = high;
       low_ = low;
       hysteresis_ = hysteresis;
@@ -64,13 +71,13 @@ class LimitMonitor : public takt::Component {
           .delay_ns = std::llround(delay * 1e9), .hysteresis = hysteresis_, .latching = latching};
       above_.step(value.value().value() - high_, settings, acknowledge, passed);
       below_.step(low_ - value.value().value(), settings, acknowledge, passed);
-      if (acknowledge || !latching) was_no_number_ = false;
+      if (acknowledge || !latching) was_not_finite_ = false;
     } else {
-      was_no_number_ = value.has_value();
+      was_not_finite_ = value.has_value();
     }
     write(high_alarm, above_.on());
     write(low_alarm, below_.on());
-    write(ok, number && !above_.on() && !below_.on() && !was_no_number_);
+    write(ok, number && !above_.on() && !below_.on() && !was_not_finite_);
   }
 
   void write(takt::OutPort<basic::Flag>& port, bool is) noexcept {
@@ -85,4 +92,4 @@ class LimitMonitor : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(LimitMonitor, "Alarms when a value leaves its limits.")
+TAKT_COMPONENT(LimitMonitor, "Raises an alarm when a value is beyond its limits.")

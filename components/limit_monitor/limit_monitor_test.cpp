@@ -20,17 +20,17 @@ using common::flag;
 using common::number;
 using std::chrono::milliseconds;
 
-TEST(LimitAlarm, ComesBeyondItsLimitAndGoesWithinTheHysteresis) {
+TEST(LimitAlarm, StartsBeyondTheLimitAndEndsWithinTheHysteresis) {
   LimitAlarm alarm;
   const LimitAlarm::Settings settings{.hysteresis = 2};
-  EXPECT_FALSE(alarm.step(0, settings, false, 1));  // at the limit is not beyond it
+  EXPECT_FALSE(alarm.step(0, settings, false, 1));  // a value at the limit is not beyond it
   EXPECT_TRUE(alarm.step(0.1, settings, false, 1));
   EXPECT_TRUE(alarm.step(-1.9, settings, false, 1));
   EXPECT_FALSE(alarm.step(-2, settings, false, 1));
   EXPECT_FALSE(alarm.step(-1.9, settings, false, 1));
 }
 
-TEST(LimitAlarm, WaitsForItsDelayWithoutABreak) {
+TEST(LimitAlarm, NeedsTheDelayWithoutInterruption) {
   LimitAlarm alarm;
   const LimitAlarm::Settings settings{.delay_ns = 30};
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(alarm.step(1, settings, false, 10)) << i;
@@ -39,7 +39,7 @@ TEST(LimitAlarm, WaitsForItsDelayWithoutABreak) {
   EXPECT_TRUE(alarm.step(1, settings, false, 10));
 }
 
-TEST(LimitAlarm, StaysWhenItLatchesUntilItIsAcknowledgedWithinTheLimit) {
+TEST(LimitAlarm, StaysLatchedUntilAcknowledgedWithinTheLimit) {
   LimitAlarm alarm;
   const LimitAlarm::Settings settings{.latching = true};
   EXPECT_TRUE(alarm.step(1, settings, false, 10));
@@ -48,8 +48,8 @@ TEST(LimitAlarm, StaysWhenItLatchesUntilItIsAcknowledgedWithinTheLimit) {
   EXPECT_FALSE(alarm.step(-1, settings, true, 10));
 }
 
-/// Looks back at every value that there was.
-TEST(LimitAlarm, DoesWhatItsDefinitionSaysForRandomValues) {
+/// Compares with a slow implementation that looks back at every value.
+TEST(LimitAlarm, MatchesItsDefinitionForRandomValues) {
   std::mt19937 random(11);
   for (int n = 0; n < 100; ++n) {
     const LimitAlarm::Settings settings{
@@ -101,7 +101,7 @@ TEST_F(LimitMonitor, IsNotOkBeforeItsFirstValue) {
   EXPECT_TRUE(ok.value().value());
 }
 
-TEST_F(LimitMonitor, TellsOnWhichSideTheValueIs) {
+TEST_F(LimitMonitor, ReportsWhichLimitIsExceeded) {
   ASSERT_TRUE(module.start());
   is(10.5);
   EXPECT_TRUE(high.value().value());
@@ -125,7 +125,7 @@ TEST_F(LimitMonitor, CountsItsDelayOnTheGrid) {
   EXPECT_TRUE(high.value().value());
 }
 
-TEST_F(LimitMonitor, IsNotOkWithWhatIsNoNumberAndKeepsItsAlarms) {
+TEST_F(LimitMonitor, IsNotOkForANonFiniteValueAndKeepsItsAlarms) {
   ASSERT_TRUE(module.start());
   is(0);
   is(std::nan(""));
@@ -137,7 +137,7 @@ TEST_F(LimitMonitor, IsNotOkWithWhatIsNoNumberAndKeepsItsAlarms) {
   EXPECT_TRUE(ok.value().value());
 }
 
-TEST_F(LimitMonitor, LatchesAlsoThatThereWasNoNumber) {
+TEST_F(LimitMonitor, LatchesANonFiniteValueToo) {
   ASSERT_TRUE(module.set("latching", "true"));
   ASSERT_TRUE(module.start());
   is(std::nan(""));
@@ -148,14 +148,14 @@ TEST_F(LimitMonitor, LatchesAlsoThatThereWasNoNumber) {
   EXPECT_TRUE(ok.value().value());
 }
 
-TEST_F(LimitMonitor, RefusesLimitsThatCross) {
+TEST_F(LimitMonitor, RejectsLimitsThatCross) {
   ASSERT_TRUE(module.set("low", "11"));
-  const auto refused = module.start();
-  ASSERT_FALSE(refused.ok());
-  EXPECT_NE(refused.text().find("low < high"), std::string::npos) << refused.text();
+  const auto start = module.start();
+  ASSERT_FALSE(start.ok());
+  EXPECT_NE(start.text().find("low < high"), std::string::npos) << start.text();
 }
 
-TEST_F(LimitMonitor, KeepsItsLimitsWhereNewOnesCross) {
+TEST_F(LimitMonitor, KeepsItsLimitsWhenNewOnesCross) {
   ASSERT_TRUE(module.start());
   is(0);
   ASSERT_TRUE(module.set("high", "-10"));
@@ -166,7 +166,7 @@ TEST_F(LimitMonitor, KeepsItsLimitsWhereNewOnesCross) {
   EXPECT_TRUE(high.value().value());
 }
 
-TEST_F(LimitMonitor, IsNotOkOnceAnErrorTookItOut) {
+TEST_F(LimitMonitor, IsNotOkAfterAnError) {
   ASSERT_TRUE(module.start());
   is(0);
   ASSERT_TRUE(module.error(takt::ErrorType::budget));

@@ -1,4 +1,4 @@
-// A gate of several inputs. For real-time threads.
+// A logic gate with several inputs. For real-time threads.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@ namespace logic_gate {
 
 enum class Function { all_of, any_of, odd, not_all_of, none_of };
 
-/// "and", "or", "xor", "nand", "nor", "not"; with one input "not" is what "nor" is with several.
+/// "and", "or", "xor", "nand", "nor", "not". "not" is the same as "nor", meant for one input.
 constexpr std::optional<Function> function_of(std::string_view name) noexcept {
   if (name == "and") return Function::all_of;
   if (name == "or") return Function::any_of;
@@ -20,8 +20,8 @@ constexpr std::optional<Function> function_of(std::string_view name) noexcept {
   return std::nullopt;
 }
 
-/// Sets of inputs are words: bit 0 is input 1. Of `used`, not empty, `given` are true. xor of several is true
-/// for an odd number of them.
+/// A set of inputs is a bit mask: bit 0 is input 1. `used`: the inputs that count, not empty; `given`: the
+/// inputs that are true. xor is true if an odd number of inputs is true.
 constexpr bool output(Function function, std::uint32_t used, std::uint32_t given) noexcept {
   given &= used;
   switch (function) {

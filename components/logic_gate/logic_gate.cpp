@@ -1,4 +1,4 @@
-// A thread module in C++: a gate of up to four inputs.
+// A thread module in C++: a logic gate with up to four inputs.
 #include <takt/component.hpp>
 
 #include <array>
@@ -11,15 +11,15 @@
 
 class LogicGate : public takt::Component {
   using Input = takt::InPort<basic::Flag>;
-  std::array<Input, 4> in{Input{*this, "in_1", {.text = "Ignored when it is not connected."}},
-                          Input{*this, "in_2"}, Input{*this, "in_3"}, Input{*this, "in_4"}};
+  std::array<Input, 4> in{Input{*this, "in_1", {.text = "Ignored if not connected."}}, Input{*this, "in_2"},
+                          Input{*this, "in_3"}, Input{*this, "in_4"}};
   takt::OutPort<basic::Flag> out{
-      *this, "out", {.text = "Every cycle, once each input that is connected has come."}};
+      *this, "out", {.text = "Written every cycle, after each connected input has received a sample."}};
   takt::Property<std::string> function{
       *this,
       "function",
       "and",
-      {.text = "Of all inputs that are connected.", .choices = {"and", "or", "xor", "nand", "nor", "not"}}};
+      {.text = "Function of all connected inputs.", .choices = {"and", "or", "xor", "nand", "nor", "not"}}};
 
   basic::Flag out_;
 
@@ -30,7 +30,7 @@ class LogicGate : public takt::Component {
   }
 
   takt::Result<void> initialize() override {
-    if (used() == 0) return takt::fail("no input is connected", "connect a flag to in_1, ... in_4");
+    if (used() == 0) return takt::fail("no input is connected", "connect a flag to one of in_1 to in_4");
     return {};
   }
 
@@ -47,4 +47,4 @@ class LogicGate : public takt::Component {
     out.write(out_);
   }
 };
-TAKT_COMPONENT(LogicGate, "And, or, exclusive or and not of flags.")
+TAKT_COMPONENT(LogicGate, "Logic gate for flags: and, or, xor, nand, nor, not.")

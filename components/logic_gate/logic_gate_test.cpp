@@ -37,7 +37,7 @@ TEST(Gate, HasItsTruthTableForAnyInputs) {
   EXPECT_FALSE(function_of("AND"));
 }
 
-TEST(LogicGate, SaysNothingBeforeEachInputThatIsConnectedHasCome) {
+TEST(LogicGate, WritesNothingUntilEveryConnectedInputHasAValue) {
   takt::testing::Module module;
   auto& first = module.in<basic::Flag>("in_1");
   auto& fourth = module.in<basic::Flag>("in_4");
@@ -55,11 +55,11 @@ TEST(LogicGate, SaysNothingBeforeEachInputThatIsConnectedHasCome) {
   EXPECT_FALSE(out.value().value());
 }
 
-TEST(LogicGate, IsRefusedWithoutAnInputAndWithAFunctionThatIsNone) {
+TEST(LogicGate, RejectsNoInputsAndAnUnknownFunction) {
   takt::testing::Module module;
   EXPECT_EQ(module.set("function", "AND").text(),
             "property 'function' cannot be 'AND'; it takes text, and, or, xor, nand, nor or not");
-  EXPECT_EQ(module.start().text(), "no input is connected; connect a flag to in_1, ... in_4");
+  EXPECT_EQ(module.start().text(), "no input is connected; connect a flag to one of in_1 to in_4");
 }
 
 }  // namespace

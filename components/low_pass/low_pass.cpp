@@ -11,12 +11,12 @@
 #include "low_pass_filter.hpp"
 
 class LowPass : public takt::Component {
-  takt::InPort<basic::Number> in{*this, "in", {.text = "What is to be smoothed."}};
-  takt::OutPort<basic::Number> out{*this, "out", {.text = "Behind the filter, in the unit of the input."}};
+  takt::InPort<basic::Number> in{*this, "in", {.text = "Signal to filter, in any unit."}};
+  takt::OutPort<basic::Number> out{*this, "out", {.text = "Filtered signal, in the unit of the input."}};
   takt::Property<double> cutoff{
-      *this, "cutoff", 10, {.unit = "Hz", .min = 1e-9, .text = "Where half the power is left."}};
+      *this, "cutoff", 10, {.unit = "Hz", .min = 1e-9, .text = "Frequency at which half the power passes."}};
   takt::Property<std::int32_t> order{
-      *this, "order", 2, {.min = 1, .max = 2, .text = "20 dB a decade for each."}};
+      *this, "order", 2, {.min = 1, .max = 2, .text = "Order of the filter: 20 dB a decade each."}};
 
   low_pass::LowPassFilter filter_;
   common::Releases releases_;

@@ -7,16 +7,16 @@
 
 namespace low_pass {
 
-/// Of the rate: where the range of the cut-off ends. Above, tan() in the bilinear transform runs away; below,
-/// a step no longer changes what a double holds.
+/// Limits of the cut-off, as fractions of the rate. Above the upper limit, tan() in the bilinear transform
+/// diverges. Below the lower limit, a step is too small to change a double.
 inline constexpr double kLowest = 1e-6;
 inline constexpr double kHighest = 0.49;
 
-/// Begins at its first input, as if that had been there for ever. Cut-off and order may change between any
-/// two steps; the output goes on from where it is.
+/// Begins at its first input, as if it had always been there. Cut-off and order may change between any two
+/// steps; the output continues without a jump.
 class LowPassFilter {
  public:
-  /// Hz, s; within kLowest and kHighest of the rate. `order` is 1 or 2.
+  /// `cutoff` in Hz, from kLowest to kHighest times the rate; `period` in s; `order` is 1 or 2.
   void design(double cutoff, double period, int order) noexcept {
     const double g = common::prewarped(cutoff, period);
     if (order != order_) {

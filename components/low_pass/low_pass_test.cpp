@@ -18,18 +18,18 @@ namespace {
 using common::number;
 using std::chrono::milliseconds;
 
-/// Of a Butterworth filter behind the bilinear transform with its cut-off prewarped.
+/// The response of a Butterworth filter after a bilinear transform prewarped at the cut-off.
 std::complex<double> theory(double frequency, double cutoff, double period, int order) {
   const std::complex<double> s(
       0, std::tan(std::numbers::pi * frequency * period) / std::tan(std::numbers::pi * cutoff * period));
   return order == 1 ? 1.0 / (1.0 + s) : 1.0 / (s * s + std::numbers::sqrt2 * s + 1.0);
 }
 
-TEST(LowPassFilter, HasTheResponseOfTheoryAtEveryFrequency) {
+TEST(LowPassFilter, MatchesTheTheoreticalResponse) {
   constexpr int kWindow = 1000;
   for (const double period : {1e-4, 1e-3, 0.05}) {
     for (const int order : {1, 2}) {
-      for (const double part : {0.01, 0.1, 0.25, 0.45}) {  // of the rate
+      for (const double part : {0.01, 0.1, 0.25, 0.45}) {  // fraction of the rate
         for (const int cycles : {1, 5, 10, 100, 250, 450, 499}) {
           LowPassFilter filter;
           filter.design(part / period, period, order);
@@ -44,7 +44,7 @@ TEST(LowPassFilter, HasTheResponseOfTheoryAtEveryFrequency) {
   }
 }
 
-TEST(LowPassFilter, LosesHalfThePowerAtItsCutoff) {
+TEST(LowPassFilter, PassesHalfThePowerAtItsCutoff) {
   for (const int order : {1, 2}) {
     LowPassFilter filter;
     filter.design(200, 1e-3, order);
@@ -62,7 +62,7 @@ TEST(LowPassFilter, BeginsAtItsFirstInput) {
   }
 }
 
-TEST(LowPassFilter, ComesToAConstantEvenAtTheLowestCutoff) {
+TEST(LowPassFilter, ConvergesToAConstantEvenAtTheLowestCutoff) {
   for (const int order : {1, 2}) {
     LowPassFilter filter;
     filter.design(kLowest * 1000, 1e-3, order);
@@ -82,20 +82,21 @@ TEST(LowPassFilter, ChangesItsCutoffAndOrderWithoutAJump) {
   for (int i = 1; i < 20000; ++i) {
     if (i % 37 == 0) filter.design(cutoff(random), 1e-3, i % 2 + 1);
     const double now = filter.step(std::sin(i * 2e-3));
-    // A sine of amplitude 1 at 2 rad/s behind 20 Hz at most: far less than 0.1 in a millisecond.
+    // A sine of amplitude 1 at 2 rad/s, filtered at 20 Hz at most, changes far less than 0.1 in a
+    // millisecond.
     ASSERT_LT(std::abs(now - last), 0.1) << i;
     last = now;
   }
 }
 
-TEST(LowPass, DoesWhatTheFilterDoes) {
+TEST(LowPass, MatchesTheFilter) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
   ASSERT_TRUE(module.set("cutoff", "30"));
   ASSERT_TRUE(module.start());
   module.step(5);
-  EXPECT_FALSE(out.has_value());  // nothing has come
+  EXPECT_FALSE(out.has_value());  // no input yet
   LowPassFilter filter;
   filter.design(30, 1e-3, 2);
   std::mt19937 random(2);
@@ -126,23 +127,23 @@ TEST(LowPass, HoldsTheInputOverMissedReleases) {
   EXPECT_DOUBLE_EQ(out.value().value(), expected);
 }
 
-TEST(LowPass, RefusesACutoffThatItsPeriodCannotHave) {
+TEST(LowPass, RejectsACutoffTooHighForItsPeriod) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   ASSERT_TRUE(module.set("cutoff", "50"));
-  const auto refused = module.start();
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.text(),
+  const auto start = module.start();
+  ASSERT_FALSE(start.ok());
+  EXPECT_EQ(start.text(),
             "property 'cutoff' cannot be '50'; it takes a number, 1e-04 to 49 at a period of 10 ms, in Hz");
 }
 
-TEST(LowPass, RefusesSuchACutoffWhileItRuns) {
+TEST(LowPass, RejectsACutoffTooHighForItsPeriodWhileItRuns) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   ASSERT_TRUE(module.start());
   EXPECT_FALSE(module.set("cutoff", "60").ok());
   EXPECT_TRUE(module.set("cutoff", "40"));
 }
 
-TEST(LowPass, TakesWhatIsNoNumberForAnErrorAndBeginsAfreshAfterIt) {
+TEST(LowPass, TreatsANonFiniteInputAsAnErrorAndRestarts) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");

@@ -1,5 +1,6 @@
-// A process module in C++: a Modbus TCP device. Its ports are the points of the property `map`, which is the
-// one of its master: what a master reads follows ports, what it writes appears on ports.
+// A process module in C++: a Modbus TCP device. Its ports are the points of the property `map`, the same map
+// as its master's. Input ports are the values that masters read; values that masters write appear on output
+// ports.
 #include <takt/process.hpp>
 
 #include <cstdio>
@@ -15,26 +16,27 @@
 #include "../common/modbus_ports.hpp"
 #include "server.hpp"
 
-TAKT_TEXT("A Modbus TCP device: what a master reads follows ports, what it writes appears on ports.");
+TAKT_TEXT("A Modbus TCP device (server): masters read its input ports and write its output ports.");
 
 namespace {
 
 takt::Property<std::string> map{
-    "map", "", {.text = "The points, one a line: lamp out coil 0. The same as its master's."}};
+    "map", "", {.text = "The points, one per line, as in: lamp out coil 0. The same map as the master's."}};
 takt::Property<std::string> address{
-    "bind", "127.0.0.1", {.text = "The address that it listens on; 0.0.0.0: all."}};
+    "bind", "127.0.0.1", {.text = "Address to listen on; 0.0.0.0: all addresses."}};
 takt::Property<std::int64_t> port{
-    "port", 502, {.min = 1, .max = 65535, .text = "Below 1024 they are root's."}};
+    "port", 502, {.min = 1, .max = 65535, .text = "TCP port; ports below 1024 need root."}};
 takt::Property<double> watchdog{
     "watchdog",
     0,
     {.unit = "s",
      .min = 0,
      .max = 3600,
-     .text = "Outputs are safe when no master has written for so long; 0: never."}};
+     .text = "If no master writes for this long, outputs get their safe values; 0: never."}};
 
-takt::OutPort<basic::Count> clients{"clients", {.text = "Masters that are connected."}};
-takt::OutPort<basic::Count> requests{"requests", {.text = "That were answered, refusals too."}};
+takt::OutPort<basic::Count> clients{"clients", {.text = "Number of connected masters."}};
+takt::OutPort<basic::Count> requests{"requests",
+                                     {.text = "Number of answered requests, including rejected ones."}};
 
 }  // namespace
 
@@ -44,7 +46,7 @@ int main() {
   settings.port = static_cast<int>(port.value());
   settings.watchdog = modbus::Server::Seconds{watchdog.value()};
   const std::vector<modbus::Point> points = modbus::points_or_end(map.value());
-  // By the place of their point; the ones of the other direction are empty.
+  // Indexed like the points; empty for points of the other direction.
   std::vector<std::unique_ptr<modbus::PointInput>> from_cell(points.size());
   std::vector<std::unique_ptr<modbus::PointOutput>> to_cell(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -55,7 +57,7 @@ int main() {
   }
   initPeriodExe();
 
-  // Until the process has ended, whoever ends it: its thread is not waited for.
+  // Lives until the process ends; its thread is never joined.
   static auto* const server = new modbus::Server{
       points, settings, [](const std::string& what) { std::fprintf(stderr, "%s\n", what.c_str()); }};
   if (const std::string problem = server->listen(); !problem.empty()) {

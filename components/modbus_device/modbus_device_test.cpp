@@ -1,4 +1,4 @@
-// The device's program on virtual time; its master is libmodbus's own client.
+// Tests the device's program on virtual time, with libmodbus's client as the master.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ using common::flag;
 using common::number;
 using takt::testing::Module;
 
-/// A socket on a port of the loopback that was free.
+/// A socket on a free port of the loopback interface.
 class Listener {
  public:
   Listener() {
@@ -78,7 +78,7 @@ class Device : public ::testing::Test {
                                                         }};
 };
 
-TEST_F(Device, AnswersWithWhatTheCellSays) {
+TEST_F(Device, AnswersWithTheValuesOfItsInputPorts) {
   ASSERT_TRUE(module.initialize());
   auto& button = module.in<basic::Flag>("button");
   auto& temperature = module.in<basic::Number>("temperature");
@@ -95,7 +95,7 @@ TEST_F(Device, AnswersWithWhatTheCellSays) {
   }));
 }
 
-TEST_F(Device, TellsTheCellWhatWasWritten) {
+TEST_F(Device, PublishesTheValuesThatAMasterWrites) {
   ASSERT_TRUE(module.initialize());
   auto& lamp = module.out<basic::Flag>("lamp");
   auto& speed = module.out<basic::Number>("speed");
@@ -111,10 +111,10 @@ TEST_F(Device, TellsTheCellWhatWasWritten) {
   EXPECT_EQ(clients.value().value(), 1);
   EXPECT_EQ(requests.value().value(), 2);
   module.step(100);
-  EXPECT_EQ(lamp.count(), 1U) << "what was not written again is not said again";
+  EXPECT_EQ(lamp.count(), 1U) << "written only when a master writes";
 }
 
-TEST_F(Device, RefusesWhatTheMapDoesNotHave) {
+TEST_F(Device, RejectsAddressesOutsideTheMap) {
   ASSERT_TRUE(module.start());
   connect();
   std::uint16_t word = 0;
@@ -122,10 +122,10 @@ TEST_F(Device, RefusesWhatTheMapDoesNotHave) {
   EXPECT_EQ(errno, EMBXILADD);
   EXPECT_EQ(modbus_write_bit(master.get(), 1, 1), -1);
   EXPECT_EQ(errno, EMBXILADD);
-  EXPECT_EQ(modbus_read_input_registers(master.get(), 4, 1, &word), 1) << "and goes on with what it has";
+  EXPECT_EQ(modbus_read_input_registers(master.get(), 4, 1, &word), 1) << "addresses in the map still work";
 }
 
-TEST_F(Device, IsSafeWhenItsMasterFallsSilent) {
+TEST_F(Device, AppliesSafeValuesWhenItsMasterIsSilent) {
   ASSERT_TRUE(module.set("watchdog", "0.2"));
   ASSERT_TRUE(module.initialize());
   auto& lamp = module.out<basic::Flag>("lamp");
@@ -136,7 +136,7 @@ TEST_F(Device, IsSafeWhenItsMasterFallsSilent) {
   EXPECT_TRUE(comes([&] { return !lamp.value().value(); }));
 }
 
-TEST_F(Device, EndsWhereItsPortIsTaken) {
+TEST_F(Device, ExitsIfItsTcpPortIsInUse) {
   const Listener taken;
   ASSERT_TRUE(module.set("port", std::to_string(taken.port)));
   testing::internal::CaptureStderr();

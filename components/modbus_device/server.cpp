@@ -14,7 +14,7 @@ namespace modbus {
 
 namespace {
 
-// A master that has begun a request ends it within this, or it is cut off: until then the others wait.
+// A master must complete a request within this time, or it is disconnected. Until then the others wait.
 constexpr std::uint32_t kRequestLimitUs = 100'000;
 
 struct Span {
@@ -24,7 +24,7 @@ struct Span {
   [[nodiscard]] int count() const { return static_cast<int>(end == 0 ? 0 : end - begin); }
 };
 
-/// From the first address that a point has to the last.
+/// The range from the first address of the table's points to the last.
 Span span_of(const std::vector<Point>& points, Table table) {
   Span span;
   for (const Point& point : points) {
@@ -49,10 +49,10 @@ unsigned two_bytes(const std::uint8_t* at) { return static_cast<unsigned>(at[0])
 
 }  // namespace
 
-Server::Server(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> say)
+Server::Server(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> report)
     : points_(std::move(points)),
       settings_(std::move(settings)),
-      say_(std::move(say)),
+      report_(std::move(report)),
       context_(modbus_new_tcp(settings_.address.c_str(), settings_.port), modbus_free),
       tables_(tables_of(points_), modbus_mapping_free) {
   for (const Point& point : points_) {
@@ -67,16 +67,16 @@ Server::~Server() {
 
 std::string Server::listen() {
   if (context_ == nullptr || tables_ == nullptr)
-    return settings_.address +
-           " is no address that can be listened on; give one of this machine, as in 127.0.0.1";
+    return "'" + settings_.address +
+           "' is not an address to listen on; give an address of this machine, as in 127.0.0.1";
   listener_ = modbus_tcp_listen(context_.get(), static_cast<int>(kMaxClients));
   if (listener_ < 0) {
     return "cannot listen on " + settings_.address + ":" + std::to_string(settings_.port) + ": " +
-           modbus_strerror(errno) + "; choose a port that is free and that this user may take (above 1023)";
+           modbus_strerror(errno) + "; choose a free port that this user may open (above 1023)";
   }
   modbus_set_indication_timeout(context_.get(), 0, kRequestLimitUs);
   modbus_set_byte_timeout(context_.get(), 0, 0);
-  // libmodbus waits for so long before it refuses a request that it does not know.
+  // libmodbus waits for this long before it rejects an unknown request.
   modbus_set_response_timeout(context_.get(), 0, 1000);
   return "";
 }
@@ -102,11 +102,12 @@ void Server::accept_client() {
   const int client = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
   if (client < 0) return;
   if (clients_.size() == kMaxClients) {
-    say_("a master was turned away: " + std::to_string(kMaxClients) + " are connected");
+    report_("connection rejected: " + std::to_string(kMaxClients) + " masters are already connected");
     ::close(client);
     return;
   }
-  // One that does not fetch its answers holds nobody up for longer than one that does not end its requests.
+  // A master that does not fetch its answers delays the others no longer than one that does not complete its
+  // requests.
   const timeval limit{.tv_sec = 0, .tv_usec = kRequestLimitUs};
   for (const int direction : {SO_SNDTIMEO, SO_RCVTIMEO})
     static_cast<void>(::setsockopt(client, SOL_SOCKET, direction, &limit, sizeof limit));
@@ -118,8 +119,8 @@ bool Server::serve(int socket) {
   std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> request{};
   const int length = modbus_receive(context_.get(), request.data());
   if (length < 0) return false;
-  // Two bytes of each request say that it is Modbus, two how long it is. libmodbus goes by the function, and
-  // leaves what is behind one that it does not know.
+  // In each request, two bytes identify Modbus and two hold the length. libmodbus derives the length from the
+  // function code and leaves the rest of an unknown request unread.
   constexpr int kHeader = 6;
   if (length <= kHeader || two_bytes(&request[2]) != 0) return false;
   const int behind = static_cast<int>(two_bytes(&request[4])) + kHeader - length;
@@ -160,7 +161,8 @@ bool Server::put(const Point& point, double value) {
   return false;
 }
 
-/// Of a request that was answered; one whose addresses are not all there was refused, and wrote nothing.
+/// Records the writes of an answered request. A request with an invalid address was rejected and wrote
+/// nothing.
 void Server::note_writes(const std::uint8_t* request, int length) {
   constexpr int kPdu = 7;
   const auto at = [&](int place) {
@@ -197,7 +199,7 @@ void Server::written(Table table, unsigned address, unsigned count) {
     const double value = table == Table::coil
                              ? tables.tab_bits[point.address - start]
                              : decode(point.encoding, &tables.tab_registers[point.address - start]);
-    if (!std::isfinite(value)) continue;  // a float that is no number is no value
+    if (!std::isfinite(value)) continue;  // ignore a float that is not finite
     now_.value[i] = value;
     ++now_.writes[i];
   }
@@ -214,7 +216,7 @@ void Server::watch_masters() {
     ++now_.writes[i];
     any = true;
   }
-  if (any) say_("no master writes any more: outputs get their safe values");
+  if (any) report_("no master has written for the watchdog time; outputs get their safe values");
 }
 
 void Server::publish() {

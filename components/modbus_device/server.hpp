@@ -1,6 +1,7 @@
-// The device's side of Modbus TCP: a map's tables, served to several masters by a thread of its own.
+// The device's side of Modbus TCP: a separate thread serves the tables of a map to several masters.
 //
-// The cyclic body leaves the inputs in `inputs` and finds what masters wrote in `image`; neither waits.
+// The cyclic body puts the inputs into `inputs` and gets the masters' writes from `image`; neither side
+// waits.
 #pragma once
 
 #include <array>
@@ -19,48 +20,48 @@ struct _modbus_mapping_t;
 
 namespace modbus {
 
-/// What the cell says of the inputs, by the place of the point in the map.
+/// The cell's values of the inputs, indexed like the points of the map.
 struct Inputs {
   std::array<double, kMaxPoints> value{};
-  std::array<bool, kMaxPoints> known{};  ///< there was a value for it
+  std::array<bool, kMaxPoints> known{};  ///< there is a value
 };
 
-/// What masters wrote.
+/// The values that masters wrote.
 struct Image {
   std::array<double, kMaxPoints> value{};
-  std::array<std::uint32_t, kMaxPoints> writes{};  ///< how often; one that stays has no news
-  std::int64_t clients = 0;                        ///< that are connected
-  std::int64_t requests = 0;                       ///< that were answered, refusals too
+  std::array<std::uint32_t, kMaxPoints> writes{};  ///< number of writes; unchanged if there is no new value
+  std::int64_t clients = 0;                        ///< connected masters
+  std::int64_t requests = 0;                       ///< answered requests, including rejected ones
 };
 
 class Server {
  public:
   using Seconds = std::chrono::duration<double>;
   struct Settings {
-    std::string address;  ///< of ours
+    std::string address;  ///< address to listen on
     int port = 502;
-    Seconds watchdog{};  ///< outputs become safe when no master has written for so long; 0: never
+    Seconds watchdog{};  ///< outputs become safe if no master writes for this long; 0: never
   };
-  /// `say` is called from the thread, with a line for people.
-  Server(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> say);
+  /// The thread calls `report` with one line of text for the user.
+  Server(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> report);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// The body's side. Real-time.
+  /// For the body. Real-time.
   Latest<Inputs> inputs;
   Latest<Image> image;
 
-  /// Empty, or why nobody can connect.
+  /// Starts to listen. Returns an empty string, or the reason for a failure.
   std::string listen();
-  /// The thread's work, for ever.
+  /// The body of the thread; never returns.
   [[noreturn]] void work();
-  /// Of that work: the next request of a master is read and answered. False: the master is to be cut off.
+  /// Used by work(): reads and answers the next request of a master. False: disconnect the master.
   [[nodiscard]] bool serve(int socket);
-  /// Of that work: what masters wrote so far is in `image`.
+  /// Used by work(): publishes the writes so far in `image`.
   void publish();
 
-  /// As many masters as are served at once; another is turned away.
+  /// Maximum number of masters at once; the server turns away others.
   static constexpr std::size_t kMaxClients = 16;
 
  private:
@@ -75,14 +76,14 @@ class Server {
 
   const std::vector<Point> points_;
   const Settings settings_;
-  const std::function<void(const std::string&)> say_;
+  const std::function<void(const std::string&)> report_;
   std::unique_ptr<_modbus, void (*)(_modbus*)> context_;
   std::unique_ptr<_modbus_mapping_t, void (*)(_modbus_mapping_t*)> tables_;
   int listener_ = -1;
   std::vector<int> clients_;
   Image now_;
   Clock::time_point written_at_{};
-  bool safe_ = true;  ///< nothing was written since the outputs became safe
+  bool safe_ = true;  ///< no master has written since the outputs became safe
 };
 
 }  // namespace modbus

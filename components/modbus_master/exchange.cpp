@@ -21,7 +21,7 @@ std::string in_seconds(Seconds time) {
   return text.data();
 }
 
-/// The device understood the request and refuses it; the connection is as good as before.
+/// The device understood the request and rejected it; the connection is still valid.
 bool is_exception(int error) { return error >= EMBXILFUN && error <= EMBXGTAR; }
 
 const char* plural(Table table) {
@@ -40,10 +40,11 @@ const char* plural(Table table) {
 
 }  // namespace
 
-Exchange::Exchange(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> say)
+Exchange::Exchange(std::vector<Point> points, Settings settings,
+                   std::function<void(const std::string&)> report)
     : points_(std::move(points)),
       settings_(std::move(settings)),
-      say_(std::move(say)),
+      report_(std::move(report)),
       reads_(groups_of(points_, false, kReadLimits)),
       writes_(groups_of(points_, true, kWriteLimits)),
       retry_after_(kFirstRetry) {
@@ -62,7 +63,7 @@ void Exchange::work() {
     exchange_all();
     const auto now = Clock::now();
     next += std::chrono::duration_cast<Clock::duration>(settings_.cycle);
-    if (next < now) next = now;  // what was missed is not made up for
+    if (next < now) next = now;  // do not catch up on missed exchanges
     lock.lock();
     changed_.wait_until(lock, next, [this] { return end_; });
   }
@@ -84,35 +85,36 @@ void Exchange::end(Seconds limit) {
 void Exchange::exchange_all() {
   const Outputs& outputs_now = wanted_outputs();
   if (device_ == nullptr && (Clock::now() < retry_at_ || !connect())) return;
-  well_ = true;
-  // Outputs first: what the body decided is old already.
+  ok_ = true;
+  // Outputs first, because they are already one cycle old.
   for (const Group& group : writes_) {
     if (device_ != nullptr) write(group, outputs_now);
   }
   for (const Group& group : reads_) {
     if (device_ != nullptr) read(group);
   }
-  if (well_) {
+  if (ok_) {
     ++now_.exchanges;
-    if (std::exchange(bad_, false))
-      say_("the exchange is well again, after " + in_seconds(Clock::now() - bad_since_));
+    if (std::exchange(faulty_, false))
+      report_("the exchange works again after " + in_seconds(Clock::now() - faulty_since_));
   }
-  now_.connected = well_;
+  now_.connected = ok_;
   image.writing() = now_;
   image.publish();
 }
 
-/// What the body said last, or what is safe when it has been silent for too long: it was stopped, or hangs.
+/// The body's last outputs, or the safe values if the body has been silent for too long (it was stopped, or
+/// it hangs).
 const Outputs& Exchange::wanted_outputs() {
   const auto now = Clock::now();
   if (outputs.take()) {
     heard_ = now;
     ever_heard_ = true;
-    if (std::exchange(silent_, false)) say_("the module runs again: its outputs are written");
+    if (std::exchange(silent_, false)) report_("the module runs again; its outputs are written");
   }
   if (!ever_heard_ || now - heard_ < settings_.watchdog) return outputs.taken();
   if (any_safe_ && !std::exchange(silent_, true))
-    say_("the module does not run: its outputs get their safe values");
+    report_("the module does not run: its outputs get their safe values");
   return any_safe_ ? safe_ : outputs.taken();
 }
 
@@ -128,7 +130,7 @@ bool Exchange::connect() {
   }
   const auto [seconds, microseconds] = in_microseconds(settings_.timeout);
   modbus_set_response_timeout(device_, seconds, microseconds);
-  modbus_set_byte_timeout(device_, 0, 0);  // the whole answer within the time-out, not each of its bytes
+  modbus_set_byte_timeout(device_, 0, 0);  // the time-out is for the whole answer, not for each byte
   modbus_set_slave(device_, settings_.unit);
   if (modbus_connect(device_) == 0) {
     retry_after_ = kFirstRetry;
@@ -145,24 +147,23 @@ void Exchange::disconnect() {
   device_ = nullptr;
 }
 
-/// Of the connection: it is begun anew, for nobody knows what is still on its way.
+/// Handles a failed connection. It is opened again, because data of the old one may still be in transit.
 void Exchange::failed(const std::string& what) {
   disconnect();
   ++now_.failures;
-  well_ = false;
+  ok_ = false;
   retry_at_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(retry_after_);
   retry_after_ = std::min(2 * retry_after_, settings_.backoff);
   now_.connected = false;
   image.writing() = now_;
   image.publish();
-  if (std::exchange(bad_, true)) return;
-  bad_since_ = Clock::now();
-  say_(what + "; its values hold, and it is tried again every " + in_seconds(settings_.backoff) +
-       " or sooner");
+  if (std::exchange(faulty_, true)) return;
+  faulty_since_ = Clock::now();
+  report_(what + "; inputs keep their last values; retrying at least every " + in_seconds(settings_.backoff));
 }
 
-void Exchange::asked(int result, int wanted, const char* doing, const Group& group, std::size_t first,
-                     std::size_t last) {
+void Exchange::check_result(int result, int wanted, const char* doing, const Group& group, std::size_t first,
+                            std::size_t last) {
   if (result == wanted) return;
   const int error = errno;
   const Point& begin = points_[group.points[first]];
@@ -170,14 +171,14 @@ void Exchange::asked(int result, int wanted, const char* doing, const Group& gro
                      " to " + std::to_string(points_[group.points[last]].end() - 1) + " (" + begin.name +
                      (last > first ? ", ..." : "") + ")";
   if (!is_exception(error)) {
-    failed("no proper answer to " + what + ": " + modbus_strerror(error));
+    failed("no valid answer when " + what + ": " + modbus_strerror(error));
     return;
   }
   ++now_.failures;
-  well_ = false;
-  if (std::exchange(bad_, true)) return;
-  bad_since_ = Clock::now();
-  say_("the device refuses " + what + ": " + modbus_strerror(error) + "; mend the map, or the device");
+  ok_ = false;
+  if (std::exchange(faulty_, true)) return;
+  faulty_since_ = Clock::now();
+  report_("the device rejected " + what + ": " + modbus_strerror(error) + "; correct the map or the device");
 }
 
 void Exchange::read(const Group& group) {
@@ -190,21 +191,20 @@ void Exchange::read(const Group& group) {
                   : group.table == Table::holding
                       ? modbus_read_registers(device_, group.address, count, registers.data())
                       : modbus_read_input_registers(device_, group.address, count, registers.data());
-  asked(got, count, "reading", group, 0, group.points.size() - 1);
+  check_result(got, count, "reading", group, 0, group.points.size() - 1);
   if (got != count) return;
   for (const std::size_t i : group.points) {
     const Point& point = points_[i];
     const std::size_t at = point.address - group.address;
     const double value =
         is_bit(point.table) ? (bits[at] != 0 ? 1.0 : 0.0) : decode(point.encoding, &registers[at]);
-    if (!std::isfinite(value)) continue;  // a float that is no number is no value
+    if (!std::isfinite(value)) continue;  // ignore a float that is not finite
     now_.value[i] = value;
     ++now_.reads[i];
   }
 }
 
-/// Points without a value are left as the device has them; the others go in one request as far as they lie
-/// side by side.
+/// Leaves points without a value unchanged in the device. Writes adjacent points with values in one request.
 void Exchange::write(const Group& group, const Outputs& from) {
   std::size_t first = 0;
   const auto known = [&](std::size_t place) {
@@ -238,7 +238,7 @@ void Exchange::write_run(const Group& group, std::size_t first, std::size_t last
   }
   const int done = is_bit(group.table) ? modbus_write_bits(device_, address, count, bits.data())
                                        : modbus_write_registers(device_, address, count, registers.data());
-  asked(done, count, "writing", group, first, last);
+  check_result(done, count, "writing", group, first, last);
 }
 
 void Exchange::write_safe() {

@@ -1,7 +1,7 @@
-// The exchange of a map's values with a Modbus TCP device, on a thread of its own: a device that is off, slow
-// or talks nonsense costs this thread its time and nobody else's.
+// Exchanges a map's values with a Modbus TCP device, on a separate thread. So a device that is off, slow or
+// sends invalid data delays only this thread.
 //
-// The cyclic body leaves what it has to say in `outputs` and finds what the device said in `image`; neither
+// The cyclic body puts its values into `outputs` and gets the device's values from `image`; neither side
 // waits.
 #pragma once
 
@@ -30,39 +30,38 @@ struct Settings {
   int unit = 255;      ///< 255: the device itself
   Seconds cycle{};     ///< from one exchange to the next
   Seconds timeout{};   ///< for a connection, and for each answer
-  Seconds backoff{};   ///< between two attempts to connect, at most; it begins with a tenth of a second and
-                       ///< doubles
-  Seconds watchdog{};  ///< outputs become safe when the body has not said anything for so long
+  Seconds backoff{};   ///< maximum time between two attempts to connect; begins at 0.1 s and doubles
+  Seconds watchdog{};  ///< outputs become safe if the body is silent for this long
 };
 
-/// What the body has to say, by the place of the point in the map.
+/// The body's values, indexed like the points of the map.
 struct Outputs {
   std::array<double, kMaxPoints> value{};
-  std::array<bool, kMaxPoints> known{};  ///< there was a value for it
+  std::array<bool, kMaxPoints> known{};  ///< there is a value
 };
 
-/// What the device said.
+/// The device's values.
 struct Image {
   std::array<double, kMaxPoints> value{};
-  std::array<std::uint32_t, kMaxPoints> reads{};  ///< how often it was read; one that stays has no news
-  bool connected = false;                         ///< the last exchange went well as a whole
-  std::int64_t exchanges = 0;                     ///< that went well as a whole
-  std::int64_t failures = 0;                      ///< requests and connections that did not
+  std::array<std::uint32_t, kMaxPoints> reads{};  ///< number of reads; unchanged if there is no new value
+  bool connected = false;                         ///< the last exchange succeeded completely
+  std::int64_t exchanges = 0;                     ///< exchanges that succeeded completely
+  std::int64_t failures = 0;                      ///< failed requests and connections
 };
 
 class Exchange {
  public:
-  /// `say` is called from the thread, with a line for people: once when something is wrong, once when it is
-  /// well again.
-  Exchange(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> say);
+  /// The thread calls `report` with one line of text for the user: once when a fault begins, once when it
+  /// ends.
+  Exchange(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> report);
 
-  /// The body's side. Real-time.
+  /// For the body. Real-time.
   Latest<Outputs> outputs;
   Latest<Image> image;
 
-  /// The thread's work, until end() is called; its last is to make the outputs safe.
+  /// The body of the thread. Returns after end() was called and the safe values are written.
   void work();
-  /// Waits for the thread's end, but not longer than this. From the thread that is the body, once.
+  /// Ends the thread and waits for it, at most this long. Call it once, from the body's thread.
   void end(Seconds limit);
 
  private:
@@ -76,26 +75,26 @@ class Exchange {
   void write_run(const Group& group, std::size_t first, std::size_t last, const Outputs& from);
   void write_safe();
   void failed(const std::string& what);
-  void asked(int result, int wanted, const char* doing, const Group& group, std::size_t first,
-             std::size_t last);
+  void check_result(int result, int wanted, const char* doing, const Group& group, std::size_t first,
+                    std::size_t last);
   [[nodiscard]] const Outputs& wanted_outputs();
 
   const std::vector<Point> points_;
   const Settings settings_;
-  const std::function<void(const std::string&)> say_;
+  const std::function<void(const std::string&)> report_;
   const std::vector<Group> reads_;
   const std::vector<Group> writes_;
   Outputs safe_;
   bool any_safe_ = false;
 
-  _modbus* device_ = nullptr;  ///< connected
+  _modbus* device_ = nullptr;  ///< null if not connected
   Image now_;
-  bool well_ = false;  ///< of the exchange that is being made
-  bool bad_ = false;   ///< and it was said
-  Clock::time_point bad_since_{};
-  Clock::time_point heard_{};  ///< of the body
+  bool ok_ = false;      ///< no fault in the current exchange so far
+  bool faulty_ = false;  ///< a fault is present and was reported
+  Clock::time_point faulty_since_{};
+  Clock::time_point heard_{};  ///< time of the body's last outputs
   bool ever_heard_ = false;
-  bool silent_ = false;  ///< the body is; and it was said
+  bool silent_ = false;  ///< the body is silent, and this was reported
   Clock::time_point retry_at_{};
   Seconds retry_after_{};
 

@@ -15,37 +15,40 @@
 #include "../common/modbus_ports.hpp"
 #include "exchange.hpp"
 
-TAKT_TEXT("Master of a Modbus TCP device: coils, inputs and registers are ports.");
+TAKT_TEXT("Master (client) of a Modbus TCP device: its coils, inputs and registers become ports.");
 
 namespace {
 
-takt::Property<std::string> map{"map", "", {.text = "The points, one a line: lamp out coil 0."}};
-takt::Property<std::string> host{"host", "127.0.0.1", {.text = "Of the device."}};
-takt::Property<std::int64_t> port{"port", 502, {.min = 1, .max = 65535, .text = "Of the device."}};
+takt::Property<std::string> map{"map", "", {.text = "The points, one per line, as in: lamp out coil 0."}};
+takt::Property<std::string> host{"host", "127.0.0.1", {.text = "Address of the device."}};
+takt::Property<std::int64_t> port{"port", 502, {.min = 1, .max = 65535, .text = "TCP port of the device."}};
 takt::Property<std::int64_t> unit{
-    "unit", 255, {.min = 0, .max = 255, .text = "Behind a gateway, the device's number."}};
+    "unit", 255, {.min = 0, .max = 255, .text = "Number of the device behind a gateway."}};
 takt::Property<double> cycle{
-    "cycle", 0.02, {.unit = "s", .min = 0.001, .max = 60, .text = "From one exchange to the next."}};
+    "cycle", 0.02, {.unit = "s", .min = 0.001, .max = 60, .text = "Time from one exchange to the next."}};
 takt::Property<double> timeout{
     "timeout",
     0.3,
-    {.unit = "s", .min = 0.01, .max = 5, .text = "For a connection, and for each whole answer."}};
+    {.unit = "s", .min = 0.01, .max = 5, .text = "Limit for a connection, and for each whole answer."}};
 takt::Property<double> backoff{
-    "backoff", 2, {.unit = "s", .min = 0.1, .max = 60, .text = "Between two attempts to connect, at most."}};
+    "backoff",
+    2,
+    {.unit = "s", .min = 0.1, .max = 60, .text = "Maximum time between two attempts to connect."}};
 takt::Property<double> watchdog{
     "watchdog",
     1,
     {.unit = "s",
      .min = 0.05,
      .max = 60,
-     .text = "Outputs get their safe values when the body has not run for so long."}};
+     .text = "If the body has not run for this long, outputs get their safe values."}};
 
-takt::OutPort<basic::Flag> connected{"connected", {.text = "The last exchange went well as a whole."}};
-takt::OutPort<basic::Count> exchanges{"exchanges", {.text = "That went well as a whole."}};
-takt::OutPort<basic::Count> failures{"failures", {.text = "Requests and connections that did not go well."}};
+takt::OutPort<basic::Flag> connected{"connected", {.text = "The last exchange succeeded completely."}};
+takt::OutPort<basic::Count> exchanges{"exchanges",
+                                      {.text = "Number of exchanges that succeeded completely."}};
+takt::OutPort<basic::Count> failures{"failures", {.text = "Number of failed requests and connections."}};
 
-// Until the process has ended, whoever ends it: the thread is not waited for longer than the node waits for
-// us.
+// Lives until the process ends. At the end the program waits for the thread, but not longer than the node
+// waits for the program.
 modbus::Exchange* exchange = nullptr;
 constexpr modbus::Seconds kEndLimit{0.9};
 
@@ -72,7 +75,7 @@ modbus::Settings settings_from_properties() {
 int main() {
   modbus::Settings settings = settings_from_properties();
   const std::vector<modbus::Point> points = modbus::points_or_end(map.value());
-  // By the place of their point; the ones of the other direction are empty.
+  // Indexed like the points; empty for points of the other direction.
   std::vector<std::unique_ptr<modbus::PointInput>> to_device(points.size());
   std::vector<std::unique_ptr<modbus::PointOutput>> from_device(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -82,13 +85,13 @@ int main() {
       from_device[i] = std::make_unique<modbus::PointOutput>(points[i]);
   }
   initPeriodExe();
-  // A body that is released seldom is not one that stands still.
+  // A body with a long period must not trigger the watchdog.
   settings.watchdog =
       std::max(settings.watchdog, modbus::Seconds{3e-9 * static_cast<double>(takt_period_ns())});
 
-  const std::string who = settings.host + ":" + std::to_string(settings.port);
-  exchange = new modbus::Exchange{points, settings, [who](const std::string& what) {
-                                    std::fprintf(stderr, "%s: %s\n", who.c_str(), what.c_str());
+  const std::string prefix = settings.host + ":" + std::to_string(settings.port);
+  exchange = new modbus::Exchange{points, settings, [prefix](const std::string& what) {
+                                    std::fprintf(stderr, "%s: %s\n", prefix.c_str(), what.c_str());
                                   }};
   std::thread{[] { exchange->work(); }}.detach();
   std::atexit(make_safe);
@@ -108,7 +111,7 @@ int main() {
     exchange->image.take();
     const modbus::Image& image = exchange->image.taken();
     for (std::size_t i = 0; i < points.size(); ++i) {
-      // What was not read again is not said again: a deadline at the connection then makes it stale.
+      // Write only values that were read again, so that a deadline at the connection can make them stale.
       if (!from_device[i] || std::exchange(seen[i], image.reads[i]) == image.reads[i]) continue;
       from_device[i]->write(image.value[i]);
     }

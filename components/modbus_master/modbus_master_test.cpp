@@ -1,4 +1,4 @@
-// The master's program on virtual time; its device is libmodbus's own server, on a thread of the test.
+// Tests the master's program on virtual time, with libmodbus's server as the device, on a thread of the test.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ using common::number;
 using takt::lifecycle::State;
 using takt::testing::Module;
 
-/// Serves one master at a time, on a free port of the loopback.
+/// A device that serves one master at a time, on a free port of the loopback interface.
 class Device {
  public:
   Device() {
@@ -51,7 +51,7 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   [[nodiscard]] int port() const { return port_; }
-  /// With the tables, while no request is answered.
+  /// Calls `use` with the tables while no request is being answered.
   template <class Use>
   auto with_tables(Use&& use) {
     const std::lock_guard lock{mutex_};
@@ -118,7 +118,7 @@ class Master : public ::testing::Test {
   Module module{{.period = 10ms}};
 };
 
-TEST_F(Master, CarriesValuesBothWays) {
+TEST_F(Master, ExchangesValuesInBothDirections) {
   device->with_tables([](modbus_mapping_t& tables) {
     tables.tab_input_bits[3] = 1;
     tables.tab_input_registers[4] = static_cast<std::uint16_t>(-215);
@@ -142,7 +142,7 @@ TEST_F(Master, CarriesValuesBothWays) {
   EXPECT_TRUE(comes([&] { return !button.value().value() && lamp_is(false); }));
 }
 
-TEST_F(Master, LeavesTheDeviceSafe) {
+TEST_F(Master, WritesSafeValuesWhenItEnds) {
   ASSERT_TRUE(module.initialize());
   auto& lamp = module.in<basic::Flag>("lamp");
   auto& speed_wanted = module.in<basic::Number>("speed");
@@ -155,7 +155,7 @@ TEST_F(Master, LeavesTheDeviceSafe) {
   EXPECT_EQ(speed(), 0);
 }
 
-TEST_F(Master, SaysNothingNewWhileItsDeviceIsGone) {
+TEST_F(Master, WritesNoInputPortsWhileTheDeviceIsGone) {
   ASSERT_TRUE(module.initialize());
   auto& button = module.out<basic::Flag>("button");
   auto& connected = module.out<basic::Flag>("connected");
@@ -164,34 +164,34 @@ TEST_F(Master, SaysNothingNewWhileItsDeviceIsGone) {
   ASSERT_TRUE(comes([&] { return connected.has_value() && connected.value().value(); }));
   device.reset();
   ASSERT_TRUE(comes([&] { return !connected.value().value() && failures.value().value() > 0; }));
-  const std::uint64_t said = button.count();
-  EXPECT_EQ(module.step(1000), 1000U) << "the body does not wait for the network";
-  EXPECT_EQ(button.count(), said);
+  const std::uint64_t writes_before = button.count();
+  EXPECT_EQ(module.step(1000), 1000U) << "the body must not wait for the network";
+  EXPECT_EQ(button.count(), writes_before);
   EXPECT_TRUE(module.healthy());
 }
 
-TEST_F(Master, OfAnotherMapHasOtherPorts) {
+TEST_F(Master, CreatesItsPortsFromTheMap) {
   ASSERT_TRUE(module.set("map", "valve out coil 1"));
   ASSERT_TRUE(module.initialize());
   EXPECT_NO_THROW(module.in<basic::Flag>("valve"));
   EXPECT_THROW(module.in<basic::Flag>("lamp"), takt::testing::Error);
 }
 
-TEST_F(Master, RefusesWhatItCannotUse) {
-  const auto refused = [this] {
+TEST_F(Master, RejectsInvalidProperties) {
+  const auto start_error = [this] {
     testing::internal::CaptureStderr();
     const takt::testing::Answer answer = module.start();
     EXPECT_FALSE(answer);
     return testing::internal::GetCapturedStderr() + answer.text();
   };
   ASSERT_TRUE(module.set("map", "lamp out coil 0\nhorn out spool 1"));
-  EXPECT_THAT(refused(), testing::HasSubstr("property 'map', line 2: "));
+  EXPECT_THAT(start_error(), testing::HasSubstr("property 'map', line 2: "));
   ASSERT_TRUE(module.set("map", kMap));
   ASSERT_TRUE(module.set("host", ""));
-  EXPECT_THAT(refused(), testing::HasSubstr("property 'host' is empty"));
+  EXPECT_THAT(start_error(), testing::HasSubstr("property 'host' is empty"));
   ASSERT_TRUE(module.set("host", "127.0.0.1"));
   ASSERT_TRUE(module.set("port", "0"));
-  EXPECT_THAT(refused(), testing::HasSubstr("property 'port' cannot be '0'; it takes "));
+  EXPECT_THAT(start_error(), testing::HasSubstr("property 'port' cannot be '0'; it takes "));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-/* A non-real-time module is a plain program: it is started, gets idle time, and is ended by SIGTERM. This one
- * says once a second how the machine does. It calls nothing of Takt; its sentence for `takt describe` is a constant. */
+/* A non-real-time module is a plain program: the node starts it, it gets idle time, and SIGTERM ends it. This
+ * one prints the machine's load and memory once a second. It calls no Takt function; its sentence for `takt
+ * describe` is a constant. */
 #define _POSIX_C_SOURCE 200809L
 #include "machine.h"
 
@@ -9,7 +10,7 @@
 #include <takt/text.h>
 #include <time.h>
 
-TAKT_TEXT("Says once a second how loaded the machine is.");
+TAKT_TEXT("Prints the load and memory of the machine once a second.");
 
 static const char* text_of(const char* path) {
   static char text[8192];
@@ -25,7 +26,8 @@ static const char* text_of(const char* path) {
 
 int main(void) {
   setvbuf(stdout, NULL, _IOLBF, 0);
-  /* Blocked and waited for: no handler, and none can come between a look and a sleep. */
+  /* The signals are blocked and waited for. So no handler is needed, and no signal is lost between check and
+   * sleep. */
   sigset_t ends;
   sigemptyset(&ends);
   sigaddset(&ends, SIGTERM);

@@ -6,7 +6,7 @@ namespace {
 
 TEST(Machine, LoadIsTheFirstNumber) { EXPECT_EQ(machine_load("0.52 0.58 0.59 1/467 12345\n"), 0.52); }
 
-TEST(Machine, LoadOfNoTextIsNegative) { EXPECT_LT(machine_load(""), 0); }
+TEST(Machine, LoadOfAnEmptyTextIsNegative) { EXPECT_LT(machine_load(""), 0); }
 
 TEST(Machine, MemoryIsFoundByItsWholeName) {
   const char* text = "MemTotal:       8000000 kB\nMemFree:         100000 kB\nMemAvailable:   4000000 kB\n";

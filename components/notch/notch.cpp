@@ -1,4 +1,4 @@
-// A thread module in C++: a notch takes one frequency out of a signal.
+// A thread module in C++: a notch filter removes one frequency from a signal.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -11,12 +11,15 @@
 #include "notch_filter.hpp"
 
 class Notch : public takt::Component {
-  takt::InPort<basic::Number> in{*this, "in", {.text = "What the frequency is to be taken out of."}};
-  takt::OutPort<basic::Number> out{*this, "out", {.text = "Behind the filter, in the unit of the input."}};
+  takt::InPort<basic::Number> in{*this, "in", {.text = "Signal to filter, in any unit."}};
+  takt::OutPort<basic::Number> out{*this, "out", {.text = "Filtered signal, in the unit of the input."}};
   takt::Property<double> frequency{
-      *this, "frequency", 50, {.unit = "Hz", .min = 1e-9, .text = "What is taken out."}};
+      *this, "frequency", 50, {.unit = "Hz", .min = 1e-9, .text = "The frequency to remove."}};
   takt::Property<double> width{
-      *this, "width", 10, {.unit = "Hz", .min = 1e-9, .text = "Between the two frequencies at -3 dB."}};
+      *this,
+      "width",
+      10,
+      {.unit = "Hz", .min = 1e-9, .text = "Distance between the two frequencies at -3 dB."}};
 
   notch::NotchFilter filter_;
   common::Releases releases_;
@@ -61,4 +64,4 @@ class Notch : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Notch, "Takes one frequency out of a signal.")
+TAKT_COMPONENT(Notch, "Removes one frequency from a signal.")

@@ -23,12 +23,12 @@ std::complex<double> response_at(int cycles, double frequency, double width, dou
   return common::frequency_response([&](double x) { return filter.step(x); }, cycles, 1000, 20000);
 }
 
-TEST(NotchFilter, TakesOutItsFrequency) {
+TEST(NotchFilter, RemovesItsFrequency) {
   for (const int frequency : {3, 50, 123, 250, 400, 480})
     EXPECT_LT(std::abs(response_at(frequency, frequency, 5)), 1e-9) << frequency;
 }
 
-TEST(NotchFilter, HasTheResponseOfTheoryAtEveryFrequency) {
+TEST(NotchFilter, MatchesTheTheoreticalResponse) {
   for (const double frequency : {20.0, 110.0, 333.0}) {
     for (const double width : {4.0, 40.0, 200.0}) {
       for (const int cycles : {1, 19, 50, 100, 333, 499}) {
@@ -44,7 +44,7 @@ TEST(NotchFilter, HasTheResponseOfTheoryAtEveryFrequency) {
 }
 
 TEST(NotchFilter, HasItsWidthInTheSampledSignal) {
-  // 1000 steps a second: whole frequencies. Where half the power is left, found by walking outwards.
+  // 1000 steps a second, so frequencies are whole hertz. Searches outwards for the half-power frequencies.
   for (const int frequency : {100, 250, 400}) {
     constexpr int kWidth = 60;
     double low = 0;
@@ -54,17 +54,17 @@ TEST(NotchFilter, HasItsWidthInTheSampledSignal) {
       if (cycles < frequency && power >= 0.5) low = cycles;
       if (cycles > frequency && power >= 0.5 && high == 0) high = cycles;
     }
-    EXPECT_NEAR(high - low, kWidth, 2) << frequency;  // both edges are rounded to whole Hz, outwards
+    EXPECT_NEAR(high - low, kWidth, 2) << frequency;  // both edges are rounded outwards to whole Hz
   }
 }
 
-TEST(NotchFilter, LeavesAConstantAsItIs) {
+TEST(NotchFilter, PassesAConstantUnchanged) {
   NotchFilter filter;
   filter.design(50, 10, 1e-3);
   for (int i = 0; i < 1000; ++i) EXPECT_NEAR(filter.step(-3), -3, 1e-12);
 }
 
-TEST(NotchFilter, MovesWithoutAJump) {
+TEST(NotchFilter, ChangesItsFrequencyAndWidthWithoutAJump) {
   NotchFilter filter;
   filter.design(50, 10, 1e-3);
   double last = filter.step(0);
@@ -76,7 +76,7 @@ TEST(NotchFilter, MovesWithoutAJump) {
   }
 }
 
-TEST(Notch, DoesWhatTheFilterDoes) {
+TEST(Notch, MatchesTheFilter) {
   takt::testing::Module module{{.period = milliseconds{2}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -95,16 +95,16 @@ TEST(Notch, DoesWhatTheFilterDoes) {
   }
 }
 
-TEST(Notch, RefusesAFrequencyAboveHalfTheRate) {
+TEST(Notch, RejectsAFrequencyAboveHalfTheRate) {
   takt::testing::Module module{{.period = milliseconds{10}}};
-  const auto refused = module.start();  // 50 Hz, the default
-  ASSERT_FALSE(refused.ok());
+  const auto start = module.start();  // 50 Hz, the default
+  ASSERT_FALSE(start.ok());
   EXPECT_EQ(
-      refused.text(),
+      start.text(),
       "property 'frequency' cannot be '50'; it takes a number, 1e-04 to 49 at a period of 10 ms, in Hz");
 }
 
-TEST(Notch, TakesWhatIsNoNumberForAnError) {
+TEST(Notch, TreatsANonFiniteInputAsAnError) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   ASSERT_TRUE(module.start());

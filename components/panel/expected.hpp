@@ -1,5 +1,5 @@
-// How many parts a cell should have placed: what panel shows beside those that it has. Times in s. For
-// real-time threads.
+// The mathematics of panel: predicts how many parts a cell should have placed. Times in s. For real-time
+// threads.
 #pragma once
 
 #include <algorithm>
@@ -7,24 +7,22 @@
 
 namespace panel {
 
-/// What the arm says when it begins with a part: when it will have placed it and when it will be home again,
-/// from then.
+/// The arm's plan for a part: the times from the request until the part is placed and until the arm is home.
 struct ArmPlan {
-  std::uint32_t number = 0;  ///< of the part
+  std::uint32_t number = 0;  ///< number of the part
   double placed = 0;
   double ended = 0;
 };
 
-/// Parts come one after the other. Each is brought (belt, camera, messages) while the arm goes home from the
-/// one before, then taken for as long as the arm's plan says. All of it is known before the part is placed.
-/// Time in which nothing may run does not count.
+/// Parts come one after the other. Each part is brought (belt, camera, messages) while the arm goes home from
+/// the previous one. Then the arm needs the time of its plan. All times are known before the part is placed.
+/// The time of an emergency stop does not count.
 class Expected {
  public:
-  /// From a part's being placed, or from the start, to the next one's being asked for. 0: nothing is
-  /// expected.
+  /// The time from the placing of a part, or from the start, to the next pick request. 0: no prediction.
   void bring(double seconds) noexcept { bring_ = seconds; }
 
-  /// The arm has begun with a part. What is told again changes nothing.
+  /// The arm has begun a part. A repeated plan changes nothing.
   void planned(const ArmPlan& plan) noexcept {
     if (bring_ <= 0 || plan.number == last_.number) return;
     ++begun_;
@@ -33,16 +31,16 @@ class Expected {
   }
   void pass(double seconds, bool permitted) noexcept { (permitted ? running_ : stopped_) += seconds; }
 
-  /// Parts that should have been placed by now; of those that the arm has not begun with as many as fit at
-  /// the last one's times.
+  /// The number of parts that should be placed by now. For parts that the arm has not begun, it assumes the
+  /// times of the last one.
   [[nodiscard]] std::uint32_t parts() const noexcept {
     if (begun_ == 0) return 0;
     if (running_ < due_) return begun_ - 1;
     return begun_ + static_cast<std::uint32_t>((running_ - due_) / (until_next() + last_.placed));
   }
-  /// From part to part so far, on average; 0 before the first.
+  /// Average time from part to part so far; 0 before the first.
   [[nodiscard]] double part_time() const noexcept { return begun_ == 0 ? 0 : due_ / begun_; }
-  /// Of the last part.
+  /// The arm's time for the last part.
   [[nodiscard]] double arm_time() const noexcept { return last_.placed; }
   [[nodiscard]] double running() const noexcept { return running_; }
   [[nodiscard]] double stopped() const noexcept { return stopped_; }
@@ -52,8 +50,8 @@ class Expected {
 
   double bring_ = 0;
   ArmPlan last_;
-  std::uint32_t begun_ = 0;  // parts that the arm has begun with
-  double due_ = 0;           // when the last of them is to be placed, from the start
+  std::uint32_t begun_ = 0;  // number of parts that the arm has begun
+  double due_ = 0;           // time from the start until the last of them should be placed
   double running_ = 0;
   double stopped_ = 0;
 };

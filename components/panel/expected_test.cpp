@@ -5,19 +5,19 @@
 namespace panel {
 namespace {
 
-/// 0.1 s a step.
+/// Steps of 0.1 s.
 void pass(Expected& expected, double seconds, bool permitted = true) {
   for (int i = 0; i < static_cast<int>(seconds * 10 + 0.5); ++i) expected.pass(0.1, permitted);
 }
 
-TEST(Expected, ExpectsNothingUnlessItIsToldHowLongBringingTakes) {
+TEST(Expected, PredictsNothingWithoutABringTime) {
   Expected expected;
   expected.planned({.number = 1, .placed = 2, .ended = 3});
   pass(expected, 100);
   EXPECT_EQ(expected.parts(), 0U);
   EXPECT_EQ(expected.part_time(), 0);
 }
-TEST(Expected, CountsAPartWhenBringingAndPlacingAreOver) {
+TEST(Expected, CountsAPartAfterBringingAndPlacing) {
   Expected expected;
   expected.bring(1);
   pass(expected, 1);
@@ -28,24 +28,24 @@ TEST(Expected, CountsAPartWhenBringingAndPlacingAreOver) {
   pass(expected, 0.2);
   EXPECT_EQ(expected.parts(), 1U);
 }
-TEST(Expected, GoesOnAtTheLastPartsTimesWhereNothingIsBegun) {
+TEST(Expected, ExtrapolatesWithTheTimesOfTheLastPart) {
   Expected expected;
   expected.bring(1);
   expected.planned({.number = 1, .placed = 2, .ended = 2.5});
   pass(expected, 30.1);  // 3 s a part
   EXPECT_EQ(expected.parts(), 10U);
 }
-TEST(Expected, WaitsForAnArmThatIsNotHomeYet) {
+TEST(Expected, WaitsUntilTheArmIsHome) {
   Expected expected;
   expected.bring(1);
   expected.planned({.number = 1, .placed = 2, .ended = 4});
   expected.planned({.number = 2, .placed = 2, .ended = 4});
-  pass(expected, 6.9);  // 1 + 2, then 2 home, then 2
+  pass(expected, 6.9);  // 1 to bring and 2 to place, then 2 to go home and 2 to place
   EXPECT_EQ(expected.parts(), 1U);
   pass(expected, 0.2);
   EXPECT_EQ(expected.parts(), 2U);
 }
-TEST(Expected, LeavesOutTheTimeInWhichNothingMayRun) {
+TEST(Expected, ExcludesTheTimeOfAnEmergencyStop) {
   Expected expected;
   expected.bring(1);
   expected.planned({.number = 1, .placed = 2, .ended = 2});
@@ -56,7 +56,7 @@ TEST(Expected, LeavesOutTheTimeInWhichNothingMayRun) {
   pass(expected, 1.1);
   EXPECT_EQ(expected.parts(), 1U);
 }
-TEST(Expected, TakesAPlanThatIsToldAgainForTheSame) {
+TEST(Expected, IgnoresARepeatedPlan) {
   Expected expected;
   expected.bring(1);
   for (int i = 0; i < 5; ++i) expected.planned({.number = 1, .placed = 2, .ended = 2});

@@ -1,5 +1,5 @@
-// A process module in C++: the operator's panel of a station. Says how fast the belt is to run, shows what
-// goes on, and counts the parts that were placed beside those that the cell's timing lets expect.
+// A process module in C++: the operator's panel of a station. It sets the belt speed, prints the state of the
+// cell, counts the placed parts, and predicts their number from the cell's timing.
 #include <takt/process.hpp>
 
 #include <atomic>
@@ -15,35 +15,37 @@
 
 #include "expected.hpp"
 
-TAKT_TEXT(
-    "Operator's panel without a screen: says how fast the belt runs, prints what goes on, counts parts.");
+TAKT_TEXT("Operator's panel without a screen: sets the belt speed, prints the cell's state, counts parts.");
 
 namespace {
 
-takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Of the belt."}};
-takt::Property<double> every{"show", 1, {.unit = "s", .min = 0.1, .max = 3600, .text = "Between two lines."}};
-takt::Property<double> bring{"bring",
-                             0,
-                             {.unit = "s",
-                              .min = 0,
-                              .max = 3600,
-                              .text = "From a part's being placed to the next one's being asked for."}};
+takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Speed of the belt."}};
+takt::Property<double> every{
+    "show", 1, {.unit = "s", .min = 0.1, .max = 3600, .text = "Time between two printed lines."}};
+takt::Property<double> bring{
+    "bring",
+    0,
+    {.unit = "s",
+     .min = 0,
+     .max = 3600,
+     .text = "Time from the placing of a part to the next pick request; 0: no prediction."}};
 
-takt::OutPort<line::BeltCommand> command{"command", {.text = "How fast the belt is to run."}};
-takt::OutPort<basic::Number> placed{"placed", {.text = "Parts that were placed, for a display."}};
-takt::InPort<line::BeltState> belt{"belt", {.text = "What the belt does."}};
-takt::InPort<motion::JointState> arm{"arm", {.text = "Where the axes are."}};
-takt::InPort<line::Throughput> throughput{"throughput", {.text = "Parts in a minute."}};
-takt::InPort<motion::PickPlan> plan{"plan", {.text = "How long the arm takes for the part."}};
-takt::InPort<motion::PickDone> done{"done", {.text = "What became of a part."}};
+takt::OutPort<line::BeltCommand> command{"command", {.text = "Speed of the belt."}};
+takt::OutPort<basic::Number> placed{"placed", {.text = "Number of placed parts, for a display."}};
+takt::InPort<line::BeltState> belt{"belt", {.text = "State of the belt."}};
+takt::InPort<motion::JointState> arm{"arm", {.text = "Position of the axes."}};
+takt::InPort<line::Throughput> throughput{"throughput", {.text = "Parts per minute."}};
+takt::InPort<motion::PickPlan> plan{
+    "plan", {.text = "Time that the arm will need for a part; connect it as a queue."}};
+takt::InPort<motion::PickDone> done{"done", {.text = "Result of a request; connect it as a queue."}};
 takt::InPort<basic::Flag> run_permitted{"run_permitted",
-                                        {.text = "No emergency stop. Not connected: always."}};
+                                        {.text = "False: emergency stop. If not connected: always true."}};
 
-/// What is shown, left by the body for the thread that prints: the body is released on time, and printing
-/// waits for whoever reads. Each value is whole by itself, which is enough for a display.
+/// The values to print. The real-time body passes them to a separate thread, because printing may block. Each
+/// value is consistent by itself, which is enough for a display.
 struct Shown {
   std::atomic<bool> any{false};
-  std::atomic<bool> heard{false};
+  std::atomic<bool> has_belt{false};
   std::atomic<bool> permitted{true};
   std::atomic<line::BeltMode> mode{};
   std::atomic<double> speed{0};
@@ -66,19 +68,19 @@ void show(std::chrono::duration<double> pause) {
     std::printf("%sbelt %s at %.2f m/s, %.1f parts a minute, %u placed; axis 1 at %.2f rad%s\n",
                 shown.permitted ? "" : "EMERGENCY STOP; ", word(shown.mode), shown.speed.load(),
                 shown.per_minute.load(), shown.placed.load(), shown.axis.load(),
-                shown.heard ? "" : " (nothing heard of the line)");
+                shown.has_belt ? "" : " (no data from the line)");
   }
 }
 
-/// Of the whole time; the body runs no more then.
-void say_goodbye() {
+/// Prints a summary at the end, when the body no longer runs.
+void print_summary() {
   std::printf("parts placed: %u", shown.placed.load());
   if (expected.part_time() > 0) {
-    std::printf("; its timing predicts %u: one every %.2f s, of which the arm takes %.2f s, in %.1f s",
+    std::printf("; predicted from the timing: %u, one every %.2f s (the arm takes %.2f s), in %.1f s",
                 expected.parts(), expected.part_time(), expected.arm_time(), expected.running());
-    if (expected.stopped() > 0) std::printf(" beside %.1f s of emergency stop", expected.stopped());
+    if (expected.stopped() > 0) std::printf(" plus %.1f s of emergency stop", expected.stopped());
   }
-  if (shown.failed > 0) std::printf("; %u refused or lost", shown.failed.load());
+  if (shown.failed > 0) std::printf("; %u rejected or lost", shown.failed.load());
   std::printf("\n");
 }
 
@@ -87,33 +89,34 @@ void say_goodbye() {
 int main() {
   initPeriodExe();
   expected.bring(bring);
-  line::BeltCommand order;
-  order.speed(speed);
+  line::BeltCommand belt_command;
+  belt_command.speed(speed);
   basic::Number count;
   std::uint32_t last_done = 0;
 
-  std::atexit(say_goodbye);
+  std::atexit(print_summary);
   std::thread{show, std::chrono::duration<double>{every}}.detach();  // until the program ends
   while (true) {
     waitPeriod();
-    command.write(order);
+    command.write(belt_command);
     belt.read();
     arm.read();
     throughput.read();
     run_permitted.read();
     while (plan.read()) {
-      const motion::PickPlan& told = plan.value();
-      expected.planned({.number = told.number(), .placed = told.placed(), .ended = told.ended()});
+      const motion::PickPlan& announced = plan.value();
+      expected.planned(
+          {.number = announced.number(), .placed = announced.placed(), .ended = announced.ended()});
     }
     while (done.read()) {
-      // A part that was asked for twice is told of twice.
+      // A part that was requested twice is reported twice.
       if (std::exchange(last_done, done.value().number()) == done.value().number()) continue;
       ++(done.value().result() == motion::PICK_PLACED ? shown.placed : shown.failed);
     }
-    shown.heard = belt.connected() && belt.has_value();
+    shown.has_belt = belt.connected() && belt.has_value();
     shown.permitted =
         !run_permitted.connected() || (run_permitted.has_value() && run_permitted.value().value());
-    if (shown.heard) expected.pass(static_cast<double>(takt_period_ns()) * 1e-9, shown.permitted);
+    if (shown.has_belt) expected.pass(static_cast<double>(takt_period_ns()) * 1e-9, shown.permitted);
     count.value(shown.placed);
     placed.write(count);
     shown.mode = belt.value().mode();

@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Panel, SaysTheSpeedInEveryPeriod) {
+TEST(Panel, WritesTheSpeedEveryPeriod) {
   takt::testing::Module module{{.period = 100ms}};
   ASSERT_TRUE(module.set("speed", "0.7"));
   auto& command = module.out<line::BeltCommand>("command");
@@ -21,12 +21,13 @@ TEST(Panel, SaysTheSpeedInEveryPeriod) {
   EXPECT_EQ(command.value().speed(), 0.7);
 }
 
-TEST(Panel, RefusesASpeedThatNoBeltHas) {
+TEST(Panel, RejectsASpeedOutOfRange) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("speed", "3"));
-  const std::string said = module.start().text();
-  EXPECT_NE(said.find("property 'speed' cannot be '3'; it takes a number, 0 to 2, in m/s"), std::string::npos)
-      << said;
+  const std::string problem = module.start().text();
+  EXPECT_NE(problem.find("property 'speed' cannot be '3'; it takes a number, 0 to 2, in m/s"),
+            std::string::npos)
+      << problem;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The camera over a belt's light barrier, simulated: what it would see of parts that lie there. The belt runs
-// from left to right, the barrier is in the middle of the picture.
+// Simulates the camera over a belt's light barrier: renders an image of the parts there. The belt runs from
+// left to right, and the barrier is in the middle of the image.
 #pragma once
 
 #include <array>
@@ -15,18 +15,18 @@
 
 namespace vision {
 
-/// What the camera and whoever looks at its pictures must agree on.
+/// Parameters that the camera and the finder share.
 struct Optics {
   int width = 320;      ///< pixels
   int height = 240;     ///< pixels
-  double scale = 1000;  ///< pixels in a metre of the belt
+  double scale = 1000;  ///< pixels per metre of the belt
 };
 
 enum class Kind { box, bottle };
 
-/// A part on the belt: x in m from the barrier against the way that the belt runs, y in m across the belt
-/// from its middle, downwards in the picture, the angle in rad from the way that the belt runs to its longer
-/// side. Where it lies is where the centre of its area lies.
+/// A part on the belt. x: m from the barrier against the belt's direction. y: m across the belt from its
+/// middle, downwards in the image. angle: rad from the belt's direction to the longer side. The position is
+/// that of the centre of the area.
 struct PlacedPart {
   Kind kind = Kind::box;
   double x = 0;
@@ -34,7 +34,7 @@ struct PlacedPart {
   double angle = 0;
 };
 
-/// How parts look from above: m.
+/// Dimensions of the parts from above, m.
 inline constexpr double kBoxLength = 0.08;
 inline constexpr double kBoxWidth = 0.05;
 inline constexpr double kBodyLength = 0.07;
@@ -47,64 +47,64 @@ class Camera {
   struct Settings {
     Optics optics{};
     double noise = 6;   ///< standard deviation of a pixel's brightness, 0 to 255
-    double light = 30;  ///< how much brighter the lamp's corner of the picture is than the opposite one
+    double light = 30;  ///< brightness difference between the lamp's corner and the opposite one
     std::uint64_t seed = 1;
   };
 
   explicit Camera(const Settings& settings) : settings_(settings), random_(settings.seed) {}
 
-  /// An 8-bit grey picture of these parts on a belt that has run `position` m.
+  /// An 8-bit grey image of these parts on a belt that has run `position` m.
   [[nodiscard]] cv::Mat take(std::span<const PlacedPart> parts, double position) {
-    cv::Mat picture = belt(position);
-    for (const PlacedPart& part : parts) draw(picture, part);
-    cv::Mat noise(picture.size(), CV_16SC1);
+    cv::Mat image = belt(position);
+    for (const PlacedPart& part : parts) draw(image, part);
+    cv::Mat noise(image.size(), CV_16SC1);
     random_.fill(noise, cv::RNG::NORMAL, 0, settings_.noise);
     cv::Mat exact;
-    picture.convertTo(exact, CV_16SC1);
+    image.convertTo(exact, CV_16SC1);
     exact += noise;
-    exact.convertTo(picture, CV_8UC1);  // saturates, as a sensor does
-    return picture;
+    exact.convertTo(image, CV_8UC1);  // saturates like a sensor
+    return image;
   }
 
  private:
-  /// A dark rubber belt whose ribs move along with it, lit from the upper left.
+  /// A dark rubber belt with moving ribs, lit from the upper left.
   [[nodiscard]] cv::Mat belt(double position) const {
     const Optics& optics = settings_.optics;
-    cv::Mat picture(optics.height, optics.width, CV_8UC1);
-    constexpr double kRib = 0.02;  // m from one to the next
+    cv::Mat image(optics.height, optics.width, CV_8UC1);
+    constexpr double kRib = 0.02;  // m, distance between ribs
     for (int v = 0; v < optics.height; ++v) {
-      auto* row = picture.ptr<std::uint8_t>(v);
+      auto* row = image.ptr<std::uint8_t>(v);
       for (int u = 0; u < optics.width; ++u) {
         const double along = u / optics.scale - position;
         const double rib = 5 * std::sin(2 * std::numbers::pi * along / kRib);
         row[u] = cv::saturate_cast<std::uint8_t>(50 + rib + light(u, v));
       }
     }
-    return picture;
+    return image;
   }
 
   [[nodiscard]] double light(double u, double v) const {
     return settings_.light * (1 - (u / settings_.optics.width + v / settings_.optics.height) / 2);
   }
 
-  void draw(cv::Mat& picture, const PlacedPart& part) const {
+  void draw(cv::Mat& image, const PlacedPart& part) const {
     if (part.kind == Kind::box) {
-      draw_rectangle(picture, part, 0, kBoxLength, kBoxWidth, 190);
+      draw_rectangle(image, part, 0, kBoxLength, kBoxWidth, 190);
       return;
     }
-    // The centre of body and neck together is where the part lies.
+    // The position of the part is the centre of body and neck together.
     const double body = kBodyLength * kBodyWidth;
     const double neck = kNeckLength * kNeckWidth;
     const double apart = (kBodyLength + kNeckLength) / 2;
-    draw_rectangle(picture, part, -apart * neck / (body + neck), kBodyLength, kBodyWidth, 170);
-    draw_rectangle(picture, part, apart * body / (body + neck), kNeckLength, kNeckWidth, 170);
+    draw_rectangle(image, part, -apart * neck / (body + neck), kBodyLength, kBodyWidth, 170);
+    draw_rectangle(image, part, apart * body / (body + neck), kNeckLength, kNeckWidth, 170);
   }
 
-  /// One whose middle lies `along` m from the part's, on its longer axis.
-  void draw_rectangle(cv::Mat& picture, const PlacedPart& part, double along, double length, double width,
+  /// Draws a rectangle whose centre is `along` m from the part's centre, on the longer axis.
+  void draw_rectangle(cv::Mat& image, const PlacedPart& part, double along, double length, double width,
                       int brightness) const {
     const Optics& optics = settings_.optics;
-    constexpr int kShift = 8;  // of the 1/256 pixels that corners are given in
+    constexpr int kShift = 8;  // corners are given in 1/256 pixels
     const double c = std::cos(part.angle);
     const double s = std::sin(part.angle);
     const double u = optics.width / 2.0 - part.x * optics.scale;
@@ -114,12 +114,12 @@ class Camera {
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const double a = along + kSigns[i][0] * length / 2;
       const double b = kSigns[i][1] * width / 2;
-      // The middle of a pixel has whole numbers here, its edge has them in a picture.
+      // Here, whole numbers are pixel centres; in u and v, they are pixel edges.
       corners[i] = {cvRound((u + (a * c - b * s) * optics.scale - 0.5) * (1 << kShift)),
                     cvRound((v + (a * s + b * c) * optics.scale - 0.5) * (1 << kShift))};
     }
     const double lit = brightness + light(u, v);
-    cv::fillConvexPoly(picture, corners.data(), 4, cv::Scalar(lit), cv::LINE_AA, kShift);
+    cv::fillConvexPoly(image, corners.data(), 4, cv::Scalar(lit), cv::LINE_AA, kShift);
   }
 
   Settings settings_;

@@ -1,5 +1,5 @@
-// Finds parts in a grey picture of a belt: what part_finder does with every frame, without the program around
-// it. Allocates, as OpenCV does: for a process module, whose memory is its own.
+// The image processing of part_finder: finds parts in a grey image of a belt. It allocates, as OpenCV does,
+// so it is not for real-time threads.
 #pragma once
 
 #include <cmath>
@@ -14,59 +14,58 @@ namespace vision {
 
 struct FinderSettings {
   Optics optics{};
-  double contrast = 50;  ///< how much brighter than the belt around it a part is at least, of 255
+  double contrast = 50;  ///< a part is at least this much brighter than the belt (full scale 255)
 };
 
-/// The belt's brightness, as a plane over the picture: light falls on it from one side. Fitted to the pixels
-/// of the upper and lower edge, where no part lies.
-inline cv::Mat background(const cv::Mat& picture) {
-  const int edge = std::max(2, picture.rows / 24);
+/// The belt's brightness as a plane over the image, because light falls on it from one side. The plane is
+/// fitted to the pixels of the upper and lower edge, which are free of parts.
+inline cv::Mat background(const cv::Mat& image) {
+  const int edge = std::max(2, image.rows / 24);
   cv::Matx33d normal = cv::Matx33d::zeros();
   cv::Vec3d right(0, 0, 0);
-  for (int v = 0; v < picture.rows; ++v) {
-    if (v == edge) v = picture.rows - edge;
-    const auto* row = picture.ptr<std::uint8_t>(v);
-    for (int u = 0; u < picture.cols; ++u) {
+  for (int v = 0; v < image.rows; ++v) {
+    if (v == edge) v = image.rows - edge;
+    const auto* row = image.ptr<std::uint8_t>(v);
+    for (int u = 0; u < image.cols; ++u) {
       const cv::Vec3d at(1, u, v);
       normal += at * at.t();
       right += at * static_cast<double>(row[u]);
     }
   }
   const cv::Vec3d plane = normal.solve(right, cv::DECOMP_CHOLESKY);
-  cv::Mat result(picture.size(), CV_32FC1);
-  for (int v = 0; v < picture.rows; ++v) {
+  cv::Mat result(image.size(), CV_32FC1);
+  for (int v = 0; v < image.rows; ++v) {
     auto* row = result.ptr<float>(v);
-    for (int u = 0; u < picture.cols; ++u)
-      row[u] = static_cast<float>(plane[0] + plane[1] * u + plane[2] * v);
+    for (int u = 0; u < image.cols; ++u) row[u] = static_cast<float>(plane[0] + plane[1] * u + plane[2] * v);
   }
   return result;
 }
 
-/// What is brighter than the belt: 255, else 0; without what is smaller than noise is.
-inline cv::Mat bright(const cv::Mat& picture, double contrast) {
+/// A mask: 255 for pixels that are brighter than the belt, else 0. Specks of noise are removed.
+inline cv::Mat bright(const cv::Mat& image, double contrast) {
   cv::Mat smooth;
-  cv::GaussianBlur(picture, smooth, {5, 5}, 0);
+  cv::GaussianBlur(image, smooth, {5, 5}, 0);
   cv::Mat above;
-  cv::subtract(smooth, background(picture), above, cv::noArray(), CV_32FC1);
+  cv::subtract(smooth, background(image), above, cv::noArray(), CV_32FC1);
   cv::Mat mask = above > contrast;
   cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   return mask;
 }
 
-/// The parts that lie wholly in the picture, from the one farthest along the belt to the last. What is
-/// neither a box nor a bottle is none: two that touch, a shadow.
-inline std::vector<PlacedPart> find_parts(const cv::Mat& picture, const FinderSettings& settings) {
+/// The parts that are wholly in the image, beginning with the one farthest along the belt. It ignores shapes
+/// that are neither a box nor a bottle, such as a shadow or two parts that touch.
+inline std::vector<PlacedPart> find_parts(const cv::Mat& image, const FinderSettings& settings) {
   const Optics& optics = settings.optics;
   std::vector<std::vector<cv::Point>> outlines;
-  cv::findContours(bright(picture, settings.contrast), outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::findContours(bright(image, settings.contrast), outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
 
   std::vector<PlacedPart> parts;
   for (const auto& outline : outlines) {
     const cv::Rect around = cv::boundingRect(outline);
-    if (around.x <= 1 || around.y <= 1 || around.br().x >= picture.cols - 1 ||
-        around.br().y >= picture.rows - 1)
-      continue;  // partly out of the picture
-    // Of the pixels, not of the polygon through their middles, which is half a pixel smaller all around.
+    if (around.x <= 1 || around.y <= 1 || around.br().x >= image.cols - 1 || around.br().y >= image.rows - 1)
+      continue;  // partly out of the image
+    // Moments of the pixels, not of the polygon through the pixel centres, which is half a pixel smaller on
+    // every side.
     cv::Mat inside = cv::Mat::zeros(around.size(), CV_8UC1);
     cv::drawContours(inside, std::vector<std::vector<cv::Point>>{outline}, 0, cv::Scalar(1), cv::FILLED,
                      cv::LINE_8, cv::noArray(), 0, -around.tl());

@@ -1,6 +1,6 @@
-// A process module in C++: the camera over a belt's light barrier. Every period it takes a picture (which it
-// renders from what lies on the belt, for there is no camera) and finds the parts in it. When the belt holds
-// a part at the barrier, it says which, where, and how it lies.
+// A process module in C++: the camera over a belt's light barrier. Every period it takes an image and finds
+// the parts in it. There is no real camera, so it renders the image from the parts on the belt. When the belt
+// holds a part at the barrier, it publishes the part's number, kind, place and angle.
 #include <takt/process.hpp>
 
 #include <algorithm>
@@ -20,29 +20,33 @@
 #include "camera.hpp"
 #include "finder.hpp"
 
-TAKT_TEXT("A camera over a belt: says where a part lies that waits at the light barrier.");
+TAKT_TEXT("A camera over a belt: finds the part at the light barrier and publishes its place and angle.");
 
 namespace {
 
 takt::Property<double> noise{
-    "noise", 6, {.min = 0, .max = 60, .text = "Standard deviation of a pixel's brightness, of 255."}};
+    "noise",
+    6,
+    {.min = 0, .max = 60, .text = "Standard deviation of a pixel's brightness (full scale 255)."}};
 takt::Property<double> light{
-    "light", 30, {.min = 0, .max = 100, .text = "How much brighter one corner is than the opposite one."}};
+    "light", 30, {.min = 0, .max = 100, .text = "Brightness difference between opposite corners."}};
 takt::Property<double> contrast{
-    "contrast", 50, {.min = 10, .max = 200, .text = "How much brighter than the belt a part is at least."}};
-takt::Property<double> repeat{
-    "repeat",
-    2,
-    {.unit = "s", .min = 0.1, .max = 3600, .text = "Until a part that still waits is told again."}};
-takt::Property<std::int64_t> seed{"seed", 1, {.min = 0, .text = "Of the noise."}};
+    "contrast", 50, {.min = 10, .max = 200, .text = "A part is at least this much brighter than the belt."}};
+takt::Property<double> repeat{"repeat",
+                              2,
+                              {.unit = "s",
+                               .min = 0.1,
+                               .max = 3600,
+                               .text = "A part that still waits is published again after this time."}};
+takt::Property<std::int64_t> seed{"seed", 1, {.min = 0, .text = "Seed of the noise."}};
 
-takt::InPort<line::Scene> scene{"scene", {.text = "What lies before the camera."}};
-takt::InPort<line::BeltState> belt{"belt", {.text = "What the belt does."}};
-takt::OutPort<line::Scene> seen{"seen", {.text = "The parts in the last picture."}};
+takt::InPort<line::Scene> scene{"scene", {.text = "The scene in front of the camera."}};
+takt::InPort<line::BeltState> belt{"belt", {.text = "State of the belt."}};
+takt::OutPort<line::Scene> seen{"seen", {.text = "Every part in the last image."}};
 takt::OutPort<line::Part> part{"part", {.text = "A part waits at the light barrier."}};
 
-/// What the body gives to the thread that looks, and gets back: looking allocates and takes milliseconds, and
-/// a body is released on time.
+/// The data that the body passes to the image thread (Shutter) and gets back (Sight). Image processing
+/// allocates and takes milliseconds, so it cannot run in the real-time body.
 struct Shutter {
   std::uint32_t waiting = 0;  ///< the number of the part that the belt holds; 0: none
   double position = 0;        ///< m, of the belt
@@ -56,24 +60,24 @@ struct Sight {
 };
 Latest<Shutter> shutter;
 Latest<Sight> sight;
-std::uint64_t pictures = 0;
-std::uint64_t told = 0;
-std::uint64_t searched = 0;  // pictures in which a part should have been at the barrier, and was not found
+std::uint64_t images_taken = 0;
+std::uint64_t published = 0;
+std::uint64_t not_found = 0;  // images without a part at the barrier, although the belt held one
 
-void say_goodbye() {
-  std::printf("part_finder: %llu pictures, %llu parts told, %llu searched in vain\n",
-              static_cast<unsigned long long>(pictures), static_cast<unsigned long long>(told),
-              static_cast<unsigned long long>(searched));
+void print_summary() {
+  std::printf("part_finder: %llu images, %llu parts published, %llu images without the waiting part\n",
+              static_cast<unsigned long long>(images_taken), static_cast<unsigned long long>(published),
+              static_cast<unsigned long long>(not_found));
 }
 
-void look(vision::Camera::Settings camera_settings, vision::FinderSettings finder_settings) {
-  cv::setNumThreads(1);  // the device's other processors are not ours
+void process_images(vision::Camera::Settings camera_settings, vision::FinderSettings finder_settings) {
+  cv::setNumThreads(1);  // use only one CPU of the device
   vision::Camera camera{camera_settings};
   while (true) {
     while (!shutter.take()) std::this_thread::sleep_for(std::chrono::milliseconds{2});
     const Shutter& now = shutter.taken();
-    const cv::Mat picture = camera.take(std::span{now.parts.data(), now.count}, now.position);
-    const std::vector<vision::PlacedPart> found = vision::find_parts(picture, finder_settings);
+    const cv::Mat image = camera.take(std::span{now.parts.data(), now.count}, now.position);
+    const std::vector<vision::PlacedPart> found = vision::find_parts(image, finder_settings);
     Sight& result = sight.writing();
     result.of = now;
     result.count = std::min(found.size(), result.parts.size());
@@ -82,8 +86,8 @@ void look(vision::Camera::Settings camera_settings, vision::FinderSettings finde
   }
 }
 
-void press() {
-  ++pictures;
+void take_image() {
+  ++images_taken;
   Shutter& next = shutter.writing();
   next.waiting = belt.value().mode() == line::BELT_HOLDING ? belt.value().parts() : 0;
   next.position = scene.value().position();
@@ -97,7 +101,7 @@ void press() {
   shutter.publish();
 }
 
-line::Part told_of(const vision::PlacedPart& found, std::uint32_t number) {
+line::Part to_part(const vision::PlacedPart& found, std::uint32_t number) {
   line::Part result;
   result.number(number);
   result.kind(found.kind == vision::Kind::box ? "box" : "bottle");
@@ -107,7 +111,7 @@ line::Part told_of(const vision::PlacedPart& found, std::uint32_t number) {
   return result;
 }
 
-/// The one nearest to the barrier, and near enough to be what it holds; null: there is none.
+/// The part nearest to the barrier, if it is near enough to be the held one; else null.
 const vision::PlacedPart* at_the_barrier(const Sight& now) {
   constexpr double kNear = 0.05;  // m
   const vision::PlacedPart* nearest = nullptr;
@@ -123,11 +127,12 @@ const vision::PlacedPart* at_the_barrier(const Sight& now) {
 
 int main() {
   initPeriodExe();
-  std::atexit(say_goodbye);
+  std::atexit(print_summary);
   const vision::Camera::Settings camera{
       .noise = noise, .light = light, .seed = static_cast<std::uint64_t>(seed.value())};
-  std::thread{look, camera, vision::FinderSettings{.contrast = contrast}}.detach();  // until the program ends
-  std::uint32_t number = 0;  // of the part that was told last
+  // Runs until the program ends.
+  std::thread{process_images, camera, vision::FinderSettings{.contrast = contrast}}.detach();
+  std::uint32_t number = 0;  // of the part that was published last
   double waited = 0;         // s, since then
   line::Scene all;
   all.parts().reserve(line::MAX_PARTS);
@@ -137,27 +142,27 @@ int main() {
     scene.read();
     belt.read();
     waited += static_cast<double>(takt_period_ns()) * 1e-9;
-    if (scene.has_value()) press();
+    if (scene.has_value()) take_image();
     if (!sight.take()) continue;
 
     const Sight& now = sight.taken();
     all.position(now.of.position);
     all.parts().clear();
     for (std::size_t i = 0; i < now.count; ++i)
-      all.parts().push_back(told_of(now.parts[i], static_cast<std::uint32_t>(i + 1)));
+      all.parts().push_back(to_part(now.parts[i], static_cast<std::uint32_t>(i + 1)));
     seen.write(all);
 
-    // The part that the barrier counted last is the one that waits there; the picture says where.
+    // The waiting part is the one that the barrier counted last; the image gives its pose.
     if (now.of.waiting == 0) continue;
     if (now.of.waiting == number && waited < repeat) continue;
     const vision::PlacedPart* waiting = at_the_barrier(now);
     if (waiting == nullptr) {
-      ++searched;
+      ++not_found;
       continue;
     }
     number = now.of.waiting;
     waited = 0;
-    ++told;
-    part.write(told_of(*waiting, number));
+    ++published;
+    part.write(to_part(*waiting, number));
   }
 }

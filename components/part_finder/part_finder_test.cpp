@@ -1,4 +1,4 @@
-// What part_finder sees in pictures whose truth is known.
+// Tests part_finder with images of known parts.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using vision::Camera;
 using vision::Kind;
 using vision::PlacedPart;
 
-/// A part's longer side has no direction: half a turn is none.
+/// The angle between two longer sides, which have no direction: half a turn makes no difference.
 double between_axes(double a, double b) {
   const double d = std::remainder(a - b, std::numbers::pi);
   return std::abs(d);
@@ -32,7 +32,7 @@ struct Worst {
   double angle = 0;  // rad
 };
 
-/// Places one part at random, 500 times, and looks for it.
+/// Places one part at random, 500 times, and searches for it.
 Worst worst_of(Kind kind, Camera::Settings settings) {
   Camera camera{settings};
   std::mt19937_64 random{7};
@@ -64,23 +64,23 @@ TEST(PartFinder, FindsEveryBottleWithinAMillimetreAndADegree) {
   EXPECT_LT(worst.place, 0.001);
   EXPECT_LT(worst.angle, std::numbers::pi / 180);
 }
-TEST(PartFinder, FindsThemInANoisyPictureUnderASlantingLight) {
+TEST(PartFinder, FindsBoxesInANoisyImageWithUnevenLight) {
   const Worst worst = worst_of(Kind::box, {.noise = 20, .light = 80});
   EXPECT_LT(worst.place, 0.002);
   EXPECT_LT(worst.angle, 2 * std::numbers::pi / 180);
 }
-TEST(PartFinder, SeesNothingOnAnEmptyBelt) {
+TEST(PartFinder, FindsNothingOnAnEmptyBelt) {
   Camera camera{{.noise = 20, .light = 80}};
   for (int i = 0; i < 200; ++i) EXPECT_TRUE(vision::find_parts(camera.take({}, 0.007 * i), {}).empty()) << i;
 }
-TEST(PartFinder, PassesOverWhatIsPartlyOutOfThePicture) {
+TEST(PartFinder, IgnoresPartsPartlyOutOfTheImage) {
   Camera camera{{}};
   const std::vector<PlacedPart> parts{{.x = 0.15, .y = 0}, {.x = 0, .y = 0}};
   const auto found = vision::find_parts(camera.take(parts, 0), {});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].x, 0, 0.001);
 }
-TEST(PartFinder, TellsSeveralApart) {
+TEST(PartFinder, DistinguishesSeveralParts) {
   Camera camera{{}};
   const std::vector<PlacedPart> parts{{.kind = Kind::box, .x = 0.08, .y = 0.03, .angle = 0.4},
                                       {.kind = Kind::bottle, .x = -0.06, .y = -0.04, .angle = 1.2}};
@@ -89,7 +89,7 @@ TEST(PartFinder, TellsSeveralApart) {
   EXPECT_EQ(found[0].kind, Kind::bottle);
   EXPECT_EQ(found[1].kind, Kind::box);
 }
-TEST(PartFinder, TakesTwoThatTouchForNone) {
+TEST(PartFinder, IgnoresPartsThatTouch) {
   Camera camera{{}};
   const std::vector<PlacedPart> parts{{.x = 0.02, .y = 0}, {.x = -0.05, .y = 0}};
   EXPECT_TRUE(vision::find_parts(camera.take(parts, 0), {}).empty());
@@ -132,11 +132,11 @@ class PartFinderProgram : public ::testing::Test {
   takt::testing::Out<line::Part>& part = module.out<line::Part>("part");
 };
 
-TEST_F(PartFinderProgram, TellsOnceWhereThePartLiesThatWaits) {
+TEST_F(PartFinderProgram, AnnouncesAWaitingPartOnce) {
   ASSERT_TRUE(module.set("repeat", "3600"));
   ASSERT_TRUE(module.start());
   ASSERT_TRUE(comes([&] { return seen.has_value() && !seen.value().parts().empty(); }));
-  EXPECT_FALSE(part.has_value()) << "the belt holds none";
+  EXPECT_FALSE(part.has_value()) << "the belt holds no part";
   belt.write(holding(5));
   ASSERT_TRUE(comes([&] { return part.has_value(); }));
   EXPECT_EQ(part.value().number(), 5U);
@@ -144,22 +144,22 @@ TEST_F(PartFinderProgram, TellsOnceWhereThePartLiesThatWaits) {
   EXPECT_NEAR(part.value().x(), 0.01, 0.001);
   EXPECT_NEAR(part.value().y(), -0.02, 0.001);
   EXPECT_NEAR(between_axes(part.value().angle(), 0.4), 0, 0.02);
-  const std::uint64_t pictures = seen.count();
-  ASSERT_TRUE(comes([&] { return seen.count() >= pictures + 5; }));
+  const std::uint64_t images = seen.count();
+  ASSERT_TRUE(comes([&] { return seen.count() >= images + 5; }));
   EXPECT_EQ(part.count(), 1U);
   belt.write(holding(6));
   ASSERT_TRUE(comes([&] { return part.count() == 2; }));
   EXPECT_EQ(part.value().number(), 6U);
 }
 
-TEST_F(PartFinderProgram, TellsOfAPartAgainThatStillWaits) {
+TEST_F(PartFinderProgram, RepeatsTheAnnouncementOfAWaitingPart) {
   ASSERT_TRUE(module.set("repeat", "0.1"));
   ASSERT_TRUE(module.start());
   belt.write(holding(5));
   EXPECT_TRUE(comes([&] { return part.count() == 3; }));
 }
 
-TEST_F(PartFinderProgram, TellsNothingWhereNoneLies) {
+TEST_F(PartFinderProgram, AnnouncesNothingWithoutAPartInTheImage) {
   lies({});
   ASSERT_TRUE(module.start());
   belt.write(holding(5));

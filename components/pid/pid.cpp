@@ -11,15 +11,15 @@
 #include "pid_loop.hpp"
 
 class Pid : public takt::Component {
-  takt::InPort<basic::Number> setpoint_in{*this, "setpoint", {.text = "In the unit of measured."}};
-  takt::InPort<basic::Number> measured{*this, "measured", {.text = "What is to come to the set point."}};
+  takt::InPort<basic::Number> setpoint_in{*this, "setpoint", {.text = "Set point, in the unit of measured."}};
+  takt::InPort<basic::Number> measured{*this, "measured", {.text = "The measured value to control."}};
   takt::InPort<basic::Flag> manual{*this, "manual", {.text = "True: the output is manual_value."}};
   takt::InPort<basic::Number> manual_value{
-      *this, "manual_value", {.text = "The output by hand; before the first it stays as it is."}};
-  takt::OutPort<basic::Number> output{*this, "output", {.text = "What the actuator is to do."}};
+      *this, "manual_value", {.text = "Output in manual mode; before the first sample it stays as it is."}};
+  takt::OutPort<basic::Number> output{*this, "output", {.text = "Command for the actuator."}};
 
   takt::Property<double> setpoint{
-      *this, "setpoint", 0, {.text = "Where nothing is connected to the port of that name."}};
+      *this, "setpoint", 0, {.text = "Set point if the port of that name is not connected."}};
   takt::Property<double> gain{*this, "gain", 1, {.text = "Output per unit of measured."}};
   takt::Property<double> integral_time{
       *this, "integral_time", 0, {.unit = "s", .min = 0, .max = 1e6, .text = "Ti; 0: no integral action."}};
@@ -29,19 +29,23 @@ class Pid : public takt::Component {
       *this,
       "derivative_filter",
       10,
-      {.min = 1, .max = 100, .text = "N: the derivative's filter is Td / N."}};
+      {.min = 1, .max = 100, .text = "N: time constant of the derivative's filter is Td / N."}};
   takt::Property<double> setpoint_weight{
       *this,
       "setpoint_weight",
       1,
-      {.min = 0, .max = 1, .text = "b: how much of a step of the set point comes through at once."}};
-  takt::Property<double> tracking_time{
-      *this,
-      "tracking_time",
-      0,
-      {.unit = "s", .min = 0, .max = 1e6, .text = "Tt of the anti-windup; 0: sqrt(Ti Td), without Td Ti."}};
-  takt::Property<double> output_min{*this, "output_min", -1, {.text = "Below output_max."}};
-  takt::Property<double> output_max{*this, "output_max", 1, {.text = "Above output_min."}};
+      {.min = 0, .max = 1, .text = "b: fraction of a set point step that acts at once."}};
+  takt::Property<double> tracking_time{*this,
+                                       "tracking_time",
+                                       0,
+                                       {.unit = "s",
+                                        .min = 0,
+                                        .max = 1e6,
+                                        .text = "Tt of the anti-windup; 0: sqrt(Ti Td), or Ti if Td is 0."}};
+  takt::Property<double> output_min{
+      *this, "output_min", -1, {.text = "Lower limit of the output; below output_max."}};
+  takt::Property<double> output_max{
+      *this, "output_max", 1, {.text = "Upper limit of the output; above output_min."}};
 
   takt::Saved<double> kept_{*this, 1};  // the output
   pid::PidLoop loop_;
@@ -58,8 +62,8 @@ class Pid : public takt::Component {
             .low = output_min,
             .high = output_max};
   }
-  /// Null when they do.
-  static const char* what_makes_no_sense(const pid::Tuning& tuning, double dt) noexcept {
+  /// Null if the values are consistent.
+  static const char* inconsistency_in(const pid::Tuning& tuning, double dt) noexcept {
     if (!(tuning.low < tuning.high)) return "output_min is not below output_max";
     if (tuning.integral_time > 0 && tuning.integral_time < dt)
       return "integral_time is shorter than the period";
@@ -69,12 +73,10 @@ class Pid : public takt::Component {
   takt::Result<void> initialize() override {
     if (auto checked = common::check_period(period()); !checked) return checked;
     const double dt = common::in_seconds(period());
-    if (const char* what = what_makes_no_sense(tuning(), dt); what != nullptr) {
+    if (const char* what = inconsistency_in(tuning(), dt); what != nullptr) {
       return takt::fail(
-          what,
-          "give it output_min < output_max, and an integral_time of 0 (none) or of at least the "
-          "period, " +
-              takt::to_text(period()));
+          what, "set output_min < output_max, and integral_time to 0 (none) or to at least the period, " +
+                    takt::to_text(period()));
     }
     return {};
   }
@@ -98,9 +100,10 @@ class Pid : public takt::Component {
       fail("an input is not a finite number");
       return;
     }
-    // Of values that are set one after the other some may not go together: then the old ones hold.
+    // Values that are set one after the other may be inconsistent in between; then the old ones stay in
+    // effect.
     const pid::Tuning wanted_tuning = tuning();
-    if (what_makes_no_sense(wanted_tuning, cycle.seconds()) == nullptr) loop_.tune(wanted_tuning);
+    if (inconsistency_in(wanted_tuning, cycle.seconds()) == nullptr) loop_.tune(wanted_tuning);
     output_.value(manual.value().value() ? loop_.manual(wanted, is, by_hand, dt)
                                          : loop_.automatic(wanted, is, dt));
     output.write(output_);

@@ -6,29 +6,30 @@
 
 namespace pid {
 
-/// u = gain (b r - y  +  1/Ti integral of (r - y)  -  Td dyf/dt), with yf the measurement y behind a low-pass
-/// of Td / N.
+/// u = gain (b r - y  +  1/Ti integral of (r - y)  -  Td dyf/dt), where yf is the measurement y filtered by a
+/// low-pass of Td / N.
 struct Tuning {
-  double gain = 1;             ///< output per unit of the measurement; below 0 for a process that goes down
-  double integral_time = 0;    ///< Ti, s; 0: no integral action
-  double derivative_time = 0;  ///< Td, s
+  double gain =
+      1;  ///< output per unit of the measurement; negative for a process that falls when the output rises
+  double integral_time = 0;       ///< Ti, s; 0: no integral action
+  double derivative_time = 0;     ///< Td, s
   double derivative_filter = 10;  ///< N, from 2 to 20 in practice
-  double setpoint_weight = 1;     ///< b, 0 to 1: how much of a step of the set point comes through at once
-  double tracking_time = 0;       ///< Tt of the anti-windup, s; 0: sqrt(Ti Td), without Td Ti
+  double setpoint_weight = 1;     ///< b, 0 to 1: fraction of a set point step that acts at once
+  double tracking_time = 0;       ///< Tt of the anti-windup, s; 0: sqrt(Ti Td), or Ti if Td is 0
   double low = -1, high = 1;      ///< limits of the output, low < high
 
   bool operator==(const Tuning&) const = default;
 };
 
 /// After Astroem and Haegglund, Advanced PID Control. The integral is trapezoidal (bilinear), so it is exact
-/// for an error that changes linearly between releases; the derivative is a backward difference, so it does
-/// not ring however short its filter is against the period; the anti-windup is exact for an excess that
-/// stands still, so it is stable for any tracking time.
+/// for an error that changes linearly between releases. The derivative is a backward difference, so it does
+/// not ring, however short its filter is compared with the period. The anti-windup is exact for a constant
+/// excess, so it is stable for any tracking time.
 class PidLoop {
  public:
-  /// From here on. The integral takes up the difference: with the inputs of the last step the output would be
-  /// the same under both tunings. Without integral action there is nothing that could, here and below: the
-  /// output jumps.
+  /// Sets the tuning from now on. The integral compensates the difference: for the inputs of the last step,
+  /// both tunings give the same output. Without integral action there is no compensation, here and below, and
+  /// the output jumps.
   void tune(const Tuning& tuning) noexcept {
     if (tuning == tuning_) return;
     const double before = proportional(setpoint_, measured_) + derivative();
@@ -36,12 +37,12 @@ class PidLoop {
     if (begun_) integral_ += before - proportional(setpoint_, measured_) - derivative();
     if (tuning_.integral_time <= 0) integral_ = 0;
   }
-  /// The next step is the first: the output begins at `output` and moves from there.
+  /// The next step counts as the first: the output begins at `output`.
   void reset(double output = 0) noexcept {
     begun_ = false;
     output_ = output;
   }
-  /// `dt` s after the last one, above 0. The output, within its limits.
+  /// One step in automatic mode, `dt` s (above 0) after the last one. Returns the limited output.
   double automatic(double setpoint, double measured, double dt) noexcept {
     if (!begun_) begin(setpoint, measured);
     take(setpoint, measured, dt);
@@ -51,7 +52,8 @@ class PidLoop {
       integral_ += (1 - std::exp(-dt / tracking_time())) * (output_ - wanted);
     return output_;
   }
-  /// The output is `value`, within its limits; the integral follows, so that automatic() goes on from there.
+  /// One step in manual mode: the output is `value`, limited. The integral follows, so that automatic()
+  /// continues from there.
   double manual(double setpoint, double measured, double value, double dt) noexcept {
     if (!begun_) begin(setpoint, measured);
     take(setpoint, measured, dt);
@@ -85,7 +87,7 @@ class PidLoop {
   [[nodiscard]] double proportional(double setpoint, double measured) const noexcept {
     return tuning_.gain * (tuning_.setpoint_weight * setpoint - measured);
   }
-  // The filter's input less its output is its filter time times the slope of what comes out of it.
+  // The filter's input minus its output equals the filter time times the slope of its output.
   [[nodiscard]] double derivative() const noexcept {
     return tuning_.derivative_time > 0 ? -tuning_.gain * tuning_.derivative_filter * (measured_ - filtered_)
                                        : 0;
@@ -99,7 +101,7 @@ class PidLoop {
   Tuning tuning_;
   bool begun_ = false;
   double setpoint_ = 0, measured_ = 0;
-  double filtered_ = 0;  // the measurement behind the derivative's filter
+  double filtered_ = 0;  // the measurement after the derivative's filter
   double integral_ = 0;
   double output_ = 0;
 };

@@ -26,7 +26,7 @@ Tuning pi() {
   return tuning;
 }
 
-TEST(PidLoop, IsProportionalWithoutItsOtherTimes) {
+TEST(PidLoop, IsProportionalWithoutIntegralAndDerivativeTimes) {
   PidLoop loop;
   Tuning tuning = kWide;
   tuning.gain = 3;
@@ -40,7 +40,7 @@ TEST(PidLoop, IntegratesAConstantErrorExactlyForAnyPeriod) {
     PidLoop loop;
     loop.tune(pi());
     loop.automatic(0, 0, dt);
-    const double first = loop.automatic(1, 0, dt);  // 2 at once, and half a period's integral
+    const double first = loop.automatic(1, 0, dt);  // 2 at once, plus the integral over half a period
     double last = first;
     for (int i = 0; i < 1000; ++i) last = loop.automatic(1, 0, dt);
     EXPECT_NEAR(first, 2 + 2 / 0.5 * dt / 2, 1e-12);
@@ -48,7 +48,7 @@ TEST(PidLoop, IntegratesAConstantErrorExactlyForAnyPeriod) {
   }
 }
 
-TEST(PidLoop, CountsAMissedReleaseAsTheTimeThatItIs) {
+TEST(PidLoop, CountsAMissedReleaseAsElapsedTime) {
   PidLoop one;
   PidLoop other;
   one.tune(pi());
@@ -62,7 +62,7 @@ TEST(PidLoop, CountsAMissedReleaseAsTheTimeThatItIs) {
   EXPECT_NEAR(one.output(), other.output(), 1e-12);
 }
 
-TEST(PidLoop, DifferentiatesARampBehindItsFilter) {
+TEST(PidLoop, DifferentiatesAFilteredRamp) {
   Tuning tuning = kWide;
   tuning.gain = 2;
   tuning.derivative_time = 0.5;
@@ -74,7 +74,7 @@ TEST(PidLoop, DifferentiatesARampBehindItsFilter) {
   for (int i = 1; i <= 500; ++i) {
     measured = 3 * i * kPeriod;
     const double d = loop.automatic(0, measured, kPeriod) + 2 * measured;
-    // A backward difference behind a filter of first order: (1 - r^n) of -K Td slope, with r = Tf / (Tf + h).
+    // A backward difference with a first-order filter: (1 - r^n) times -K Td slope, with r = Tf / (Tf + h).
     ASSERT_NEAR(d, -2 * 0.5 * 3 * (1 - std::pow(0.1 / 0.11, i)), 1e-9) << i;
   }
 }
@@ -105,8 +105,8 @@ TEST(PidLoop, DoesNotRingWithADerivativeFilterShorterThanThePeriod) {
   EXPECT_LT(last, 1e-12);
 }
 
-/// A set point that cannot be reached for a while, then one that can: how long the output stays at its limit
-/// after.
+/// The set point is unreachable for a while, then reachable. Returns how many steps the output then stays at
+/// its limit.
 int steps_at_the_limit(double tracking_time) {
   Tuning tuning = pi();
   tuning.low = 0;
@@ -121,18 +121,18 @@ int steps_at_the_limit(double tracking_time) {
   return steps;
 }
 
-TEST(PidLoop, ComesOutOfItsLimitsByTheTrackingTime) {
-  EXPECT_LE(steps_at_the_limit(1e-6), 1);  // much shorter than the period: stable all the same
+TEST(PidLoop, LeavesItsLimitsWithTheTrackingTime) {
+  EXPECT_LE(steps_at_the_limit(1e-6), 1);  // much shorter than the period, but still stable
   // At rest at the limit the excess e has dv/dt = K error / Ti - e / Tt = 0, so e = K error Tt / Ti = 40 Tt.
-  // The step of the set point takes K 10.1 = 20.2 off at once: with Tt = 0.5 s all of it.
+  // The step of the set point removes K 10.1 = 20.2 at once. With Tt = 0.5 s, this is all of e.
   EXPECT_LE(steps_at_the_limit(0.5), 1);
-  // With 2 s 59.8 are left, which decay by de/dt = -e / Tt - 0.4 for Tt ln((59.8 + 0.8) / 0.8) = 8.65 s.
+  // With 2 s, 59.8 remain, which decay by de/dt = -e / Tt - 0.4 for Tt ln((59.8 + 0.8) / 0.8) = 8.65 s.
   const int slow = steps_at_the_limit(2);
   EXPECT_NEAR(slow, 865, 3);
-  EXPECT_GT(steps_at_the_limit(1e6), 100 * slow);  // as good as none: it winds up
+  EXPECT_GT(steps_at_the_limit(1e6), 100 * slow);  // practically no tracking: it winds up
 }
 
-TEST(PidLoop, TheExcessAtALimitIsWhatTheorySays) {
+TEST(PidLoop, HasTheTheoreticalExcessAtALimit) {
   Tuning tuning = pi();
   tuning.low = 0;
   tuning.high = 1;
@@ -141,20 +141,20 @@ TEST(PidLoop, TheExcessAtALimitIsWhatTheorySays) {
   loop.tune(tuning);
   loop.automatic(0, 0, kPeriod);
   for (int i = 0; i < 2000; ++i) loop.automatic(3, 0, kPeriod);
-  // Per step the integral gains a = K e h / Ti before, and loses the share s = 1 - exp(-h / Tt) of the
-  // excess.
+  // In each step, the integral first gains a = K e h / Ti and then loses the fraction s = 1 - exp(-h / Tt) of
+  // the excess.
   const double gain = 2 * 3 * kPeriod / 0.5;
   const double share = 1 - std::exp(-kPeriod / 0.25);
   const double excess = gain / share;
-  // So with the error that takes just the excess away the output is just at its limit.
+  // So the error that exactly removes the excess puts the output exactly at its limit.
   const double error = 3 - (excess * (1 - share)) / 2;
-  // In the step of the change the integral gains the mean of both errors.
+  // In the step that changes the error, the integral gains the mean of both errors.
   const double output = loop.automatic(error, 0, kPeriod);
   EXPECT_NEAR(output, std::min(1.0, 1 + (3 + error) / 2 * 2 * kPeriod / 0.5), 1e-9);
   EXPECT_LT(loop.automatic(error - 1, 0, kPeriod), 1);
 }
 
-TEST(PidLoop, GoesOverFromManualWithoutAJump) {
+TEST(PidLoop, SwitchesFromManualWithoutAJump) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> value(-5, 5);
   for (int n = 0; n < 1000; ++n) {
@@ -167,7 +167,7 @@ TEST(PidLoop, GoesOverFromManualWithoutAJump) {
     const double measured = value(random);
     const double by_hand = value(random);
     for (int i = 0; i < 1000; ++i) loop.manual(setpoint, measured, by_hand, kPeriod);
-    // What remains is one step of the integral.
+    // The only difference is one step of the integral.
     EXPECT_NEAR(loop.automatic(setpoint, measured, kPeriod),
                 by_hand + 2 * (setpoint - measured) * kPeriod / 0.5, 1e-9);
   }
@@ -189,7 +189,7 @@ TEST(PidLoop, ChangesItsTuningWithoutAJump) {
     const double measured = 0.5 + 0.1 * std::sin(n * 1e-3);
     loop.tune(tuning);
     const double now = loop.automatic(1, measured, kPeriod);
-    // One step of the integral, and of P and D on a measurement that moves by 1e-4.
+    // One step of the integral, plus P and D for a measurement that moves by 1e-4.
     const double most = tuning.gain * kPeriod / tuning.integral_time +
                         tuning.gain * (1 + tuning.derivative_filter) * 2e-4 +
                         tuning.gain * tuning.derivative_filter * 0.1;
@@ -198,7 +198,7 @@ TEST(PidLoop, ChangesItsTuningWithoutAJump) {
   }
 }
 
-TEST(PidLoop, TheOutputUnderOldAndNewTuningIsTheSameForTheSameInputs) {
+TEST(PidLoop, KeepsItsOutputAcrossATuningChange) {
   PidLoop loop;
   Tuning tuning = pi();
   tuning.derivative_time = 0.2;
@@ -213,8 +213,9 @@ TEST(PidLoop, TheOutputUnderOldAndNewTuningIsTheSameForTheSameInputs) {
   EXPECT_NEAR(loop.automatic(1, 1, 1e-9), before, 1e-9);
 }
 
-/// Closed around y' = (u - y) / T with T = 1 s, exactly stepped: with Ti = T the loop is y' = K (r - y) / T.
-TEST(PidLoop, HasTheStepResponseOfTheoryOnAProcessWhoseLagItCancels) {
+/// The process is y' = (u - y) / T with T = 1 s, stepped exactly. With Ti = T, the closed loop is y' = K (r -
+/// y) / T.
+TEST(PidLoop, HasTheTheoreticalStepResponseWithLagCancellation) {
   constexpr double kGain = 4;
   constexpr double kStep = 1e-4;
   Tuning tuning = kWide;
@@ -231,7 +232,7 @@ TEST(PidLoop, HasTheStepResponseOfTheoryOnAProcessWhoseLagItCancels) {
   }
 }
 
-TEST(PidLoop, StaysWithinItsLimitsWhateverComes) {
+TEST(PidLoop, StaysWithinItsLimitsForRandomInputs) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> value(-100, 100);
   PidLoop loop;
@@ -270,7 +271,7 @@ TEST_F(PidModule, WritesNothingBeforeItHasAMeasurement) {
   EXPECT_TRUE(output.has_value());
 }
 
-TEST_F(PidModule, BeginsWhereTheOutputIsAndIntegratesFromThere) {
+TEST_F(PidModule, StartsAtItsPresentOutputAndIntegrates) {
   ASSERT_TRUE(module.set("setpoint", "3"));
   ASSERT_TRUE(module.start());
   measured.write(number(1));
@@ -287,13 +288,13 @@ TEST_F(PidModule, PrefersTheSetPointOfItsPort) {
   ASSERT_TRUE(module.start());
   measured.write(number(0));
   module.step();
-  EXPECT_FALSE(output.has_value());  // it is connected and has not come
+  EXPECT_FALSE(output.has_value());  // connected, but no sample yet
   setpoint.write(number(0));
   module.step(100);
   EXPECT_NEAR(output.value().value(), 0, 1e-12);
 }
 
-TEST_F(PidModule, IsTakenOverByHandAndGivenBackWithoutAJump) {
+TEST_F(PidModule, SwitchesToManualAndBackWithoutAJump) {
   auto& manual = module.in<basic::Flag>("manual");
   auto& by_hand = module.in<basic::Number>("manual_value");
   ASSERT_TRUE(module.set("setpoint", "1"));
@@ -303,7 +304,7 @@ TEST_F(PidModule, IsTakenOverByHandAndGivenBackWithoutAJump) {
   const double before = output.value().value();
   manual.write(flag(true));
   module.step(10);
-  EXPECT_EQ(output.value().value(), before);  // nobody has said another value
+  EXPECT_EQ(output.value().value(), before);  // no manual value yet
   by_hand.write(number(42));
   module.step(10);
   EXPECT_EQ(output.value().value(), 42);
@@ -328,7 +329,7 @@ TEST_F(PidModule, ChangesItsGainLiveWithoutAJump) {
   EXPECT_NEAR(output.value().value(), before + 20 * 0.5 * 0.01 / 0.5, 1e-9);
 }
 
-TEST_F(PidModule, GoesOnFromItsOutputAfterACrash) {
+TEST_F(PidModule, ContinuesFromItsOutputAfterACrash) {
   ASSERT_TRUE(module.set("setpoint", "1"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));
@@ -352,17 +353,17 @@ TEST_F(PidModule, CountsMissedReleases) {
   EXPECT_NEAR(output.value().value() - before, 2 * 0.1 / 0.5, 1e-9);
 }
 
-TEST_F(PidModule, RefusesPropertiesThatMakeNoSense) {
+TEST_F(PidModule, RejectsInconsistentProperties) {
   ASSERT_TRUE(module.set("integral_time", "0.005"));
-  const auto refused = module.start();
-  ASSERT_FALSE(refused.ok());
+  const auto start = module.start();
+  ASSERT_FALSE(start.ok());
   EXPECT_EQ(
-      refused.text(),
-      "integral_time is shorter than the period; give it output_min < output_max, and an integral_time of 0 "
-      "(none) or of at least the period, 10 ms");
+      start.text(),
+      "integral_time is shorter than the period; set output_min < output_max, and integral_time to 0 (none) "
+      "or to at least the period, 10 ms");
 }
 
-TEST_F(PidModule, KeepsItsTuningWhereNewValuesMakeNoSenseTogether) {
+TEST_F(PidModule, KeepsItsTuningWhenNewValuesAreInconsistent) {
   ASSERT_TRUE(module.set("setpoint", "1000000"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));
@@ -375,7 +376,7 @@ TEST_F(PidModule, KeepsItsTuningWhereNewValuesMakeNoSenseTogether) {
   EXPECT_EQ(output.value().value(), -200);
 }
 
-TEST_F(PidModule, TakesWhatIsNoNumberForAnErrorAndGoesOnFromItsOutput) {
+TEST_F(PidModule, TreatsANonFiniteInputAsAnErrorAndContinuesFromItsOutput) {
   ASSERT_TRUE(module.set("setpoint", "1"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));

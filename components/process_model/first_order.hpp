@@ -1,4 +1,4 @@
-// A process that a controller can be tried on. For real-time threads.
+// A simulated process to try a controller on. For real-time threads.
 #pragma once
 
 #include <array>
@@ -7,13 +7,13 @@
 
 namespace process_model {
 
-/// dy/dt = (gain u - y) / time_constant, u dead_time later: what most loops of temperature, flow or speed
-/// look like. Exact for an input that stands still between steps.
+/// dy/dt = (gain u - y) / time_constant, with u delayed by a dead time: a good model for most temperature,
+/// flow or speed loops. It is exact for an input that is constant between steps.
 class FirstOrder {
  public:
-  static constexpr std::size_t kMostDelay = 4096;  ///< steps of dead time
+  static constexpr std::size_t kMostDelay = 4096;  ///< maximum dead time, in steps
 
-  /// `delay`: in steps, at most kMostDelay. `dt` and the time constant in s, both above 0.
+  /// `delay`: the dead time in steps, at most kMostDelay. `dt` and `time_constant` are in s, both above 0.
   double step(double input, double gain, double time_constant, std::size_t delay, double dt) noexcept {
     delayed_[at_] = input;
     const double acts = delayed_[(at_ + delayed_.size() - delay) % delayed_.size()];

@@ -1,4 +1,4 @@
-// A thread module in C++: a process of first order with dead time, simulated, to try a controller on.
+// A thread module in C++: simulates a first-order process with dead time, to try a controller on.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -11,13 +11,19 @@
 #include "first_order.hpp"
 
 class ProcessModel : public takt::Component {
-  takt::InPort<basic::Number> in{*this, "in", {.text = "What the actuator does; 0 before the first."}};
-  takt::OutPort<basic::Number> out{*this, "out", {.text = "What a sensor measures."}};
-  takt::Property<double> gain{*this, "gain", 1, {.text = "Output per input, at rest."}};
+  takt::InPort<basic::Number> in{*this, "in", {.text = "Output of the actuator; 0 before the first sample."}};
+  takt::OutPort<basic::Number> out{*this, "out", {.text = "Value that a sensor measures."}};
+  takt::Property<double> gain{*this, "gain", 1, {.text = "Output divided by input, in the steady state."}};
   takt::Property<double> time_constant{
-      *this, "time_constant", 1, {.unit = "s", .min = 1e-6, .max = 1e6, .text = "To 63 % of a step."}};
+      *this,
+      "time_constant",
+      1,
+      {.unit = "s", .min = 1e-6, .max = 1e6, .text = "T: time to 63 % of a step."}};
   takt::Property<double> dead_time{
-      *this, "dead_time", 0, {.unit = "s", .min = 0, .text = "Before anything comes; in whole periods."}};
+      *this,
+      "dead_time",
+      0,
+      {.unit = "s", .min = 0, .text = "Delay of the input; rounded to whole periods."}};
 
   process_model::FirstOrder process_;
   common::Releases releases_;
@@ -43,4 +49,4 @@ class ProcessModel : public takt::Component {
     out.write(output_);
   }
 };
-TAKT_COMPONENT(ProcessModel, "A first-order process with dead time, simulated.")
+TAKT_COMPONENT(ProcessModel, "Simulates a first-order process with dead time.")

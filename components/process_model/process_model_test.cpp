@@ -16,7 +16,7 @@ namespace {
 using common::number;
 using std::chrono::milliseconds;
 
-TEST(FirstOrder, HasTheStepResponseOfTheoryForAnyPeriod) {
+TEST(FirstOrder, HasTheTheoreticalStepResponseForAnyPeriod) {
   for (const double dt : {1e-4, 0.01, 5.0}) {
     for (const std::size_t delay : {std::size_t{0}, std::size_t{7}, FirstOrder::kMostDelay}) {
       const auto process = std::make_unique<FirstOrder>();
@@ -29,7 +29,7 @@ TEST(FirstOrder, HasTheStepResponseOfTheoryForAnyPeriod) {
   }
 }
 
-TEST(ProcessModel, RefusesADeadTimeLongerThanItsMemory) {
+TEST(ProcessModel, RejectsADeadTimeLongerThanItsMemory) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   ASSERT_TRUE(module.set("dead_time", "5"));
   EXPECT_EQ(module.start().text(),
@@ -48,7 +48,7 @@ TEST(ProcessModel, IsAtRestWithoutAnInputAndFollowsOne) {
   EXPECT_NEAR(out.value().value(), 2 * (1 - std::exp(-1)), 1e-9);
 }
 
-TEST(ProcessModel, TakesWhatIsNoNumberForAnError) {
+TEST(ProcessModel, TreatsANonFiniteInputAsAnError) {
   takt::testing::Module module;
   auto& in = module.in<basic::Number>("in");
   ASSERT_TRUE(module.start());

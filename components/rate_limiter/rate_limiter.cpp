@@ -1,4 +1,4 @@
-// A thread module in C++: a value that follows another no faster than it may.
+// A thread module in C++: limits how fast a value changes.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -11,20 +11,21 @@
 #include "slew_limiter.hpp"
 
 class RateLimiter : public takt::Component {
-  takt::InPort<basic::Number> in{*this, "in", {.text = "What is wanted."}};
-  takt::InPort<basic::Flag> enable{*this, "enable", {.text = "False: the input goes through as it is."}};
-  takt::OutPort<basic::Number> out{*this, "out", {.text = "What follows it, in its unit."}};
+  takt::InPort<basic::Number> in{*this, "in", {.text = "Target value."}};
+  takt::InPort<basic::Flag> enable{
+      *this, "enable", {.text = "False: the input passes unchanged. If not connected: true."}};
+  takt::OutPort<basic::Number> out{*this, "out", {.text = "Limited value, in the unit of the input."}};
   takt::OutPort<basic::Flag> limiting{
-      *this, "limiting", {.text = "The output is not yet where the input is."}};
+      *this, "limiting", {.text = "True while the output differs from the input."}};
   takt::Property<double> rate_up{
-      *this, "rate_up", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "How fast it may rise."}};
+      *this, "rate_up", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "Maximum rise."}};
   takt::Property<double> rate_down{
-      *this, "rate_down", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "How fast it may fall."}};
+      *this, "rate_down", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "Maximum fall."}};
   takt::Property<double> jerk{
       *this,
       "jerk",
       0,
-      {.unit = "1/s^2", .min = 0, .max = 1e12, .text = "How fast the rate may change; 0: at once."}};
+      {.unit = "1/s^2", .min = 0, .max = 1e12, .text = "Maximum change of the rate; 0: unlimited."}};
 
   rate_limiter::SlewLimiter limiter_;
   common::Releases releases_;
@@ -58,11 +59,11 @@ class RateLimiter : public takt::Component {
     limiting.write(limiting_);
   }
 
-  // Goes on from its last value, at rest: a new start must not make it jump.
+  // Continues from its last value with rate 0, so that a recovery causes no jump.
   takt::Result<void> recover() override {
     limiter_.jump(limiter_.value());
     releases_.reset();
     return {};
   }
 };
-TAKT_COMPONENT(RateLimiter, "Lets a value change no faster than allowed.")
+TAKT_COMPONENT(RateLimiter, "Limits how fast a value changes: slew rate and jerk.")

@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 
 constexpr double kPeriod = 1e-2;
 
-TEST(SlewLimiter, RisesAndFallsAtItsOwnRates) {
+TEST(SlewLimiter, RisesAndFallsAtSeparateRates) {
   SlewLimiter limiter;
   const Limits limits{.up = 2, .down = 5};
   for (int i = 1; i <= 50; ++i) EXPECT_NEAR(limiter.step(1, limits, kPeriod), i * 0.02, 1e-12);
@@ -28,7 +28,7 @@ TEST(SlewLimiter, RisesAndFallsAtItsOwnRates) {
   EXPECT_EQ(limiter.step(0, limits, kPeriod), 0);
 }
 
-TEST(SlewLimiter, FollowsAtOnceWhatIsSlowerThanItMay) {
+TEST(SlewLimiter, FollowsASlowInputAtOnce) {
   SlewLimiter limiter;
   std::mt19937 random(8);
   std::uniform_real_distribution<double> step(-0.0099, 0.0099);
@@ -39,7 +39,7 @@ TEST(SlewLimiter, FollowsAtOnceWhatIsSlowerThanItMay) {
   }
 }
 
-TEST(SlewLimiter, NeverGoesBeyondItsLimits) {
+TEST(SlewLimiter, NeverExceedsItsLimits) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> target(-3, 3);
   std::uniform_real_distribution<double> limit(0.1, 4);
@@ -65,7 +65,7 @@ TEST(SlewLimiter, NeverGoesBeyondItsLimits) {
   }
 }
 
-TEST(SlewLimiter, BrakesInTimeForAValueThatStandsStill) {
+TEST(SlewLimiter, BrakesInTimeForAConstantInput) {
   std::mt19937 random(10);
   std::uniform_real_distribution<double> target(-5, 5);
   std::uniform_real_distribution<double> limit(0.1, 4);
@@ -84,8 +84,8 @@ TEST(SlewLimiter, BrakesInTimeForAValueThatStandsStill) {
       const bool beyond = wanted > from ? limiter.value() > wanted + 1e-12 : limiter.value() < wanted - 1e-12;
       ASSERT_FALSE(beyond) << from << " " << wanted << " " << limiter.value();
     }
-    // The least time of continuous theory: two equal ramps of the rate, with a stretch at the limit where it
-    // is reached.
+    // The minimum time in continuous theory: two equal ramps of the rate, with a phase at the limit in
+    // between if it is reached.
     const double full = rate * rate / limits.jerk;
     const double least = way < full ? 2 * std::sqrt(way / limits.jerk) : way / rate + rate / limits.jerk;
     ASSERT_LE(steps * kPeriod, least + 3 * kPeriod) << from << " " << wanted;
@@ -94,7 +94,7 @@ TEST(SlewLimiter, BrakesInTimeForAValueThatStandsStill) {
   }
 }
 
-TEST(SlewLimiter, SlowsDownByTheJerkWhenItsRateIsLowered) {
+TEST(SlewLimiter, SlowsDownWithinTheJerkLimitWhenItsRateIsLowered) {
   SlewLimiter limiter;
   Limits limits{.up = 2, .down = 2, .jerk = 10};
   for (int i = 0; i < 100; ++i) limiter.step(1000, limits, kPeriod);
@@ -131,7 +131,7 @@ TEST(RateLimiter, BeginsAtItsFirstInputAndFollowsTheNext) {
   EXPECT_FALSE(limiting.value().value());
 }
 
-TEST(RateLimiter, PassesTheInputOnWhileItIsNotEnabled) {
+TEST(RateLimiter, PassesTheInputUnchangedWhileDisabled) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Number>("in");
   auto& enable = module.in<basic::Flag>("enable");
@@ -149,7 +149,7 @@ TEST(RateLimiter, PassesTheInputOnWhileItIsNotEnabled) {
   EXPECT_NEAR(out.value().value(), 100 - 0.01, 1e-12);
 }
 
-TEST(RateLimiter, MovesOnForReleasesThatWereMissed) {
+TEST(RateLimiter, CatchesUpOnMissedReleases) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -162,7 +162,7 @@ TEST(RateLimiter, MovesOnForReleasesThatWereMissed) {
   EXPECT_NEAR(out.value().value(), 0.1, 1e-12);
 }
 
-TEST(RateLimiter, StandsWhereItWasAfterAnError) {
+TEST(RateLimiter, ContinuesFromItsLastOutputAfterAnError) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");

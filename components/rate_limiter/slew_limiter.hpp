@@ -1,4 +1,4 @@
-// A value that follows another no faster than it may. For real-time threads.
+// Limits the rate and the jerk of a value. For real-time threads.
 #pragma once
 
 #include <algorithm>
@@ -9,12 +9,12 @@ namespace rate_limiter {
 struct Limits {
   double up = 1;    ///< units/s, at least 0
   double down = 1;  ///< units/s, at least 0
-  double jerk = 0;  ///< units/s^2, how fast the rate itself may change; 0: as fast as it likes
+  double jerk = 0;  ///< units/s^2, maximum change of the rate; 0: unlimited
 };
 
-/// With a limit on the change of rate it brakes in time: it comes to a value that stands still as fast as the
-/// limits allow, and not beyond it. When the value turns round in front of it, the limit on the change of
-/// rate goes first.
+/// With a jerk limit it brakes in time: it reaches a constant target as fast as the limits allow, without
+/// overshoot. If the target reverses just ahead of the value, the jerk limit has precedence and the value
+/// overshoots.
 class SlewLimiter {
  public:
   void jump(double value) noexcept {
@@ -26,7 +26,7 @@ class SlewLimiter {
     const double error = wanted - value_;
     if (limits.jerk <= 0) {
       const double change = std::clamp(error, -limits.down * dt, limits.up * dt);
-      // A rounding that is left is not worth a step of its own.
+      // Do not spend another step on a rounding error.
       const bool there = std::abs(error - change) <= 1e-12 * std::abs(change);
       value_ = there ? wanted : value_ + change;
       rate_ = change / dt;
@@ -36,7 +36,7 @@ class SlewLimiter {
     const double change = limits.jerk * dt;
     const double next =
         std::clamp(std::clamp(braking, -limits.down, limits.up), rate_ - change, rate_ + change);
-    const bool there = next == braking && std::abs(error) <= change * dt;  // in this one step
+    const bool there = next == braking && std::abs(error) <= change * dt;  // reaches the target in this step
     value_ = there ? wanted : value_ + next * dt;
     rate_ = next;
     return value_;
@@ -45,8 +45,8 @@ class SlewLimiter {
   [[nodiscard]] double rate() const noexcept { return rate_; }
 
  private:
-  /// The rate from which, one jerk * dt less at each step, the value comes to rest exactly after `error`:
-  /// with error = (n + 1)(n / 2 + part) of jerk * dt^2 it is (n + part) of jerk * dt.
+  /// The rate from which the value stops exactly at distance `error`, if the rate falls by jerk * dt per
+  /// step. For error = (n + 1)(n / 2 + part) * jerk * dt^2 it is (n + part) * jerk * dt.
   static double braking_rate(double error, double jerk, double dt) noexcept {
     const double steps = std::abs(error) / (jerk * dt * dt);
     const double n = std::floor((std::sqrt(1 + 8 * steps) - 1) / 2);

@@ -1,4 +1,4 @@
-// What the recorder is told: its arguments are its properties, name=value each.
+// Parses the recorder's properties, which are its arguments: name=value each.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ inline std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// Everything that is wrong with them at once.
+/// The options, or all errors at once.
 inline Result<recording::RecordOptions> parse_properties(const std::vector<std::string>& arguments) {
   constexpr std::array<std::string_view, 9> kKnown{"ports",  "file",   "max_size", "full",  "flush",
                                                    "append", "domain", "peers",    "server"};
@@ -70,11 +70,12 @@ inline Result<recording::RecordOptions> parse_properties(const std::vector<std::
       options.network.server = value;
     } else {
       problems.push_back(
-          fail("there is no property " + in_quotes(name), suggestion(name, {kKnown.begin(), kKnown.end()})));
+          fail("unknown property " + in_quotes(name), suggestion(name, {kKnown.begin(), kKnown.end()})));
     }
   }
   if (options.ports.empty())
-    problems.push_back({"property ports", "is missing", "write names of ports: line.conveyor.state robot.*"});
+    problems.push_back(
+        {"property ports", "is missing", "write the names of the ports, as in line.conveyor.state robot.*"});
   if (options.recording.file.empty())
     problems.push_back({"property file", "is missing", "write the path of the file"});
   if (problems.empty()) return options;

@@ -1,4 +1,4 @@
-// Records ports of the running cell to a file, until it is told to end.
+// Records ports of the running cell to a file, until SIGTERM.
 #include "properties.hpp"
 
 #include <cstdio>
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   const int status = takt::recording::record(*options);
-  // Not by way of the static objects of Fast DDS, which sleep for a while in their destructors.
+  // Skips the static objects of Fast DDS, whose destructors sleep for a while.
   std::fflush(nullptr);
   std::_Exit(status);
 }

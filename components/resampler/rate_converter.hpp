@@ -1,4 +1,4 @@
-// From samples of one period to samples of another. For real-time threads.
+// Converts samples from one period to another. For real-time threads.
 #pragma once
 
 #include <algorithm>
@@ -8,16 +8,16 @@ namespace resampler {
 
 enum class Method {
   hold,     ///< the newest sample
-  linear,   ///< on the line between the last two, one interval of theirs later
-  average,  ///< the mean of those that came since the last output
+  linear,   ///< a point on the line between the last two samples, one input interval late
+  average,  ///< the mean of the samples since the last output
 };
 
-/// Samples come with the time at which they were written, in the order of time; an output is asked for at
-/// times of its own.
+/// add() takes samples with the times at which they were written, in order of time. output() may be called at
+/// any other times.
 class RateConverter {
  public:
   void add(double value, std::int64_t time_ns) noexcept {
-    // From its first sample on the signal is taken to have been there before.
+    // Assume that the signal had its first value before, too.
     before_ = count_ == 0 ? value : newest_;
     before_ns_ = count_ == 0 ? time_ns : newest_ns_;
     newest_ = value;
@@ -28,10 +28,10 @@ class RateConverter {
     sum_ += value;
   }
   void reset() noexcept { *this = {}; }
-  /// A sample has come at some time.
+  /// True once there was a sample.
   [[nodiscard]] bool begun() const noexcept { return count_ > 0; }
 
-  /// Once for each output. Only when begun().
+  /// Call it once per output, and only if begun().
   double output(Method method, std::int64_t now_ns) noexcept {
     if (fresh_ > 0) mean_ = sum_ / static_cast<double>(fresh_);
     fresh_ = 0;
@@ -55,7 +55,7 @@ class RateConverter {
   double before_ = 0, newest_ = 0;
   std::int64_t before_ns_ = 0, newest_ns_ = 0;
   std::uint64_t count_ = 0;
-  std::uint64_t fresh_ = 0;  // since the last output
+  std::uint64_t fresh_ = 0;  // samples since the last output
   double sum_ = 0, mean_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A thread module in C++: from samples of one period to samples of another.
+// A thread module in C++: converts samples from one period to another.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -9,13 +9,14 @@
 #include "rate_converter.hpp"
 
 class Resampler : public takt::Component {
-  takt::InPort<basic::Number> in{*this, "in", {.text = "Samples of any period; a queue where all count."}};
-  takt::OutPort<basic::Number> out{*this, "out", {.text = "One a cycle, in the unit of the input."}};
-  takt::Property<std::string> method{
-      *this,
-      "method",
-      "hold",
-      {.text = "How a value comes from the samples around it.", .choices = {"hold", "linear", "average"}}};
+  takt::InPort<basic::Number> in{
+      *this, "in", {.text = "Samples of any period; connect it as a queue if every sample counts."}};
+  takt::OutPort<basic::Number> out{*this, "out", {.text = "One sample per cycle, in the unit of the input."}};
+  takt::Property<std::string> method{*this,
+                                     "method",
+                                     "hold",
+                                     {.text = "How an output is computed from the input samples.",
+                                      .choices = {"hold", "linear", "average"}}};
 
   resampler::RateConverter converter_;
   basic::Number output_;
@@ -44,4 +45,4 @@ class Resampler : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Resampler, "Brings samples from one period to another.")
+TAKT_COMPONENT(Resampler, "Converts samples from one period to another.")

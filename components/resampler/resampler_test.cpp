@@ -19,7 +19,7 @@ using common::number;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-TEST(RateConverter, HoldsTheNewest) {
+TEST(RateConverter, HoldsTheNewestSample) {
   RateConverter converter;
   converter.add(1, 0);
   converter.add(2, 10);
@@ -27,7 +27,7 @@ TEST(RateConverter, HoldsTheNewest) {
   EXPECT_EQ(converter.output(Method::hold, 1000), 2);
 }
 
-TEST(RateConverter, DrawsLinesBetweenSamplesOneIntervalLate) {
+TEST(RateConverter, InterpolatesLinearlyOneIntervalLate) {
   RateConverter converter;
   for (int i = 0; i <= 100; ++i) {
     converter.add(3.0 * i * i, i * 1000);
@@ -39,10 +39,10 @@ TEST(RateConverter, DrawsLinesBetweenSamplesOneIntervalLate) {
     }
   }
   EXPECT_EQ(converter.output(Method::linear, 1'000'000),
-            3.0 * 100 * 100);  // nothing comes any more: no guess
+            3.0 * 100 * 100);  // no extrapolation beyond the newest sample
 }
 
-TEST(RateConverter, AveragesWhatCameSinceTheLastOutput) {
+TEST(RateConverter, AveragesTheSamplesSinceTheLastOutput) {
   RateConverter converter;
   std::mt19937 random(7);
   std::uniform_real_distribution<double> value(-1, 1);
@@ -64,8 +64,8 @@ TEST(RateConverter, AveragesWhatCameSinceTheLastOutput) {
   }
 }
 
-TEST(RateConverter, TheAverageHasItsZerosWhereAliasesWouldFallOnAConstant) {
-  // 10 samples an output: 1/10, 2/10 ... of the rate of the input would become 0 Hz.
+TEST(RateConverter, AverageIsZeroAtMultiplesOfTheOutputRate) {
+  // With 10 samples per output, 1/10, 2/10 ... of the input rate would be aliased to 0 Hz.
   for (int k = 1; k <= 5; ++k) {
     RateConverter converter;
     for (int i = 0; i < 1000; ++i) {
@@ -92,13 +92,13 @@ TEST(Resampler, AveragesEverySampleOfAQueue) {
   }
 }
 
-TEST(Resampler, DrawsLinesBetweenSlowSamples) {
+TEST(Resampler, InterpolatesBetweenSlowSamples) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
   ASSERT_TRUE(module.set("method", "linear"));
   ASSERT_TRUE(module.start());
-  // A ramp of 8 a sample of 8 ms: of 1 a cycle behind it, one sample late.
+  // A ramp of 8 per sample of 8 ms becomes a ramp of 1 per cycle, one sample late.
   for (int i = 0; i < 50; ++i) {
     in.write(number(8.0 * i));
     for (int t = 0; t < 8; ++t) {
@@ -108,14 +108,14 @@ TEST(Resampler, DrawsLinesBetweenSlowSamples) {
   }
 }
 
-TEST(Resampler, ChangesItsMethodLiveAndRefusesAWordThatIsNone) {
+TEST(Resampler, ChangesItsMethodLiveAndRefusesAnUnknownOne) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in", {.queue = 4});
   auto& out = module.out<basic::Number>("out");
   ASSERT_TRUE(module.start());
-  const auto refused = module.set("method", "cubic");
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.text(), "property 'method' cannot be 'cubic'; it takes text, hold, linear or average");
+  const auto rejected = module.set("method", "cubic");
+  ASSERT_FALSE(rejected.ok());
+  EXPECT_EQ(rejected.text(), "property 'method' cannot be 'cubic'; it takes text, hold, linear or average");
   in.write(number(1), microseconds{500});
   in.write(number(2));
   module.step();
@@ -127,7 +127,7 @@ TEST(Resampler, ChangesItsMethodLiveAndRefusesAWordThatIsNone) {
   EXPECT_EQ(out.value().value(), 5.5);
 }
 
-TEST(Resampler, TakesWhatIsNoNumberForAnErrorAndForgetsWhatWas) {
+TEST(Resampler, TreatsANonFiniteInputAsAnErrorAndForgetsItsSamples) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in", {.queue = 4});
   auto& out = module.out<basic::Number>("out");

@@ -1,5 +1,5 @@
-// The position loop of an arm's joints: what servo computes every period, with the inverse dynamics of Orocos
-// KDL. SI units, rad. The constructor allocates; the rest is for real-time threads.
+// The mathematics of servo: the position loop of an arm's joints, with the inverse dynamics of Orocos KDL. SI
+// units, rad. The constructor allocates; all other functions are real-time.
 #pragma once
 
 #include <algorithm>
@@ -16,15 +16,14 @@ namespace servo {
 using arm_model::Joints;
 using arm_model::kAxes;
 
-/// What the axes are to do and what they do.
+/// Desired or measured motion of the axes.
 struct Motion {
   Joints position{};
   Joints velocity{};
 };
 
-/// The error of an axis asks for an acceleration, like a spring and a damper; the model of the arm says which
-/// torques give all axes the accelerations that are wanted. So one bandwidth suits every axis in every
-/// posture.
+/// The error of each axis yields a desired acceleration, as a spring and a damper would. The model of the arm
+/// converts the accelerations to torques. So one bandwidth suits every axis in every posture.
 class JointServo {
  public:
   explicit JointServo(const arm_model::Parameters& parameters)
@@ -34,19 +33,20 @@ class JointServo {
 
   double bandwidth = 15;     ///< Hz
   double damping = 1;        ///< ratio; 1: no overshoot
-  bool gravity = true;       ///< what the links weigh is carried without an error
-  bool acceleration = true;  ///< that of the set points is fed forward, with the friction that goes with it
-  static constexpr double kDryBand = 0.05;  ///< rad/s, within which dry friction is not fed forward in full
+  bool gravity = true;       ///< feed forward the weight of the links
+  bool acceleration = true;  ///< feed forward the acceleration of the set points, and the friction
+  static constexpr double kDryBand =
+      0.05;  ///< rad/s; below this speed dry friction is only partly fed forward
 
-  /// N m, within what the drives give. `last` is the set point of `dt` ago: what is measured now is where
-  /// that has led to, so it is compared with that.
+  /// Torques in N m, within the limits of the drives. `last` is the set point of `dt` ago. It caused the
+  /// motion that is measured now, so the measurement is compared with it.
   [[nodiscard]] Joints torque(const Motion& wanted, const Motion& last, const Motion& is,
                               double dt) noexcept {
     const double spring = std::pow(2 * std::numbers::pi * bandwidth, 2);
     const double damper = 2 * damping * 2 * std::numbers::pi * bandwidth;
     for (std::size_t i = 0; i < kAxes; ++i) {
       const auto row = static_cast<unsigned>(i);
-      const double most = 1.5 * parameters_[i].acceleration;  // a set point that jumps is no acceleration
+      const double most = 1.5 * parameters_[i].acceleration;  // ignore jumps of the set point
       const double forward =
           acceleration ? std::clamp((wanted.velocity[i] - last.velocity[i]) / dt, -most, most) : 0;
       position_(row) = is.position[i];

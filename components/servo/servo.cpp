@@ -11,26 +11,35 @@
 #include "joint_servo.hpp"
 
 class Servo : public takt::Component {
-  takt::InPort<motion::JointState> setpoint{*this, "setpoint", {.text = "Where the axes are to be."}};
-  takt::InPort<motion::JointState> measured{*this, "measured", {.text = "Where they are."}};
-  takt::OutPort<motion::JointEffort> effort{*this, "effort", {.text = "What the drives are to give."}};
+  takt::InPort<motion::JointState> setpoint{*this, "setpoint", {.text = "Set points of the axes."}};
+  takt::InPort<motion::JointState> measured{
+      *this, "measured", {.text = "Measured position and velocity of the axes."}};
+  takt::OutPort<motion::JointEffort> effort{*this, "effort", {.text = "Torques for the drives."}};
   takt::Property<std::string> model{
-      *this, "model", "", {.text = "File of the arm's parameters; empty: the arm that is built in."}};
+      *this, "model", "", {.text = "File with the arm's parameters; empty: the built-in arm."}};
   takt::Property<double> bandwidth{
-      *this, "bandwidth", 15, {.unit = "Hz", .min = 0.1, .max = 40, .text = "Of the position loop."}};
+      *this,
+      "bandwidth",
+      15,
+      {.unit = "Hz", .min = 0.1, .max = 40, .text = "Bandwidth of the position loop."}};
   takt::Property<double> damping{
-      *this, "damping", 1, {.min = 0.1, .max = 2, .text = "Ratio of the position loop; 1: no overshoot."}};
-  takt::Property<bool> gravity{*this, "gravity", true, {.text = "Feed forward what the links weigh."}};
+      *this,
+      "damping",
+      1,
+      {.min = 0.1, .max = 2, .text = "Damping ratio of the position loop; 1: no overshoot."}};
+  takt::Property<bool> gravity{*this, "gravity", true, {.text = "Feed forward the weight of the links."}};
   takt::Property<bool> acceleration{
       *this,
       "acceleration",
       true,
-      {.text = "Feed forward the acceleration of the set points, and friction."}};
-  takt::Property<double> following{
-      *this,
-      "following",
-      0.1,
-      {.unit = "rad", .min = 0.001, .max = 3, .text = "An axis that is farther off than this is an error."}};
+      {.text = "Feed forward the acceleration of the set points, and the friction."}};
+  takt::Property<double> following{*this,
+                                   "following",
+                                   0.1,
+                                   {.unit = "rad",
+                                    .min = 0.001,
+                                    .max = 3,
+                                    .text = "Maximum following error of an axis; a larger one is an error."}};
 
   std::optional<servo::JointServo> loop_;
   servo::Motion wanted_;
@@ -40,7 +49,7 @@ class Servo : public takt::Component {
   takt::Result<void> initialize() override {
     auto read = arm_model::read(model);
     if (const auto* problem = std::get_if<std::string>(&read))
-      return takt::fail(*problem, "name another file in the property 'model', or mend this one");
+      return takt::fail(*problem, "correct the file, or set property 'model' to another file");
     loop_.emplace(std::get<arm_model::Parameters>(read));
     return {};
   }

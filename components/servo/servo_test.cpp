@@ -36,7 +36,7 @@ WholePlan plan(const KDL::Frame& pick, const KDL::Frame& place) {
   return trajectory::whole_plan(figures(), trajectory::usual_task(figures(), pick, place));
 }
 
-TEST(JointServo, NeverAsksForMoreThanTheDrivesGive) {
+TEST(JointServo, NeverExceedsTheDriveTorques) {
   servo::JointServo servo{figures()};
   servo::Motion far{home(), {}};
   for (double& position : far.position) position += 3;
@@ -45,13 +45,13 @@ TEST(JointServo, NeverAsksForMoreThanTheDrivesGive) {
   EXPECT_EQ(torque[1], figures()[1].torque);
 }
 
-// The three together, with the delay that they have as modules of one table: the measurement of the period
-// before.
+// Runs path, servo and arm together, with the delay of modules in one table: the servo sees the measurement
+// of the previous period.
 struct Followed {
-  double axis = 0;     // rad, the farthest that one was off
-  double tool = 0;     // m, on the whole path
-  double at_part = 0;  // m, at the end of gripping and of releasing
-  double torque = 0;   // share of what the drives give
+  double axis = 0;     // rad, largest error of an axis
+  double tool = 0;     // m, largest error on the whole path
+  double at_part = 0;  // m, error at the end of gripping and of releasing
+  double torque = 0;   // fraction of the drives' limits
 };
 Followed follow(const WholePlan& planned, const std::function<void(servo::JointServo&)>& change = {},
                 double load = 0) {
@@ -86,7 +86,7 @@ Followed follow(const WholePlan& planned, const std::function<void(servo::JointS
   return result;
 }
 
-TEST(JointServo, FollowsAWholeCycleWithinMillimetres) {
+TEST(JointServo, FollowsAWholeCycleWithinATenthOfAMillimetre) {
   const Followed followed = follow(plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1)));
   std::printf("axes %.2g rad, tool %.2g m, at the parts %.2g m, torque %.2f of the drives'\n", followed.axis,
               followed.tool, followed.at_part, followed.torque);
@@ -95,15 +95,15 @@ TEST(JointServo, FollowsAWholeCycleWithinMillimetres) {
   EXPECT_LT(followed.torque, 1);
 }
 
-TEST(JointServo, FollowsWithinAMillimetreAtThePartsWithALoadThatNobodyToldItOf) {
+TEST(JointServo, StaysWithinAMillimetreAtThePartsWithAnUnknownLoad) {
   const Followed followed = follow(plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1)), {}, 5);
   std::printf("with 5 kg: tool %.2g m, at the parts %.2g m\n", followed.tool, followed.at_part);
   EXPECT_LT(followed.tool, 3e-3);
   EXPECT_LT(followed.at_part, 1e-3);
-  EXPECT_GT(followed.at_part, 1e-5) << "the load is not there";
+  EXPECT_GT(followed.at_part, 1e-5) << "the load has no effect";
 }
 
-TEST(JointServo, HangsThroughWithoutTheWeightAndLagsWithoutTheAcceleration) {
+TEST(JointServo, SagsWithoutGravityAndLagsWithoutAccelerationFeedForward) {
   const WholePlan way = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1));
   const Followed with = follow(way);
   const Followed without_gravity = follow(way, [](servo::JointServo& servo) { servo.gravity = false; });
@@ -123,7 +123,7 @@ motion::JointState state(const Joints& position) {
   return state;
 }
 
-TEST(Servo, GivesNothingBeforeBothInputsHaveCome) {
+TEST(Servo, WritesNothingUntilBothInputsHaveArrived) {
   takt::testing::Module module;
   auto& setpoint = module.in<motion::JointState>("setpoint");
   auto& measured = module.in<motion::JointState>("measured");
@@ -135,10 +135,10 @@ TEST(Servo, GivesNothingBeforeBothInputsHaveCome) {
   measured.write(state(home()));
   module.step(5);
   EXPECT_EQ(effort.count(), 5U);
-  EXPECT_GT(std::abs(effort.value().torque()[1]), 50) << "the weight of the arm";
+  EXPECT_GT(std::abs(effort.value().torque()[1]), 50) << "the torque does not carry the weight of the arm";
 }
 
-TEST(Servo, AnAxisThatDoesNotFollowIsAnErrorAndSoIsOneThatIsNoNumber) {
+TEST(Servo, FailsOnAFollowingErrorAndOnANonFiniteSetPoint) {
   for (const double wrong : {0.2, std::numeric_limits<double>::quiet_NaN()}) {
     takt::testing::Module module;
     auto& setpoint = module.in<motion::JointState>("setpoint");

@@ -1,4 +1,4 @@
-// A thread module in C++: test signals.
+// A thread module in C++: generates test signals.
 #include <takt/component.hpp>
 
 #include <string>
@@ -11,17 +11,21 @@
 
 class SignalGenerator : public takt::Component {
   takt::OutPort<basic::Number> out{*this, "out", {.text = "offset + amplitude times the shape."}};
-  takt::OutPort<basic::Flag> flag{*this, "flag", {.text = "True in the first half of each period."}};
-  takt::OutPort<basic::Count> count{*this, "count", {.text = "Counts up, one a cycle."}};
+  takt::OutPort<basic::Flag> flag{*this, "flag", {.text = "True in the first half of each signal period."}};
+  takt::OutPort<basic::Count> count{*this, "count", {.text = "Counts the cycles."}};
   takt::Property<std::string> shape{*this,
                                     "shape",
                                     "sine",
-                                    {.text = "Of the signal; constant is the offset alone.",
+                                    {.text = "Shape of the signal; constant is the offset alone.",
                                      .choices = {"sine", "square", "triangle", "sawtooth", "constant"}}};
   takt::Property<double> frequency{
-      *this, "frequency", 1, {.unit = "Hz", .min = 0, .text = "At most half the rate."}};
-  takt::Property<double> amplitude{*this, "amplitude", 1, {.text = "From the middle to the top."}};
-  takt::Property<double> offset{*this, "offset", 0, {.text = "The middle."}};
+      *this,
+      "frequency",
+      1,
+      {.unit = "Hz", .min = 0, .text = "Frequency of the signal; at most half the sampling rate."}};
+  takt::Property<double> amplitude{
+      *this, "amplitude", 1, {.text = "From the middle of the signal to its peak."}};
+  takt::Property<double> offset{*this, "offset", 0, {.text = "Middle of the signal."}};
 
   signal_generator::Phase phase_;
   common::Releases releases_;
@@ -44,7 +48,7 @@ class SignalGenerator : public takt::Component {
   }
 
   void run(const takt::Cycle& cycle) noexcept override {
-    // What a missed release would have added comes before this one's.
+    // First advance the phase by the missed releases, then by this one.
     const auto missed = static_cast<double>(releases_.step(cycle.number) - 1);
     phase_.step(frequency, missed * cycle.seconds());
     const double phase = phase_.step(frequency, cycle.seconds());
@@ -56,4 +60,4 @@ class SignalGenerator : public takt::Component {
     count.write(count_);
   }
 };
-TAKT_COMPONENT(SignalGenerator, "Sine, square, triangle and other shapes, for tests.")
+TAKT_COMPONENT(SignalGenerator, "Generates test signals: sine, square, triangle, sawtooth or constant.")

@@ -44,13 +44,13 @@ TEST(SignalGenerator, KeepsItsPhaseOverAMillionCyclesAndMissedReleases) {
   EXPECT_NEAR(out.value().value(), 1 + 3 * std::sin(2 * std::numbers::pi * 0.252), 1e-6);
 }
 
-TEST(SignalGenerator, RepeatsEveryShapePeriodAfterPeriod) {
+TEST(SignalGenerator, RepeatsEveryShapeEachPeriod) {
   for (const char* shape : {"sine", "square", "triangle", "sawtooth"}) {
     takt::testing::Module module{{.period = milliseconds{1}}};
     auto& out = module.out<basic::Number>("out");
     auto& flag = module.out<basic::Flag>("flag");
     ASSERT_TRUE(module.set("shape", shape));
-    ASSERT_TRUE(module.set("frequency", "7.8125"));  // 128 cycles, an exact number in binary
+    ASSERT_TRUE(module.set("frequency", "7.8125"));  // a period of 128 cycles; exact in binary
     ASSERT_TRUE(module.start());
     module.step(128);
     const auto first = out.values();
@@ -80,7 +80,7 @@ TEST(SignalGenerator, ChangesItsFrequencyWithoutAJump) {
   }
 }
 
-TEST(SignalGenerator, RefusesAFrequencyAboveHalfItsRate) {
+TEST(SignalGenerator, RejectsAFrequencyAboveHalfItsRate) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   ASSERT_TRUE(module.set("frequency", "51"));
   EXPECT_EQ(module.start().text(),

@@ -8,7 +8,8 @@ namespace signal_generator {
 
 enum class Shape { sine, square, triangle, sawtooth, constant };
 
-/// From -1 to 1, beginning at 0 rising where the shape allows it. `phase`: of a period, from 0 to below 1.
+/// The signal, from -1 to 1. At phase 0 it rises through 0, if the shape allows it. `phase`: fraction of a
+/// period, from 0 to below 1.
 inline double shape_at(Shape shape, double phase) noexcept {
   switch (shape) {
     case Shape::sine:
@@ -25,10 +26,10 @@ inline double shape_at(Shape shape, double phase) noexcept {
   return 0;
 }
 
-/// The phase goes on from where it is when the frequency changes.
+/// The phase of the signal. It is continuous when the frequency changes.
 class Phase {
  public:
-  /// `dt` s later at `frequency` Hz; the phase before that.
+  /// Advances the phase by `dt` s at `frequency` Hz. Returns the phase before the step.
   double step(double frequency, double dt) noexcept {
     const double now = phase_;
     phase_ += frequency * dt;

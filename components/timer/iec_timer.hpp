@@ -7,15 +7,15 @@
 namespace timer {
 
 enum class Kind {
-  on_delay,   ///< TON: true once the input has been true for the time
-  off_delay,  ///< TOF: true with the input, and for the time after it
-  pulse,      ///< TP: true for the time from a rising edge on; a further one during it does nothing
+  on_delay,   ///< TON: true after the input has been true for the time
+  off_delay,  ///< TOF: true with the input and for the time after it
+  pulse,      ///< TP: true for the time from a rising edge on; ignores further edges meanwhile
 };
 
-/// The time counts from the step that saw the edge.
+/// Counts the time from the step that saw the edge.
 class IecTimer {
  public:
-  /// Times in nanoseconds: since the last step; of the timer (PT), at least 0. The output (Q).
+  /// `passed_ns`: time since the last step. `preset_ns`: PT, at least 0. Returns Q.
   bool step(Kind kind, bool in, std::int64_t passed_ns, std::int64_t preset_ns) noexcept {
     if (kind == Kind::pulse) {
       if (running_) {
@@ -52,14 +52,14 @@ class IecTimer {
     last_ = in;
     return kind == Kind::on_delay ? done_ : in || running_;
   }
-  /// ET: how long it has been counting, at most PT.
+  /// ET: the elapsed time, at most PT.
   [[nodiscard]] std::int64_t elapsed_ns() const noexcept { return elapsed_ns_; }
   void reset() noexcept { *this = {}; }
 
  private:
   bool last_ = false;
   bool running_ = false;
-  bool done_ = false;  // the time is over, and the input has not changed since
+  bool done_ = false;  // the time has elapsed, and the input has not changed since
   std::int64_t elapsed_ns_ = 0;
 };
 

@@ -12,16 +12,19 @@
 #include "iec_timer.hpp"
 
 class Timer : public takt::Component {
-  takt::InPort<basic::Flag> in{*this, "in", {.text = "IN; false before the first."}};
+  takt::InPort<basic::Flag> in{*this, "in", {.text = "IN; false before the first sample."}};
   takt::OutPort<basic::Flag> q{*this, "q", {.text = "Q."}};
-  takt::OutPort<basic::Number> et{*this, "et", {.text = "ET, s: how long it has been counting."}};
+  takt::OutPort<basic::Number> et{*this, "et", {.text = "ET, s: the elapsed time."}};
   takt::Property<std::string> kind{
-      *this, "kind", "TON", {.text = "On-delay, off-delay or pulse.", .choices = {"TON", "TOF", "TP"}}};
+      *this,
+      "kind",
+      "TON",
+      {.text = "On-delay (TON), off-delay (TOF) or pulse (TP).", .choices = {"TON", "TOF", "TP"}}};
   takt::Property<double> time{
       *this,
       "time",
       1,
-      {.unit = "s", .min = 0, .max = 1e8, .text = "PT; a new one holds for the running time."}};
+      {.unit = "s", .min = 0, .max = 1e8, .text = "PT; a new value also applies to a running timer."}};
 
   timer::IecTimer timer_;
   timer::Kind kind_ = timer::Kind::on_delay;
@@ -51,4 +54,4 @@ class Timer : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Timer, "On-delay, off-delay and pulse timers.")
+TAKT_COMPONENT(Timer, "On-delay, off-delay and pulse timer.")

@@ -16,8 +16,7 @@ namespace {
 using common::flag;
 using std::chrono::milliseconds;
 
-/// The timing diagrams of IEC 61131-3: IN, Q and ET at each step, which is one unit of time; ET in
-/// hexadecimal.
+/// Checks a timing diagram of IEC 61131-3: IN, Q and ET (hexadecimal) at each step of one time unit.
 void expect_diagram(Kind kind, std::int64_t preset, const std::string& in, const std::string& q,
                     const std::string& et) {
   IecTimer timer;
@@ -52,23 +51,23 @@ TEST(IecTimer, PulseFollowsItsDiagram) {
                  "00123000012344400123400000");
 }
 
-TEST(IecTimer, WithoutATimeTheOutputIsTheInput) {
+TEST(IecTimer, HandlesATimeOfZero) {
   for (const Kind kind : {Kind::on_delay, Kind::off_delay})
     expect_diagram(kind, 0, "0110100", "0110100", "0000000");
   expect_diagram(Kind::pulse, 0, "0110100", "0000000", "0000000");
 }
 
-/// Looks back at every value that there was.
+/// A slow implementation that looks back at every value.
 bool naive(Kind kind, const std::vector<bool>& in, const std::vector<std::int64_t>& at, std::int64_t preset) {
   const std::size_t now = in.size() - 1;
   if (kind == Kind::pulse) {
-    // Pulses one after the other, each from an edge that no other pulse covers.
+    // Pulses follow each other; each starts at an edge outside all other pulses.
     std::int64_t end = -1;
     bool covered = false;
     for (std::size_t i = 0; i <= now; ++i) {
       if (covered && at[i] >= end) {
         covered = false;
-        continue;  // in the step that ends a pulse an edge is still covered
+        continue;  // an edge in the step that ends a pulse is still inside the pulse
       }
       if (!covered && in[i] && (i == 0 || !in[i - 1])) {
         covered = preset > 0;
@@ -77,14 +76,14 @@ bool naive(Kind kind, const std::vector<bool>& in, const std::vector<std::int64_
     }
     return covered;
   }
-  std::size_t since = now;  // the first step of the run of equal values that ends now
+  std::size_t since = now;  // the first step of the current run of equal values
   while (since > 0 && in[since - 1] == in[now]) --since;
   const bool over = at[now] - at[since] >= preset;
   if (kind == Kind::on_delay) return in[now] && over;
   return in[now] || (since > 0 && !over);
 }
 
-TEST(IecTimer, DoesWhatItsDefinitionSaysForRandomInputsAndGaps) {
+TEST(IecTimer, MatchesItsDefinitionForRandomInputsAndGaps) {
   std::mt19937 random(14);
   for (const Kind kind : {Kind::on_delay, Kind::off_delay, Kind::pulse}) {
     for (int n = 0; n < 60; ++n) {
@@ -117,7 +116,7 @@ TEST(Timer, CountsItsTimeOnTheGrid) {
   ASSERT_TRUE(module.set("time", "0.1"));
   ASSERT_TRUE(module.start());
   module.step(20);
-  EXPECT_FALSE(q.value().value());  // nothing has come: false
+  EXPECT_FALSE(q.value().value());  // no input yet: false
   in.write(flag(true));
   module.step(10);
   EXPECT_FALSE(q.value().value());
@@ -126,7 +125,7 @@ TEST(Timer, CountsItsTimeOnTheGrid) {
   EXPECT_TRUE(q.value().value());
 }
 
-TEST(Timer, CountsReleasesThatWereMissed) {
+TEST(Timer, CountsMissedReleases) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Flag>("in");
   auto& q = module.out<basic::Flag>("q");
@@ -142,7 +141,7 @@ TEST(Timer, CountsReleasesThatWereMissed) {
   EXPECT_TRUE(q.value().value());
 }
 
-TEST(Timer, TakesANewTimeForTheRunningOne) {
+TEST(Timer, AppliesANewTimeToARunningTimer) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Flag>("in");
   auto& q = module.out<basic::Flag>("q");
@@ -158,7 +157,7 @@ TEST(Timer, TakesANewTimeForTheRunningOne) {
   EXPECT_FALSE(q.value().value());
 }
 
-TEST(Timer, BeginsAnewAsAnotherKind) {
+TEST(Timer, RestartsWhenItsKindChanges) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Flag>("in");
   auto& q = module.out<basic::Flag>("q");
@@ -170,17 +169,17 @@ TEST(Timer, BeginsAnewAsAnotherKind) {
   EXPECT_TRUE(q.value().value());
   ASSERT_TRUE(module.set("kind", "TON"));
   module.step(61);
-  EXPECT_FALSE(q.value().value()) << "what the pulse had run does not count";
+  EXPECT_FALSE(q.value().value()) << "the time before the change does not count";
   EXPECT_NEAR(et.value().value(), 0.6, 1e-9);
   module.step(40);
   EXPECT_TRUE(q.value().value());
 }
 
-TEST(Timer, RefusesAKindThatIsNone) {
+TEST(Timer, RejectsAnUnknownKind) {
   takt::testing::Module module;
-  const auto refused = module.set("kind", "TONR");
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.text(), "property 'kind' cannot be 'TONR'; it takes text, TON, TOF or TP");
+  const auto rejected = module.set("kind", "TONR");
+  ASSERT_FALSE(rejected.ok());
+  EXPECT_EQ(rejected.text(), "property 'kind' cannot be 'TONR'; it takes text, TON, TOF or TP");
 }
 
 }  // namespace

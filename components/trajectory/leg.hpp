@@ -1,4 +1,4 @@
-// One move of the arm from rest to rest, as fast as its axes may. SI units, rad. Nothing allocates.
+// One move of the arm from rest to rest, as fast as its limits allow. SI units, rad. Nothing allocates.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,13 @@
 
 namespace trajectory {
 
-/// From 0 to 1 over 0 to 1, with no velocity and no acceleration at either end; its first and second slope.
+/// A polynomial from 0 to 1 on the range 0 to 1, with zero velocity and acceleration at both ends; its first
+/// and second derivative.
 constexpr double quintic(double u) noexcept { return u * u * u * (10 + u * (-15 + 6 * u)); }
 constexpr double quintic_slope(double u) noexcept { return 30 * u * u * (1 - u) * (1 - u); }
 constexpr double quintic_bend(double u) noexcept { return 60 * u * (1 - u) * (1 - 2 * u); }
 
-/// What is asked of the axes at most.
+/// Limits of the set points.
 struct Limits {
   Joints velocity{};      ///< rad/s
   Joints acceleration{};  ///< rad/s^2
@@ -26,9 +27,9 @@ struct Leg {
   enum class Kind { wait, turn, line, line_back };
 
   Kind kind = Kind::wait;
-  Joints from{};               ///< where it waits or begins to turn
-  Joints to{};                 ///< to where every axis turns, all in the same time
-  const Line* line = nullptr;  ///< or what the tool follows
+  Joints from{};               ///< where the arm waits or begins to turn
+  Joints to{};                 ///< where the arm turns to, all axes in the same time
+  const Line* line = nullptr;  ///< for the kinds line and line_back: the line of the tool
   double duration = 0;         ///< s
 
   static Leg wait(const Joints& at, double duration) noexcept {
@@ -42,7 +43,7 @@ struct Leg {
         limits, 1.875 * line.length() / limits.tool);
   }
 
-  /// By time, from 0 to duration.
+  /// The set point at `time`, from 0 to duration.
   [[nodiscard]] Point at(double time) const noexcept {
     if (kind == Kind::wait) return {from, {}, {}};
     return by_share(std::clamp(time / duration, 0.0, 1.0), duration);
@@ -75,7 +76,7 @@ struct Leg {
     return point;
   }
 
-  /// As long as some axis needs for its velocity or acceleration, which shrink with the duration and its
+  /// Sets the shortest duration within the limits. Velocities fall with the duration, accelerations with its
   /// square.
   [[nodiscard]] Leg fastest(const Limits& limits, double at_least) noexcept {
     duration = std::max(at_least, kShortest);

@@ -1,5 +1,6 @@
-// A straight line of the tool as a curve of the axes. On it the axes have no formula: knots are searched for,
-// one at a time, and joined by cubic splines with steady accelerations. SI units, rad. Nothing allocates.
+// A straight line of the tool as a curve of the axes. There is no formula for this curve. So the knots are
+// computed by search, one at a time, and joined by cubic splines with continuous accelerations. SI units,
+// rad. Nothing allocates.
 #pragma once
 
 #include <algorithm>
@@ -15,26 +16,26 @@ using arm_model::Joints;
 using arm_model::kAxes;
 using arm_model::Kinematics;
 
-/// Where the axes are, and how that changes with what moves them along: s of a line, or time.
+/// The axis positions and their derivatives by the parameter of the motion: s of a line, or time.
 struct Point {
   Joints position{};
   Joints slope{};
-  Joints bend{};  ///< of the slope
+  Joints bend{};  ///< derivative of the slope
 };
 
-/// From one pose of the tool to another that is turned the same way. s is 0 at the beginning and 1 at the
-/// end.
+/// A line from one tool pose to another with the same orientation. s is 0 at the beginning and 1 at the end.
 class Line {
  public:
   static constexpr std::size_t kPieces = 24;
-  static constexpr int kNewtonSteps = 5;           ///< at most, a knot; two or three do
-  static constexpr double kTolerance = 1e-10;      ///< m and rad, of the tool at a knot
-  static constexpr double kFarthest = 0.3;         ///< rad from knot to knot
+  static constexpr int kNewtonSteps = 5;           ///< maximum per knot; two or three are usual
+  static constexpr double kTolerance = 1e-10;      ///< m and rad, error of the tool at a knot
+  static constexpr double kFarthest = 0.3;         ///< rad, maximum from knot to knot
   static constexpr double kLeastDexterity = 0.02;  ///< m, see Kinematics::dexterity()
 
   enum class State { building, done, joint_limit, singular };
 
-  /// From `pose`, where the axes are at `joints`, `way` m on in the foot's axes.
+  /// Begins a line at `pose`, where the axes are at `joints`. `way` is its vector in m, in the frame of the
+  /// foot.
   void begin(const KDL::Frame& pose, const KDL::Vector& way, const Joints& joints) noexcept {
     pose_ = pose;
     way_ = way;
@@ -42,7 +43,7 @@ class Line {
     next_ = 0;
   }
 
-  /// The next knot: at most 30 us.
+  /// Computes the next knot; takes at most 30 us.
   State step(Kinematics& kinematics) noexcept {
     const KDL::Frame goal{pose_.M, pose_.p + way_ * (static_cast<double>(next_) / kPieces)};
     if (next_ > 0 && !approach(kinematics, goal)) return State::singular;
@@ -82,7 +83,8 @@ class Line {
   [[nodiscard]] double length() const noexcept { return way_.Norm(); }
 
  private:
-  /// From the knot before, straight on at first. False if that leads nowhere near.
+  /// Computes a knot from the previous one, beginning with a linear guess. False if it does not converge
+  /// nearby.
   bool approach(Kinematics& kinematics, const KDL::Frame& goal) noexcept {
     const Joints& before = knots_[next_ - 1];
     Joints joints = before;
@@ -96,8 +98,8 @@ class Line {
     return error < kTolerance;
   }
 
-  /// The slopes between the ends become those with which the bend has no steps: a tridiagonal system for each
-  /// axis, solved by elimination.
+  /// Chooses the inner slopes so that the second derivative is continuous: solves a tridiagonal system for
+  /// each axis by elimination.
   void smooth() noexcept {
     for (std::size_t a = 0; a < kAxes; ++a) {
       std::array<double, kPieces> factor{};
@@ -113,7 +115,7 @@ class Line {
   KDL::Frame pose_;
   KDL::Vector way_;
   std::array<Joints, kPieces + 1> knots_{};
-  std::array<Joints, kPieces + 1> slopes_{};  // by s
+  std::array<Joints, kPieces + 1> slopes_{};  // derivatives by s
   std::size_t next_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// The arm on its way through a plan: where the axes are to be, period by period. It can be held up anywhere
-// and stays on the path while it comes to rest. SI units, rad. Nothing allocates.
+// Moves the set points along a plan, period by period. The motion can be held anywhere, and it stays on the
+// path while it comes to rest. SI units, rad. Nothing allocates.
 #pragma once
 
 #include <algorithm>
@@ -9,16 +9,18 @@
 
 namespace trajectory {
 
-/// Time on the path runs at `rate`, from 0 (held) to 1. The rate changes as fast as the accelerations of all
-/// axes allow together with those of the path, so that no axis is asked for more than its limit.
+/// Time on the path runs at a rate from 0 (held) to 1. The rate changes as fast as the acceleration limits of
+/// all axes allow, in addition to the accelerations of the path itself. So no set point exceeds an axis
+/// limit.
 class Path {
  public:
-  /// Of the limits of an axis: what plans are made with, and what is left beside for coming to rest.
+  /// Fractions of the axis limits: for plans, and for plan and hold together.
   static constexpr double kVelocityShare = 0.98;
   static constexpr double kPlanShare = 0.8;
   static constexpr double kHoldShare = 0.97;
 
-  /// Of plans for this arm, at `speed` (a share) and with the tool at `tool` m/s at most on straight lines.
+  /// The limits for plans of this arm. `speed`: a fraction; `tool`: maximum tool speed on straight lines,
+  /// m/s.
   static Limits limits(const arm_model::Parameters& arm, double speed, double tool) noexcept {
     Limits limits{.tool = tool};
     for (std::size_t i = 0; i < kAxes; ++i) {
@@ -27,17 +29,17 @@ class Path {
     }
     return limits;
   }
-  /// For advance().
+  /// The acceleration limits for advance().
   static Joints most_acceleration(const arm_model::Parameters& arm) noexcept {
     Joints most{};
     for (std::size_t i = 0; i < kAxes; ++i) most[i] = kHoldShare * arm[i].acceleration;
     return most;
   }
 
-  /// At rest there.
+  /// Begins at rest at this position.
   explicit Path(const Joints& rest = {}) noexcept : at_{rest, {}, {}} {}
 
-  /// Through the plan from its leg `first` on. The plan must stay as it is while busy().
+  /// Starts the plan at its leg `first`. Do not change the plan while busy().
   void begin(const Plan& plan, Step first) noexcept {
     plan_ = &plan;
     step_ = first;
@@ -45,15 +47,15 @@ class Path {
     busy_ = true;
   }
   [[nodiscard]] bool busy() const noexcept { return busy_; }
-  /// The leg that it is on. While busy().
+  /// The current leg; valid while busy().
   [[nodiscard]] Step step() const noexcept { return step_; }
-  /// The leg that the last advance() came to the end of; none: nothing.
+  /// The leg that the last advance() ended, if any.
   struct Ended {
     bool any = false;
     Step step{};
   };
   [[nodiscard]] Ended ended() const noexcept { return ended_; }
-  /// In the leg `up`: the arm goes home from its end.
+  /// Call it in the leg `up`: the arm then goes home from the end of this leg.
   void give_up() noexcept { give_up_ = true; }
   [[nodiscard]] const Joints& position() const noexcept { return at_.position; }
   [[nodiscard]] const Joints& velocity() const noexcept { return velocity_; }
@@ -73,7 +75,7 @@ class Path {
   }
 
  private:
-  static constexpr double kFastest = 20;  // 1/s, that the rate changes at most
+  static constexpr double kFastest = 20;  // 1/s, maximum change of the rate
 
   [[nodiscard]] double next_rate(double wanted, const Joints& most, double dt) const noexcept {
     double lowest = -kFastest;
@@ -107,7 +109,7 @@ class Path {
 
   const Plan* plan_ = nullptr;
   Step step_{};
-  double time_ = 0;  // s, in the leg
+  double time_ = 0;  // s, within the leg
   double rate_ = 1;
   Point at_;
   Joints velocity_{};

@@ -1,5 +1,5 @@
-// From a request to the legs of a cycle, a bounded piece each period: see Search. What cannot be done is
-// refused before the arm moves. SI units, rad. Nothing allocates.
+// Plans the legs of a cycle for a request, a bounded piece each period (see Search). It rejects an impossible
+// request before the arm moves. SI units, rad. Nothing allocates except the constructor.
 #pragma once
 
 #include <array>
@@ -10,27 +10,27 @@
 
 namespace trajectory {
 
-/// What is asked for, and how it is to be done.
+/// A request and its parameters.
 struct Task {
   KDL::Frame pick;
   KDL::Frame place;
-  double approach = 0.15;  ///< m, of the straight lines over both, along the tool
-  double grip = 0.3;       ///< s, that the gripper gets to close and to open
+  double approach = 0.15;  ///< m, length of the straight lines above both poses, along the tool
+  double grip = 0.3;       ///< s, time for the gripper to close and to open
   Limits limits;
 };
 
-/// The legs in the order in which they are done; `give_up` instead of what follows `up`, if there is no part.
+/// The legs in order. If the gripper holds no part after `up`, `give_up` replaces the legs that follow.
 enum class Step { to_pick, down, grip, up, to_place, lower, release, retreat, home, give_up };
 inline constexpr std::size_t kSteps = 10;
 
 struct Plan {
-  Line pick;   // from the part upwards
-  Line place;  // likewise
+  Line pick;   // upwards from the part
+  Line place;  // upwards from the place
   std::array<Leg, kSteps> legs;
 
   [[nodiscard]] Leg& leg(Step step) noexcept { return legs[static_cast<std::size_t>(step)]; }
   [[nodiscard]] const Leg& leg(Step step) const noexcept { return legs[static_cast<std::size_t>(step)]; }
-  /// s, of all legs to this one and with it.
+  /// Total duration in s of the legs up to and including this one.
   [[nodiscard]] double until(Step last) const noexcept {
     double sum = 0;
     for (std::size_t i = 0; i <= static_cast<std::size_t>(last); ++i) sum += legs[i].duration;
@@ -40,14 +40,15 @@ struct Plan {
 
 class Planner {
  public:
-  static constexpr int kSearchSteps = 6;  ///< a period
+  static constexpr int kSearchSteps = 6;  ///< per period
 
   enum class State { idle, planning, planned, out_of_reach, joint_limit, singular };
 
-  /// Allocates.
+  /// The constructor allocates.
   explicit Planner(const arm_model::Parameters& parameters) : kinematics_(parameters) {}
 
-  /// From `rest` and back to it. The plan must stay where it is, and is good when planned() says so.
+  /// Begins to plan a cycle from `rest` and back to it. `plan` must not move; it is complete when step()
+  /// returns State::planned.
   void begin(const Task& task, const Joints& rest, Plan& plan) noexcept {
     task_ = task;
     rest_ = rest;
@@ -56,7 +57,7 @@ class Planner {
     state_ = State::planning;
   }
 
-  /// At most 40 us.
+  /// Does a piece of the planning; takes at most 40 us.
   State step() noexcept {
     if (state_ != State::planning) return state_;
     if (searching_)
@@ -98,7 +99,7 @@ class Planner {
       finish();
       return;
     }
-    // With the axes turned another way the line may do.
+    // The line may be possible with another axis configuration.
     saw_limit_ |= drawn == Line::State::joint_limit;
     saw_singular_ |= drawn == Line::State::singular;
     search_.go_on();
@@ -111,7 +112,7 @@ class Planner {
     const Joints above = line().at(1).position;
     const Leg up = Leg::along(line(), false, limits);
     Leg down = up;
-    down.kind = Leg::Kind::line_back;  // the same backwards
+    down.kind = Leg::Kind::line_back;  // the same line backwards
     if (at_pick_) {
       plan_->leg(Step::to_pick) = Leg::turn(rest_, above, limits);
       plan_->leg(Step::down) = down;

@@ -1,4 +1,4 @@
-// A thread module in C++: the set points of an arm of six axes that takes parts away when it is asked to.
+// A thread module in C++: computes the set points of a six-axis arm that moves parts on request.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -13,41 +13,50 @@
 #include "path.hpp"
 
 class Trajectory : public takt::Component {
-  takt::InPort<motion::PickRequest> request{*this, "request", {.text = "Parts to be taken away, in turn."}};
+  takt::InPort<motion::PickRequest> request{
+      *this, "request", {.text = "Parts to move; connect it as a queue."}};
   takt::InPort<motion::JointState> measured{
-      *this, "measured", {.text = "Where the arm is; not connected: at home, then at the set points."}};
+      *this, "measured", {.text = "Position of the arm. If not connected: at home, then at the set points."}};
   takt::InPort<basic::Flag> enable{
-      *this, "enable", {.text = "False: come to rest on the path and wait. Before the first: true."}};
+      *this, "enable", {.text = "False: come to rest on the path and wait. Before the first sample: true."}};
   takt::InPort<basic::Flag> holding{
-      *this, "holding", {.text = "The gripper holds a part. Not connected: it always does."}};
-  takt::OutPort<motion::JointState> setpoint{*this, "setpoint", {.text = "Where the axes are to be."}};
-  takt::OutPort<basic::Flag> grip{*this, "grip", {.text = "True: the gripper is to be closed."}};
-  takt::OutPort<motion::PickPlan> plan{*this, "plan", {.text = "How long the request will take."}};
-  takt::OutPort<motion::PickDone> done{*this, "done", {.text = "A part lies on the pallet, or why not."}};
+      *this, "holding", {.text = "The gripper holds a part. If not connected: always true."}};
+  takt::OutPort<motion::JointState> setpoint{*this, "setpoint", {.text = "Set points of the axes."}};
+  takt::OutPort<basic::Flag> grip{*this, "grip", {.text = "True: the gripper must be closed."}};
+  takt::OutPort<motion::PickPlan> plan{
+      *this, "plan", {.text = "How long the request will take; written when the arm begins it."}};
+  takt::OutPort<motion::PickDone> done{
+      *this, "done", {.text = "Result of a request: placed, rejected with the reason, or lost."}};
 
   takt::Property<std::string> model{
-      *this, "model", "", {.text = "File of the arm's parameters; empty: the arm that is built in."}};
+      *this, "model", "", {.text = "File with the arm's parameters; empty: the built-in arm."}};
   takt::Property<double> speed{
-      *this, "speed", 1, {.min = 0.05, .max = 1, .text = "Share of the axes' velocities that is used."}};
+      *this, "speed", 1, {.min = 0.05, .max = 1, .text = "Fraction of the axes' velocities to use."}};
   takt::Property<double> line_speed{
       *this,
       "line_speed",
       0.6,
-      {.unit = "m/s", .min = 0.01, .max = 5, .text = "Of the tool on straight lines, at most."}};
-  takt::Property<double> approach{
-      *this,
-      "approach",
-      0.15,
-      {.unit = "m", .min = 0.01, .max = 1, .text = "Of the straight lines to the part and to its place."}};
+      {.unit = "m/s", .min = 0.01, .max = 5, .text = "Maximum speed of the tool on straight lines."}};
+  takt::Property<double> approach{*this,
+                                  "approach",
+                                  0.15,
+                                  {.unit = "m",
+                                   .min = 0.01,
+                                   .max = 1,
+                                   .text = "Length of the straight lines at the part and at its place."}};
   takt::Property<double> grip_time{
-      *this, "grip_time", 0.3, {.unit = "s", .min = 0, .max = 10, .text = "To close or open the gripper."}};
-  takt::Property<double> following{*this,
-                                   "following",
-                                   0.08,
-                                   {.unit = "rad",
-                                    .min = 0.001,
-                                    .max = 3,
-                                    .text = "An arm that is farther off the path is brought home."}};
+      *this,
+      "grip_time",
+      0.3,
+      {.unit = "s", .min = 0, .max = 10, .text = "Time to close or open the gripper."}};
+  takt::Property<double> following{
+      *this,
+      "following",
+      0.08,
+      {.unit = "rad",
+       .min = 0.001,
+       .max = 3,
+       .text = "If an axis is farther than this from its set point, the arm goes home."}};
 
   takt::Property<double> enable_timeout{
       *this,
@@ -56,7 +65,7 @@ class Trajectory : public takt::Component {
       {.unit = "s",
        .min = 0,
        .max = 3600,
-       .text = "An older `enable`, or none yet, counts as false; 0: it holds for ever."}};
+       .text = "An enable older than this, or a missing one, counts as false; 0: never expires."}};
 
   arm_model::Parameters arm_;
   arm_model::Joints home_{};
@@ -68,7 +77,7 @@ class Trajectory : public takt::Component {
   bool planning_ = false;
   bool lost_ = false;
   bool answered_ = true;
-  double asked_ = 0;  // s since the request
+  double since_request_ = 0;  // s, since the request
   motion::JointState state_;
   basic::Flag closed_;
   motion::PickPlan times_;
@@ -77,26 +86,26 @@ class Trajectory : public takt::Component {
   takt::Result<void> initialize() override {
     auto read = arm_model::read(model);
     if (const auto* problem = std::get_if<std::string>(&read))
-      return takt::fail(*problem, "name another file in the property 'model', or mend this one");
+      return takt::fail(*problem, "correct the file, or set property 'model' to another file");
     arm_ = std::get<arm_model::Parameters>(read);
     home_ = arm_model::home(arm_);
     most_acceleration_ = trajectory::Path::most_acceleration(arm_);
     path_ = trajectory::Path{home_};
     planner_.emplace(arm_);
-    report_.result(motion::PICK_REFUSED);  // nothing was placed
+    report_.result(motion::PICK_REFUSED);  // no part placed yet
     began_ = planning_ = false;
     return {};
   }
 
   void run(const takt::Cycle& cycle) noexcept override {
     if (measured.read() && (!began_ || is_off_the_path())) go_home_from(measured.value().position());
-    if (!began_ && measured.connected()) return;  // nobody has said yet where the arm is
+    if (!began_ && measured.connected()) return;  // the position of the arm is not known yet
     began_ = true;
     enable.read();
     holding.read();
-    if (!path_.busy() && !planning_ && request.read()) take_on(request.value());
-    asked_ += cycle.seconds();
-    if (planning_) go_on_planning();
+    if (!path_.busy() && !planning_ && request.read()) begin_request(request.value());
+    since_request_ += cycle.seconds();
+    if (planning_) continue_planning();
     path_.advance(common::is_enabled(enable, enable_timeout), most_acceleration_, cycle.seconds());
     if (path_.busy()) watch_part();
     if (path_.ended().any) end_leg(path_.ended().step);
@@ -112,10 +121,10 @@ class Trajectory : public takt::Component {
     return false;
   }
 
-  // When it begins, and when something else than the path has moved or held the arm.
+  // Called at the beginning, and when something moved or blocked the arm.
   void go_home_from(const arm_model::Joints& position) noexcept {
     for (const double joint : position)
-      if (!std::isfinite(joint)) return fail("where the arm is is not a number");
+      if (!std::isfinite(joint)) return fail("a measured position is not a finite number");
     planning_ = false;
     path_ = trajectory::Path{position};
     plan_.leg(trajectory::Step::home) = trajectory::Leg::turn(position, home_, limits());
@@ -134,14 +143,14 @@ class Trajectory : public takt::Component {
     return arm_model::frame({pose.x(), pose.y(), pose.z(), pose.roll(), pose.pitch(), pose.yaw()});
   }
 
-  // Who asks for a part again that was placed has not heard of it: the network was down.
-  void take_on(const motion::PickRequest& part) noexcept {
+  // A repeated request for a placed part means that the result was lost in the network, so it is sent again.
+  void begin_request(const motion::PickRequest& part) noexcept {
     if (part.number() == report_.number() && report_.result() == motion::PICK_PLACED) {
       done.write(report_);
       return;
     }
     report_.number(part.number());
-    asked_ = 0;
+    since_request_ = 0;
     lost_ = answered_ = false;
     const auto pick = frame(part.pick());
     const auto place = frame(part.place());
@@ -155,7 +164,7 @@ class Trajectory : public takt::Component {
     planning_ = true;
   }
 
-  void go_on_planning() noexcept {
+  void continue_planning() noexcept {
     using State = trajectory::Planner::State;
     const State state = planner_->step();
     if (state == State::planning) return;
@@ -166,12 +175,12 @@ class Trajectory : public takt::Component {
     if (state != State::planned) return;
     path_.begin(plan_, trajectory::Step::to_pick);
     times_.number(report_.number());
-    times_.placed(asked_ + plan_.until(trajectory::Step::release));
-    times_.ended(asked_ + plan_.until(trajectory::Step::home));
+    times_.placed(since_request_ + plan_.until(trajectory::Step::release));
+    times_.ended(since_request_ + plan_.until(trajectory::Step::home));
     plan.write(times_);
   }
 
-  // From the end of the gripping to the release it is to be held.
+  // The gripper must hold the part from the end of gripping to the release.
   void watch_part() noexcept {
     using trajectory::Step;
     const Step step = path_.step();
@@ -193,9 +202,9 @@ class Trajectory : public takt::Component {
   void finish(motion::PickResult result, motion::PickRefusal refusal) noexcept {
     report_.result(result);
     report_.refusal(refusal);
-    report_.duration(asked_);
+    report_.duration(since_request_);
     done.write(report_);
     answered_ = true;
   }
 };
-TAKT_COMPONENT(Trajectory, "Takes parts from one pose to another: set points of a six-axis arm.")
+TAKT_COMPONENT(Trajectory, "Set points of a six-axis arm that moves parts from one pose to another.")

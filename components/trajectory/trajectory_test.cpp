@@ -32,11 +32,12 @@ WholePlan plan(const KDL::Frame& pick, const KDL::Frame& place) {
   return whole_plan(figures(), usual_task(figures(), pick, place));
 }
 
-// By differences from period to period, from the velocity that the path says too.
+// The largest velocities and accelerations, from differences between periods and from the path's own
+// velocity.
 struct Extremes {
-  double velocity = 0;  // shares of the limits
+  double velocity = 0;  // fraction of the limits
   double acceleration = 0;
-  double disagreement = 0;  // rad, of position and velocity
+  double disagreement = 0;  // rad, between position and velocity
   int periods = 0;
   Joints last{};
   Joints last_velocity{};
@@ -80,7 +81,7 @@ void expect_within_limits(const Extremes& extremes) {
   EXPECT_LT(extremes.disagreement, 1e-5);
 }
 
-// In front of the arm, and left and right of it, where it can take and put things.
+// A random pose in front of the arm or to its left or right, where it can pick and place.
 KDL::Frame anywhere(std::mt19937& random) {
   const double angle = std::uniform_real_distribution{-1.8, 1.8}(random);
   const double radius = std::uniform_real_distribution{0.55, 1.0}(random);
@@ -89,14 +90,14 @@ KDL::Frame anywhere(std::mt19937& random) {
               angle + std::uniform_real_distribution{-1.2, 1.2}(random));
 }
 
-TEST(Plan, KeepsEveryAxisWithinItsLimitsAndGoesOnWithoutAStep) {
+TEST(Plan, KeepsEveryAxisWithinItsLimitsWithoutJumps) {
   std::mt19937 random{2};
   double longest = 0;
   int planning = 0;
-  int refused = 0;
+  int rejected = 0;
   for (int n = 0; n < 150; ++n) {
     const WholePlan planned = plan(anywhere(random), anywhere(random));
-    if (planned.state == Planner::State::singular && ++refused > 0) continue;  // the forearm points down
+    if (planned.state == Planner::State::singular && ++rejected > 0) continue;  // the forearm points down
     ASSERT_EQ(planned.state, Planner::State::planned) << "pair " << n;
     const Extremes extremes = run(*planned.plan, [](int) { return true; });
     expect_within_limits(extremes);
@@ -104,12 +105,12 @@ TEST(Plan, KeepsEveryAxisWithinItsLimitsAndGoesOnWithoutAStep) {
     longest = std::max(longest, planned.plan->until(Step::home));
     planning = std::max(planning, planned.periods);
   }
-  std::printf("150 cycles: at most %.2f s, planned in at most %d periods; %d refused\n", longest, planning,
-              refused);
-  EXPECT_LT(refused, 8);
+  std::printf("150 cycles: at most %.2f s, planned in at most %d periods; %d rejected\n", longest, planning,
+              rejected);
+  EXPECT_LT(rejected, 8);
 }
 
-TEST(Plan, IsStraightOverThePartAndThePlace) {
+TEST(Plan, IsStraightAboveThePart) {
   arm_model::Kinematics kinematics{figures()};
   const KDL::Frame pick = down(0.75, 0.45, 0.3, 0.4);
   const WholePlan planned = plan(pick, down(0.5, -0.7, 0.2));
@@ -125,7 +126,7 @@ TEST(Plan, IsStraightOverThePartAndThePlace) {
   EXPECT_LT(off, 1e-5);
 }
 
-TEST(Plan, TheToolIsWhereItIsAskedToBe) {
+TEST(Plan, PutsTheToolAtTheRequestedPoses) {
   arm_model::Kinematics kinematics{figures()};
   const KDL::Frame pick = down(0.75, 0.45, 0.3, 0.4);
   const KDL::Frame place = down(0.5, -0.7, 0.2, -1);
@@ -139,10 +140,10 @@ TEST(Plan, TheToolIsWhereItIsAskedToBe) {
   EXPECT_LT(off(Step::release, place), 1e-8);
 }
 
-TEST(Path, ComesToRestOnThePathAndGoesOnWithinTheLimits) {
+TEST(Path, StopsOnThePathAndContinuesWithinTheLimits) {
   const WholePlan planned = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1));
   ASSERT_EQ(planned.state, Planner::State::planned);
-  // Held at every fortieth period of the cycle, for half a second.
+  // Disable at every fortieth period of the cycle, for 0.7 s.
   const int whole = static_cast<int>(planned.plan->until(Step::home) / kPeriod);
   int slowest = 0;
   for (int at = 1; at + 400 < whole; at += 40) {
@@ -163,7 +164,7 @@ TEST(Path, ComesToRestOnThePathAndGoesOnWithinTheLimits) {
   std::printf("at rest after at most %d ms\n", slowest);
 }
 
-TEST(Path, KeepsTheLimitsWhateverEnableDoes) {
+TEST(Path, KeepsItsLimitsForRandomEnableChanges) {
   std::mt19937 random{3};
   for (int n = 0; n < 40; ++n) {
     const WholePlan planned = plan(anywhere(random), anywhere(random));
@@ -178,7 +179,7 @@ TEST(Path, KeepsTheLimitsWhateverEnableDoes) {
   }
 }
 
-TEST(Path, DoesNotBeginWhileItIsHeld) {
+TEST(Path, DoesNotBeginWhileDisabled) {
   const WholePlan planned = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2));
   Path path{home()};
   for (int n = 0; n < 1000; ++n) path.advance(false, Path::most_acceleration(figures()), kPeriod);
@@ -188,7 +189,7 @@ TEST(Path, DoesNotBeginWhileItIsHeld) {
   EXPECT_TRUE(path.busy());
 }
 
-TEST(Path, GoesHomeFromOverThePartWhenItGivesUp) {
+TEST(Path, GoesHomeFromAboveThePartWhenItGivesUp) {
   const WholePlan planned = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2));
   ASSERT_EQ(planned.state, Planner::State::planned);
   std::vector<Step> ended;
@@ -202,19 +203,19 @@ TEST(Path, GoesHomeFromOverThePartWhenItGivesUp) {
   EXPECT_EQ(ended, (std::vector{Step::to_pick, Step::down, Step::grip, Step::up, Step::give_up}));
 }
 
-TEST(Planner, RefusesWhatCannotBeDone) {
+TEST(Planner, RejectsImpossiblePoses) {
   const KDL::Frame good = down(0.75, 0.45, 0.3);
   for (const auto& [state, bad, why] :
        std::initializer_list<std::tuple<Planner::State, KDL::Frame, const char*>>{
            {Planner::State::out_of_reach, down(2, 0, 0.3), "too far"},
            {Planner::State::out_of_reach, down(0.8, 0, -1.5), "too low"},
-           // The wrist at 1.2505 m of the 1.2512 m that the upper arm and the forearm are long together.
+           // The wrist is at 1.2505 m; upper arm and forearm together are 1.2512 m long.
            {Planner::State::singular, down(0.16 + 1.2505, 0, 0.2), "stretched"}}) {
     const WholePlan pick = plan(bad, good);
     EXPECT_EQ(pick.state, state) << "pick " << why << " in " << pick.periods;
     const WholePlan place = plan(good, bad);
     EXPECT_EQ(place.state, state) << "place " << why << " in " << place.periods;
-    std::printf("%s: refused after %d periods\n", why, place.periods);
+    std::printf("%s: rejected after %d periods\n", why, place.periods);
   }
 }
 
@@ -251,7 +252,7 @@ class Trajectory : public testing::Test {
   takt::testing::Out<motion::PickPlan>& times = module.out<motion::PickPlan>("plan");
   takt::testing::Out<motion::PickDone>& done = module.out<motion::PickDone>("done");
 
-  // No axis does from period to period what it may not.
+  // Checks the velocity of every axis in every period.
   void step_until_done() {
     Joints last = setpoint.has_value() ? setpoint.value().position() : home();
     const std::uint64_t before = done.count();
@@ -267,7 +268,7 @@ class Trajectory : public testing::Test {
   }
 };
 
-TEST_F(Trajectory, TakesThePartWhenItSaidThatItWould) {
+TEST_F(Trajectory, PlacesThePartAtTheAnnouncedTime) {
   ASSERT_TRUE(module.start());
   module.step(10);
   EXPECT_EQ(setpoint.value().position(), home());
@@ -305,7 +306,7 @@ TEST_F(Trajectory, ClosesTheGripperAtThePartAndOpensItAtThePlace) {
   EXPECT_EQ(changes, 2);
 }
 
-TEST_F(Trajectory, AnswersAtOnceWhoAsksForAPartAgainThatWasPlaced) {
+TEST_F(Trajectory, AnswersARepeatedRequestForAPlacedPartAtOnce) {
   ASSERT_TRUE(module.start());
   request.write(from_here_to_there(1));
   request.write(from_here_to_there(1));
@@ -316,7 +317,7 @@ TEST_F(Trajectory, AnswersAtOnceWhoAsksForAPartAgainThatWasPlaced) {
   EXPECT_EQ(done.value().number(), 1U);
 }
 
-TEST_F(Trajectory, RefusesAndSaysWhyAndDoesNotMove) {
+TEST_F(Trajectory, RejectsImpossibleRequestsWithAReasonAndDoesNotMove) {
   ASSERT_TRUE(module.start());
   motion::PickRequest far = from_here_to_there(1);
   far.pick().x(2);
@@ -340,7 +341,7 @@ TEST_F(Trajectory, RefusesAndSaysWhyAndDoesNotMove) {
   EXPECT_EQ(done.value().result(), motion::PICK_PLACED);
 }
 
-TEST_F(Trajectory, WaitsOnThePathWhileItIsNotEnabled) {
+TEST_F(Trajectory, WaitsOnThePathWhileDisabled) {
   auto& enable = module.in<basic::Flag>("enable");
   ASSERT_TRUE(module.start());
   request.write(from_here_to_there(1));
@@ -359,7 +360,7 @@ TEST_F(Trajectory, WaitsOnThePathWhileItIsNotEnabled) {
   EXPECT_GT(done.value().duration(), times.value().placed() + 3);
 }
 
-TEST_F(Trajectory, GoesHomeWithoutAPartThatTheGripperDidNotGet) {
+TEST_F(Trajectory, GoesHomeWhenTheGripperMissesThePart) {
   auto& holding = module.in<basic::Flag>("holding");
   ASSERT_TRUE(module.start());
   holding.write(flag(false));
@@ -368,7 +369,7 @@ TEST_F(Trajectory, GoesHomeWithoutAPartThatTheGripperDidNotGet) {
   EXPECT_EQ(done.value().result(), motion::PICK_LOST);
   EXPECT_EQ(setpoint.value().position(), home());
   EXPECT_FALSE(grip.value().value());
-  // Asked again it tries again.
+  // A repeated request makes it try again.
   request.write(from_here_to_there(1));
   ASSERT_TRUE(module.step_until([&] { return grip.value().value(); }, 5000));
   holding.write(flag(true));
@@ -376,13 +377,13 @@ TEST_F(Trajectory, GoesHomeWithoutAPartThatTheGripperDidNotGet) {
   EXPECT_EQ(done.value().result(), motion::PICK_PLACED);
 }
 
-TEST_F(Trajectory, SaysThatAPartFellOnTheWay) {
+TEST_F(Trajectory, ReportsAPartThatFellOnTheWay) {
   auto& holding = module.in<basic::Flag>("holding");
   ASSERT_TRUE(module.start());
   holding.write(flag(true));
   request.write(from_here_to_there(1));
   ASSERT_TRUE(module.step_until([&] { return grip.value().value(); }, 5000));
-  module.step(1200);  // on the way
+  module.step(1200);  // on its way to the place
   holding.write(flag(false));
   step_until_done();
   EXPECT_EQ(done.value().result(), motion::PICK_LOST);
@@ -403,13 +404,13 @@ TEST_F(Trajectory, BeginsWhereTheArmIs) {
   EXPECT_EQ(setpoint.value().position(), home());
 }
 
-TEST_F(Trajectory, ComesHomeFromWhereTheArmWasHeldUpAndTakesTheNextPart) {
+TEST_F(Trajectory, GoesHomeFromWhereTheArmWasBlockedAndTakesTheNextPart) {
   auto& measured = module.in<motion::JointState>("measured");
   motion::JointState state;
   state.position() = home();
   measured.write(state);
   ASSERT_TRUE(module.start());
-  const auto follow = [&] {  // as an arm does, a period later
+  const auto follow = [&] {  // like an arm, one period later
     state = setpoint.value();
     measured.write(state);
     return done.count() > 0;
@@ -432,7 +433,7 @@ TEST_F(Trajectory, ComesHomeFromWhereTheArmWasHeldUpAndTakesTheNextPart) {
   EXPECT_EQ(done.value().result(), motion::PICK_PLACED);
 }
 
-TEST_F(Trajectory, TakesLongerWhenItIsToldToGoSlowly) {
+TEST_F(Trajectory, TakesLongerAtALowerSpeed) {
   ASSERT_TRUE(module.set("speed", "0.5"));
   ASSERT_TRUE(module.start());
   request.write(from_here_to_there(1));

@@ -1,5 +1,5 @@
-// A plan at once instead of a piece each period: for tests, and to know beforehand how long a cycle will
-// take. Not for real-time threads. SI units, rad.
+// Computes a whole plan at once instead of a piece per period: for tests, and to know the duration of a cycle
+// in advance. Not for real-time threads. SI units, rad.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace trajectory {
 
-/// What trajectory asks for with its properties as they are by default.
+/// The task of the component trajectory with its default properties.
 inline Task usual_task(const arm_model::Parameters& arm, const KDL::Frame& pick, const KDL::Frame& place) {
   Task task;
   task.pick = pick;
@@ -20,10 +20,10 @@ inline Task usual_task(const arm_model::Parameters& arm, const KDL::Frame& pick,
 struct WholePlan {
   std::unique_ptr<Plan> plan = std::make_unique<Plan>();
   Planner::State state = Planner::State::planning;
-  int periods = 0;  ///< that the planning takes
+  int periods = 0;  ///< periods that the planning takes
 };
 
-/// From home.
+/// Plans a cycle from home.
 inline WholePlan whole_plan(const arm_model::Parameters& arm, const Task& task) {
   Planner planner{arm};
   WholePlan result;

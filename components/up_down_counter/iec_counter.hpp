@@ -6,13 +6,14 @@
 
 namespace up_down_counter {
 
-/// CTUD; without `down` and `load` it is CTU, without `up` and `reset` CTD. Stops at the ends of 64 bits.
+/// CTUD. Without `down` and `load` it is CTU; without `up` and `reset` it is CTD. Saturates at the limits of
+/// 64 bits.
 class IecCounter {
  public:
   struct Inputs {
     std::uint32_t up = 0, down = 0;  ///< rising edges since the last step
-    bool reset = false;              ///< to 0; goes before load
-    bool load = false;               ///< to the preset; goes before counting
+    bool reset = false;              ///< sets 0; overrides load
+    bool load = false;               ///< sets the preset; overrides counting
   };
 
   void step(const Inputs& in, std::int64_t preset) noexcept {
@@ -23,7 +24,7 @@ class IecCounter {
     } else if (in.load) {
       value_ = preset;
     } else {
-      // An edge up and one down between two steps are no change.
+      // An edge up and an edge down between two steps cancel out.
       const std::int64_t change = static_cast<std::int64_t>(in.up) - in.down;
       if (change > 0)
         value_ = value_ > kHighest - change ? kHighest : value_ + change;

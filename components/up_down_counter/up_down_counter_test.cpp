@@ -14,7 +14,7 @@ namespace {
 
 using common::flag;
 
-TEST(IecCounter, CountsUpAndDownAndTellsBothEnds) {
+TEST(IecCounter, CountsUpAndDownAndReportsBothEnds) {
   IecCounter counter;
   EXPECT_TRUE(counter.empty());
   for (int i = 0; i < 3; ++i) counter.step({.up = 1}, 3);
@@ -26,7 +26,7 @@ TEST(IecCounter, CountsUpAndDownAndTellsBothEnds) {
   EXPECT_EQ(counter.value(), 2);
 }
 
-TEST(IecCounter, ResetGoesBeforeLoadAndLoadBeforeCounting) {
+TEST(IecCounter, ResetOverridesLoadAndLoadOverridesCounting) {
   IecCounter counter;
   counter.step({.up = 1, .load = true}, 7);
   EXPECT_EQ(counter.value(), 7);
@@ -34,7 +34,7 @@ TEST(IecCounter, ResetGoesBeforeLoadAndLoadBeforeCounting) {
   EXPECT_EQ(counter.value(), 0);
 }
 
-TEST(IecCounter, StopsAtTheEndsOfItsNumbers) {
+TEST(IecCounter, SaturatesAtTheLimitsOfItsRange) {
   constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
   constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
   IecCounter counter;
@@ -46,7 +46,7 @@ TEST(IecCounter, StopsAtTheEndsOfItsNumbers) {
   EXPECT_EQ(counter.value(), kLowest);
 }
 
-TEST(UpDownCounter, DoesWhatItsDefinitionSaysForRandomInputs) {
+TEST(UpDownCounter, MatchesItsDefinitionForRandomInputs) {
   takt::testing::Module module;
   auto& up = module.in<basic::Flag>("up", {.queue = 16});
   auto& down = module.in<basic::Flag>("down");
@@ -109,7 +109,7 @@ TEST(UpDownCounter, KeepsItsCountOverACrashUntilAReset) {
   }
   ASSERT_TRUE(module.crash());
   ASSERT_TRUE(module.recover());
-  up.write(flag(true));  // still: no edge
+  up.write(flag(true));  // still true: no edge
   module.step();
   EXPECT_EQ(value.value().value(), 2);
   ASSERT_TRUE(module.destruct());
@@ -120,7 +120,7 @@ TEST(UpDownCounter, KeepsItsCountOverACrashUntilAReset) {
   EXPECT_EQ(value.value().value(), 0);
 }
 
-TEST(UpDownCounter, TakesANewPresetLive) {
+TEST(UpDownCounter, AppliesANewPresetLive) {
   takt::testing::Module module;
   auto& up = module.in<basic::Flag>("up");
   auto& full = module.out<basic::Flag>("full");

@@ -1,5 +1,5 @@
-// A camera that is not there, and what vision measures in its pictures: the centre of a bright disc. Lengths
-// are in pixels; the centre of the pixel in the corner is (0, 0).
+// The mathematics of vision: a simulated camera, and the measurement of a bright disc's centre in its images.
+// Lengths are in pixels; the centre of the corner pixel is (0, 0).
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Frame {
   }
 };
 
-/// Noise of a sensor, the same in every run: numbers from -1 to 1.
+/// Sensor noise, the same in every run: numbers from -1 to 1.
 class Noise {
  public:
   double next() noexcept {
@@ -44,7 +44,7 @@ class Noise {
   std::uint32_t state_ = 2463534242;
 };
 
-/// A disc of brightness 200 on a ground of 40, its rim as wide as a pixel, under noise of the given
+/// Renders a disc of brightness 200 on a background of 40, with a rim one pixel wide, and noise of the given
 /// amplitude.
 inline void render(Frame& frame, Spot centre, double radius, double noise, Noise& source) noexcept {
   for (int y = 0; y < kHeight; ++y) {
@@ -59,11 +59,12 @@ inline void render(Frame& frame, Spot centre, double radius, double noise, Noise
 
 struct Blob {
   Spot centre{};
-  double area = 0;  ///< pixels above the threshold
+  double area = 0;  ///< number of pixels above the threshold
 };
 
-/// The centre of what is brighter than the threshold: first moments over the zeroth, each pixel weighing what
-/// it is brighter. Nothing when fewer than `least` pixels are: noise is not a blob.
+/// The centre of the pixels above the threshold: first moments divided by the zeroth. A pixel's weight is its
+/// brightness above the threshold. Returns nothing if fewer than `least` pixels are above it, because that is
+/// noise.
 inline std::optional<Blob> find(const Frame& frame, std::uint8_t threshold, int least) noexcept {
   std::int64_t weight = 0;
   std::int64_t moment_x = 0;

@@ -1,6 +1,6 @@
-// A sporadic process module in the form of the paper's Figure 11: every so many releases it takes a picture
-// of a part that goes round and measures where it is. At the end it says how far off the measurements were:
-// printing is nothing for a body, which is released on time.
+// A sporadic process module in the form of the paper's Figure 11: every `every` releases it takes an image of
+// a part that moves in a circle, and measures its position. It prints the measurement errors only at the end,
+// because the body is real-time.
 #include <takt/process.h>
 
 #include <cstdio>
@@ -9,12 +9,12 @@
 
 #include "blob.hpp"
 
-TAKT_TEXT("Measures where a part is in a picture.");
-TAKT_INTEGER(every, 100, 1, 1000000000, "releases", "From frame to frame.");
-TAKT_NUMBER(radius_px, 8, 2, 20, "px", "Of the part.");
-TAKT_NUMBER(noise, 10, 0, 60, "grey levels", "Amplitude.");
-TAKT_INTEGER(threshold, 100, 1, 254, "grey levels", "Between the ground, 40, and the part, 200.");
-TAKT_NUMBER(turn_s, 4, 0.1, 3600, "s", "Once round.");
+TAKT_TEXT("Measures the position of a part in an image.");
+TAKT_INTEGER(every, 100, 1, 1000000000, "releases", "From one frame to the next.");
+TAKT_NUMBER(radius_px, 8, 2, 20, "px", "Radius of the part.");
+TAKT_NUMBER(noise, 10, 0, 60, "grey levels", "Amplitude of the noise.");
+TAKT_INTEGER(threshold, 100, 1, 254, "grey levels", "Between the background, 40, and the part, 200.");
+TAKT_NUMBER(turn_s, 4, 0.1, 3600, "s", "Time for one turn of the part.");
 
 namespace {
 
@@ -24,7 +24,7 @@ std::uint64_t lost = 0;
 double largest_error = 0;
 vision::Spot last{};
 
-void say_goodbye() {
+void print_summary() {
   std::printf("vision: %llu frames in %llu releases, largest error %.3f px, lost %llu\n",
               static_cast<unsigned long long>(frames), static_cast<unsigned long long>(releases),
               largest_error, static_cast<unsigned long long>(lost));
@@ -44,7 +44,7 @@ int condition() {
 
 int main() {
   initSporadicExe();
-  std::atexit(say_goodbye);
+  std::atexit(print_summary);
   vision::Frame frame;
   vision::Noise source;
 

@@ -32,14 +32,14 @@ TEST(Blob, HasTheAreaOfItsDisc) {
   EXPECT_NEAR(blob->area, 3.1416 * 8 * 8, 15);
 }
 
-TEST(Blob, IsNotFoundInAnEmptyPicture) {
+TEST(Blob, IsNotFoundInAnEmptyImage) {
   Frame frame;
   Noise noise;
   render(frame, {-100, -100}, 8, 20, noise);
   EXPECT_FALSE(find(frame, 100, 10));
 }
 
-TEST(Blob, SmallerThanTheLeastAreaIsNoise) {
+TEST(Blob, IsNotFoundBelowTheLeastArea) {
   Frame frame;
   for (int x = 10; x < 19; ++x) frame.at(x, 5) = 255;
   EXPECT_FALSE(find(frame, 100, 10));
@@ -47,7 +47,7 @@ TEST(Blob, SmallerThanTheLeastAreaIsNoise) {
   EXPECT_TRUE(find(frame, 100, 10));
 }
 
-TEST(Blob, AtTheEdgeOfThePictureIsStillInsideIt) {
+TEST(Blob, IsFoundAtTheEdgeOfTheImage) {
   Frame frame;
   Noise noise;
   render(frame, {0, 0}, 8, 0, noise);
@@ -57,7 +57,7 @@ TEST(Blob, AtTheEdgeOfThePictureIsStillInsideIt) {
   EXPECT_LT(blob->centre.x, 8);
 }
 
-TEST(Noise, IsWithinOneAndAveragesToNothing) {
+TEST(Noise, IsWithinOneAndAveragesToZero) {
   Noise noise;
   double sum = 0;
   for (int i = 0; i < 100000; ++i) {
@@ -71,7 +71,7 @@ TEST(Noise, IsWithinOneAndAveragesToNothing) {
 
 using namespace std::chrono_literals;
 
-TEST(Vision, FindsThePartInEveryPicture) {
+TEST(Vision, FindsThePartInEveryImage) {
   takt::testing::Module module{{.period = 1ms, .sporadic = true}};
   ASSERT_TRUE(module.set("every", "10"));
   ASSERT_TRUE(module.start());
@@ -91,7 +91,7 @@ TEST(Vision, FindsThePartInEveryPicture) {
   EXPECT_EQ(lost, 0U);
 }
 
-TEST(Vision, IsSporadic) {
+TEST(Vision, RejectsToStartAsAPeriodicModule) {
   takt::testing::Module module;
   EXPECT_FALSE(module.start());
 }

@@ -1,23 +1,23 @@
-// Whether something still gives signs of life. For real-time threads.
+// Monitors signs of life. For real-time threads.
 #pragma once
 
 #include <cstdint>
 
 namespace watchdog {
 
-/// Neither alive nor dead before the first sign, for the time that there is for one.
+/// Before the first sign it is neither alive nor dead, for at most the timeout.
 class LifeSign {
  public:
-  /// Times in nanoseconds: since the last step; within which a sign must come.
+  /// `passed_ns`: time since the last step. `timeout_ns`: maximum time between two signs.
   void step(bool sign, std::int64_t passed_ns, std::int64_t timeout_ns) noexcept {
     silent_ns_ = sign ? 0 : silent_ns_ + passed_ns;
     dead_ = silent_ns_ > timeout_ns;
     seen_ = !dead_ && (seen_ || sign);
   }
   void reset() noexcept { *this = {}; }
-  /// A sign came, and none has been missing since.
+  /// A sign has arrived, and none has been missing since.
   [[nodiscard]] bool alive() const noexcept { return seen_; }
-  /// None came in time.
+  /// No sign arrived in time.
   [[nodiscard]] bool dead() const noexcept { return dead_; }
 
  private:

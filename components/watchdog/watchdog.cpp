@@ -1,4 +1,4 @@
-// A thread module in C++: watches that others are alive.
+// A thread module in C++: monitors that other modules are alive.
 #include <takt/component.hpp>
 
 #include <array>
@@ -14,20 +14,25 @@
 #include "life_sign.hpp"
 
 class Watchdog : public takt::Component {
-  takt::InPort<basic::Count> count{*this, "count", {.text = "A counter that runs."}};
-  takt::InPort<basic::Flag> flag{*this, "flag", {.text = "A flag that toggles."}};
-  takt::InPort<basic::Number> number{*this, "number", {.text = "A value that comes or changes."}};
-  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge ends an alarm that is latched."}};
-  takt::OutPort<basic::Flag> healthy{*this, "healthy", {.text = "Every input that is connected is alive."}};
-  takt::OutPort<basic::Flag> alarm{*this, "alarm", {.text = "One has been silent for too long."}};
+  takt::InPort<basic::Count> count{*this, "count", {.text = "A running counter."}};
+  takt::InPort<basic::Flag> flag{*this, "flag", {.text = "A toggling flag."}};
+  takt::InPort<basic::Number> number{*this, "number", {.text = "A value that arrives or changes."}};
+  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge clears a latched alarm."}};
+  takt::OutPort<basic::Flag> healthy{*this, "healthy", {.text = "True if every connected input is alive."}};
+  takt::OutPort<basic::Flag> alarm{
+      *this, "alarm", {.text = "True if an input was silent for too long, or none is connected."}};
   takt::Property<double> timeout{
-      *this, "timeout", 1, {.unit = "s", .min = 1e-6, .max = 1e6, .text = "Within which a sign must come."}};
+      *this,
+      "timeout",
+      1,
+      {.unit = "s", .min = 1e-6, .max = 1e6, .text = "Maximum time between two signs of life."}};
   takt::Property<std::string> sign{
       *this,
       "sign",
       "change",
-      {.text = "Of life: another value, or any sample.", .choices = {"change", "sample"}}};
-  takt::Property<bool> latching{*this, "latching", false, {.text = "An alarm stays until the reset."}};
+      {.text = "Sign of life: a different value (change) or any sample (sample).",
+       .choices = {"change", "sample"}}};
+  takt::Property<bool> latching{*this, "latching", false, {.text = "True: an alarm stays until the reset."}};
 
   template <class T>
   struct Watched {
@@ -68,7 +73,7 @@ class Watchdog : public takt::Component {
     while (port.read()) {
       const T value = port.value().value();
       if constexpr (std::is_same_v<T, double>) {
-        if (!std::isfinite(value)) continue;  // that a broken sensor sends it is no sign of life
+        if (!std::isfinite(value)) continue;  // not a sign of life: a broken sensor may send it
       }
       any = any || sign.value() == "sample" || watched.last != value;
       watched.last = value;
@@ -94,4 +99,4 @@ class Watchdog : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Watchdog, "Alarms when a signal no longer changes.")
+TAKT_COMPONENT(Watchdog, "Raises an alarm when an input stops changing or arriving.")

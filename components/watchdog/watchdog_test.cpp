@@ -17,7 +17,7 @@ using common::flag;
 using common::number;
 using std::chrono::milliseconds;
 
-TEST(LifeSign, IsNeitherAliveNorDeadBeforeTheFirst) {
+TEST(LifeSign, IsNeitherAliveNorDeadBeforeTheFirstSign) {
   LifeSign life;
   for (int i = 0; i < 5; ++i) life.step(false, 10, 50);
   EXPECT_FALSE(life.alive());
@@ -26,7 +26,7 @@ TEST(LifeSign, IsNeitherAliveNorDeadBeforeTheFirst) {
   EXPECT_TRUE(life.dead());
 }
 
-TEST(LifeSign, IsDeadWhenTheLastSignIsOlderThanTheTimeForRandomSigns) {
+TEST(LifeSign, IsDeadAfterTheTimeoutForRandomSigns) {
   std::mt19937 random(12);
   LifeSign life;
   std::int64_t silent = 0;
@@ -79,7 +79,7 @@ TEST_F(Watchdog, IsHealthyWhileTheCounterRuns) {
   EXPECT_TRUE(healthy.value().value());
 }
 
-TEST_F(Watchdog, IsNotKeptQuietBySamplesThatDoNotChange) {
+TEST_F(Watchdog, RaisesAnAlarmForSamplesThatDoNotChange) {
   auto& input = module.in<basic::Count>("count");
   ASSERT_TRUE(module.start());
   for (int i = 0; i < 20; ++i) {
@@ -93,7 +93,7 @@ TEST_F(Watchdog, IsNotKeptQuietBySamplesThatDoNotChange) {
   EXPECT_TRUE(healthy.value().value());
 }
 
-TEST_F(Watchdog, CallsASensorThatSendsNoNumberDead) {
+TEST_F(Watchdog, TreatsNonFiniteNumbersAsSilence) {
   auto& input = module.in<basic::Number>("number");
   ASSERT_TRUE(module.set("sign", "sample"));
   ASSERT_TRUE(module.start());
@@ -107,7 +107,7 @@ TEST_F(Watchdog, CallsASensorThatSendsNoNumberDead) {
   EXPECT_TRUE(alarm.value().value());
 }
 
-TEST_F(Watchdog, WatchesEachOfSeveral) {
+TEST_F(Watchdog, MonitorsEachInputSeparately) {
   auto& a = module.in<basic::Count>("count");
   auto& b = module.in<basic::Flag>("flag");
   ASSERT_TRUE(module.start());
@@ -144,11 +144,11 @@ TEST_F(Watchdog, KeepsALatchedAlarmUntilTheReset) {
   EXPECT_TRUE(healthy.value().value());
 }
 
-TEST_F(Watchdog, RefusesATimeShorterThanItsPeriod) {
+TEST_F(Watchdog, RejectsATimeoutShorterThanItsPeriod) {
   ASSERT_TRUE(module.set("timeout", "0.005"));
-  const auto refused = module.start();
-  ASSERT_FALSE(refused.ok());
-  EXPECT_NE(refused.text().find("0.01 to 1e+06 at a period of 10 ms"), std::string::npos) << refused.text();
+  const auto start = module.start();
+  ASSERT_FALSE(start.ok());
+  EXPECT_NE(start.text().find("0.01 to 1e+06 at a period of 10 ms"), std::string::npos) << start.text();
 }
 
 }  // namespace

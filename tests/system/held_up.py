@@ -1,4 +1,4 @@
-"""How long a shared machine kept threads waiting that were ready to run, as the kernel counts it."""
+"""How long threads that were ready to run waited for a CPU, as the kernel counts it. A shared machine can make them wait."""
 
 import os
 
@@ -14,8 +14,8 @@ def _waited(pid, task):
 
 
 def waits(pids, but=()):
-    """Of each thread of these processes, in seconds: how long it has been ready and did not run, since it began. `but`: threads of
-    these names are not asked for."""
+    """For each thread of these processes: the seconds since its start in which it was ready but did not run. Threads with a name in
+    `but` are left out."""
     found = {}
     for pid in pids:
         try:
@@ -30,5 +30,5 @@ def waits(pids, but=()):
 
 
 def longest(before, after):
-    """What any thread has waited between two looks."""
+    """The longest time that any thread waited between two calls of waits()."""
     return max((waited - before.get(thread, 0.0) for thread, waited in after.items()), default=0.0)

@@ -1,6 +1,6 @@
-"""A machine of its own for each test program, so that tests can run side by side: network interfaces (only the loopback one, with all
-of its ports and DDS domains), mounts, and a /dev/shm that holds nothing of anybody else. It ends with the program and what that
-started. Needs root; without, `MISSING` says why, the tests share the machine and keep apart by their domains."""
+"""Importing this module moves a test program into namespaces of its own, so that tests can run at the same time. The program then has
+only a loopback interface, with all ports and DDS domains free, its own mounts, and an empty /dev/shm. The namespaces end with the
+program and its children. This needs root. Otherwise `MISSING` says why, and the tests share the machine and differ by their domains."""
 
 import ctypes
 import os
@@ -11,7 +11,7 @@ CLONE_NEWNET = 0x40000000
 
 
 def _enter():
-    """Moves this process there. Returns why not, or an empty text."""
+    """Moves this process into new namespaces. Returns an empty text, or the reason why it could not."""
     if os.geteuid() != 0:
         return "namespaces need root"
     if ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS | CLONE_NEWNET) != 0:

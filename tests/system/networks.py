@@ -1,5 +1,5 @@
-"""Machines of a cell on one machine: network namespaces joined by a bridge that lies in a namespace of its own, so that nothing
-of it touches the network of whoever runs the test. Needs root and iproute2."""
+"""Simulates several machines on one: network namespaces that a bridge connects. The bridge has a namespace of its own too, so nothing
+touches the real network. Needs root and iproute2."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ import takt_system
 
 
 def available():
-    """Why not, or an empty text."""
+    """An empty text, or the reason why no namespaces can be made."""
     if os.geteuid() != 0:
         return "network namespaces need root"
     if shutil.which("ip") is None:
@@ -24,7 +24,7 @@ def available():
 
 
 class Networks:
-    """with Networks("robot", "line", "operator") as net: net.on("robot") goes before a command that is to run there."""
+    """The network: with Networks("robot", "line", "operator") as net. Put net.on("robot") before a command that shall run on robot."""
 
     def __init__(self, *machines):
         self.mark = "t" + uuid.uuid4().hex[:6]
@@ -68,27 +68,27 @@ class Networks:
         return ["ip", "netns", "exec", self._space(machine)]
 
     def cut(self, machine):
-        """Pulls the machine's cable."""
+        """Pulls the cable of the machine."""
         self._in_bridge("link", "set", self._cable(machine), "down")
 
     def join(self, machine):
         self._in_bridge("link", "set", self._cable(machine), "up")
 
     def drop(self, machine):
-        """The switch loses whatever comes from it and goes to it; nobody's interface goes down, and pass_on() works at once."""
+        """Makes the switch drop all packets from and to the machine. No interface goes down, and pass_on() takes effect at once."""
         self._port(machine, 0)
 
     def pass_on(self, machine):
         self._port(machine, 3)
 
     def _port(self, machine, state):
-        if self._switch is None:  # one for all: it takes no time to do it then
+        if self._switch is None:  # kept running, so that each change takes effect at once
             self._switch = subprocess.Popen(["ip", "netns", "exec", self._bridge, "bridge", "-batch", "-"], stdin=subprocess.PIPE,
                                             text=True, bufsize=1)
         self._switch.stdin.write("link set dev %s state %d\n" % (self._cable(machine), state))
 
     def no_multicast(self):
-        """The bridge passes unicast only, as many a managed switch does."""
+        """Makes the bridge pass unicast only, as many managed switches do."""
         for machine in self.machines:
             self._run(["ip", "netns", "exec", self._bridge, "bridge", "link", "set", "dev", self._cable(machine),
                        "mcast_flood", "off"])
@@ -113,12 +113,12 @@ class Networks:
 
 
 class NetworkCase(takt_system.Case):
-    """A test whose nodes are on machines of their own, and whose commands are given on one more, "operator"."""
-    MACHINES = ()  # beside the operator's; a test that names none calls lay() itself
+    """A test whose nodes run on one machine each, and whose commands run on another one, "operator"."""
+    MACHINES = ()  # without the operator's; a test that leaves it empty calls lay() itself
 
     def setUp(self):
         super().setUp()
-        self.domain = 0  # nobody else is on this network
+        self.domain = 0  # no other test is on this network
         if self.MACHINES:
             self.lay(*self.MACHINES)
 
@@ -131,22 +131,22 @@ class NetworkCase(takt_system.Case):
         self.addCleanup(self.net.__exit__)
 
     def program(self, name, *arguments, on="operator", environment=None, **options):
-        # Each machine has all its interfaces here; they are the test's own.
+        # All interfaces, not only loopback: the network belongs to this test.
         return super().program(name, *arguments, environment={"TAKT_INTERFACE": "", **(environment or {})},
                                before=self.net.on(on), **options)
 
     def node(self, device, *arguments, on=None, **options):
-        """A takt-node on the machine of its device, with a folder of its own; waits for a deployment."""
+        """Starts a takt-node on the machine of its device, with a state folder of its own."""
         environment = {"TAKT_STATE_DIR": os.path.join(self.folder, device), **(options.pop("environment", None) or {})}
         return super().node(device, *arguments, on=on or device, environment=environment, **options)
 
     def operator(self, *arguments, limit=60.0, **options):
-        """A command that has ended. It is kept no longer than that: a long test gives thousands."""
+        """Runs a command to its end. The run is not kept in self.runs, because a long test makes thousands."""
         run = self.takt(*arguments, limit=limit, **options)
         self.runs.remove(run)
         return run
 
     def status(self):
-        """By device; empty where nobody answers."""
+        """The status by device; empty if no node answers."""
         run = self.operator("status", "--json")
         return {d["name"]: d for d in run.report["devices"]} if run.status == 0 else {}

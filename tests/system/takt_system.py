@@ -1,11 +1,11 @@
-"""For tests that run the real programs: starts takt, reads what it says, and looks in /proc at what it did.
+"""Helpers for tests that run the real programs: they start takt, read its output, and inspect its processes in /proc.
 
-A test derives from Case. Whatever it starts carries a mark of its own in the environment, which children inherit, so that
-the processes of one run are found whoever their parent is by now, and never those of another run on the same machine.
+A test derives from Case. Each program that it starts has a unique mark in its environment, which child processes inherit. By this mark
+a test finds all processes of one run, whatever their parent is now, and never those of another run on the same machine.
 
-TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test program has a machine of its own
-(machine.py), and each test a DDS domain that nobody on it uses, of those in TAKT_TEST_DOMAINS ("1-100" unless set); it uses the
-loopback interface alone. TAKT_TEST_FULL=1: what has a short and a full form runs in full.
+TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test program runs in namespaces of its own
+(machine.py). Each test takes a free DDS domain out of TAKT_TEST_DOMAINS ("1-100" unless set) and uses the loopback interface only.
+TAKT_TEST_FULL=1 runs the full form of the tests that have a short one.
 """
 
 import json
@@ -25,14 +25,14 @@ import unittest
 import uuid
 from collections import namedtuple
 
-import machine  # noqa: F401, moves this process to a machine of its own
+import machine  # noqa: F401, moves this process into namespaces of its own
 
 BIN = os.environ.get("TAKT_BIN", "")
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STATES = ("IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT")
-# A whole life without an error.
+# The states of a module that runs and ends without an error.
 LIFE = ["IDLE", "INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"]
-# The life of a module whose device was refused after it had been started.
+# The states of a module that was started on a device that then did not run.
 NEVER_RAN = ["IDLE", "INITIALIZE", "START", "DESTRUCT"]
 MARK = "TAKT_TEST_RUN"
 os.environ.setdefault("TAKT_INTERFACE", "127.0.0.1")
@@ -42,25 +42,24 @@ FULL = os.environ.get("TAKT_TEST_FULL", "") == "1"
 
 
 def how_much(variable, short, full):
-    """How long or how often a test does something: what this environment variable says, else by the form in which tests run."""
+    """How long or how often a test does something: the value of this environment variable, else `short` or `full`."""
     return type(full)(os.environ.get(variable) or (full if FULL else short))
 
 
 def timing(why):
-    """Marks a test that asserts on time, for the reason that it gives: of these, CTest runs one at a time. Virtual time cannot show the
-    same."""
+    """Marks a test that asserts on real time, and says why virtual time cannot show the same. CTest runs one of these at a time."""
     assert why
     return lambda test: test
 
 
 def alone(why):
-    """Marks a test beside which CTest runs no other, for the reason that it gives. Executors are all placed on the last processor: one that
-    keeps that busy starves those of tests beside it, and a test that counts missed rows counts theirs too."""
+    """Marks a test that CTest runs alone, and says why. All tests place their executors on the last CPU. An executor that keeps this CPU
+    busy starves those of other tests; a test that counts missed rows would count rows that other tests made it miss."""
     assert why
     return lambda test: test
 
 
-Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day
+Line = namedtuple("Line", "at device module text")  # `at`: as the node wrote it, in seconds of the day
 Step = namedtuple("Step", "at source target text")
 
 LINE = re.compile(r"^(\d\d):(\d\d):(\d\d\.\d{3}) ([\w-]+)(?:\.([\w-]+|\(host(?: [\w-]+)?\)))?: (.*)$")
@@ -75,7 +74,7 @@ class Process(namedtuple("Process", "pid program arguments")):
         return _read(self.pid, "cmdline") != b""  # a zombie has none
 
     def parent(self):
-        """Its pid; 0 where it has ended."""
+        """The pid of the parent; 0 if this process has ended."""
         stat = _read(self.pid, "stat")
         return int(stat.rsplit(b")", 1)[1].split()[1]) if stat else 0
 
@@ -86,7 +85,7 @@ class Process(namedtuple("Process", "pid program arguments")):
             return 0
 
     def memories(self):
-        """The shared memories of Takt that it holds: pairs of name and inode."""
+        """Takt's shared memories that this process has open: pairs of name and inode."""
         found = set()
         try:
             for fd in os.listdir("/proc/%d/fd" % self.pid):
@@ -117,15 +116,15 @@ def _pids():
     return [int(entry) for entry in os.listdir("/proc") if entry.isdigit()]
 
 
-_claims = []  # on domains, of the test that runs
+_claims = []  # one socket for each domain that the running test has claimed
 
 
 def claim_domain(domain):
-    """Whether nobody is on it, nor any other test has it; then it is this one's until release_domains()."""
+    """Claims the domain until release_domains(). False if a process is on it or another test has claimed it."""
     claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            claim.bind("\0takt-test-domain-%d" % domain)  # a name without a file, gone with whoever has it
+            claim.bind("\0takt-test-domain-%d" % domain)  # an abstract name: the kernel frees it with the process
             probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
         except OSError:
             claim.close()
@@ -135,15 +134,15 @@ def claim_domain(domain):
 
 
 def progress(text):
-    """How far a test is that takes minutes, in one line; where somebody looks."""
+    """Shows the progress of a long test in one line, if standard error is a terminal."""
     if sys.stderr.isatty():
         sys.stderr.write("\r\x1b[K%s" % text)
         sys.stderr.flush()
 
 
 def free_domain():
-    """A DDS domain that no process of this machine is on: the first port of one that is used is taken. No other test takes it
-    before release_domains(): between two programs of this one nobody is on it."""
+    """Claims a DDS domain that no process on this machine uses: a domain in use has its first port taken. The claim lasts until
+    release_domains(), also while no program of this test runs."""
     first, last = (int(n) for n in os.environ.get("TAKT_TEST_DOMAINS", "1-100").split("-"))
     domains = list(range(first, last + 1))
     random.shuffle(domains)
@@ -159,20 +158,20 @@ def release_domains():
 
 
 def wait_until(condition, limit=10.0, what="the condition"):
-    """What `condition` returns once that is true. Fails after `limit` seconds."""
+    """Returns the value of `condition` as soon as it is true. Fails after `limit` seconds."""
     end = time.monotonic() + limit
     while True:
-        late = time.monotonic() > end  # before it looks: it looks once more however long it was held up
+        late = time.monotonic() > end  # taken first, so that a stalled test still checks once more
         value = condition()
         if value:
             return value
         if late:
-            raise AssertionError("%s did not come about within %g s" % (what, limit))
+            raise AssertionError("waited %g s in vain for %s" % (limit, what))
         time.sleep(0.01)
 
 
 class Run:
-    """One run of a program. Reads both outputs as they come."""
+    """One run of a program. Reads standard output and standard error while it runs."""
 
     def __init__(self, arguments, folder, environment=None, before=(), become=None, terminal=None,
                  error=subprocess.PIPE):
@@ -195,7 +194,7 @@ class Run:
 
     def _read_out(self):
         if self._process.stdout is None:
-            return  # it is on a terminal
+            return  # it goes to a terminal
         for line in self._process.stdout:
             self.out_lines.append((time.monotonic(), line.decode(errors="replace")))
 
@@ -208,7 +207,7 @@ class Run:
     # While it runs
 
     def processes(self, program=None):
-        """Of this run, whoever their parent is. Never a zombie, and never a copy of its parent: what is between fork and exec."""
+        """All processes of this run, without zombies and without children between fork and exec (still copies of their parent)."""
         wanted = ("%s=%s" % (MARK, self.mark)).encode()
         all_of_it = {}
         for pid in _pids():
@@ -229,23 +228,24 @@ class Run:
         return sorted(found)
 
     def one(self, program):
-        """The only process of this program. One that is just in exec has no name yet."""
+        """The only process of this program. Waits a moment, because a process in exec has no name yet."""
         try:
             return wait_until(lambda: (lambda found: found[0] if len(found) == 1 else None)(self.processes(program)), 2)
         except AssertionError:
-            raise AssertionError("there are %d processes %s" % (len(self.processes(program)), program)) from None
+            raise AssertionError("expected one process %s, found %d" % (program, len(self.processes(program)))) from None
 
     def wait_for_line(self, pattern, limit=15.0, after=0):
-        """The first line of standard error from index `after` on that `pattern` is found in."""
+        """Waits for a line of standard error that contains `pattern`, from index `after` on, and returns it."""
         expression = re.compile(pattern)
 
         def find():
-            over = self._process.poll() is not None and not self._readers[1].is_alive()  # before the look, else it may miss the last
+            # Checked before the search, which could otherwise miss the last lines.
+            over = self._process.poll() is not None and not self._readers[1].is_alive()
             for text in self.raw[after:]:
                 if expression.search(text):
                     return text
             if over:
-                raise AssertionError("it ended without a line %r; it said:\n%s" % (pattern, self.err))
+                raise AssertionError("it ended without a line %r; standard error:\n%s" % (pattern, self.err))
             return None
 
         return wait_until(find, limit, "a line %r" % pattern)
@@ -254,21 +254,21 @@ class Run:
         return self.wait_for_line(r" %s\.%s: \w+ -> %s\b" % (device, re.escape(module), state), limit)
 
     def signal(self, number):
-        """When it was sent, by time.monotonic()."""
+        """Sends a signal and returns the time of sending (time.monotonic())."""
         now = time.monotonic()
         os.kill(self.pid, number)
         return now
 
     def wait(self, limit=60.0):
-        """Until it has ended and both outputs are closed, by its children too."""
+        """Waits until the process has ended and all its children have closed both outputs."""
         try:
             self._process.wait(limit)
         except subprocess.TimeoutExpired:
             said = self.err
             self.kill_all()
-            raise AssertionError("it did not end within %g s; it said:\n%s" % (limit, said)) from None
+            raise AssertionError("it did not end within %g s; standard error:\n%s" % (limit, said)) from None
         for reader in self._readers:
-            reader.join(limit)  # counted from now: the last lines of one that ran for long are read, too
+            reader.join(limit)  # a full limit from now on, so that the last lines of a long run are read too
         if self._process.stdout is not None:
             self._process.stdout.close()
         if self._process.stderr is not None:
@@ -287,11 +287,11 @@ class Run:
             if pipe is not None and not reader.is_alive():
                 pipe.close()
 
-    # What it said
+    # Its output
 
     @property
     def status(self):
-        """The exit status; minus the signal that ended it; none while it runs."""
+        """The exit status, or minus the signal that ended it. None while it runs."""
         return self._process.poll()
 
     @property
@@ -299,7 +299,7 @@ class Run:
         return "".join(line for _, line in self.out_lines)
 
     def wait_for_out(self, pattern, limit=15.0, after=0):
-        """When the first line of standard output from index `after` on was read that `pattern` is found in."""
+        """Waits for a line of standard output that contains `pattern`, from index `after` on. Returns when it was read."""
         expression = re.compile(pattern)
 
         def find():
@@ -313,7 +313,7 @@ class Run:
 
     @property
     def report(self):
-        """The object on standard output, which has nothing else on it."""
+        """The JSON object on standard output, which must hold nothing else."""
         return json.loads(self.out)
 
     def device(self, name=None):
@@ -328,7 +328,7 @@ class Run:
 
     @property
     def lines(self):
-        """Of the nodes, one for each event."""
+        """The lines of the nodes, one for each event."""
         found = []
         for text in list(self.raw):
             match = LINE.match(text)
@@ -339,14 +339,14 @@ class Run:
 
     @property
     def other_lines(self):
-        """Of standard error, those that no node wrote: the reasons at the end."""
+        """The lines of standard error that no node wrote: the reasons that takt prints at the end."""
         return [text for text in list(self.raw) if not LINE.match(text)]
 
     def said(self, module, device=None):
         return [line for line in self.lines if line.module == module and device in (None, line.device)]
 
     def printed(self, module):
-        """What the program of a process module printed, line by line."""
+        """The lines that the program of a process module printed."""
         return [line.text[2:] for line in self.said(module) if line.text.startswith("| ")]
 
     def steps(self, module, device=None):
@@ -358,16 +358,16 @@ class Run:
         return found
 
     def states(self, module, device=None):
-        """Every state that the module went through, in order. Fails when a step does not begin where the last one ended."""
+        """All states of the module, in order. Fails if a step does not begin in the state in which the last one ended."""
         states = ["IDLE"]
         for step in self.steps(module, device):
-            assert step.source == states[-1], "%s: a step from %s in state %s" % (module, step.source, states[-1])
+            assert step.source == states[-1], "%s: a step from %s while in state %s" % (module, step.source, states[-1])
             states.append(step.target)
         return states
 
 
 class Watcher:
-    """What `takt watch` says, line by line as it comes: the state of each device and module as it was last told."""
+    """Reads the output of a running `takt watch` and keeps the last state of each device and module."""
     DEVICE = re.compile(r"^\S+ ([\w-]+): (\w+)(?:, (\d+) of (\d+) modules EXECUTING)?")
     MODULE = re.compile(r"^\S+ ([\w-]+)\.([\w-]+): \w+ -> (\w+)")
 
@@ -375,7 +375,7 @@ class Watcher:
         self._run = run
         self._heard = 0
         self._modules = {}  # by device
-        self._whole = {}  # of a device: its state, EXECUTING where all of its modules are
+        self._whole = {}  # the state of each device; EXECUTING if all of its modules are
 
     def _hear(self):
         lines = self._run.out_lines[self._heard:]
@@ -387,7 +387,7 @@ class Watcher:
                 self._whole[match[1]] = "EXECUTING" if match[3] and match[3] == match[4] else match[2]
 
     def holds(self, wanted):
-        """As Case.wait_for_states(). Modules of an earlier deployment may deceive it."""
+        """As for Case.wait_for_states(). Modules of an earlier deployment may make it wrong."""
         self._hear()
         for device, states in wanted.items():
             found = self._modules.get(device, {})
@@ -404,7 +404,7 @@ class Watcher:
 
 
 class Case(unittest.TestCase):
-    """Each test works in a folder of its own, and leaves nothing behind."""
+    """Gives each test a folder of its own, and checks that it leaves nothing behind."""
 
     def setUp(self):
         self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
@@ -418,7 +418,7 @@ class Case(unittest.TestCase):
     def tearDown(self):
         try:
             for run in self.runs:
-                if run.status is not None:  # else the test has failed, and its end is in no order
+                if run.status is not None:  # else the test has failed and its programs still run
                     self.assert_nothing_left(run)
         finally:
             for run in self.runs:
@@ -426,16 +426,16 @@ class Case(unittest.TestCase):
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def beside(self, name):
-        """A file of the test's own folder."""
+        """The path of a file beside test.py."""
         return os.path.join(os.path.dirname(os.path.abspath(sys.modules[type(self).__module__].__file__)), name)
 
     def start(self, *arguments, **options):
-        """takt with these arguments; a descriptor is named as it lies beside the test. Does not wait."""
+        """Starts takt and does not wait for it. A descriptor is given by its name beside test.py."""
         arguments = [self.beside(a) if a.endswith(".xml") and not os.path.isabs(a) else a for a in arguments]
         return self.program("takt", *arguments, **options)
 
     def program(self, name, *arguments, **options):
-        """One of Takt's programs, on the test's domain. Does not wait."""
+        """Starts one of Takt's programs on the domain of the test and does not wait for it."""
         environment = {"TAKT_DOMAIN": str(self.domain), "TAKT_STATE_DIR": os.path.join(self.folder, "state")}
         environment.update(options.pop("environment", None) or {})
         run = Run([os.path.join(options.pop("programs", BIN), name)] + list(arguments), self.folder,
@@ -447,52 +447,52 @@ class Case(unittest.TestCase):
         return self.start(*arguments, **options).wait(limit)
 
     def at_once(self, *commands, limit=60.0):
-        """Several commands side by side, each a line as one types it after `takt`. Most of what one of them takes is waiting."""
+        """Runs several commands at the same time, because each mostly waits. A command is what follows `takt` on the command line."""
         runs = [self.start(*shlex.split(command)) for command in commands]
         return [run.wait(limit) for run in runs]
 
     def done(self, *commands):
-        """What these print, done side by side; none may be refused."""
+        """Runs these commands at the same time and returns their outputs. All must succeed."""
         runs = self.at_once(*commands)
         for command, run in zip(commands, runs):
             self.assertEqual(0, run.status, "takt %s: %s" % (command, run.err))
         return [run.out.rstrip("\n") for run in runs]
 
     def refused(self, commands):
-        """Each of these ends with status 1, prints nothing, and says what its pattern finds."""
+        """Each command must end with status 1, print nothing, and match its pattern on standard error."""
         for (command, pattern), run in zip(commands.items(), self.at_once(*commands)):
             self.assertEqual((1, ""), (run.status, run.out), "takt %s: %s" % (command, run.err))
             self.assertRegex(run.err, pattern, "takt %s" % command)
 
     def nodes(self, *devices, **options):
-        """A node for each device, all waiting."""
+        """Starts a node for each device; all wait for a deployment."""
         return {device: self.node(device, **options) for device in devices}
 
     def end(self, nodes):
-        """SIGTERM ends each of them in order."""
+        """Ends each node with SIGTERM and expects status 0."""
         for node in nodes.values():
             node.signal(signal.SIGTERM)
         for node in nodes.values():
             self.assertEqual(0, node.wait(10).status, node.err)
 
     def deploy(self, descriptor, *options):
-        """Deployed; runs from the instant on that all have agreed on."""
+        """Deploys a cell, as agreed() does."""
         return self.agreed(lambda: self.takt("deploy", descriptor, *options))
 
     def agreed(self, deploy):
-        """The run of a command that deploys. The devices have 0.8 s to agree on the instant: where the machine stands still for longer
-        nothing has run, and it is given again."""
+        """Runs a command that deploys, and returns its run. A machine that stalls may miss two limits of takt: 3 s to find the devices, and 0.8 s
+        to agree on the instant of the start. No module has run then, and the command is repeated."""
         for _ in range(3):
             run = deploy()
-            if "it gave no answer to run within" not in run.err:
+            if "no answer to command run within" not in run.err and "not found on domain" not in run.err:
                 break
             print("it is deployed again: " + run.err)
         self.assertEqual(0, run.status, run.err)
         return run
 
     def wait_for_states(self, wanted, limit=15.0):
-        """Until takt status says so: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns it, by device. It is asked when
-        takt watch has said so, and now and then in any case."""
+        """Waits until takt status shows these states: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns the status by
+        device. It runs takt status once takt watch has shown the states, and every second."""
         if self._watcher is None:
             self._watcher = Watcher(self.start("watch"))
         asked = 0.0
@@ -503,13 +503,13 @@ class Case(unittest.TestCase):
                 return None
             asked = time.monotonic()
             run = self.takt("status", "--json")
-            if run.status != 0:  # nobody was found in time: the machine stands still
+            if run.status != 0:  # no node was found in time, because the machine stalled
                 return None
             status = {d["name"]: d for d in run.report["devices"]}
             for device, states in wanted.items():
                 found = {m["name"]: m["state"] for m in status.get(device, {"modules": []})["modules"]}
                 if found and not status[device]["alive"]:
-                    return None  # these are the states that others heard last
+                    return None  # these are only the last states that other nodes know
                 if isinstance(states, str):
                     if not found or set(found.values()) != {states}:
                         return None
@@ -519,13 +519,13 @@ class Case(unittest.TestCase):
         return wait_until(holds, limit, "%s" % wanted)
 
     def node(self, device, *arguments, **options):
-        """A takt-node that waits for a deployment."""
+        """Starts a takt-node and waits until it is ready for a deployment."""
         run = self.program("takt-node", "--device", device, *arguments, **options)
         run.wait_for_line(r"^\S+ %s: waits for a deployment on domain %d" % (device, self.domain))
         return run
 
     def status_of(self, device=None, **options):
-        """What takt status says of the domain, or of one device."""
+        """The JSON of takt status, or its part about one device."""
         run = self.takt("status", "--json", **options)
         self.assertEqual(0, run.status, run.err)
         return run.report if device is None else run.device(device)
@@ -534,7 +534,7 @@ class Case(unittest.TestCase):
         return {m["name"]: m["state"] for m in self.status_of(device)["modules"]}
 
     def read(self, name):
-        """A file that a module wrote."""
+        """The content of a file that a module wrote."""
         with open(os.path.join(self.folder, name)) as file:
             return file.read()
 
@@ -545,7 +545,7 @@ class Case(unittest.TestCase):
         return path
 
     def assert_nothing_left(self, run, limit=3.0):
-        """No process of the run, hence no thread; nobody at all who holds its memories; no name in /dev/shm."""
+        """No process of the run is left, no process holds its shared memories, and /dev/shm has no new name."""
         def left():
             return [p for p in run.processes() if p.alive]
         try:
@@ -553,20 +553,20 @@ class Case(unittest.TestCase):
         except AssertionError:
             self.fail("left behind: %s" % left())
         if run._seen:
-            # A process that is ending has no environment any more before it closes its files.
+            # An ending process loses its environment before it closes its files.
             def holders():
                 return [p for p in _pids() if Process(p, "", []).memories() & run._seen]
             try:
                 wait_until(lambda: not holders(), limit)
             except AssertionError:
-                self.fail("processes that hold shared memory of a run that is over: %s" % holders())
+                self.fail("processes that still hold shared memory of the ended run: %s" % holders())
         new = {name for name in os.listdir("/dev/shm") if "takt" in name} - self._shared_before
         self.assertEqual(set(), new, "left in /dev/shm")
 
     def assert_grid(self, run, module, every=1, executor="main", device=None, broken_rows=0):
-        """A periodic module that was in the tables from the first row to the last: it was called, or found busy, in each row
-        that is its, save those that the executor missed. `every`: its period in rows. `broken_rows`: in which the host ended,
-        so that the executor did not count them."""
+        """Checks the counts of a periodic module that was in the tables from the first row to the last: it was called, or found busy,
+        in each of its rows that the executor did not miss. `every`: its period in rows. `broken_rows`: rows in which the host
+        ended, so that the executor did not count them."""
         rows = run.executor(executor, device)
         m = run.modules(device)[module]
         due = -(-(rows["cycles"] + rows["missed"]) // every)
@@ -576,7 +576,7 @@ class Case(unittest.TestCase):
         self.assertGreaterEqual(met, due - rows["missed"], module)
 
     def assert_refused(self, run, *patterns):
-        """Status 1, nothing ran, and standard error has a line for each pattern."""
+        """Status 1, no module ran, and standard error matches each pattern."""
         self.assertEqual(1, run.status, run.err)
         self.assertNotIn("EXECUTING", run.err)
         for pattern in patterns:

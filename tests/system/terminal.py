@@ -1,4 +1,4 @@
-"""A terminal for programs that draw on one: what they draw is read from it as a person reads it, and keys are pressed."""
+"""A small terminal emulator: a test reads the screen that a program draws, and presses keys."""
 import fcntl
 import os
 import pty
@@ -17,16 +17,16 @@ _CONTROL = re.compile(r"\x1b\[([?\d;]*)([A-Za-z])")
 
 
 class Terminal:
-    """`rows` by `columns`, as xterm does it: a character in the last column leaves the cursor on it."""
+    """A screen of `rows` by `columns`. Like xterm, it keeps the cursor on the last column after a character there."""
 
     def __init__(self, rows=24, columns=100):
         self._master, self.slave = pty.openpty()
         self.settings = termios.tcgetattr(self.slave)
-        self.alternate = False  # the screen of its own
+        self.alternate = False  # whether the alternate screen is on
         self.cursor = True
-        self.wrap = True  # what is right of the last column goes to the next line
-        self.strange = []  # what no terminal needs to understand, and places beside the screen
-        self.seen = 0  # characters that were drawn
+        self.wrap = True  # whether text right of the last column goes to the next line
+        self.strange = []  # unknown control sequences, and text outside the screen
+        self.seen = 0  # the number of characters drawn
         self._lock = threading.Lock()
         self._over = threading.Event()
         self.resize(rows, columns)
@@ -41,18 +41,18 @@ class Terminal:
             fcntl.ioctl(self.slave, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
     def become(self):
-        """In the child: this is its terminal."""
+        """In the child process: makes this its terminal."""
         fcntl.ioctl(self.slave, termios.TIOCSCTTY, 0)
 
     def press(self, keys):
         os.write(self._master, keys.encode())
 
     def restored(self):
-        """As it was found."""
+        """Whether the terminal is as it was before the program."""
         return not self.alternate and self.cursor and self.wrap and termios.tcgetattr(self.slave) == self.settings
 
     def close(self):
-        """Hangs up on whoever is still there."""
+        """Hangs up on programs that still run in it."""
         if self._over.is_set():
             return
         self._over.set()
@@ -70,7 +70,7 @@ class Terminal:
         return "\n".join(self.lines)
 
     def wait_for(self, pattern, limit=15.0):
-        """The first line on which it is found."""
+        """Waits for a line that contains `pattern` and returns it."""
         expression = re.compile(pattern)
 
         def find():
@@ -79,7 +79,7 @@ class Terminal:
         try:
             return wait_until(find, limit, "%r on the screen" % pattern)
         except AssertionError as error:
-            raise AssertionError("%s; it shows:\n%s" % (error, self.text)) from None
+            raise AssertionError("%s; the screen shows:\n%s" % (error, self.text)) from None
 
     def _read(self):
         rest = ""
@@ -98,7 +98,7 @@ class Terminal:
                 rest = self._draw(rest + text)
 
     def _draw(self, text):
-        """Returns what is still to come of a sequence that is not whole."""
+        """Draws the text and returns an incomplete control sequence at its end."""
         at = 0
         while at < len(text):
             if text[at] == "\x1b":

@@ -1,4 +1,4 @@
-"""A program in a real terminal multiplexer: what it makes of a screen, and of keys as it passes them on."""
+"""Runs a program in tmux, a real terminal multiplexer, reads its screen and sends it keys."""
 import os
 import re
 import shlex
@@ -9,14 +9,14 @@ from takt_system import Process, wait_until
 
 
 class Tmux:
-    """A server of its own, whose socket lies in `folder`."""
+    """A tmux server with its socket in `folder`."""
 
     def __init__(self, folder, arguments, columns=80, rows=24, environment=None):
         self._socket = os.path.join(folder, "tmux")
         settings = os.path.join(folder, "tmux.conf")
         with open(settings, "w", encoding="utf-8") as file:
             file.write("set -g status off\nset -g default-shell /bin/sh\n")
-        # A screen of UTF-8 whatever the locale of whoever runs the test.
+        # The screen is UTF-8, whatever locale the test runs in.
         self._environment = dict(os.environ, LC_ALL="C.UTF-8", **(environment or {}))
         self._do("-f", settings, "new-session", "-d", "-x", str(columns), "-y", str(rows), "-c", folder,
                  shlex.join(arguments))
@@ -27,7 +27,7 @@ class Tmux:
                               capture_output=True, text=True, timeout=10).stdout
 
     def close(self):
-        """By its process: the folder, and the socket in it, may be gone by now."""
+        """Ends the server by its process id, because the folder with its socket may no longer exist."""
         try:
             os.kill(self._server, signal.SIGTERM)
         except ProcessLookupError:
@@ -35,7 +35,7 @@ class Tmux:
         wait_until(lambda: not Process(self._server, "tmux", []).alive, 10, "tmux to end")
 
     def press(self, *keys):
-        """By tmux's names: "Enter", "Escape", "Up", "PPage", "a"."""
+        """Presses keys by their tmux names: "Enter", "Escape", "Up", "PPage", "a"."""
         self._do("send-keys", *keys)
 
     def type(self, text):
@@ -56,13 +56,13 @@ class Tmux:
         return self._do("display-message", "-p", "#{%s}" % of).strip()
 
     def wait_for(self, pattern, limit=15.0):
-        """The first line on which it is found."""
+        """Waits for a line that contains `pattern` and returns it."""
         expression = re.compile(pattern)
         try:
             return wait_until(lambda: next((line for line in self.lines if expression.search(line)), None), limit,
                               "%r on the screen" % pattern)
         except AssertionError as error:
-            raise AssertionError("%s; it shows:\n%s" % (error, "\n".join(self.lines))) from None
+            raise AssertionError("%s; the screen shows:\n%s" % (error, "\n".join(self.lines))) from None
 
     def gone(self, pattern, limit=15.0):
         expression = re.compile(pattern)

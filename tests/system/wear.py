@@ -1,10 +1,10 @@
-"""What a process takes while it runs: memory, threads, open files. After hours it is what it was after minutes."""
+"""Checks that a long-running process does not use more and more memory, threads and open files."""
 
 import os
 
 
 def taken_by(pid):
-    """Memory of its own, threads, open files."""
+    """The memory, threads and open files of a process."""
     with open("/proc/%d/status" % pid) as file:
         status = dict(line.split(":", 1) for line in file if ":" in line)
     return {"rss_kib": int(status["RssAnon"].split()[0]),
@@ -13,14 +13,14 @@ def taken_by(pid):
 
 
 class Wear:
-    """Of one program that is now and then killed and begun anew: look() at it, then assert_none()."""
+    """Observes one program that is sometimes killed and restarted: call look() now and then, and assert_none() at the end."""
 
     def __init__(self, name):
         self.name = name
-        self.lives = []  # of each, what it took, in order
+        self.lives = []  # for each process, what look() saw, in order
 
     def begin(self):
-        """A new process took the place of the one before."""
+        """Call this when a new process replaces the one before."""
         self.lives.append([])
 
     def look(self, pid, **more):
@@ -28,14 +28,14 @@ class Wear:
 
     @property
     def ends(self):
-        """What it took first (after the warm-up) and last, and how often it was looked at."""
+        """The first values (after the warm-up), the last values, and the numbers of looks and processes."""
         looks = [look for life in self.lives for look in life]
         return {"first": looks[min(1, len(looks) - 1)], "last": looks[-1], "looks": len(looks), "lives": len(self.lives)} if looks else {}
 
     def assert_none(self, test, memory_from=4):
-        """`memory_from`: a life of fewer looks is too short to say what it has come to keep."""
-        # A process has its own beginning, and what it needs for a trace of a fault it keeps: the second half of its life is
-        # held against the first.
+        """`memory_from`: the memory of a process with fewer looks than this is not compared."""
+        # A process starts small and keeps the memory that it needs for its first fault trace. So the end of its life is compared with
+        # the first half.
         for life in self.lives:
             first, second = life[1:len(life) // 2], life[len(life) // 2:]
             if not first:

@@ -22,7 +22,7 @@ WHERE = '<property><value name="where">initialize</value></property>'
 
 class AllOrNone(takt_system.Case):
     def cell(self, name, module=None, filename="", rest=""):
-        """The good cell under another name, with one more module on the line."""
+        """Writes the valid cell under another name, with one more module on device line."""
         with open(self.beside("cell.xml")) as file:
             text = file.read().replace('name="cell"', 'name="%s"' % name)
         if module:
@@ -30,7 +30,7 @@ class AllOrNone(takt_system.Case):
         return self.write(name + ".xml", text)
 
     def path_without(self, *names):
-        """A component path on which these are missing."""
+        """A component path without these files."""
         folder = os.path.join(self.folder, "components")
         os.mkdir(folder)
         for source in os.environ["TAKT_COMPONENT_PATH"].split(":"):
@@ -51,7 +51,7 @@ class AllOrNone(takt_system.Case):
         return "\n".join(self.running[device].raw[self.marks[device]:])
 
     def assert_nothing_runs(self):
-        """All nodes wait, and nothing is there but them. The cell that they are of they say a moment after the answer."""
+        """All nodes wait and have no other processes. They publish that they have no cell shortly after they answer."""
         def free():
             status = self.status_of()
             return status["cell"] == "-" and {d["name"]: d["modules"] for d in status["devices"]} == {"robot": [], "line": []}
@@ -76,7 +76,7 @@ class AllOrNone(takt_system.Case):
         self.undeploy("cell")
 
     def undeploy(self, cell):
-        """And hears the last of it, so that it is not taken to be said of the next."""
+        """Also waits for the last lines, so that they do not count for the next deployment."""
         self.done("undeploy " + cell)
         for device, node in self.running.items():
             node.wait_for_line(": cell %s is undeployed$" % cell, after=self.marks[device])
@@ -95,12 +95,12 @@ class AllOrNone(takt_system.Case):
             else:
                 self.assert_nothing_runs()
 
-    def test_what_one_device_cannot_take_up(self):
+    def test_a_failure_on_one_device_cancels_the_deployment_everywhere(self):
         self.begin()
         self.refuse(self.cell("absent", "bad", "fine.so"),
                     r"(?m)absent\.xml:\d+: error: device line: module bad: there is no file fine\.so on this device's component path",
                     then_a_good_one=False)
-        # A path of another machine means nothing here, even where there is such a file.
+        # A node ignores the path of a component, even if the file exists there.
         shutil.copy(os.path.join(self.folder, "components", "grid.so"), os.path.join(self.folder, "mine.so"))
         self.refuse(self.cell("path", "bad", os.path.join(self.folder, "mine.so")),
                     r"(?m)path\.xml:\d+: error: device line: module bad: there is no file mine\.so on this device's component path",
@@ -114,7 +114,7 @@ class AllOrNone(takt_system.Case):
         self.refuse(self.cell("crash", "bad", "segv.so", WHERE),
                     r"(?m)^module line\.bad: error: the host was killed by SIGSEGV .* in initialize\(\)")
         self.refuse(self.with_a_third_device(),
-                    r"(?m)^device third: error: it is not on domain %d; start it: takt-node --device third" % self.domain)
+                    r"(?m)^device third: error: not found on domain %d; start it: takt-node --device third" % self.domain)
         self.end(self.running)
 
     def with_a_third_device(self):
@@ -124,45 +124,45 @@ class AllOrNone(takt_system.Case):
                 "<operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module></device></cell>")
         return self.write("third.xml", text)
 
-    def test_a_mistake_in_the_descriptor_reaches_no_device(self):
+    def test_a_descriptor_error_reaches_no_device(self):
         self.begin()
         before = {device: list(node.raw) for device, node in self.running.items()}
         cell = self.cell("mistake", "grid", "grid.so", "<perod>5</perod>")
         run = self.takt("deploy", cell)
         self.assertEqual((1, ""), (run.status, run.out))
-        # All of them in one go.
+        # One run reports all errors.
         self.assertRegex(run.err, r"(?m)^\S*mistake\.xml:\d+: error: .*perod")
         self.assertRegex(run.err, r"(?m)^\S*mistake\.xml:\d+: error: .*grid")
         self.assert_nothing_runs()
         self.assertEqual(before, {device: node.raw for device, node in self.running.items()})
         self.end(self.running)
 
-    def test_one_that_is_given_up_is_undone(self):
+    def test_ctrl_c_undoes_an_unfinished_deployment(self):
         self.begin()
         run = self.start("deploy", self.cell("hang", "bad", "hang.so", WHERE))
-        self.running["line"].wait_for_line("prepares cell hang")
+        self.running["line"].wait_for_line("preparing cell hang")
         self.running["robot"].wait_for_line("program: INITIALIZE|program: IDLE -> INITIALIZE")
         run.signal(signal.SIGINT)
         begun = time.monotonic()
         run.wait(20)
         print("given up %.2f s after Ctrl-C, while initialize() hung" % (time.monotonic() - begun))
-        self.assert_refused_everywhere(run, "hang", "error: it was given up before all devices were ready")
+        self.assert_refused_everywhere(run, "hang", "error: cancelled before all devices were ready")
         self.assert_nothing_runs()
         self.assert_a_good_one_succeeds()
         self.end(self.running)
 
-    def test_one_that_is_lost_while_it_is_prepared(self):
+    def test_a_node_killed_during_preparation_cancels_the_deployment(self):
         self.begin()
         run = self.start("deploy", self.cell("hang", "bad", "hang.so", WHERE))
-        self.running["line"].wait_for_line("prepares cell hang")
+        self.running["line"].wait_for_line("preparing cell hang")
         self.running["robot"].wait_for_line("program: INITIALIZE -> START")
         self.running["line"].signal(signal.SIGKILL)
         begun = time.monotonic()
         run.wait(20)
         took = time.monotonic() - begun
         print("refused %.2f s after a node was killed" % took)
-        self.assertLess(took, 4, "the hook that hangs is not waited for")
-        self.assert_refused_everywhere(run, "hang", r"(?m)^device line: error: it was lost before it answered to prepare$")
+        self.assertLess(took, 4, "takt deploy must not wait for the hanging hook")
+        self.assert_refused_everywhere(run, "hang", r"(?m)^device line: error: it was lost before it answered command prepare$")
         self.running["line"].wait(10)
         self.running["line"] = self.node("line")
         self.marks["line"] = 0
@@ -170,7 +170,7 @@ class AllOrNone(takt_system.Case):
         self.assert_a_good_one_succeeds()
         self.end(self.running)
 
-    def test_two_operators_at_once(self):
+    def test_at_most_one_of_two_simultaneous_deployments_succeeds(self):
         self.begin()
         files = {name: self.cell(name) for name in ("one", "two")}
         won = {}
@@ -180,7 +180,7 @@ class AllOrNone(takt_system.Case):
                 run.wait(30)
             winners = [name for name, run in runs.items() if run.status == 0]
             won[tuple(winners)] = won.get(tuple(winners), 0) + 1
-            self.assertLessEqual(len(winners), 1, "one device has one cell")
+            self.assertLessEqual(len(winners), 1, "a device runs only one cell")
             if not winners:
                 self.assert_nothing_runs()
                 continue
@@ -191,15 +191,16 @@ class AllOrNone(takt_system.Case):
         print("of two cells at once ran: %s" % won)
         self.end(self.running)
 
-    def test_two_nodes_of_one_name(self):
+    def test_rejects_a_deployment_while_two_nodes_have_one_name(self):
         self.begin()
         second = self.program("takt-node", "--device", "line", "--state-dir", os.path.join(self.folder, "second"))
-        clash = r"another node of the name line is on domain %d: process %%d on \S+; end one of them, or give it another name: while there are two, neither is deployed to" % self.domain
+        clash = r"another node named line is on domain %d: process %%d on \S+; end or rename one of them: neither can be deployed to " \
+                r"while both run" % self.domain
         self.running["line"].wait_for_line(clash % second.pid)
         second.wait_for_line(clash % self.running["line"].pid)
-        # Who asks has found both, or the one that it has found says that there is another.
+        # takt has found both nodes, or the node that it found reports the other one.
         two = r"(?m)^device line: error: (2 nodes of this name are on domain %d: process \d+ on \S+, process \d+ on \S+; end all but " \
-              r"one of them|another node of the name line is on domain %d: process \d+ on)" % (self.domain, self.domain)
+              r"one of them|another node named line is on domain %d: process \d+ on)" % (self.domain, self.domain)
         self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", two)
         self.refused({"status": two})
         second.signal(signal.SIGTERM)
@@ -209,7 +210,7 @@ class AllOrNone(takt_system.Case):
         self.assert_a_good_one_succeeds()
         self.end(self.running)
 
-    def test_where_a_cell_runs_it_goes_on(self):
+    def test_a_rejected_deployment_leaves_the_running_cell_alone(self):
         self.begin()
         self.deploy("cell.xml")
         before = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
@@ -218,7 +219,7 @@ class AllOrNone(takt_system.Case):
         self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell; undeploy it first: takt undeploy cell; or change it while "
                                                       "it runs: takt deploy --update")
         self.assertEqual(1, undeploy.status)
-        self.assertIn("error: no device on domain %d runs a cell other; there is cell" % self.domain, undeploy.err)
+        self.assertIn("error: no device on domain %d runs cell other; cells on this domain: cell" % self.domain, undeploy.err)
         self.assert_refused_everywhere(other, "other", *[r"(?m)^device %s: error: it already runs cell cell; undeploy it first: takt "
                                                        r"undeploy cell$" % device for device in self.running])
         after = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})

@@ -5,17 +5,17 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 
-# What the line of the descriptor has on it, and what is said of it.
+# For each error: the text of its line in the descriptor, and the message.
 WRONG = [
     (r"<module>", r"module lacks_run: \S+/no_run\.so has no function run\(\); define "),
     (r"<module>", r"module lacks_condition: \S+/no_condition\.so has neither a function condition\(\) nor an event port, so it would never run; "),
-    (r"<module>", r"module no_library: \S+/not_a_library\.so is no shared object \(\.so\) of this machine; "),
+    (r"<module>", r"module no_library: \S+/not_a_library\.so is not a shared object \(\.so\) for this machine; "),
     (r"<module>", r"module undefined: cannot load \S+/undefined_symbol\.so: .*undefined symbol: takt_test_defined_nowhere; "),
     (r"<module>", r"module missing: there is no file no_such_file\.so \(looked in .*/tests/components.*\); "),
     (r"<module>", r"module missing_program: there is no file no_such_file\.exe \(looked in .*\); "),
     (r"<module>", r"module not_executable: \S+/not_a_library\.so is not a program that this user may execute; "),
     (r"<module>", r"module not_a_program: \S+/fine\.so is a shared object; "),
-    (r"<module>", r"module not_a_thread: \S+/fine\.exe is no shared object \(\.so\) of this machine; "),
+    (r"<module>", r"module not_a_thread: \S+/fine\.exe is not a shared object \(\.so\) for this machine; "),
     (r'name="gian"', r"module unknown_property: component CppProperties has no property 'gian'; did you mean gain\?"),
     (r'name="enabled"', r"module wrong_properties: property 'enabled' cannot be 'perhaps'; it takes true or false"),
     (r'name="count"', r"module wrong_properties: property 'count' cannot be '11'; it takes a whole number, 1 to 10"),
@@ -42,23 +42,23 @@ class BadComponents(takt_system.Case):
             self.assertRegex(descriptor[int(match[2]) - 1], on_the_line)
             self.assertRegex(line, "error: " + words)
 
-    def test_check_tells_all(self):
+    def test_check_reports_every_error(self):
         self.assert_all_told(self.takt("check", "cell.xml"))
         self.assert_all_told(self.takt("check", "cell.xml", "--json"))
 
-    def test_run_tells_all_and_starts_nothing(self):
+    def test_run_reports_every_error_and_starts_nothing(self):
         run = self.takt("run", "cell.xml", "--for", "5", "--json", limit=15)
         self.assert_all_told(run)
         self.assertEqual([], run.lines)
 
-    def test_missing_components_are_warnings_for_another_machine(self):
+    def test_check_remote_only_warns_about_missing_components(self):
         run = self.takt("check", "cell.xml", "--remote")
         self.assertEqual(1, run.status)
         warnings = [line for line in run.err.splitlines() if ": warning: " in line]
         self.assertEqual(2, len(warnings), run.err)
         self.assertEqual(len(WRONG) - 2, len([line for line in run.err.splitlines() if ": error: " in line]))
 
-    def test_properties_at_their_bounds_are_taken(self):
+    def test_accepts_properties_at_their_bounds(self):
         run = self.takt("run", "properties.xml", "--for", "0.2")
         self.assertEqual(0, run.status, run.err)
 

@@ -7,7 +7,7 @@ import unittest
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 
-# What each function of components/sins.h does, as it is to be named.
+# The violations that each function of components/sins.h must cause.
 SINS = {
     "allocate": {("allocation", "malloc"), ("allocation", "free")},
     "lock": {("lock", "pthread_mutex_lock")},
@@ -16,7 +16,7 @@ SINS = {
     "fault": {("page fault", "")},
     "call": {("system call", "getppid")},
 }
-# A library takes a buffer the first time that something is printed.
+# The C library allocates a buffer at the first print.
 BESIDE = {"print": {("allocation", "malloc"), ("system call", "newfstatat"), ("system call", "fstat")}}
 
 
@@ -30,7 +30,7 @@ def module(name, filename, operation="periodic", **properties):
 
 class CheckRealtime(takt_system.Case):
     def run_these(self, *modules, options=("--check-realtime",)):
-        """Until each of them has run."""
+        """Runs these modules until each of them is EXECUTING."""
         cell = self.write("cell.xml", '<cell name="sins"><device name="d">%s</device></cell>' % "".join(modules))
         run = self.start("run", cell, "--json", *options)
         for name in re.findall("<name>(.*?)</name>", "".join(modules)):
@@ -42,7 +42,7 @@ class CheckRealtime(takt_system.Case):
         return [v for v in run.device()["realtime_violations"] if v["module"] == name]
 
     def assert_named(self, run, name, hook, sin):
-        """Everything of `sin` was found in `hook` of the module, and its function is among the calls that led there."""
+        """All violations of `sin` were found in `hook` of the module, with its function in their backtraces."""
         here = [v for v in self.found(run, name) if any(re.match(r"sin_%s(\(\))? at sins\.h:" % sin, call) for call in v["backtrace"])]
         kinds = {(v["kind"], v["what"]) for v in here}
         self.assertLessEqual(SINS[sin], kinds, run.err)
@@ -53,67 +53,67 @@ class CheckRealtime(takt_system.Case):
             self.assertNotIn("takt-host", "".join(violation["backtrace"]))
         return here
 
-    def test_each_kind_in_a_component(self):
+    def test_reports_each_kind_of_violation_in_a_cpp_component(self):
         run = self.run_these(*[module("m_" + sin, "sins.so", sin=sin) for sin in SINS], module("clean", "sins.so"),
                              module("m_new", "sins.so", sin="new"))
         self.assertEqual(1, run.status, run.err)
         for sin in SINS:
             name = "m_" + sin
             here = self.assert_named(run, name, "run()", sin)
-            self.assertEqual(len(here), len(self.found(run, name)), "nothing else: %s" % self.found(run, name))
-            # One each cycle, unless it was only the first time.
+            self.assertEqual(len(here), len(self.found(run, name)), "other violations: %s" % self.found(run, name))
+            # One in each cycle, unless only the first call caused it.
             cycles = run.modules()[name]["cycles"]
             for kind, what in SINS[sin]:
                 counts = [v["count"] for v in here if (v["kind"], v["what"]) == (kind, what)]
                 self.assertTrue(any(count in (cycles, 64) for count in counts) or kind == "page fault", (sin, counts, cycles))
             self.assertTrue([line for line in run.said(name) if line.text.startswith("WARNING: run() is not real-time: ")], name)
-            self.assertRegex("\n".join(run.other_lines), r"(?m)^module d\.%s: error: is not real-time: it did \d+ things" % name)
+            self.assertRegex("\n".join(run.other_lines), r"(?m)^module d\.%s: error: is not real-time: \d+ violations" % name)
         self.assertEqual([], self.found(run, "clean"))
         self.assertEqual({"malloc", "free"}, {v["what"] for v in self.found(run, "m_new")})
         self.assertTrue(all(any("Sins::run(" in call for call in v["backtrace"]) for v in self.found(run, "m_new")))
-        self.assertEqual([], self.found(run, ""), "the executor itself")
+        self.assertEqual([], self.found(run, ""), "violations of the executor itself")
 
-    def test_in_c_as_a_thread_module_and_as_a_program(self):
+    def test_reports_violations_in_c_modules_and_programs(self):
         run = self.run_these(module("library", "sins_c.so"), module("copy", "sins_c.so"), module("program", "sins_c.exe"))
         self.assertEqual(1, run.status, run.err)
         for name in ("library", "copy", "program"):
             for sin in SINS:
                 self.assert_named(run, name, "run()", sin)
         self.assertEqual({m["state"] for m in run.modules().values()}, {"DESTRUCT"})
-        self.assertIn("something", run.printed("program"), "the call was made all the same")
+        self.assertIn("something", run.printed("program"), "the checked call must still be made")
 
-    def test_in_a_condition(self):
+    def test_reports_violations_in_condition(self):
         run = self.run_these(module("s", "sins.so", "sporadic", sin="allocate", in_condition="true"))
         self.assertEqual(1, run.status, run.err)
         self.assert_named(run, "s", "condition()", "allocate")
         self.assertEqual({"condition()"}, {v["hook"] for v in self.found(run, "s")})
 
-    def test_the_text_report_has_the_calls(self):
+    def test_the_text_report_shows_the_backtrace(self):
         cell = self.write("cell.xml", '<cell name="sins"><device name="d">%s</device></cell>' % module("m", "sins.so", sin="sleep"))
         run = self.start("run", cell, "--check-realtime")
         run.wait_for_line(r"WARNING: run\(\) is not real-time")
         run.signal(signal.SIGINT)
         run.wait(20)
         self.assertEqual(1, run.status, run.err)
-        self.assertRegex(run.out, r"not real-time:\n  d\.m run\(\): system call clock_nanosleep, \d+ times\n(      .*\n)*"
+        self.assertRegex(run.out, r"real-time violations:\n  d\.m run\(\): system call clock_nanosleep, \d+ times\n(      .*\n)*"
                                   r"      sin_sleep\(\) at sins\.h:\d+ in sins\.so\n")
 
-    @takt_system.timing("each module has to run within the second that it is given")
-    def test_ready_components_and_the_executor_do_nothing_of_the_kind(self):
+    @takt_system.timing("each module has to run within the two seconds of the run")
+    def test_ready_components_and_the_executor_have_no_violations(self):
         for descriptor in ("module.xml", "palletizing.xml"):
             run = self.takt("run", os.path.join(takt_system.SOURCE, "deploy", descriptor), "--for", "2", "--json", "--check-realtime")
             for device in run.report["devices"]:
                 self.assertEqual([], device["realtime_violations"], descriptor)
             self.assertEqual(0, run.status, run.err)
 
-    def test_a_run_that_is_not_checked_knows_nothing_of_it(self):
+    def test_a_run_without_the_check_reports_no_violations(self):
         run = self.run_these(module("m", "sins.so", sin="allocate"), options=())
         self.assertEqual(0, run.status, run.err)
         self.assertNotIn("realtime_violations", run.device())
         self.assertNotIn("not real-time: ", run.err.replace("WARNING: not real-time: ", ""))
 
     @unittest.skipUnless(os.path.isdir("/proc/self/fd"), "no /proc")
-    def test_nothing_is_loaded_into_a_host_that_is_not_checked(self):
+    def test_a_host_without_the_check_does_not_load_its_library(self):
         for options, loaded in (((), False), (("--check-realtime",), True)):
             cell = self.write("cell.xml", '<cell name="sins"><device name="d">%s</device></cell>' % module("m", "sins.so"))
             run = self.start("run", cell, *options)

@@ -1,6 +1,6 @@
-/* A wall clock that a test sets, for one process: preloaded, it adds to CLOCK_REALTIME what the file named by
-   TAKT_SHIFTED_CLOCK says. The file holds two words of 64 bits: nanoseconds to add, and how often somebody waited until an
-   instant of the wall clock (who does that is woken at another time once the clock is set). */
+/* Gives one process a wall clock that a test can set. This library is preloaded and adds an offset to CLOCK_REALTIME. The file named by
+   TAKT_SHIFTED_CLOCK holds two words of 64 bits: the nanoseconds to add, and the number of waits until an instant of the wall clock.
+   Such a wait is wrong here: setting the clock would move its end. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>

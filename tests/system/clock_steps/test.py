@@ -17,7 +17,7 @@ DAY = 24 * HOUR
 
 
 class WallClock:
-    """The wall clock of a machine, as its programs see it. The machine's own is left alone."""
+    """The wall clock that the programs of one device see. The clock of the machine does not change."""
 
     def __init__(self, path):
         with open(path, "wb") as file:
@@ -27,12 +27,12 @@ class WallClock:
         self.environment = {"LD_PRELOAD": LIBRARY, "TAKT_SHIFTED_CLOCK": path}
 
     def set_by(self, seconds):
-        """Against that of the machine."""
+        """Sets the clock to this many seconds ahead of the machine's."""
         struct.pack_into("q", self._words, 0, seconds * 10**9)
 
     @property
     def waits(self):
-        """How often somebody waited until an instant of it."""
+        """How often a program waited until an instant of this clock."""
         return struct.unpack_from("q", self._words, 8)[0]
 
 
@@ -44,7 +44,7 @@ class ClockSteps(takt_system.Case):
         self.line = WallClock(os.path.join(self.folder, "clock.line"))
 
     def program(self, name, *arguments, **options):
-        """Whoever has no clock of his own has the robot's."""
+        """Programs without a clock of their own use the robot's."""
         options["environment"] = {**self.robot.environment, **(options.get("environment") or {})}
         return super().program(name, *arguments, **options)
 
@@ -60,7 +60,7 @@ class ClockSteps(takt_system.Case):
             self.assertNotRegex(node.err, "RECOVER|stale")
 
     def walk_on(self, rows=1500):
-        """Both devices, by so many rows; they are fine then, and were all the time. What status said before and after."""
+        """Waits until both devices have walked this many more rows, and checks that all is well. Returns their status."""
         before = {d["name"]: d for d in self.status_of()["devices"]}
 
         def walked():
@@ -71,35 +71,35 @@ class ClockSteps(takt_system.Case):
         for name in before:
             self.assertTrue(after[name]["alive"], name)
             missed = [each[name]["executors"][0]["missed"] for each in (before, after)]
-            self.assertLess(missed[1] - missed[0], 60 * 1000, "%s: an hour is 3,600,000 rows" % name)
+            self.assertLess(missed[1] - missed[0], 60 * 1000, "%s: it must not miss the rows of the clock step (3,600,000)" % name)
             for module in after[name]["modules"]:
                 self.assertEqual(("EXECUTING", 0), (module["state"], module["errors"]), (name, module["name"]))
         return after
 
     def walked(self, device):
-        """T0 as the device's modules saw it, which must be one."""
+        """T0 as the module of the device saw it; all releases must be on one grid."""
         t0, runs, strayed = (int(word) for word in self.read(device).split())
         self.assertGreater(runs, 0)
-        self.assertEqual(0, strayed, "%s: releases beside the grid" % device)
+        self.assertEqual(0, strayed, "%s: releases off the grid" % device)
         return t0
 
     def assert_one_grid(self, restarts=0):
-        """`restarts`: of the source, which numbers from 1 then."""
+        """`restarts`: how often the source restarted, after which its numbers begin with 1."""
         t0 = {device: self.walked(device) for device in ("robot", "line")}
         print("T0 of the devices differs by %d ns" % (t0["robot"] - t0["line"]))
         self.assertLess(abs(t0["robot"] - t0["line"]), 500 * 1000)
         seen = json.loads(self.read("seen"))
         self.assertGreater(seen["read"], 100)
         self.assertLessEqual(seen["wrong"], restarts)
-        self.assertLess(seen["oldest_ns"], 30 * 10**9, "a sample as old as a step")
+        self.assertLess(seen["oldest_ns"], 30 * 10**9, "a sample must not look as old as the clock step")
 
     def robots_times(self):
-        """Seconds of the day at which the robot's node said that the source executes."""
+        """The times of day (in seconds) at which the robot's node reported the source EXECUTING."""
         return [step.at for step in self.nodes_of_cell["robot"].steps("source") if step.target == "EXECUTING"]
 
-    def test_the_grid_stays_when_the_clocks_of_all_are_set(self):
+    def test_setting_the_clocks_of_all_devices_does_not_move_the_grid(self):
         self.start_cell()
-        began = wait_until(self.robots_times, 15, "a source that executes")[0]
+        began = wait_until(self.robots_times, 15, "the source to execute")[0]
         for seconds in (HOUR, -HOUR, 0):
             with self.subTest(seconds):
                 for clock in (self.robot, self.line):
@@ -108,8 +108,8 @@ class ClockSteps(takt_system.Case):
                 before = len(self.robots_times())
                 self.done("stop robot.source", "get line.sink most")
                 self.done("start robot.source")
-                # It was set indeed: what is said now has its time.
-                said = wait_until(lambda: self.robots_times()[before:], 15, "a source that executes again")[0]
+                # The clock was really set: new lines have the new time.
+                said = wait_until(lambda: self.robots_times()[before:], 15, "the source to execute again")[0]
                 ahead = (said - began + DAY // 2) % DAY - DAY // 2
                 self.assertAlmostEqual(seconds, ahead, delta=600)
                 log, trace = self.done("log --json --device robot", "trace robot --json")
@@ -124,17 +124,17 @@ class ClockSteps(takt_system.Case):
         self.end_cell()
         self.assert_one_grid(restarts=1)
         for clock in (self.robot, self.line):
-            self.assertEqual(0, clock.waits, "somebody waits until an instant of the wall clock")
+            self.assertEqual(0, clock.waits, "a program waits until an instant of the wall clock")
 
-    def test_the_grid_stays_when_one_device_is_set(self):
+    def test_setting_the_clock_of_one_device_does_not_move_the_grid(self):
         self.start_cell()
         for seconds in (HOUR, -HOUR):
             with self.subTest(seconds):
                 self.line.set_by(seconds)
-                self.walk_on(3000)  # longer than any lease, and than values are good for
+                self.walk_on(3000)  # longer than every lease and every deadline of a value
                 self.done("get line.sink most", "log", "trace line")
                 order = self.takt("stop", "line.grid")
-                if seconds > 0:  # where it arrives its deadline is long past
+                if seconds > 0:  # on the device, the deadline of the command is long past
                     self.assertEqual(1, order.status)
                     self.assertRegex(order.err, "after its deadline; synchronise the clocks of the devices")
                 else:
@@ -145,7 +145,7 @@ class ClockSteps(takt_system.Case):
         self.end_cell()
         self.assert_one_grid()
 
-    def test_what_is_resumed_after_a_step_is_on_its_grid(self):
+    def test_a_cell_resumed_after_a_clock_step_keeps_its_grid(self):
         self.start_cell()
         for seconds in (HOUR, -HOUR):
             with self.subTest(seconds):
@@ -154,14 +154,14 @@ class ClockSteps(takt_system.Case):
                 node = self.nodes_of_cell["robot"]
                 node.signal(signal.SIGKILL)
                 node.wait(10)
-                wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "the end of all that it had started")
+                wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "its host and programs to end")
                 self.nodes_of_cell["robot"] = self.node("robot", "--resume")
                 self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         self.done("undeploy cell")
         self.end(self.nodes_of_cell)
         self.assert_one_grid(restarts=2)
 
-    def test_a_recording_goes_on(self):
+    def test_a_recording_continues_over_clock_steps(self):
         self.start_cell()
         recording = self.start("record", "robot.source.out", "--for", "4", "--out", "steps.takt")
         wait_until(lambda: os.path.exists(os.path.join(self.folder, "steps.takt")), 15, "a recording")

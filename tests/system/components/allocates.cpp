@@ -1,10 +1,10 @@
-// Allocates and frees `bytes` (64) in every `every`-th run (1): what a real-time thread must not.
+// Allocates and frees `bytes` (64) in every `every`-th run (1), which a real-time thread must not do.
 #include <takt/module.h>
 
 static std::size_t bytes = 64;
 static long long every = 1;
 static long long runs = 0;
-static char* volatile memory = nullptr;  // seen from outside, so the pair is not optimised away
+static char* volatile memory = nullptr;  // volatile, so the pair is not optimised away
 
 extern "C" {
 void initialize(irp::Property const& property) {

@@ -1,5 +1,5 @@
-// Answers each number with its double, by a handler and in run(). Refuses multiples of 7, throws at multiples
-// of 11, and hangs or crashes at the numbers that its properties say.
+// Two services that answer a number with its double: one by a handler, one in run(). They reject multiples of
+// 7, throw for multiples of 11, and hang or crash at the numbers given by their properties.
 #include <takt/component.hpp>
 
 #include <chrono>

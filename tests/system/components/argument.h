@@ -1,5 +1,6 @@
-/* For programs that declare no properties and read their arguments themselves, as legacy ones do: one "name=value"
- * each. A value that is none is refused before the module attaches: exit status 1 and a reason on standard error. */
+/* For programs that declare no properties and read their arguments themselves, as legacy programs do: one
+ * "name=value" each. An invalid value ends the program before it attaches: exit status 1 and a reason on
+ * standard error. */
 #ifndef TAKT_TESTS_ARGUMENT_H
 #define TAKT_TESTS_ARGUMENT_H
 

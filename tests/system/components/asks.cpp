@@ -1,5 +1,5 @@
-// Asks number after number, from `first` on, the next as soon as the last is over, and writes to `file` how
-// that went.
+// Calls a service with one number after the other, from `first` on, each as soon as the last call is over.
+// Writes the results to `file`.
 #include <takt/component.hpp>
 
 #include <fstream>
@@ -15,7 +15,7 @@ class Asks : public takt::Component {
 
   samples::Count count_;
   std::uint64_t number_ = 0;
-  std::uint64_t told_[6] = {};  // by CallStatus
+  std::uint64_t told_[6] = {};  // number of calls by CallStatus
   std::uint64_t wrong_ = 0;
   std::string refusal_ = std::string(128, ' ');
 

@@ -1,4 +1,5 @@
-// start() fails. `how`: throw, say, or other (throws what is no std::exception).
+// start() fails. `how`: throw, say (returns a failure), or other (throws something else than a
+// std::exception).
 #include <takt/module.h>
 
 static void fail(const std::string& how) {

@@ -1,4 +1,5 @@
-/* Properties of every kind in C, of a thread module and of a program. Says at the beginning and at the end what they are. */
+/* Properties of every kind in C, as a thread module and as a program. Prints their values at the beginning
+ * and the end. */
 #ifdef PROGRAM
 #include <takt/process.h>
 #else

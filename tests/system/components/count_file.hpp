@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-/// Replaces the file by one line with the number. Nothing when there is no name.
+/// Replaces the file by one line with the number. Does nothing if the name is empty.
 inline void write_count(const std::string& file, long long count) {
   if (!file.empty()) std::ofstream(file) << count << '\n';
 }

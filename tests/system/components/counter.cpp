@@ -1,5 +1,5 @@
-// Legacy code: a counter in a global variable that is even exported. Two modules of this file must not count
-// together. Writes the count to `file` at the end.
+// Legacy code: counts in an exported global variable. Two modules of this file must not share it. Writes the
+// count to `file` at the end.
 #include "count_file.hpp"
 
 #include <takt/module.h>

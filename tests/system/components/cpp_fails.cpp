@@ -1,4 +1,4 @@
-// As fails, in C++. `how`: throw or say.
+// Like fails.cpp, as a component in C++. `how`: throw or say.
 #include <takt/component.hpp>
 
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// A good component in C++ with a property of each type, with and without bounds.
+// A correct component in C++ with a property of each type, with and without bounds.
 #include <takt/component.hpp>
 
 class CppProperties : public takt::Component {

@@ -1,7 +1,7 @@
-// Prints a line, then writes it into `file`, for each hook but run() and condition(): "initialize", "start",
-// "error 2", "recover", "destruct". Fails when it is told to: start() its first `bad_starts` times (0), and
-// run() or condition() in its `after`-th run or check (never) since it last recovered, in the way of `how`:
-// throw, say, slow (run() spins for `ns`, 2000000) or condition (which throws).
+// Prints a line and writes it to `file` for each hook except run() and condition(): "initialize", "start",
+// "error 2", "recover", "destruct". start() fails the first `bad_starts` times (0). run() or condition()
+// fails in its `after`-th run or check (never) since the last recovery. `how`: throw, say (a failure), slow
+// (run() spins for `ns`, 2000000) or condition (condition() throws).
 #include <takt/module.h>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Its `after`-th run (100) never returns; it spins.
+// Its `after`-th run (100) spins for ever.
 #include <takt/module.h>
 
 static long long after = 100;

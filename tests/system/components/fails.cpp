@@ -1,5 +1,5 @@
-// run() fails in its `after`-th run (100) and, when recovered, after as many again. `how`: throw or say.
-// `recoverable`: whether recover() succeeds (true).
+// run() fails in its `after`-th run (100), and again after as many runs since each recovery. `how`: throw or
+// say. `recoverable`: whether recover() succeeds (true).
 #include <takt/module.h>
 
 static long long after = 100;

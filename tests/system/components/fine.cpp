@@ -1,5 +1,4 @@
-// A good periodic module: counts its runs and, when it is told a `file`, writes their number there at the
-// end.
+// A correct periodic module: counts its runs and writes the number to `file`, if given, at the end.
 #include "count_file.hpp"
 
 #include <takt/module.h>

@@ -1,5 +1,5 @@
-/* A good sporadic process: its condition holds at every `every`-th release (10), and its body spins for `ns` then (0). Says at
- * the end how often. */
+/* A correct sporadic program: its condition holds at every `every`-th release (10); its body then spins for
+ * `ns` (0). Prints at the end how often the condition held. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>

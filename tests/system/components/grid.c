@@ -1,5 +1,5 @@
-/* A good periodic process that watches its grid: release n is due at T0 + n x period. Says at the end
- * "T0 RELEASES STRAYED", as grid.so writes it. */
+/* A correct periodic program that checks its grid: release n is due at T0 + n x period. Prints "T0 RELEASES
+ * STRAYED" at the end, in the form of grid.so. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-// A good periodic module that watches its grid: release n is due at T0 + n x period. At the end it writes
-// "T0 RUNS STRAYED" to `file`: T0 by its first release, in ns, and how many releases were not on that grid.
+// A correct periodic module that checks its grid: release n is due at T0 + n x period. At the end it writes
+// "T0 RUNS STRAYED" to `file`: T0 in ns, from its first release, and the number of releases off that grid.
 #include <takt/component.hpp>
 
 #include <fstream>

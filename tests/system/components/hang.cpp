@@ -1,5 +1,5 @@
-// The hook named by `where` never returns; it sleeps: initialize, start, error, recover or destruct. run()
-// fails in its `after`-th run (100) when that is how the hook is reached.
+// The hook named by `where` sleeps for ever: initialize, start, error, recover or destruct. For error and
+// recover, run() fails in its `after`-th run (100).
 #include <takt/module.h>
 
 #include <unistd.h>

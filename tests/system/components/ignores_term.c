@@ -1,5 +1,4 @@
-/* Ignores SIGTERM, and after `after` releases (100) stays in its body for ever, asleep. Only SIGKILL ends it
- * then. */
+/* Ignores SIGTERM. After `after` releases (100) it sleeps in its body for ever, and only SIGKILL ends it. */
 #define _POSIX_C_SOURCE 200809L
 #include <signal.h>
 #include <takt/process.h>

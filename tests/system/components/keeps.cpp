@@ -1,6 +1,6 @@
-// Counts its runs in what it saves, and says in start() what it found there. Its `after`-th run as an
-// instance crashes. `keeps.so` saves version 1; `keeps_more.so`, of the same source, version 2, and takes
-// over the count.
+// Counts its runs in a saved value, and prints in start() what it restored. The `after`-th run of an instance
+// crashes. `keeps.so` saves version 1. `keeps_more.so`, from the same source, saves version 2 and takes over
+// the count.
 #include <takt/component.hpp>
 
 #include <cstdio>

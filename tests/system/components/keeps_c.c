@@ -1,4 +1,4 @@
-/* As keeps.cpp, in the C form. */
+/* Like keeps.cpp, as a module in C. */
 #include <stdint.h>
 #include <stdio.h>
 #include <takt/module.h>

@@ -1,5 +1,5 @@
-// As keeps.cpp, a program: counts its bodies in what it saves, says what it found there, and crashes in its
-// `after`-th body of this life.
+// Like keeps.cpp, as a program: counts its bodies in a saved value, prints what it restored, and crashes in
+// the `after`-th body of a process.
 #include <takt/process.hpp>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-/* As keeps_program.cpp, in C; it never crashes. */
+/* Like keeps_program.cpp, in C, but never crashes. */
 #include <stdint.h>
 #include <stdio.h>
 #include <takt/process.h>

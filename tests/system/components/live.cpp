@@ -1,5 +1,5 @@
-// A good component in C++ that says at the end which values of its property it has run with, in order, and
-// whether one changed within a run().
+// A correct component in C++ that reports at the end with which values of its property it ran, in order, and
+// whether a value changed within a run().
 #include <array>
 #include <fstream>
 

@@ -1,5 +1,4 @@
-// In every `every`-th run (1): has `pages` pages given by the kernel, writes to each of them, and gives them
-// back.
+// In every `every`-th run (1): gets `pages` pages from the kernel, writes to each of them, and returns them.
 #include <sys/mman.h>
 #include <unistd.h>
 

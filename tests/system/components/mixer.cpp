@@ -1,5 +1,5 @@
-// Mixes what its inputs bring into a number, and sends that, after a run time of up to `most` nanoseconds which
-// no two runs of a cell have alike. After `runs` runs the number stays, and is written to `file` at the end.
+// Mixes its inputs into a number and sends it, after a random run time of up to `most` nanoseconds. After
+// `runs` runs the number no longer changes. Writes it to `file` at the end.
 #include <takt/component.hpp>
 
 #include <chrono>

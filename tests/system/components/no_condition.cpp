@@ -1,4 +1,4 @@
-// Named in a descriptor as sporadic, it lacks condition().
+// A module without condition(), which a descriptor declares sporadic.
 #include <takt/module.h>
 
 extern "C" {

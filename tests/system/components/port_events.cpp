@@ -1,4 +1,4 @@
-// Sporadic: runs when an event has come, reads one, and writes what it saw to `file` at the end.
+// A sporadic module: runs when an event has arrived, reads one, and writes a summary to `file` at the end.
 #include <takt/component.hpp>
 
 #include <string>

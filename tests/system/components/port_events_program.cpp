@@ -1,4 +1,4 @@
-// A sporadic program in C++: passes on each event. Prints what is wrong.
+// A sporadic program in C++: forwards each event and prints wrong samples.
 #include <takt/process.hpp>
 
 #include <cstdio>

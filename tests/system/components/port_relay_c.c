@@ -1,4 +1,4 @@
-/* In C: passes on what it reads. As a thread module and, with -DPROGRAM, as a periodic program. */
+/* Forwards the samples that it reads. In C; a thread module or, with -DPROGRAM, a periodic program. */
 #ifdef PROGRAM
 #include <takt/process.h>
 #else

@@ -1,4 +1,4 @@
-// Reads what there is and writes what it saw to `file` at the end.
+// Reads all samples that have arrived, and writes a summary to `file` at the end.
 #include <takt/component.hpp>
 
 #include <string>

@@ -1,4 +1,4 @@
-// Writes `burst` samples each time, numbered from 1 on.
+// Writes `burst` samples in each run, numbered from 1.
 #include <takt/component.hpp>
 
 #include "sample.hpp"

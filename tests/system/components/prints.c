@@ -1,6 +1,6 @@
-/* Prints before it attaches, in its first `lines` releases (200) a line on each of standard output and error,
- * numbered from 1, then a line of `long` letters (100000) on each, and at its end a last line without a line
- * feed on each. */
+/* Prints on both standard output and standard error: a line before it attaches, a numbered line in each of
+ * its first `lines` releases (200), then a line of `long` letters (100000), and at the end a last line
+ * without a line feed. */
 #include <takt/process.h>
 
 #include "argument.h"

@@ -1,4 +1,4 @@
-// Says in start() what its input holds. With `number` above 0 it writes that, once and never again.
+// Prints in start() which value its input holds. With `number` above 0, it writes that number only once.
 #include <takt/component.hpp>
 
 #include <cstdio>

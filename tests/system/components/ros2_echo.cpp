@@ -1,5 +1,4 @@
-// Talks to a program of ROS 2: what comes as a text goes back in capitals, and of a velocity its x as a
-// number.
+// Talks to a program of ROS 2: returns a text in capitals, and the x of a velocity as a number.
 #include <takt/component.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Tells what it reads, see SafeWatch.
+// A periodic module that reports what it reads (SafeWatch).
 #include <takt/component.hpp>
 
 #include <string>

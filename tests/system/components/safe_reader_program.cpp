@@ -1,4 +1,4 @@
-// The same as a periodic program.
+// Like safe_reader.cpp, as a periodic program.
 #include <takt/process.hpp>
 
 #include <string>

@@ -1,5 +1,5 @@
-// Writes samples numbered from 1 on, with a safe value of number 0 and -1 everywhere else. By `how`, which
-// can be set while it runs, it does something else: 1 writes nothing, 2 fails, 3 crashes, 4 takes 50 ms once.
+// Writes samples numbered from 1. Its safe value has number 0, and -1 in the other fields. The property `how`
+// can be set while it runs: 1 writes nothing, 2 fails, 3 crashes, 4 takes 50 ms once.
 #include <takt/component.hpp>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// A safe value that no writer ever writes: it is no sample that is_whole().
+// A safe value that no writer ever writes: is_whole() is false for it.
 #pragma once
 
 #include <chrono>
@@ -14,13 +14,12 @@ inline samples::Count safe_value(std::uint64_t number) {
   return count;
 }
 
-/// Says on standard error each time that a reader goes from samples to the safe value or back, with the time
-/// (monotonic, ns), and everything that is neither: "SAFE 123 after 5", "LIVE 456 with 6", "WRONG 789 with
-/// 7". A writer that was loaded again counts from 1 again; one whose numbers are times (`told.so`) never goes
-/// back.
+/// Prints on standard error when a reader goes from samples to the safe value or back, and each value that is
+/// neither, with the time (monotonic, ns): "SAFE 123 after 5", "LIVE 456 with 6", "WRONG 789 with 7". The
+/// numbers of a restarted writer begin with 1 again. Only numbers that are times (`told.so`) never decrease.
 class SafeWatch {
  public:
-  /// A sample that is older is wrong, as it is where the connection has this deadline; 0: of any age.
+  /// An older sample is wrong, as on a connection with this deadline; 0: any age is right.
   explicit SafeWatch(std::chrono::nanoseconds oldest = {}) : oldest_(oldest) {}
 
   template <class Port>

@@ -1,4 +1,4 @@
-// A samples::Count and what it must look like.
+// Fills and checks a samples::Count.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ inline void fill(samples::Count& count, std::uint64_t number) {
   count.few().assign(number % 5, static_cast<std::uint32_t>(number));
 }
 
-/// Whole, and all of one number.
+/// Whether all fields belong to the same number.
 inline bool is_whole(const samples::Count& count) {
   const std::uint64_t number = count.number();
   for (const double same : count.same()) {
@@ -31,11 +31,11 @@ struct Seen {
   std::uint64_t read = 0;
   std::uint64_t first = 0;
   std::uint64_t last = 0;
-  std::uint64_t gaps = 0;   ///< numbers between two that never came
+  std::uint64_t gaps = 0;   ///< numbers that were left out
   std::uint64_t wrong = 0;  ///< torn, or not after the one before
   std::int64_t oldest_ns = 0;
   std::array<std::uint32_t, 10'000>
-      ages_us{};  ///< how many were so old when they were read; the last: or more
+      ages_us{};  ///< number of samples by their age when read; the last entry: this age or more
 
   void take(const samples::Count& count, std::int64_t age_ns) {
     if (!is_whole(count) || (read != 0 && count.number() <= last)) ++wrong;
@@ -46,7 +46,7 @@ struct Seen {
     ++ages_us[std::min<std::size_t>(static_cast<std::size_t>(age_ns / 1000), ages_us.size() - 1)];
     ++read;
   }
-  /// The age that so great a part of them did not exceed.
+  /// The age that this part of the samples did not exceed.
   [[nodiscard]] std::size_t age_us(double part) const {
     std::uint64_t sum = 0;
     std::size_t us = 0;

@@ -1,4 +1,4 @@
-// How a reader tells a test what it saw.
+// Writes what a reader saw to a file, for a test.
 #pragma once
 
 #include <fstream>

@@ -1,5 +1,5 @@
 // Writes to address 0. `where`: run (in its `after`-th run, 100), initialize, start, error, recover or
-// destruct; error and recover are reached by a failure in that run.
+// destruct. For error and recover, that run fails.
 #include <takt/module.h>
 
 static std::string where;

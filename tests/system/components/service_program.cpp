@@ -1,4 +1,4 @@
-// A program that asks a service and is asked itself: what it is asked, it asks on, and answers with that.
+// A program with a service: it forwards each request to another service and answers with the reply.
 #include <takt/process.hpp>
 
 #include "sample.hpp"

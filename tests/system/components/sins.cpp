@@ -1,4 +1,4 @@
-// Does `sin` (none) in every run(), or, where `in_condition`, in every condition(), which always holds.
+// Does `sin` (none) in every run() or, with `in_condition`, in every condition(), which always holds.
 #include <takt/component.hpp>
 
 #include "sins.h"
@@ -7,7 +7,7 @@ class Sins : public takt::Component {
   takt::Property<std::string> sin{*this, "sin", "none"};
   takt::Property<bool> in_condition{*this, "in_condition", false};
   std::string name_;
-  int* volatile number_ = nullptr;  // seen from outside, so the pair is not optimised away
+  int* volatile number_ = nullptr;  // volatile, so the pair is not optimised away
 
   takt::Result<void> initialize() override {
     sins_prepare();

@@ -1,4 +1,4 @@
-/* Every sin in every run(); as a program, in every body. */
+/* Does all sins of sins.h in every run(); as a program, in every body. */
 #define _GNU_SOURCE
 #ifdef PROGRAM
 #include <takt/process.h>
@@ -20,7 +20,7 @@ static void all_of_them(void) {
 #ifdef PROGRAM
 int main(void) {
   initPeriodExe();
-  sins_prepare(); /* what was there before is locked */
+  sins_prepare(); /* locked memory cannot cause page faults */
   while (1) {
     waitPeriod();
     all_of_them();

@@ -1,4 +1,4 @@
-/* Its body spins for `ns` nanoseconds in every `every`-th release (1); without `ns`, for one and a half
+/* Its body spins in every `every`-th release (1) for `ns` nanoseconds, by default for one and a half
  * periods. */
 #define _POSIX_C_SOURCE 200809L
 #include <takt/process.h>

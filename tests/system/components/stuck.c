@@ -1,4 +1,4 @@
-/* Stays in its body for ever, asleep, after `after` releases (100). SIGTERM ends it. */
+/* Sleeps in its body for ever after `after` releases (100). SIGTERM ends it. */
 #define _POSIX_C_SOURCE 200809L
 #include <takt/process.h>
 #include <unistd.h>

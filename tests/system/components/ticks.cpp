@@ -1,8 +1,8 @@
-// Counts its runs in what it saves and writes the count. `ticks.so` saves version 1, `ticks_more.so` version
-// 2; each takes over what the other saved. The others are what must not take their place:
+// Counts its runs in a saved value and writes the count to its output. `ticks.so` saves version 1,
+// `ticks_more.so` version 2; each restores what the other saved. A swap to one of these must fail:
 //
 //   ticks_fails    its third run fails        ticks_other     other ports and properties
-//   ticks_crashes  its third run crashes      ticks_forgets   does not take over what version 1 saved
+//   ticks_crashes  its third run crashes      ticks_forgets   does not restore what version 1 saved
 //   ticks_hangs    its initialize() never returns
 #include <takt/component.hpp>
 

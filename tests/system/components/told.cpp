@@ -1,7 +1,7 @@
-// Writes samples whose numbers rise over all of its lives: each begins at the time of day, in us. Does what
-// `order` says, once each time it is set: its last digit says what, the digits before tell orders apart. 1
-// crashes, 2 throws, 3 says a failure, 4 never returns. Says on standard error when it does so: "told 31 at
-// NS", by the time of day.
+// Writes samples whose numbers rise over all its instances: each begins with the time of day, in us. Fails
+// when `order` is set to a new value. The last digit is the kind: 1 crashes, 2 throws, 3 returns a failure, 4
+// never returns. The digits before it only make orders different. Prints "told 31 at NS" (the time of day) on
+// standard error before it fails.
 #include <takt/module.h>
 
 #include <chrono>
@@ -60,7 +60,7 @@ void write_next() {
 extern "C" {
 void initialize(void) {
   number = static_cast<std::uint64_t>(time_of_day_ns() / 1000);
-  done = order;  // of the life before
+  done = order;  // an order that an earlier instance has carried out
 }
 void run(void) {
   if (order != done) return obey();

@@ -1,4 +1,4 @@
-// Calls what no library defines.
+// Calls a function that no library defines.
 #include <takt/module.h>
 
 extern "C" {

@@ -1,5 +1,5 @@
-// As counter, with the count in an inline variable that was compiled to be one for the whole program
-// (STB_GNU_UNIQUE): the one thing of which two copies of an object cannot each have their own.
+// Like counter.cpp, but counts in an inline variable that is unique in the process (STB_GNU_UNIQUE). Two
+// copies of the object cannot each have such a variable.
 #include "count_file.hpp"
 
 #include <takt/module.h>

@@ -14,7 +14,7 @@ MODULES = {"robot": ["trajectory", "left_servo", "left_joints", "right_servo", "
 
 class Composition(takt_system.Case):
     def with_parts(self, change):
-        """The cell with its included file changed, in a folder of its own; the paths of both."""
+        """Writes the cell and a changed copy of its included file. Returns both paths."""
         with open(os.path.join(HERE, "cell.xml")) as file:
             cell = self.write("cell.xml", file.read())
         with open(os.path.join(HERE, "parts", "arm.xml")) as file:
@@ -23,7 +23,7 @@ class Composition(takt_system.Case):
         self.assertNotEqual(text, change(text))
         return cell, self.write("parts/arm.xml", change(text))
 
-    def test_it_runs_as_the_flat_cell(self):
+    def test_a_cell_of_templates_runs_as_the_flat_cell(self):
         run = self.takt("run", "cell.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
         for device, modules in MODULES.items():
@@ -32,7 +32,7 @@ class Composition(takt_system.Case):
                 self.assertEqual(LIFE, run.states(module, device))
                 self.assert_grid(run, module, device=device)
 
-    def test_the_example_runs_and_is_the_same_written_out(self):
+    def test_the_example_runs_and_equals_its_expanded_form(self):
         expanded = self.takt("check", EXAMPLE, "--expanded")
         self.assertEqual(0, expanded.status, expanded.err)
         for gone in ("<include", "<template", "<use", "${"):
@@ -45,7 +45,7 @@ class Composition(takt_system.Case):
         self.assertEqual(["trajectory", "left_servo", "left_joints", "right_servo", "right_joints", "worn_servo", "worn_joints"],
                          list(run.modules("robot")))
 
-    def test_it_is_deployed_to_nodes_that_have_no_files(self):
+    def test_deploys_to_nodes_that_have_no_files(self):
         nodes = self.nodes(*MODULES)
         run = self.deploy("cell.xml")
         self.assertEqual("cell cell runs on robot, far\n", run.out)
@@ -54,7 +54,7 @@ class Composition(takt_system.Case):
                 nodes[device].wait_for_state(module, "EXECUTING")
         self.assertEqual(["12", "15"], self.done("get robot.right_servo bandwidth", "get far.pair_arm_servo bandwidth"))
         self.done("undeploy cell")
-        # What a node finds is told with the lines of the files that were written.
+        # An error that a node finds cites the lines of the original files.
         cell, parts = self.with_parts(lambda text: text.replace("<name>mirror</name> <filename>arm.so", "<name>mirror</name> <filename>nobody.so"))
         run = self.takt("deploy", cell)
         self.assertEqual(1, run.status)
@@ -71,15 +71,15 @@ class Composition(takt_system.Case):
         for line, pattern in zip(lines, expected):
             self.assertRegex(line, pattern.replace("PARTS", re.escape(parts)).replace("CELL", re.escape(cell)))
 
-    def test_both_places_are_told_by_whoever_finds_it(self):
-        # The reader, once for all three.
+    def test_errors_cite_the_template_and_its_use(self):
+        # The parser finds this error, once for all three uses.
         self.assert_wrong(lambda text: text.replace("<priority>2</priority>", "<priority>two</priority>"),
                           r"^PARTS:7: error: <priority> is not a whole number: 'two' \(used at CELL:9, and 2 more\);")
-        # The planner.
+        # The planner finds these errors.
         self.assert_wrong(lambda text: text.replace("<priority>4</priority>", "<priority>4</priority> <budget>3000000</budget>"),
                           r"^PARTS:22: error: the budget of 'pair_mirror', 3 ms, is larger than its period, 2 ms \(used at CELL:13\);",
                           r"^PARTS:22: error: the budgets of row 0 .* \(used at CELL:13\);")
-        # The component: of a property, and of a port.
+        # The component finds these errors: a property and a port.
         self.assert_wrong(lambda text: text.replace('name="bandwidth">${', 'name="bandwith">${'),
                           *[r"^PARTS:8: error: module %s: .*'bandwith'.* \(used at %s\)" % (module, where) for module, where in
                             (("left_servo", "CELL:9"), ("right_servo", "CELL:10"), ("pair_arm_servo", "PARTS:21, used at CELL:13"))])

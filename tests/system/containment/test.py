@@ -35,17 +35,17 @@ class Containment(takt_system.Case):
         return run.modules()
 
     def assert_untouched(self, run, hosts=0):
-        """The other executor walked every row, and nothing of its modules was told but their life."""
+        """The other executor walked every row, and its modules took only the normal steps."""
         for module in ("grid", "source", "near"):
             self.assertEqual(LIFE, run.states(module))
         t0, runs, strayed = map(int, self.read("grid").split())
         self.assertEqual(0, strayed)
-        self.assertEqual(run.modules()["grid"]["cycles"], runs, "one instance from the first release to the last")
+        self.assertEqual(run.modules()["grid"]["cycles"], runs, "there must be one instance from the first release to the last")
         near = json.loads(self.read("near"))
         self.assertEqual((1, 0, 0), (near["first"], near["gaps"], near["wrong"]))
         self.assertEqual(hosts, run.err.count("is started again"))
 
-    def test_each_has_a_process_and_samples_go_between_them(self):
+    def test_samples_go_between_two_host_processes(self):
         run = self.run_with()
         modules = {}
 
@@ -63,10 +63,10 @@ class Containment(takt_system.Case):
         self.assertGreater(far["read"], 100)
         self.assertEqual((1, 0, 0), (far["first"], far["gaps"], far["wrong"]))
 
-    def test_a_crash_is_tried_again_and_then_given_up_and_costs_nobody_else_a_row(self):
+    def test_a_crashing_module_is_given_up_without_disturbing_other_hosts(self):
         run = self.run_with(('<value name="after">1000000', '<value name="after">25'))
         run.wait_for_state("culprit", "DESTRUCT", limit=20)
-        wait_until(lambda: [step.target for step in run.steps("far")].count("EXECUTING") == 4, 15, "its neighbour to run again")
+        wait_until(lambda: [step.target for step in run.steps("far")].count("EXECUTING") == 4, 15, "its host's other module to run")
         modules = self.finish(run)
         self.assertEqual(1, run.status, run.err)
         self.assertEqual(STARTED + ["RECOVER", "EXECUTING"] * 2 + ["RECOVER", "DESTRUCT"], run.states("culprit"))
@@ -74,17 +74,17 @@ class Containment(takt_system.Case):
             if step.target == "RECOVER":
                 self.assertRegex(step.text, r"^crash: %s was killed by SIGSEGV .* in run\(\), in .* in segv\.so$" % HOST)
         self.assertEqual(3, modules["culprit"]["errors"])
-        self.assertIn(modules["culprit"]["cycles"], range(72, 76), "25 runs of each instance, the last of them never ended")
+        self.assertIn(modules["culprit"]["cycles"], range(72, 76), "25 runs of each of 3 instances, whose last run crashed")
         self.assertRegex(run.err, r"module d\.culprit: error: was given up: .*SIGSEGV")
-        # Its neighbour was loaded afresh three times, and read on where the link was.
+        # The other module of the host was loaded three more times, and read on where it had been in the queue.
         self.assertEqual(STARTED + (["DESTRUCT"] + STARTED) * 3 + LIFE[4:], run.states("far"))
         self.assertEqual(LIFE, run.states("program"))
         self.assertEqual(0, json.loads(self.read("far"))["wrong"])
         self.assert_untouched(run, hosts=3)
 
-    @takt_system.alone("an endless loop at a real-time priority keeps a processor busy")
-    def test_an_endless_loop_is_ended_with_its_host_alone(self):
-        # The next instance comes to its endless loop after a second: the end is asked for before.
+    @takt_system.alone("an endless loop at a real-time priority keeps a CPU busy")
+    def test_an_endless_loop_ends_only_its_own_host(self):
+        # The next instance reaches its endless loop after a second. The test ends the run before that.
         run = self.run_with(("segv.so", "endless.so"), ('<value name="after">1000000', '<value name="after">250'))
         run.wait_for_state("culprit", "RECOVER", limit=20)
         run.wait_for_line(r"\.culprit: RECOVER -> EXECUTING", limit=20)
@@ -92,7 +92,7 @@ class Containment(takt_system.Case):
         self.assertRegex(run.steps("culprit")[3].text, r"hang: run\(\) did not return within .*so %s was ended" % HOST)
         self.assert_untouched(run, hosts=1)
 
-    def test_a_killed_host_comes_back_and_one_that_keeps_ending_is_given_up_alone(self):
+    def test_a_host_that_keeps_ending_is_given_up_alone(self):
         run = self.run_with()
 
         def host_of(module):
@@ -103,11 +103,11 @@ class Containment(takt_system.Case):
             os.kill(host_of("far"), signal.SIGKILL)
             if time_round < 3:
                 run.wait_for_line(r"\.far: START -> EXECUTING", after=begun)
-        run.wait_for_line(HOST + r" is given up, the others go on", after=begun)
+        run.wait_for_line(HOST + r" is given up; the other hosts go on", after=begun)
         self.wait_for_states({"d": {"grid": "EXECUTING", "far": "DESTRUCT", "culprit": "DESTRUCT", "program": "DESTRUCT"}})
-        wait_until(lambda: not run.processes("grid.exe"), 5, "the end of its program")
+        wait_until(lambda: not run.processes("grid.exe"), 5, "its program to end")
 
-        # Quarantined until somebody says otherwise.
+        # It stays given up until an operator resets it.
         begun = len(run.raw)
         for order in ("reset", "initialize", "start"):
             self.done("%s d.far" % order)
@@ -118,7 +118,7 @@ class Containment(takt_system.Case):
         self.assertRegex(run.err, r"module d\.far: error: %s was killed by SIGKILL .*; it has been restarted 3 times" % HOST)
         self.assert_untouched(run, hosts=4)
 
-    def test_properties_and_orders_reach_the_right_one(self):
+    def test_properties_and_commands_reach_the_right_host(self):
         run = self.run_with()
         self.done("set d.far most 5", "set d.near most 7")
         self.assertEqual(["5", "7"], self.done("get d.far most", "get d.near most"))
@@ -182,7 +182,7 @@ RECALLS = """<cell name="recalls">
 
 
 class Saved(takt_system.Case):
-    """What a module saves is there for the instance that takes its place."""
+    """The next instance of a module restores the state that the module saved."""
 
     def run_keeping(self, file="keeps.so", after=1000000000, retain="false"):
         run = self.start("run", self.write("cell.xml", KEEPS % {"file": file, "after": after, "retain": retain}), "--json")
@@ -190,35 +190,35 @@ class Saved(takt_system.Case):
         return run
 
     def wait_for_runs(self, more=50):
-        """Until the first module has run that often since now."""
+        """Waits until the first module has run this many more times."""
         def runs():
             return self.status_of()["devices"][0]["modules"][0]["cycles"]
         before = runs()
         wait_until(lambda: runs() > before + more, 10, "some runs")
 
     def said_of(self, run, what):
-        """What its instances found in start()."""
+        """What the instances printed about their state in start()."""
         return [line.text for line in run.lines if line.module == "(host risky)" and line.text.startswith(what)]
 
     def finish(self, run):
         run.signal(signal.SIGINT)
         run.wait(15)
 
-    def test_a_crash_costs_one_run_and_what_crashes_twice_begins_anew(self):
+    def test_a_module_restores_its_state_after_one_crash_but_not_after_a_second(self):
         run = self.run_keeping(after=50)
         run.wait_for_state("keeps", "DESTRUCT", limit=20)
-        wait_until(lambda: len(self.said_of(run, "c has")) == 4, 10, "the neighbour to begin once more")
+        wait_until(lambda: len(self.said_of(run, "c has")) == 4, 10, "the other module to start once more")
         self.finish(run)
-        # The run that crashed was never saved; that of the second instance was the 50th of its own.
+        # The run that crashed was not saved. The second instance crashed in its own 50th run.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"], self.said_of(run, "version"))
-        self.assertEqual(1, run.err.count("keeps: what it saved is restored"))
+        self.assertEqual(1, run.err.count("keeps: its saved state is restored"))
         runs = [int(text.split()[-1]) for text in self.said_of(run, "c has")]
         self.assertEqual(4, len(runs), runs)
         self.assertEqual([0] + sorted(runs[1:]), runs)
         self.assertGreaterEqual(runs[1], 48)
         self.assertLessEqual(runs[3], run.modules()["neighbour"]["cycles"])
 
-    def test_another_version_takes_over_what_it_understands(self):
+    def test_another_version_restores_the_state_that_it_understands(self):
         folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
         mine = os.path.join(self.folder, "mine.so")
         shutil.copy(os.path.join(folder, "keeps.so"), mine)
@@ -227,43 +227,43 @@ class Saved(takt_system.Case):
         shutil.copy(os.path.join(folder, "keeps_more.so"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
-        run.wait_for_line(r"keeps: what version 1 of it saved is taken over")
+        run.wait_for_line(r"keeps: the state that version 1 saved is taken over")
         run.wait_for_line(r"version 2 restored \d{2,}")
-        # And back: version 1 knows nothing of it, says so, and begins. It is that of version 2 once that has run.
+        # Back again, after version 2 has run and saved: version 1 cannot restore that state, says so, and starts from 0.
         self.wait_for_runs()
         shutil.copy(os.path.join(folder, "keeps.so"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
-        run.wait_for_line(r"keeps: what was saved is not restored: it was saved by version 2 .*override restore\(\)")
+        run.wait_for_line(r"keeps: its saved state is not restored: it was saved by version 2 .*override restore\(\)")
         self.finish(run)
         self.assertEqual("version 1 began 0", self.said_of(run, "version")[-1])
 
-    def test_what_is_retained_is_there_when_the_cell_is_started_again(self):
+    def test_retained_state_survives_a_restart_of_the_cell(self):
         first = self.run_keeping(retain="true")
         self.wait_for_runs()
         self.finish(first)
         self.assertEqual(0, first.status, first.err)
         second = self.run_keeping(retain="true")
-        second.wait_for_line(r"keeps: what it saved is restored")
-        wait_until(lambda: self.said_of(second, "version") and self.said_of(second, "c has"), 5, "their words")
+        second.wait_for_line(r"keeps: its saved state is restored")
+        wait_until(lambda: self.said_of(second, "version") and self.said_of(second, "c has"), 5, "both modules to print their state")
         self.assertEqual(["version 1 restored %d" % first.modules()["keeps"]["cycles"]], self.said_of(second, "version"))
-        self.assertEqual(["c has 0"], self.said_of(second, "c has"), "its neighbour does not retain")
-        # Who is told to begin anew does.
+        self.assertEqual(["c has 0"], self.said_of(second, "c has"), "the other module does not retain its state")
+        # An operator can make the module start from the beginning.
         device = self.status_of()["devices"][0]["name"]
         for order in ("destruct", "reset", "initialize", "start"):
             self.done("%s %s.keeps" % (order, device))
-        wait_until(lambda: len(self.said_of(second, "version")) == 2, 5, "its words")
+        wait_until(lambda: len(self.said_of(second, "version")) == 2, 5, "the module to print its state")
         self.assertEqual("version 1 began 0", self.said_of(second, "version")[-1])
         self.finish(second)
 
-    def test_the_latest_values_are_there_after_a_crash(self):
+    def test_latest_values_survive_a_crash_of_the_host(self):
         run = self.start("run", self.write("cell.xml", RECALLS), "--json")
         run.wait_for_state("reader", "EXECUTING")
         self.wait_for_runs()
         for _ in range(2):
             said = len(self.said_of(run, "holds"))
             os.kill(run.one("takt-host").pid, signal.SIGKILL)
-            wait_until(lambda: len(self.said_of(run, "holds")) > said, 10, "the reader to begin again")
+            wait_until(lambda: len(self.said_of(run, "holds")) > said, 10, "the reader to start again")
             self.wait_for_runs()
         self.finish(run)
         self.assertEqual(["holds 0", "holds 7", "holds 7"], self.said_of(run, "holds"))
@@ -285,17 +285,17 @@ class SavedByPrograms(takt_system.Case):
         run.signal(signal.SIGINT)
         run.wait(15)
 
-    def test_a_crash_costs_one_body_and_what_crashes_twice_begins_anew(self):
+    def test_a_program_restores_its_state_after_one_crash_but_not_after_a_second(self):
         run = self.run_keeping(after=50)
         run.wait_for_state("keeps", "DESTRUCT", limit=20)
         self.finish(run)
-        # A later crash is a first one again: what came before it had run well.
+        # The second instance restored the state and crashed too, so the third one starts without it.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"],
                          self.told(run, "keeps", "version"))
-        self.assertEqual(["takt: what it saved is restored"], self.told(run, "keeps", "takt:"))
-        self.assertEqual(["c has 0"], run.printed("in_c"), "another program's crash is nothing to it")
+        self.assertEqual(["takt: its saved state is restored"], self.told(run, "keeps", "takt:"))
+        self.assertEqual(["c has 0"], run.printed("in_c"), "the crash of another program must not affect it")
 
-    def test_one_that_is_killed_goes_on_where_it_was_in_c_too(self):
+    def test_killed_programs_in_cpp_and_c_restore_their_state(self):
         run = self.run_keeping()
         wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
         for module, file in (("keeps", "keeps_program.exe"), ("in_c", "keeps_program_c.exe")):
@@ -309,7 +309,7 @@ class SavedByPrograms(takt_system.Case):
             self.assertGreater(found, 48)
             self.assertLessEqual(found, modules[module]["cycles"])
 
-    def test_another_version_begins_anew_and_says_so(self):
+    def test_another_version_of_a_program_starts_without_the_saved_state(self):
         folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
         mine = os.path.join(self.folder, "mine.exe")
         shutil.copy(os.path.join(folder, "keeps_program.exe"), mine)
@@ -318,11 +318,11 @@ class SavedByPrograms(takt_system.Case):
         shutil.copy(os.path.join(folder, "keeps_program_more.exe"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("mine.exe").pid, signal.SIGKILL)
-        run.wait_for_line(r"what version 1 of it saved \(8 bytes\) is not restored: this is version 2 \(16 bytes\)")
+        run.wait_for_line(r"the state that version 1 saved \(8 bytes\) is not restored: this is version 2 \(16 bytes\)")
         run.wait_for_line(r"version 2 began 0")
         self.finish(run)
 
-    def test_what_is_retained_is_there_when_the_cell_is_started_again(self):
+    def test_retained_state_of_a_program_survives_a_restart_of_the_cell(self):
         first = self.run_keeping(retain="true")
         wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
         self.finish(first)
@@ -330,11 +330,11 @@ class SavedByPrograms(takt_system.Case):
         second = self.run_keeping(retain="true")
         self.finish(second)
         found = int(self.told(second, "keeps", "version 1 restored")[0].split()[-1])
-        # Its last body was perhaps cut short by the end.
+        # The end of the run may have interrupted its last body.
         self.assertIn(first.modules()["keeps"]["cycles"] - found, (0, 1))
-        self.assertEqual(["c has 0"], second.printed("in_c"), "it does not retain")
+        self.assertEqual(["c has 0"], second.printed("in_c"), "it does not retain its state")
 
-    def test_what_a_program_saves_is_described(self):
+    def test_describe_shows_what_a_program_saves(self):
         told = json.loads(self.done("describe keeps_program_more.exe --json")[0])
         self.assertEqual({"version": 2, "bytes": 16}, told["saved"])
 

@@ -9,13 +9,13 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 STARTED = LIFE[:4]
-PLACE = r"(, in .+ in \w+\.so)?"  # nothing is known of one that overflowed its stack or left by exit()
+PLACE = r"(, in .+ in \w+\.so)?"  # unknown after a stack overflow or exit()
 SEGV = r"the host was killed by SIGSEGV \(Segmentation fault\) in %s\(\)"
 
 
 class Crashes(takt_system.Case):
     def crash(self, descriptor, reason, culprits=("culprit",)):
-        """Runs it until all have crashed and for a while after, and checks all that holds whatever the crash was."""
+        """Runs the cell until all culprits have crashed and a while longer, and checks what holds after every kind of crash."""
         run = self.start("run", descriptor + ".xml", "--json")
         run.wait_for_state("program", "EXECUTING")
         node, program = run.one("takt-node").pid, run.one("grid.exe").pid
@@ -45,7 +45,7 @@ class Crashes(takt_system.Case):
             self.assertEqual(0, modules[module]["errors"])
         self.assertEqual(LIFE, run.states("program"))
 
-        # The program was always in the table. The others missed what passed while they were loaded.
+        # The program was always in the table. The other modules missed the rows while they were loaded again.
         restarts = len(culprits)
         self.assert_grid(run, "program", every=2, broken_rows=restarts)
         rows = run.executor()
@@ -55,49 +55,49 @@ class Crashes(takt_system.Case):
             self.assertLessEqual(cycles, min(-(-(rows["cycles"] + rows["missed"]) // every), rows["cycles"] + restarts))
             self.assertGreater(cycles, 100 // every)
 
-        # One grid from the first release to the last, over the restart.
+        # The grid stays the same over the restart.
         t0, runs, strayed = map(int, self.read("grid").split())
-        self.assertGreater(runs, 0, "it ran in the last host")
+        self.assertGreater(runs, 0, "it must have run in the last host")
         said = re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program")))
         self.assertEqual((0, 0), (strayed, int(said[3])))
         self.assertEqual(t0, int(said[1]))
         self.assertIn(modules["program"]["cycles"] - int(said[2]), (0, 1))
         return run
 
-    def test_segmentation_fault(self):
+    def test_a_segmentation_fault_restarts_the_host_without_the_culprit(self):
         run = self.crash("segv", SEGV % "run" + r", in \w.* at segv\.cpp:1\d in segv\.so")
         self.assertEqual(99, run.modules()["culprit"]["cycles"])
         self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("culprit"))
 
-    def test_a_module_that_calls_exit(self):
+    def test_a_call_of_exit_restarts_the_host_without_the_culprit(self):
         self.crash("leaves", r"the host ended with status 3 in run\(\)")
 
-    def test_abort(self):
+    def test_abort_restarts_the_host_without_the_culprit(self):
         run = self.crash("abort", r"the host was killed by SIGABRT \(Aborted\) in run\(\)")
         self.assertEqual(99, run.modules()["culprit"]["cycles"])
 
-    def test_stack_overflow(self):
+    def test_a_stack_overflow_restarts_the_host_without_the_culprit(self):
         self.crash("overflow", SEGV % "run")
 
-    @takt_system.alone("an endless loop at a real-time priority keeps a processor busy")
-    def test_endless_loop(self):
+    @takt_system.alone("an endless loop at a real-time priority keeps a CPU busy")
+    def test_an_endless_loop_restarts_the_host_without_the_culprit(self):
         run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the host was ended")
-        self.assertGreaterEqual(run.executor()["missed"], 1000, "nobody walked the rows while it spun")
+        self.assertGreaterEqual(run.executor()["missed"], 1000, "no row was walked during the endless loop")
 
-    def test_in_error_and_recover(self):
+    def test_a_crash_in_error_or_recover_restarts_the_host_without_the_culprit(self):
         for hook in ("error", "recover"):
             with self.subTest(hook=hook):
                 run = self.crash("segv_in_" + hook, SEGV % hook)
                 self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("culprit"))
                 self.assertEqual((100, 2), (run.modules()["culprit"]["cycles"], run.modules()["culprit"]["errors"]))
 
-    def test_in_the_background(self):
+    def test_a_crash_of_a_non_real_time_module_restarts_the_host_without_it(self):
         self.crash("background", SEGV % "run")
 
-    def test_one_after_the_other(self):
+    def test_two_crashing_modules_are_removed_one_after_the_other(self):
         self.crash("two", SEGV % "run", culprits=("first", "second"))
 
-    def test_in_initialize_and_start_refuses_the_device(self):
+    def test_a_crash_in_initialize_or_start_prevents_the_start(self):
         for hook in ("initialize", "start"):
             with self.subTest(hook=hook):
                 run = self.takt("run", "segv_in_%s.xml" % hook, "--for", "5", "--json", limit=15)
@@ -106,7 +106,7 @@ class Crashes(takt_system.Case):
                 self.assertNotIn("started again", run.err)
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
 
-    def test_in_destruct_is_reported(self):
+    def test_a_crash_in_destruct_is_reported(self):
         run = self.takt("run", "segv_in_destruct.xml", "--for", "1", "--json", limit=15)
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s%s$" % (SEGV % "destruct", PLACE))
@@ -114,7 +114,7 @@ class Crashes(takt_system.Case):
         self.assertEqual(LIFE, run.states("program"))
         self.assertEqual(LIFE, run.states("grid"))
 
-    def test_a_module_that_the_device_cannot_do_without_ends_it(self):
+    def test_a_crash_of_a_stop_device_module_ends_the_device(self):
         run = self.takt("run", "stop_device.xml", "--for", "30", "--json", limit=15)
         self.assertEqual(1, run.status)
         self.assertEqual(1, len(run.other_lines), run.other_lines)

@@ -1,6 +1,6 @@
-"""A program of another DDS talks to Takt: Cyclone DDS, built from idl/ by its own compiler.
+"""A program of Cyclone DDS, built from idl/ with Cyclone's own compiler, talks to Takt.
 
-TAKT_DDS_PEER is the program of tests/conformance/dds, TAKT_CYCLONE_PEER the one beside this file."""
+TAKT_DDS_PEER is the program of tests/conformance/dds, TAKT_CYCLONE_PEER the one of this folder."""
 import json
 import os
 import subprocess
@@ -16,8 +16,8 @@ import takt_system
 PEER = os.environ["TAKT_DDS_PEER"]
 CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
 DOMAIN = os.environ.get("TAKT_TEST_DOMAIN") or str(takt_system.free_domain())
-KEPT = 32  # samples by either side: what is on its way when one of them stands still must not be more
-# Cyclone takes the first interface that is up and can multicast; nothing of this test leaves the machine.
+KEPT = 32  # history depth of both sides: no more samples may be on their way while one side stalls
+# Cyclone would take the first interface that is up and can multicast. With this, no packet leaves the machine.
 LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
 <AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
 REPORT, STOP = 0, 8  # of takt::CommandKind
@@ -82,7 +82,7 @@ class Cyclone(unittest.TestCase):
             json.dump(shape, file)
         return path
 
-    def test_reads_what_nodes_say(self):
+    def test_reads_the_status_topics_of_nodes(self):
         self.takt("state", "12", first="failures 0")
         device = self.takt("device", "robot")
         self.takt("statistics", "servo")
@@ -98,10 +98,10 @@ class Cyclone(unittest.TestCase):
                 device.process.kill()
                 killed = True
             if said["topic"] == "device" and "not_alive" in said:
-                gone = said["not_alive"] == 1  # before, when the machine stood still for longer than its lease
+                gone = said["not_alive"] == 1  # may come early, if the machine stalled for longer than the lease
             if killed and gone:
                 break
-        self.assertTrue(killed and gone, "the death of a node")
+        self.assertTrue(killed and gone, "the reader must see the death of the node")
         self.assertEqual({"test/device/module%d" % n for n in range(12)}, set(modules))
         one = modules["test/device/module3"]
         self.assertEqual((2, 2, "module3", "test", "device"),
@@ -125,12 +125,12 @@ class Cyclone(unittest.TestCase):
     def test_writes_samples_that_a_port_reads(self):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
-                topic = "to/" + reliability.replace("-", "_")  # Cyclone takes no other marks
+                topic = "to/" + reliability.replace("-", "_")  # Cyclone allows no other special character
                 tap = self.takt("tap", topic, reliability, str(KEPT))
                 count = KEPT - 2
                 write = self.cyclone("write", "Sample", topic, str(count), "5", reliability)
                 for number in range(1, count + 1):
-                    self.assertEqual("sample %d" % number, tap.line(), "whole, and in order")
+                    self.assertEqual("sample %d" % number, tap.line(), "samples must arrive complete and in order")
                 self.assertEqual("written", write.line())
                 tap.say("health")
                 self.assertEqual("samples %d lost 0 refused 0" % count, " ".join(tap.line().split()[2:8]))
@@ -145,7 +145,7 @@ class Cyclone(unittest.TestCase):
                 reader = threading.Thread(target=lambda: samples.extend(json.loads(text) for text in read.lines()))
                 reader.start()
                 written = 0
-                while reader.is_alive():  # what is written before they match is not delivered
+                while reader.is_alive():  # samples written before the match are not delivered
                     if not samples or written - samples[-1]["number"] < KEPT // 2:
                         feed.say("1 3000")
                         written = int(feed.line().split()[1])
@@ -158,7 +158,7 @@ class Cyclone(unittest.TestCase):
                 self.assertEqual(list(range(numbers[0], numbers[0] + 30)), numbers)
                 self.assertEqual(0, read.process.wait(10))
 
-    def test_every_kind_of_member_both_ways(self):
+    def test_exchanges_every_kind_of_member_both_ways(self):
         mixed = self.type_file(MIXED)
         show = self.takt("show", "mixed/to", "reliable", "32", mixed)
         self.cyclone("write", "Mixed", "mixed/to", "12", "5", "reliable")
@@ -182,8 +182,8 @@ class Cyclone(unittest.TestCase):
         got = json.loads(read.line())
         self.assertEqual({**sample, "colour": 2, "places": [[1.5, -2.5], [-0.25, 8]], "way": [[9, 1]]}, got)
 
-    def test_a_port_of_the_demonstration(self):
-        """The IDL of the components that come with Takt."""
+    def test_a_port_reads_the_part_type_of_the_demo(self):
+        """The type is of the IDL files that come with Takt."""
         shape = {"name": "line::Part", "fields": [
             {"name": "number", "type": "unsigned long"}, {"name": "kind", "type": "string", "bound": 15},
             {"name": "x", "type": "double"}, {"name": "y", "type": "double"}, {"name": "angle", "type": "double"}]}

@@ -1,4 +1,4 @@
-"""What DDS does with the interfaces of a machine: two machines as network namespaces, joined by two cables.
+"""How DDS uses the interfaces of a machine. Two network namespaces play two machines, joined by two cables.
 
 TAKT_DDS_PEER is the program of tests/conformance/dds. Needs root and iproute2."""
 import os
@@ -73,7 +73,7 @@ class Peer:
             self.lines.put(line.rstrip("\n"))
 
     def line(self, limit=20):
-        """The next line; empty when it says nothing for that long."""
+        """The next line; empty if none comes within the limit."""
         try:
             return self.lines.get(timeout=limit)
         except queue.Empty:
@@ -102,7 +102,7 @@ class Interfaces(unittest.TestCase):
         return peer
 
     def match(self, feed, tap, limit=20):
-        """Writes until the other has heard one, and no other is on its way. Returns the number of the last."""
+        """Writes until a sample has arrived and no other is on its way. Returns the number of the last."""
         end = time.monotonic() + limit
         while time.monotonic() < end:
             feed.say("1")
@@ -112,7 +112,7 @@ class Interfaces(unittest.TestCase):
                 while heard and heard != "sample %d" % written:
                     heard = tap.line()
                 return written
-        self.fail("they did not find each other")
+        self.fail("writer and reader did not find each other")
 
     def assert_arrive(self, feed, tap, first, count):
         feed.say(str(count))
@@ -120,7 +120,7 @@ class Interfaces(unittest.TestCase):
             self.assertEqual("sample %d" % number, tap.line())
         self.assertTrue(feed.line().startswith("written %d failures 0" % (first + count - 1)))
 
-    def test_only_the_interface_that_is_named_is_used(self):
+    def test_uses_only_the_given_interface(self):
         for cable in (0, 1):
             self.net.connect(cable)
         tap = self.peer("line", "tap", "t", "reliable", "64", PEER_INTERFACES="10.80.1.2")
@@ -132,9 +132,9 @@ class Interfaces(unittest.TestCase):
             self.assertEqual("sample %d" % number, tap.line())
         after = [self.net.bytes("robot", cable) for cable in (0, 1)]
         self.assertGreater(after[1] - before[1], 500000)
-        self.assertLess(after[0] - before[0], 2000, "what the kernel says of itself")
+        self.assertLess(after[0] - before[0], 2000, "only the kernel itself may send there")
 
-    def test_an_interface_that_comes_up_later_is_used(self):
+    def test_uses_an_interface_that_comes_up_later(self):
         tap = self.peer("line", "tap", "t", "reliable", "64", PEER_RESCAN="yes")
         feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_RESCAN="yes")
         time.sleep(1)
@@ -146,7 +146,7 @@ class Interfaces(unittest.TestCase):
         print("matched %.1f s after the interface came up" % (time.monotonic() - begin))
         self.assert_arrive(feed, tap, last + 1, 20)
 
-    def test_what_is_sent_while_the_cable_is_out_arrives_afterwards(self):
+    def test_reliable_samples_sent_while_the_cable_is_out_arrive_afterwards(self):
         self.net.connect(0)
         tap = self.peer("line", "tap", "t", "reliable", "64")
         feed = self.peer("robot", "feed", "t", "reliable", "64")

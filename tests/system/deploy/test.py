@@ -9,12 +9,12 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 DEVICES = {"robot": ["grid", "program", "plain"], "line": ["grid", "properties", "source"], "station": ["grid", "sink", "program"]}
-KINDS = ("grid", "program", "plain")  # of the robot: a thread module, a program that is released, a plain one
+KINDS = ("grid", "program", "plain")  # modules of robot: a thread module, a periodic program, a non-real-time one
 DISTRIBUTION = {"mean", "variance", "min", "p50", "p99", "p999", "max"}
 
 
 class Deploy(takt_system.Case):
-    def test_a_cell_runs_on_its_devices_from_one_instant(self):
+    def test_all_devices_of_a_cell_start_at_one_instant(self):
         nodes = self.nodes(*DEVICES)
         pids = {device: node.pid for device, node in nodes.items()}
         for again in range(2):
@@ -22,21 +22,21 @@ class Deploy(takt_system.Case):
             run = self.deploy("cell.xml")
             self.assertEqual("cell cell runs on robot, line, station\n", run.out)
             self.assert_contract(self.wait_for_states({device: "EXECUTING" for device in DEVICES}))
-            # All are ready before the first runs.
+            # All modules are ready before the first one runs.
             def said(step):
                 return [line.at for device, node in nodes.items() for line in node.lines[begun[device]:] if line.text == step]
-            wait_until(lambda: len(said("START -> EXECUTING")) >= 9, 5, "all to have said so")
+            wait_until(lambda: len(said("START -> EXECUTING")) >= 9, 5, "all modules to report it")
             ready, first = said("INITIALIZE -> START"), said("START -> EXECUTING")
             self.assertEqual((9, 9), (len(ready), len(first)))
             self.assertLessEqual(max(ready), min(first))
             self.assertEqual(["cell cell is undeployed from line, robot, station"], self.done("undeploy cell"))
-            # One machine has one clock, and each node reads its two clocks together as closely as it can.
+            # All devices have the same clock here. Each node reads its two clocks as close together as it can.
             instants = [int(self.read(device).split()[0]) for device in DEVICES]
             self.assertLess(max(instants) - min(instants), 20000, instants)
             print("the devices' instants differ by %d ns" % (max(instants) - min(instants)))
-            self.assertGreaterEqual(run.out_lines[0][0] * 1e9, min(instants), "it was said to run before it did")
+            self.assertGreaterEqual(run.out_lines[0][0] * 1e9, min(instants), "takt deploy must not report the start before it happened")
             for device, node in nodes.items():
-                self.assertEqual("0", self.read(device).split()[2], "releases beside the grid")
+                self.assertEqual("0", self.read(device).split()[2], "releases off the grid")
                 self.assertEqual([], node.processes("takt-host"))
                 self.assertEqual(pids[device], node.one("takt-node").pid)
         seen = json.loads(self.read("sink"))
@@ -70,7 +70,7 @@ class Deploy(takt_system.Case):
                 self.assertTrue(os.path.exists("/proc/%d" % module["pid"]), module)
 
     def running(self):
-        """The nodes of the cell, with each of its modules EXECUTING."""
+        """Deploys the cell and waits until all modules are EXECUTING. Returns the nodes."""
         nodes = self.nodes(*DEVICES)
         self.deploy("cell.xml")
         for device, modules in DEVICES.items():
@@ -79,20 +79,20 @@ class Deploy(takt_system.Case):
         return nodes
 
     def each(self, verb):
-        """The verb to a module of each kind, side by side: what they say."""
+        """Gives the command to one module of each kind at the same time. Returns the answers."""
         return self.done(*("%s robot.%s" % (verb, module) for module in KINDS))
 
     def assert_each(self, verb, state):
         self.assertEqual(["robot.%s: %s" % (module, state) for module in KINDS], self.each(verb))
 
     def assert_each_refused(self, verb, state, allowed):
-        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is refused in state %s; it is allowed in %s$" %
+        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is not allowed in state %s; it is allowed in %s$" %
                       (verb, state, allowed) for module in KINDS})
 
     def robot(self):
         return {m["name"]: m for m in self.status_of("robot")["modules"]}
 
-    def test_every_verb_to_every_kind_of_module(self):
+    def test_each_command_works_on_each_kind_of_module(self):
         nodes = self.running()
         self.assert_each("stop", "START")
         stopped = self.robot()
@@ -114,7 +114,7 @@ class Deploy(takt_system.Case):
         self.assert_each("reset", "IDLE")
         self.assert_each("initialize", "INITIALIZE")
         self.assert_each("start", "EXECUTING")
-        # What a module is told moves no other.
+        # A command to one module does not affect the others.
         for device in ("line", "station"):
             for module in DEVICES[device]:
                 self.assertEqual(LIFE[:4], nodes[device].states(module))
@@ -123,7 +123,7 @@ class Deploy(takt_system.Case):
         for module in KINDS:
             self.assertEqual(LIFE[:4] + ["START", "EXECUTING", "START", "DESTRUCT"] + LIFE, nodes["robot"].states(module))
 
-    def test_a_whole_device(self):
+    def test_a_command_to_a_device_reaches_all_its_modules(self):
         nodes = self.running()
         said = lambda state: "\n".join(["line.%s: %s" % (module, state) for module in DEVICES["line"]])
         for verb, state in (("stop", "START"), ("start", "EXECUTING"), ("destruct", "DESTRUCT"), ("reset", "IDLE"),
@@ -132,13 +132,13 @@ class Deploy(takt_system.Case):
         self.done("stop line.grid")
         run = self.takt("stop", "line")
         self.assertEqual(1, run.status)
-        self.assertEqual(["line.grid: START (stop is refused in state START; it is allowed in EXECUTING)", "line.properties: START",
+        self.assertEqual(["line.grid: START (stop is not allowed in state START; it is allowed in EXECUTING)", "line.properties: START",
                           "line.source: START"], sorted(run.out.splitlines()))
-        self.assertRegex(run.err, "^device line: error: 1 of 3 modules did not do it: grid: stop is refused in state START")
+        self.assertRegex(run.err, "^device line: error: 1 of 3 modules failed: grid: stop is not allowed in state START")
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_properties_ports_and_wrong_names(self):
+    def test_reads_properties_and_ports_and_rejects_wrong_names(self):
         nodes = self.running()
         self.assertEqual(["3", "none", "1.5"], self.done("get line.properties count", "get line.properties label",
                                                          "get line.properties gain"))
@@ -154,24 +154,24 @@ class Deploy(takt_system.Case):
         })
         self.assertEqual(["7", "a b"], self.done("get line.properties count", "get line.properties label"))
         nodes["line"].wait_for_line(r"line\.properties: count = 7")
-        # A device that is not there is told within seconds, whatever it was asked.
+        # Every command to a missing device fails within seconds.
         asked = ("get nobody.grid x", "set nobody.grid x 1", "stop nobody.grid", "start nobody", "echo nobody.grid.out")
         begun = time.monotonic()
-        self.refused({command: r"^device nobody: error: it is not there: no answer within 3 s; is takt-node --device nobody running "
-                               r"on domain %d\?$" % self.domain for command in asked})
+        self.refused({command: r"^device nobody: error: not found: no answer within 3 s; check that takt-node --device nobody is "
+                               r"running on domain %d$" % self.domain for command in asked})
         took = time.monotonic() - begun
         print("a device that is not there: all commands were refused within %.2f s" % took)
         self.assertLess(took, 10)
-        # Ports are seen from anywhere, in order.
+        # Samples of a port can be read from anywhere and are in order.
         run = self.takt("echo", "line.source.out", "--count", "5")
         self.assertEqual(0, run.status, run.err)
         numbers = [json.loads(line)["number"] for line in run.out.splitlines()]
         self.assertEqual(list(range(numbers[0], numbers[0] + 5)), numbers)
-        # Why nothing comes is said, and that it goes on when something does.
+        # takt echo explains why no sample comes, and continues when samples come again.
         self.done("stop line.source")
         echo = self.start("echo", "line.source.out", "--count", "1")
-        wait_until(lambda: "nothing has come from line.source.out for 2 s; line.source is in START" in echo.err, 10,
-                   "the silence is explained")
+        wait_until(lambda: "no sample from line.source.out for 2 s; line.source is in START" in echo.err, 10,
+                   "takt echo to explain the silence")
         self.done("start line.source")
         self.assertEqual(0, echo.wait(10).status, echo.err)
         described = self.done("describe cpp_properties.so")[0]
@@ -180,20 +180,20 @@ class Deploy(takt_system.Case):
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_recover(self):
+    def test_recover_works_on_each_kind_of_module(self):
         node = self.node("robot")
         self.deploy("recover.xml")
         modules = ("thread", "program", "plain", "never")
         in_recover = {module: "RECOVER" for module in modules}
         self.wait_for_states({"robot": in_recover})
-        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is refused in state RECOVER; it is allowed in %s$" %
+        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is not allowed in state RECOVER; it is allowed in %s$" %
                       (verb, allowed)
                       for verb, allowed in (("start", "INITIALIZE or START"), ("stop", "EXECUTING")) for module in modules})
         recovered = modules[:3]
         self.assertEqual(["robot.%s: EXECUTING" % module for module in recovered],
                          self.done(*("recover robot.%s" % module for module in recovered)))
         self.refused({"recover robot.never": r"^module robot\.never: error: it could not recover: recover\(\) failed: threw: recover\(\) threw"})
-        # They fail again, as they do.
+        # These modules fail again after each recovery.
         for module in recovered:
             wait_until(lambda: len(node.steps(module)) == 6, 10, "%s to fail again" % module)
             self.assertEqual(LIFE[:4] + ["RECOVER", "EXECUTING", "RECOVER"], node.states(module))

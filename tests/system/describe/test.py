@@ -10,7 +10,7 @@ import takt_system
 
 SCHEMA = os.path.join(takt_system.SOURCE, "config", "iso22166-profile.xsd")
 FOLDER = os.path.join(os.path.dirname(takt_system.BIN), "components")
-# Of the benchmarks, which are no ready components.
+# Without the components of the benchmarks, which are not ready-made components.
 READY = sorted(f for f in glob.glob(os.path.join(FOLDER, "*.so")) + glob.glob(os.path.join(FOLDER, "*.exe"))
                if not os.path.basename(f).startswith("bench_"))
 MODULE = """  <module>
@@ -32,12 +32,12 @@ def module(name, filename, *properties, sporadic=False):
     return text if properties else re.sub(r"(?s) *<property>.*</property>\n", "", text)
 
 
-# Programs that are nothing without a property, and say so.
+# Programs that cannot be described without a property, and say so.
 ASKED_WITH = {"modbus_master.exe": ["map=lamp out coil 0"], "modbus_device.exe": ["map=lamp out coil 0"]}
 
 
 class Describe(takt_system.Case):
-    def test_every_component_is_described_in_every_form(self):
+    def test_describes_every_component_in_every_format(self):
         self.assertGreater(len(READY), 10)
         for file in READY:
             with self.subTest(component=os.path.basename(file)):
@@ -49,14 +49,14 @@ class Describe(takt_system.Case):
                 self.assertEqual(1, len(said.out.splitlines()))
                 self.assertEqual(file, said.report["file"])
                 for port in said.report["ports"]:
-                    # A service is two ports, and shown as one.
+                    # A service has two ports; the text shows them as one.
                     self.assertIn(port["name"].split("/")[0], text.out)
                     self.assertTrue(json.loads(port["description"])["fields"])
                 for property in said.report["properties"]:
                     self.assertIn(property["name"], text.out)
                 self.check_profile(*words)
 
-    def test_what_is_kept_over_a_crash_is_shown(self):
+    def test_shows_the_size_and_version_of_saved_state(self):
         for file, version, size in (("keeps.so", 1, 8), ("keeps_more.so", 2, 16), ("keeps_c.so", 1, 8)):
             with self.subTest(component=file):
                 self.assertIn("  saved       %d bytes, version %d\n" % (size, version), self.takt("describe", file).out)
@@ -64,7 +64,7 @@ class Describe(takt_system.Case):
         self.assertNotIn("saved  ", self.takt("describe", "fine.so").out)
         self.assertIsNone(self.takt("describe", "fine.so", "--json").report["saved"])
 
-    def test_the_modules_of_the_paper_say_what_they_do(self):
+    def test_modules_of_the_paper_have_a_text_units_and_ranges(self):
         for name in ("controller1.so", "control2.so", "control3.so", "control4.exe", "emergency.so", "vision.exe", "monitoring.exe"):
             with self.subTest(component=name):
                 said = self.takt("describe", name, "--json").report
@@ -81,7 +81,7 @@ class Describe(takt_system.Case):
         self.assertEqual(0, xmllint.returncode, xmllint.stderr + run.out)
         return run.out
 
-    def test_what_it_gives_to_paste_passes_check(self):
+    def test_the_printed_module_element_passes_check(self):
         for file in READY:
             if os.path.basename(file) in ASKED_WITH:
                 continue
@@ -93,7 +93,7 @@ class Describe(takt_system.Case):
                 else:
                     self.assertEqual((0, ""), (run.status, run.err), element)
 
-    def test_a_profile_says_how_the_module_is_released(self):
+    def test_a_profile_states_how_the_module_is_released(self):
         self.assertIn("<exeType>EVENTDRIVEN<", self.check_profile("vision.exe"))
         self.assertNotIn("<exeType>", self.check_profile("control2.so"))
         self.assertIn("<exeType>NONRT<", self.check_profile("control2.so", "--operation", "non-real"))
@@ -102,12 +102,12 @@ class Describe(takt_system.Case):
         self.assertIn("<exeType>NONRT<", self.check_profile(cell, "module.monitoring"))
         many = self.takt("describe", cell, "--iso22166")
         self.assertEqual((1, ""), (many.status, many.out))
-        self.assertIn("a profile is of one module, and here are 7", many.err)
+        self.assertIn("--iso22166 describes one module, but these are 7", many.err)
         none = self.takt("describe", cell, "control22")
         self.assertEqual((1, ""), (none.status, none.out))
         self.assertRegex(none.err, r"there is no module 'control22'; did you mean \S*control2\?")
 
-    def test_the_modules_of_a_descriptor_show_what_they_are_given(self):
+    def test_shows_the_property_values_given_in_a_descriptor(self):
         file = self.write("cell.xml", "<root>\n%s</root>" % module("belt", "c_properties.so", ("speed", "1.25")))
         run = self.takt("describe", file)
         self.assertEqual((0, ""), (run.status, run.err))
@@ -115,14 +115,14 @@ class Describe(takt_system.Case):
         self.assertRegex(run.out, r"speed +double +0\.5 +1\.25 +0 to 2 +m/s")
         self.assertEqual({"speed": "1.25"}, self.takt("describe", file, "--json").report["module"]["given"])
 
-    def test_without_a_file_it_lists_what_there_is_and_starts_nothing(self):
+    def test_without_a_file_it_lists_all_components_and_starts_none(self):
         run = self.takt("describe")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertRegex(run.out, r"(?m)^  control2\.so +c\+\+ +Velocity loop of a DC motor")
         self.assertRegex(run.out, r"(?m)^  control4\.exe +process +Temperature loop")
         self.assertRegex(run.out, r"(?m)^  controller1\.so +c +Position loop")
-        self.assertRegex(run.out, r"(?m)^  monitoring\.exe +process +Says once a second")
-        self.assertIn("segv.so", run.out)  # its constructors are not run
+        self.assertRegex(run.out, r"(?m)^  monitoring\.exe +process +Prints the load and memory")
+        self.assertIn("segv.so", run.out)  # listing it must not run its constructors
         listed = {c["file"]: c for c in self.takt("describe", "--json").report["components"]}
         self.assertEqual({"file": "c_properties.exe", "interface": "process", "text": "Properties of every kind, & \"nothing\" else."},
                          {k: v for k, v in listed["c_properties.exe"].items() if k != "path"})
@@ -130,7 +130,7 @@ class Describe(takt_system.Case):
         self.assertNotIn("c_properties", here.out)
         self.assertIn("control2.so", here.out)
 
-    def test_properties_in_c_are_described_alike_in_a_module_and_in_a_program(self):
+    def test_describes_c_properties_alike_in_modules_and_programs(self):
         of_module, of_program = (self.takt("describe", "c_properties." + kind, "--json").report for kind in ("so", "exe"))
         self.assertEqual(("c", "process"), (of_module["interface"], of_program["interface"]))
         self.assertEqual("periodic", of_program["operation"])
@@ -140,7 +140,7 @@ class Describe(takt_system.Case):
                           ("label", "string", "none", None, None, "", "What it is called.")],
                          [tuple(p[k] for k in ("name", "type", "default", "min", "max", "unit", "text")) for p in of_module["properties"]])
 
-    def test_a_program_is_described_with_the_properties_that_it_is_given(self):
+    def test_describes_a_program_with_the_given_properties(self):
         run = self.takt("describe", "program_properties.exe", "gain=3", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertEqual("1.5", run.report["properties"][0]["default"])
@@ -149,7 +149,7 @@ class Describe(takt_system.Case):
         self.assertIn("property 'gain' cannot be '300'; it takes a number, 0 to 100, in 1/s", wrong.err)
         self.assertIn("this program has no property 'gian'; did you mean gain?", wrong.err)
 
-    def test_check_finds_every_wrong_property_at_its_line(self):
+    def test_check_reports_every_wrong_property_at_its_line(self):
         wrong = [
             (module("cpp", "cpp_properties.so", ("gian", "1")), "gian", r"component CppProperties has no property 'gian'; did you mean gain\?"),
             (module("c", "c_properties.so", ("sped", "1")), "sped", r"component c_properties has no property 'sped'; did you mean speed\?"),
@@ -174,19 +174,19 @@ class Describe(takt_system.Case):
                 self.assertIn('name="%s"' % name, lines[int(match[1]) - 1])
                 self.assertRegex(match[2], words)
 
-    def test_check_finds_a_program_that_is_released_otherwise_than_it_calls(self):
+    def test_check_reports_a_program_that_contradicts_its_operationtype(self):
         file = self.write("kind.xml", "<root>\n%s</root>\n" % module("q", "program_properties.exe", ("gain", "2")))
         run = self.takt("check", file)
         self.assertEqual(1, run.status)
-        self.assertIn("kind.xml:2: error: module q: the program calls initSporadicExe(), so it is sporadic; say <operationtype>sporadic",
+        self.assertIn("kind.xml:2: error: module q: the program calls initSporadicExe(), so it is sporadic; use <operationtype>sporadic",
                       run.err)
 
-    def test_check_says_which_component_was_meant(self):
+    def test_check_suggests_the_component_for_a_misspelled_file(self):
         run = self.takt("check", self.write("c.xml", "<root>\n%s</root>\n" % module("a", "contrl2.so")))
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"there is no file contrl2\.so \(looked in .*\); did you mean control2\.so\?")
 
-    def test_modules_and_programs_have_the_values_that_they_are_given(self):
+    def test_modules_and_programs_receive_their_property_values(self):
         given = (("speed", "1.25"), ("count", "7"), ("on", "false"), ("label", "a b"))
         text = module("so", "c_properties.so", *given) + module("exe", "c_properties.exe", *given) + \
             module("cpp", "program_properties.exe", ("gain", "4"), sporadic=True) + module("plain", "c_properties.exe")
@@ -197,14 +197,14 @@ class Describe(takt_system.Case):
                              + len(re.findall(r"%s: speed 0\.5, free_number -1, count 3, on 1, label none" % when, run.err)), run.err)
         self.assertRegex(run.err, r"gain 4, label none")
 
-    def test_a_program_refuses_what_it_is_given_by_hand(self):
+    def test_a_program_started_by_hand_rejects_wrong_properties(self):
         program = os.path.join(os.path.dirname(takt_system.BIN), "tests", "components", "c_properties.exe")
         run = subprocess.run([program, "speed=3", "sped=1"], capture_output=True, text=True, timeout=20)
         self.assertEqual((1, ""), (run.returncode, run.stdout))
         self.assertEqual("takt: initPeriodExe(): property 'speed' cannot be '3'; it takes a number, 0 to 2, in m/s\n"
                          "takt: initPeriodExe(): this program has no property 'sped'; did you mean speed?\n", run.stderr)
 
-    def test_programs_and_modules_that_declare_none_take_any(self):
+    def test_modules_without_declared_properties_accept_any(self):
         file = self.write("any.xml", "<root>\n%s</root>\n" % (module("so", "fine.so", ("anything", "1")) + module("exe", "fine.exe", ("anything", "1"))))
         run = self.takt("check", file)
         self.assertEqual((0, ""), (run.status, run.err))

@@ -22,16 +22,16 @@ def become_nobody():
 
 
 def kept_by_the_kernel():
-    """Whether a real-time thread that never sleeps is interrupted for about 50 ms of each second, with the kernel's own values."""
+    """Whether the kernel, with its default settings, interrupts a real-time thread that never sleeps for about 50 ms each second."""
     release = tuple(int(n) for n in re.match(r"(\d+)\.(\d+)", os.uname().release).groups())
     if release >= (6, 12):
-        return not os.path.isdir("/sys/kernel/debug/sched/fair_server")  # else somebody may have set it
+        return not os.path.isdir("/sys/kernel/debug/sched/fair_server")  # if this folder exists, the default may have been changed
     with open("/proc/sys/kernel/sched_rt_runtime_us") as runtime:
         return int(runtime.read()) == 950000
 
 
 class Doctor(takt_system.Case):
-    def test_one_object_and_a_status_that_follows_from_it(self):
+    def test_json_is_one_object_and_the_exit_status_matches_it(self):
         run = self.takt("doctor", "--json")
         report = run.report
         self.assertEqual("", run.err)
@@ -47,18 +47,18 @@ class Doctor(takt_system.Case):
         self.assertEqual(500, wake_up["count"])
         self.assertTrue(0 <= wake_up["p50"] <= wake_up["p99"] <= wake_up["max"], wake_up)
 
-    def test_the_text_has_every_check_and_no_escapes_in_a_pipe(self):
+    def test_text_shows_every_check_and_no_escapes_in_a_pipe(self):
         run = self.takt("doctor")
         self.assertIn(run.status, (0, 1))
         self.assertNotIn("\x1b", run.out)
         for check in ("preemption", "throttling", "interrupts", "stolen time", "wake-up"):
             self.assertIn(check, run.out)
 
-    def test_without_rights_it_names_what_is_refused(self):
+    def test_reports_what_the_system_denies_without_rights(self):
         os.chmod(self.folder, 0o755)
         programs = os.path.join(self.folder, "bin")
         os.mkdir(programs)
-        # Where everybody may read it.
+        # A copy that every user may read.
         subprocess.run(["cp", os.path.join(takt_system.BIN, "takt"), programs], check=True)
         libraries = os.path.join(self.folder, "lib")
         subprocess.run(["cp", "-r", os.path.join(os.path.dirname(takt_system.BIN), "lib"), libraries], check=True)
@@ -72,24 +72,24 @@ class Doctor(takt_system.Case):
         self.assertEqual("spoils", findings["memory"]["severity"])
         self.assertIn("limits.conf", findings["memory"]["cure"])
 
-    def test_help_says_the_status(self):
+    def test_help_explains_the_exit_status(self):
         run = self.takt("doctor", "--help")
         self.assertEqual(0, run.status)
         self.assertIn("Exit status: 0 nothing spoils", run.out)
         self.assertEqual(2, self.takt("doctor", "--nonsense").status)
 
     @unittest.skipUnless(os.getuid() == 0 and kept_by_the_kernel() and len(os.sched_getaffinity(0)) > 1,
-                         "the kernel keeps nothing from real-time threads here, or there are none")
-    @takt_system.alone("an executor that is throttled keeps a processor busy")
-    def test_an_executor_that_is_throttled_is_named_with_the_cure(self):
-        cpu = max(os.sched_getaffinity(0))  # the node gives the executor the highest
+                         "the kernel does not throttle real-time threads here, or there are none")
+    @takt_system.alone("the throttled executor keeps a CPU busy")
+    def test_a_run_names_a_throttled_executor_and_the_remedy(self):
+        cpu = max(os.sched_getaffinity(0))  # the node places the executor on the highest one
         run = self.start("run", "spin.xml", "--json")
         run.wait_for_state("fine", "EXECUTING")
         self.assertRegex(run.err, r"robot: warning: executor busy never sleeps, .*; use wakeup=\"hybrid\", or: ")
         other = subprocess.Popen([sys.executable, "-c", "while True: pass"],
                                  preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
         try:
-            run.wait_for_line(r"robot: warning: executor busy lost its processor for \d+(\.\d+)? ms: the kernel keeps 50 ms of "
+            run.wait_for_line(r"robot: warning: executor busy lost its CPU for \d+(\.\d+)? ms: the kernel keeps 50 ms of "
                               r"each second .*; use wakeup=\"hybrid\", or: ", 20)
         finally:
             other.kill()
@@ -98,8 +98,8 @@ class Doctor(takt_system.Case):
         run.signal(2)
         run.wait(20)
         self.assertEqual(0, run.status, run.err)
-        said = [line for line in run.lines if "lost its processor" in line.text]
-        self.assertEqual(1, len(said), "it is said once")
+        said = [line for line in run.lines if "lost its CPU" in line.text]
+        self.assertEqual(1, len(said), "the warning must be printed once")
         self.assertGreater(run.executor("busy")["missed"], 20)
 
 

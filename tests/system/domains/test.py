@@ -1,4 +1,8 @@
-"""A cell whose samples go to, and come from, another DDS domain, where a cell of its own answers them."""
+"""Two cells in different DDS domains exchange samples through a bridge.
+
+The cell of far.xml connects its ports to topics of the other domain, on which the cell of near.xml answers. The node of far.xml starts
+a process for the other domain and restarts it after a crash. A connection that cannot match names the quality of service at fault.
+"""
 import json
 import os
 import signal
@@ -21,14 +25,14 @@ class Domains(takt_system.Case):
         return next(p for p in modules[module]["ports"] if p["name"] == port)
 
     def gateway(self, run):
-        """The program that the node of this run has for the other domain."""
+        """The process that the node of this run has started for the other domain."""
         found = [p for p in run.processes("takt-node") if not p.arguments]
         return found[0] if found else None
 
-    def test_samples_cross_both_ways_and_a_killed_gateway_comes_back(self):
+    def test_samples_cross_domains_and_a_killed_bridge_restarts(self):
         far = self.start("run", self.cell, "--json")
         far.wait_for_state("sink", "EXECUTING")
-        self.assertEqual(0, self.port("source", "out")["matched"], "nobody is there yet")
+        self.assertEqual(0, self.port("source", "out")["matched"], "the other cell does not run yet")
         near = self.start("run", "near.xml", "--json", environment={"TAKT_DOMAIN": str(self.other)})
         near.wait_for_state("relay", "EXECUTING")
         port = wait_until(lambda: (lambda p: p if p["samples"] > 100 else None)(self.port("sink", "in")), 15, "100 answers")
@@ -37,14 +41,14 @@ class Domains(takt_system.Case):
 
         begun = len(far.raw)
         self.gateway(far).kill()
-        far.wait_for_line("the gateway to domain %d was killed" % self.other, after=begun)
+        far.wait_for_line("the bridge to domain %d was killed" % self.other, after=begun)
         before = self.port("sink", "in")["samples"]
         port = wait_until(lambda: (lambda p: p if p["samples"] > before + 100 else None)(self.port("sink", "in")), 15, "answers again")
         self.assertEqual({"EXECUTING"}, set(self.states_of("far").values()))
 
         near.signal(signal.SIGINT)
         self.assertEqual(0, near.wait(10).status, near.err)
-        wait_until(lambda: self.port("source", "out")["matched"] == 0, 10, "the loss of the other side")
+        wait_until(lambda: self.port("source", "out")["matched"] == 0, 10, "the writer to notice the end of the other cell")
         far.signal(signal.SIGINT)
         self.assertEqual(0, far.wait(10).status, far.err)
         seen = json.loads(self.read("far"))
@@ -53,7 +57,7 @@ class Domains(takt_system.Case):
         executor = far.executor()
         print("rows %d, missed %d, %d samples went there and back" % (executor["cycles"], executor["missed"], seen["read"]))
 
-    def test_a_quality_of_service_that_keeps_the_other_from_matching_is_named(self):
+    def test_names_the_quality_of_service_that_prevents_a_match(self):
         far = self.start("run", self.cell, "--json")
         far.wait_for_state("sink", "EXECUTING")
         with open(self.beside("near.xml")) as file:
@@ -61,8 +65,8 @@ class Domains(takt_system.Case):
         cell = self.write("near.xml", text.replace('topic="answers" kind="queue" depth="256" reliability="reliable"', 'topic="answers"'))
         near = self.start("run", cell, "--json", environment={"TAKT_DOMAIN": str(self.other)})
         near.wait_for_state("relay", "EXECUTING")
-        wait_until(lambda: self.port("source", "out")["matched"] == 1, 15, "the way there")
-        port = wait_until(lambda: (lambda p: p if p["incompatible"] else None)(self.port("sink", "in")), 15, "what is incompatible")
+        wait_until(lambda: self.port("source", "out")["matched"] == 1, 15, "the connection to the other cell to match")
+        port = wait_until(lambda: (lambda p: p if p["incompatible"] else None)(self.port("sink", "in")), 15, "the mismatch to be named")
         self.assertEqual(("reliability", 1, 0, 0), (port["incompatible"], port["connections"], port["matched"], port["samples"]))
         for run in (near, far):
             run.signal(signal.SIGINT)

@@ -19,15 +19,15 @@ class Executors(takt_system.Case):
             %s</device></cell>\n""" % (cpu, priority, cpu, priority, modules))
 
     def missed(self, priority):
-        """The share of the fast table's rows that were missed."""
+        """The share of missed rows of the fast table."""
         run = self.takt("run", self.cell(priority), "--for", "1", "--json", "--quiet")
         self.assertEqual(0, run.status, run.err)
         rows = run.executor("fast", "d")
         return rows["missed"] / (rows["cycles"] + rows["missed"])
 
-    @takt_system.alone("two executors share one processor, and the rows that one of them misses are counted")
+    @takt_system.alone("two executors share one CPU, and the missed rows of one are counted")
     def test_a_slow_table_does_not_delay_a_fast_one(self):
-        # Of 20 rows the slow module takes 9. A machine that stands still takes some in any case: one run without that will do.
+        # The slow module takes 9 of 20 rows. A stalling machine makes the table miss rows too, so one run without a stall is enough.
         together = [self.missed("80") for _ in range(2)]
         apart = [self.missed("auto")]
         while apart[-1] >= 0.1 and len(apart) < 6:
@@ -48,7 +48,7 @@ class Executors(takt_system.Case):
                 with open("/proc/%d/task/%s/comm" % (host, thread), encoding="ascii") as name:
                     priorities[name.read().strip()] = os.sched_getparam(int(thread)).sched_priority
             except OSError:
-                pass  # one that calls a hook, and has ended
+                pass  # a thread that called a hook and has ended
         self.assertEqual((80, 76), (priorities["fast"], priorities["slow"]))
         checked = self.takt("check", cell)
         self.assertRegex(checked.out, r"executor fast: cpu \d+, priority 80 \(auto\)")

@@ -17,7 +17,7 @@ MODULES = ("grid", "source", "keeps", "program")
 
 
 def fill(folder):
-    """Until there is no room any more. The file that takes it."""
+    """Writes a file until the disk is full. Returns its path."""
     path = os.path.join(folder, "filler")
     with open(path, "ab", buffering=0) as file:
         try:
@@ -28,7 +28,7 @@ def fill(folder):
 
 
 class Exhaustion(takt_system.Case):
-    """A cell that runs, while something of its machine runs out."""
+    """Helpers for a cell that runs while its machine runs out of something."""
 
     def begin(self, **options):
         node = self.node("robot", **options)
@@ -37,7 +37,7 @@ class Exhaustion(takt_system.Case):
         return node
 
     def walk_on(self, rows):
-        """By so many; all modules are in the tables then, and none of the threads had an error."""
+        """Waits for this many more rows, and checks that every thread module is EXECUTING and had no error."""
         def cycles():
             return self.status_of("robot")["executors"][0]["cycles"]
         until = cycles() + rows
@@ -52,7 +52,7 @@ class Exhaustion(takt_system.Case):
         self.assertEqual(LIFE, node.states("grid"))
         t0, runs, strayed = (int(word) for word in self.read("grid").split())
         self.assertGreater(runs, 0)
-        self.assertEqual(0, strayed, "releases beside the grid")
+        self.assertEqual(0, strayed, "releases off the grid")
 
 
 @unittest.skipIf(machine.MISSING, machine.MISSING)
@@ -65,7 +65,7 @@ class FullDisk(Exhaustion):
     def tearDown(self):
         super().tearDown()
         subprocess.run(["umount", "-l", self.state], capture_output=True, check=False)
-        shutil.rmtree(self.folder, ignore_errors=True)  # which a mount in it has kept
+        shutil.rmtree(self.folder, ignore_errors=True)  # the mount had kept it from being removed
 
     def mount(self, size, how=""):
         subprocess.run(["mount", "-t", "tmpfs", "-o", how + "size=" + size, "tmpfs", self.state], check=True)
@@ -74,18 +74,18 @@ class FullDisk(Exhaustion):
         return glob.glob(os.path.join(self.state, "robot.*.deployment"))
 
     def recorded(self):
-        """What the file of the fault record has, without the node."""
+        """The events in the file of the fault record, read without the node."""
         found = glob.glob(os.path.join(self.state, "robot.*.faults"))
         self.assertEqual(1, len(found))
         return [json.loads(line) for line in self.done("log --file %s --json" % found[0])[0].splitlines()]
 
     def a_fault(self, node):
-        """One of a module: its program is killed."""
+        """Causes a fault: kills a program and waits until its module executes again."""
         before = len(node.steps("program"))
         node.one("grid.exe").kill()
-        wait_until(lambda: [s.target for s in node.steps("program")[before:]][-1:] == ["EXECUTING"], 15, "the program's return")
+        wait_until(lambda: [s.target for s in node.steps("program")[before:]][-1:] == ["EXECUTING"], 15, "the program to execute again")
 
-    def test_what_has_no_room_is_said_once_and_written_when_there_is(self):
+    def test_a_full_disk_is_reported_once_and_files_are_written_later(self):
         self.mount("64k")
         filler = fill(self.state)
         full = r"warning: .*%s/.*No space left on device; name a folder that this user may write to, with space on its disk"
@@ -93,12 +93,12 @@ class FullDisk(Exhaustion):
         node.wait_for_line(r"the fault record: .*robot\.\d+\.faults: No space left on device")
         self.deploy("cell.xml")
         self.wait_for_states({"robot": "EXECUTING"})
-        node.wait_for_line(r"cell cell is not kept for a restart: .*No space left on device")
-        node.wait_for_line(r"what modules retain is not on disk: .*No space left on device")
+        node.wait_for_line(r"cell cell could not be saved for --resume: .*No space left on device")
+        node.wait_for_line(r"the state that modules retain is not on disk: .*No space left on device")
         self.a_fault(node)
         node.wait_for_line(r"no trace was written: .*No space left on device")
         self.walk_on(3000)
-        self.assertEqual(4, sum("No space left" in line for line in node.raw), "each is said once")
+        self.assertEqual(4, sum("No space left" in line for line in node.raw), "each of the four must be reported once")
         for line in node.raw:
             if "No space left" in line:
                 self.assertRegex(line, full % self.state)
@@ -108,28 +108,28 @@ class FullDisk(Exhaustion):
 
         os.remove(filler)
         self.mount("64m", "remount,")
-        for what in ("the fault record is in its file again: ", "cell cell is kept for a restart now",
-                     "what modules retain is on disk again: "):
+        for what in ("the fault record is written to its file again: ", "cell cell is saved for --resume again",
+                     "the state that modules retain is on disk again: "):
             node.wait_for_line(what + ".*", limit=30)
         self.assertEqual(1, len(self.kept()))
         self.assertEqual(in_memory, self.recorded()[:len(in_memory)])
         self.a_fault(node)
-        trace = node.wait_for_line("what happened before it: takt trace ", limit=30).split()[-1]
+        trace = node.wait_for_line("a trace of the last seconds was written: takt trace ", limit=30).split()[-1]
         self.assertTrue(os.path.exists(trace), trace)
 
-        # And once more: of what there was room for, nothing is lost.
+        # The disk is full once more. The fault record has its room already and loses nothing.
         after = len(node.raw)
         fill(self.state)
-        node.wait_for_line(r"what modules retain is not on disk: .*No space left on device", after=after)
+        node.wait_for_line(r"the state that modules retain is not on disk: .*No space left on device", after=after)
         self.a_fault(node)
         self.done("set robot.source burst 2")
         self.assertIn("set burst = 2 was carried out", [event["cause"] for event in self.recorded()])
         os.remove(filler)
-        node.wait_for_line("what modules retain is on disk again: ", limit=30, after=after)
+        node.wait_for_line("the state that modules retain is on disk again: ", limit=30, after=after)
         self.walk_on(500)
         self.finish(node)
 
-    def test_a_recording_without_room_says_so(self):
+    def test_record_reports_a_full_disk(self):
         self.mount("256k")
         node = self.begin()
         fill(self.state)
@@ -139,7 +139,7 @@ class FullDisk(Exhaustion):
         self.walk_on(500)
         self.finish(node)
 
-    def test_shared_memory_is_not_of_dev_shm(self):
+    def test_runs_and_swaps_while_dev_shm_is_full(self):
         subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", "/dev/shm"], check=True)
         self.addCleanup(subprocess.run, ["umount", "-l", "/dev/shm"], check=True)
         fill("/dev/shm")
@@ -153,11 +153,11 @@ class FullDisk(Exhaustion):
 
 
 def without_descriptors(process):
-    """It can open none until the limit that it had is given back, which this returns."""
+    """Lowers the limit of the process so that it can open no file. Returns its old limit."""
     def look():
         return {int(name) for name in os.listdir("/proc/%d/fd" % process.pid)}
     opened = look()
-    for _ in range(50):  # what it has open for a moment only is no use to it later
+    for _ in range(50):  # do not count descriptors that are open only for a moment
         time.sleep(0.005)
         opened &= look()
     first_free = next(number for number in range(len(opened) + 1) if number not in opened)
@@ -167,7 +167,7 @@ def without_descriptors(process):
 
 
 def processor_time(process):
-    """Of each thread, in seconds."""
+    """The CPU time of each thread, in seconds."""
     ticks = os.sysconf("SC_CLK_TCK")
     used = {}
     for task in os.listdir("/proc/%d/task" % process.pid):
@@ -180,7 +180,7 @@ def processor_time(process):
 class NoDescriptors(Exhaustion):
     NONE_LEFT = r"Too many open files; raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE="
 
-    def test_a_node_that_has_none_left_goes_on_and_refuses_what_needs_one(self):
+    def test_a_node_without_free_descriptors_runs_on_and_rejects_a_swap(self):
         node = self.begin()
         process = node.one("takt-node")
         threads = process.threads()
@@ -191,19 +191,19 @@ class NoDescriptors(Exhaustion):
         swap = self.takt("swap", "robot.source", "port_source.so")
         self.assertEqual(1, swap.status)
         self.assertRegex(swap.err, self.NONE_LEFT)
-        # Long enough for all that it does now and then.
+        # Long enough for everything that the node does periodically.
         self.walk_on(6000)
         spent = time.monotonic() - began
         for task, used in processor_time(process).items():
-            self.assertLess(used - before.get(task, 0.0), 0.6 * spent, "a thread that does not rest")
+            self.assertLess(used - before.get(task, 0.0), 0.6 * spent, "a thread must not spin")
         self.assertGreaterEqual(process.threads(), threads, "a thread has ended")
-        self.assertNotIn("getifaddrs", node.err, "it is not said again and again")
+        self.assertNotIn("getifaddrs", node.err, "the error must not be repeated")
         self.done("echo robot.source.out --count 3")
         resource.prlimit(process.pid, resource.RLIMIT_NOFILE, limit)
         self.done("swap robot.source port_source.so", "echo robot.source.out --count 3")
         self.finish(node)
 
-    def test_a_host_that_has_none_left_goes_on_and_refuses_what_needs_one(self):
+    def test_a_host_without_free_descriptors_runs_on_and_rejects_a_swap(self):
         node = self.begin()
         host = node.one("takt-host")
         limit = without_descriptors(host)
@@ -218,7 +218,7 @@ class NoDescriptors(Exhaustion):
         self.walk_on(500)
         self.finish(node)
 
-    def test_a_node_that_has_too_few_to_begin_says_so(self):
+    def test_a_node_with_too_few_descriptors_reports_why_it_cannot_start(self):
         for most in (4, 6, 8, 12, 24, 40):
             with self.subTest(most):
                 def become(most=most):
@@ -227,19 +227,19 @@ class NoDescriptors(Exhaustion):
                 self.assertEqual(1, run.status, run.err)
                 self.assertRegex(run.err, "Too many open files|cannot open shared object file")
 
-    def test_a_node_that_has_no_memory_to_begin_says_so(self):
+    def test_a_node_with_too_little_memory_reports_why_it_cannot_start(self):
         for megabytes in (40, 64):
             with self.subTest(megabytes):
                 def become(most=megabytes << 20):
                     resource.setrlimit(resource.RLIMIT_AS, (most, most))
                 run = self.program("takt-node", "--device", "robot", become=become).wait(30)
-                if run.status == 127:  # it was not even begun
+                if run.status == 127:  # the loader could not even start it
                     self.assertRegex(run.err, "error while loading shared libraries")
                 else:
                     self.assertEqual(1, run.status, run.err)
-                    self.assertRegex(run.err, "the system refuses it memory or a thread: .*; free memory, or raise the limits")
+                    self.assertRegex(run.err, "the system denies takt-node memory or a thread: .*; free memory, or raise the limits")
 
-    def test_a_node_that_has_none_left_for_a_deployment_refuses_it(self):
+    def test_a_node_without_free_descriptors_rejects_a_deployment(self):
         node = self.node("robot")
         process = node.one("takt-node")
         limit = without_descriptors(process)

@@ -1,5 +1,5 @@
-"""The demo cell with what a run of faults needs added: on each device a module that can be told to fail, in a host of its own,
-and those who watch what becomes of its samples."""
+"""The demo cell with additional modules for the test: on each device a module that fails on command, in a host of its own, and readers
+that check its samples."""
 
 import os
 import re
@@ -13,8 +13,8 @@ EXECUTORS = {"robot": "motion", "line": "plc", "station": "main"}
 PERIOD_NS = 4_000_000
 DEADLINE_NS = 100_000_000
 BACKOFF_NS = 50_000_000
-ATTEMPTS = 3  # as of the modules of the demo, which say nothing of it
-# Long enough that no fault here ends the work of the cell: a hand on its reset is not what is tested.
+ATTEMPTS = 3  # the default, which the modules of the demo have
+# Long enough that no fault of this test stops the cell: the manual reset is not what is tested.
 STOP_TIMEOUT_S = 10
 
 _SAFE = """
@@ -40,7 +40,7 @@ def _watches(who):
 def _added(device):
     main = EXECUTORS[device]
     return "".join((
-        # Below all others, so that its endless loop is nobody else's.
+        # The lowest priority, so that its endless loop disturbs no other executor.
         '\n    <executor name="risky" priority="10" host="own"/>',
         _module("source", "told.so", "risky", _SAFE, 1),
         _module("bystander", "fine.so", "risky", "", 2),
@@ -51,7 +51,7 @@ def _added(device):
 
 
 def next_to(device):
-    """Who reads what it writes."""
+    """The device that reads the samples of this one."""
     return DEVICES[(DEVICES.index(device) + 1) % len(DEVICES)]
 
 
@@ -82,7 +82,7 @@ def _elements():
 
 
 def modules():
-    """Of each device, by name: "thread" or "process"."""
+    """For each device, the type of each module by name: "thread" or "process"."""
     found = {device: {} for device in DEVICES}
     for device, name, module in _elements():
         found[device][name] = module.findtext("moduletype").strip()
@@ -90,7 +90,7 @@ def modules():
 
 
 def programs():
-    """Of each device, by module: the file of its program."""
+    """For each device, the file of the program of each process module."""
     found = {device: {} for device in DEVICES}
     for device, name, module in _elements():
         if module.findtext("moduletype").strip() == "process":
@@ -99,5 +99,5 @@ def programs():
 
 
 def period(device, module):
-    """In seconds."""
+    """The period of a module, in seconds."""
     return next(int(e.findtext("period")) / 1e9 for d, name, e in _elements() if (d, name) == (device, module))

@@ -1,5 +1,5 @@
-"""What nodes and readers say, as it comes: transitions, safe values, wrong samples. All times are seconds since 1970, as the
-nodes write them."""
+"""Collects the output of nodes and readers while they run: transitions, safe values, wrong samples. All times are in seconds since
+1970."""
 
 import json
 import re
@@ -22,7 +22,7 @@ ALLOWED = {("IDLE", "INITIALIZE"), ("INITIALIZE", "START"), ("START", "EXECUTING
 
 
 def since_1970(hours, minutes, seconds):
-    """The instant nearest to now at which a clock showed that."""
+    """The instant nearest to now at which the local clock showed this time of day."""
     now = time.time()
     today = time.localtime(now)
     midnight = time.mktime((today.tm_year, today.tm_mon, today.tm_mday, 0, 0, 0, 0, 0, -1))
@@ -36,41 +36,41 @@ def step_of(text):
 
 
 def line_of(text):
-    """When, which device, which module, what; or none."""
+    """The time, device, module and text of a node's line; None for any other line."""
     match = LINE.match(text)
     return match and (since_1970(*match.groups()[:3]), match[4], match[5] or "", match[6])
 
 
 def breaks(module, steps):
-    """Where the sequence of a module's steps, which begin in IDLE, does not follow the lifecycle."""
+    """Where a module's steps, which begin in IDLE, do not follow the lifecycle."""
     found = []
     state = "IDLE"
-    met = None  # the state in which an error met it
+    met = None  # the state in which the last error occurred
     for step in steps:
         if step.source != state:
-            found.append("%s: a step from %s in %s: %s" % (module, step.source, state, step))
+            found.append("%s: a step from %s while in %s: %s" % (module, step.source, state, step))
         if (step.source, step.target) not in ALLOWED:
-            found.append("%s: no step of the lifecycle: %s" % (module, step))
+            found.append("%s: the lifecycle has no such step: %s" % (module, step))
         if step.target == "RECOVER":
             met = step.source
         if step.source == "RECOVER" and step.target in ("START", "EXECUTING") and \
                 step.target != ("EXECUTING" if met == "EXECUTING" else "START"):
-            found.append("%s: it was %s before the error: %s" % (module, met, step))
+            found.append("%s: after an error in %s, this step is wrong: %s" % (module, met, step))
         state = step.target
     return found
 
 
 class Ear:
-    """Of one node, from its start to its end."""
+    """Reads the output of one node, from its start to its end."""
 
     def __init__(self, run):
         self.run = run
         self.steps = []
         self.readings = []
-        self.told = {}  # by order: when it was obeyed
+        self.told = {}  # for each order: when the module carried it out
         self.said = []  # all lines: (at, module, text)
         self.states = {}
-        self.live = {}  # by reader: what it reads now
+        self.live = {}  # for each reader: whether it now reads samples
         self._heard = 0
         self._monotonic = time.time() - time.monotonic()
         self._lock = threading.Lock()
@@ -105,25 +105,25 @@ class Ear:
             self.told[int(told[1])] = int(told[2]) / 1e9
 
     def mark(self):
-        """For what is said from now on. A node's clock shows milliseconds, so the first line may seem to be older."""
+        """The position of lines from now on. Nodes print milliseconds, so the time of the first line may seem older than the mark."""
         self.hear()
         return len(self.said), len(self.steps), len(self.readings)
 
     def first(self, pattern, mark, module=None):
-        """When it first said that after the mark."""
+        """The time of the first line after the mark that contains `pattern`."""
         return next((at for at, of, text in self.said[mark[0]:] if module in (None, of) and re.search(pattern, text)), None)
 
     def first_step(self, module, target, mark, pattern=""):
-        """When it first took such a step after the mark."""
+        """The time of the first such step after the mark."""
         return next((step.at for step in self.steps[mark[1]:] if step.module == module and step.target == target and
                      re.search(pattern, step.text)), None)
 
     def first_reading(self, who, what, mark, since):
-        """When a reader first said so after the mark, and not before that."""
+        """The time of the first such line of a reader after the mark and not before `since`."""
         return next((r.at for r in self.readings[mark[2]:] if r.who == who and r.what == what and r.at > since - 1e-3), None)
 
     def last_news(self, mark):
-        """When the last step was, or the last reader began to read samples again, after the mark."""
+        """The time of the last step after the mark, or of the last reader that began to read samples again."""
         return max([step.at for step in self.steps[mark[1]:]] + [r.at for r in self.readings[mark[2]:] if r.what == "LIVE"],
                    default=None)
 
@@ -138,8 +138,8 @@ class Ear:
 
 
 class Monitor:
-    """What takt watch sees from another machine: `steps` with when they came."""
-    Seen = namedtuple("Seen", "came device step")  # step: none where the device is LOST
+    """Reads takt watch, which runs on another machine, and notes when each step arrived."""
+    Seen = namedtuple("Seen", "came device step")  # step: None if the device is LOST
 
     def __init__(self, run):
         self.run = run
@@ -158,7 +158,7 @@ class Monitor:
             at, device, module, what = line
             step = step_of(what)
             if step and step[0] == step[1]:
-                continue  # what is so; it is said once at the beginning
+                continue  # the state at the beginning, which is no step
             if step:
                 self.seen.append(self.Seen(came + self._monotonic, device, Step(at, module, *step)))
             elif not module and what.startswith("LOST"):
@@ -169,12 +169,12 @@ class Monitor:
         return len(self.seen)
 
     def first_trouble(self, device, mark, since):
-        """When it first saw the device lost, or a module of it in RECOVER or DESTRUCT, after the mark and not before that."""
+        """When it first saw, after the mark and after `since`, the device lost or one of its modules in RECOVER or DESTRUCT."""
         return next((s.came for s in self.seen[mark:] if s.device == device and s.came > since and
                      (s.step is None or s.step.target in ("RECOVER", "DESTRUCT"))), None)
 
     def missed(self, device, module, steps):
-        """Of a module's steps, in all lives of its node, those that it was never told; and what it was told beside them."""
+        """The steps of a module, over all lives of its node, that did not arrive; and the steps that arrived but did not happen."""
         told = [s.step for s in self.seen if s.device == device and s.step is not None and s.step.module == module]
         missed = []
         position = 0
@@ -187,7 +187,7 @@ class Monitor:
 
 
 class Record:
-    """The fault records of all nodes, as takt log --follow tells them."""
+    """Reads the fault records of all nodes from takt log --follow."""
 
     def __init__(self, run):
         self.run = run
@@ -205,6 +205,6 @@ class Record:
         return len(self.events)
 
     def first(self, kind, device, mark, module="", cause=""):
-        """When it happened, by the device's clock; none: nobody was told yet."""
+        """When the event happened, by the device's clock; None if it has not arrived."""
         return next((e["time_ns"] / 1e9 for e in self.events[mark:] if e["kind"] == kind and e["device"] == device and
                      (e["module"] or "") == module and cause in e["cause"]), None)

@@ -23,41 +23,41 @@ FAULTS = takt_system.how_much("TAKT_FAULTS", 12, 1000)
 SEED = int(os.environ.get("TAKT_FAULTS_SEED", "0")) or random.randrange(1, 1 << 30)
 KINDS_WANTED = [kind for kind in os.environ.get("TAKT_FAULTS_KINDS", "").split(",") if kind]
 
-SECONDS = float(os.environ.get("TAKT_FAULTS_SECONDS", "3600"))  # it ends then, with what it has done
+SECONDS = float(os.environ.get("TAKT_FAULTS_SECONDS", "3600"))  # the test ends after this time, with fewer faults
 REPORT = os.environ.get("TAKT_FAULTS_REPORT", "")
-LOG = REPORT and REPORT + ".log"  # what nodes said around each violation
+LOG = REPORT and REPORT + ".log"  # the lines of the nodes around each violation
 
 MS = 1e-3
-LOOK = 5 * MS  # how often a node looks at its processes and tables
-SAID = 50 * MS  # what leaves EXECUTING is said at once (tests/system/lost)
+LOOK = 5 * MS  # how often a node checks its processes and tables
+SAID = 50 * MS  # bound for reporting that a module left EXECUTING (tests/system/lost)
 LEASE = 300 * MS  # of takt/device
-PORTS = 100 * MS  # how often a node looks at its ports for the fault record (framework/node/limits.hpp)
+PORTS = 100 * MS  # how often a node checks its ports for the fault record (framework/node/src/limits.hpp)
 DEADLINE = cell.DEADLINE_NS / 1e9
 PERIOD = cell.PERIOD_NS / 1e9
 BACKOFF = cell.BACKOFF_NS / 1e9
-STUCK = 1 + 10 * PERIOD  # a run() or a body of that length never comes back (framework/node/limits.hpp)
-# An endless loop in a real-time thread leaves 50 ms of each second to what is not real-time on its processor (sched_rt_runtime_us). On a
-# machine whose other processors are busy that may be the node.
+STUCK = 1 + 10 * PERIOD  # after this time a run() or a body counts as hung (framework/node/src/limits.hpp)
+# An endless loop in a real-time thread leaves 50 ms of each second to the other threads of its CPU (sched_rt_runtime_us). If the other
+# CPUs are busy, the node may be one of these threads.
 THROTTLED = 950 * MS
-# A machine that is shared is held up beyond what is promised. Whatever took longer than what is promised and this is a failure.
+# A shared machine can stall. A fault fails the test only if it exceeds its promised bound by more than this.
 HELD_UP = 500 * MS
 
-# weight: how often it is chosen. detected, recovered: what is promised, in seconds, and what that follows from.
+# weight: how often this kind is chosen. detected, recovered: the promised bounds in seconds; because, afterwards: why these bounds.
 Kind = namedtuple("Kind", "weight detected because recovered afterwards")
 KINDS = {
-    "host-killed": Kind(3, SAID, "a node looks every 5 ms, promised are 50", 2.0, "loading is allowed two seconds"),
-    "program-killed": Kind(4, SAID, "a node looks every 5 ms, promised are 50", 0.1 + 2.0, "its back-off, and two seconds to start"),
-    "node-killed": Kind(1, LEASE + 100 * MS, "its lease of 300 ms, and 100", 5.0, "from the start of another one, within five seconds"),
-    "crash": Kind(3, SAID, "as a host that is killed", BACKOFF + 2.0, "its back-off, and two seconds to load"),
-    "throw": Kind(3, LOOK + SAID, "seen by its executor, said within 50 ms", BACKOFF + 1.0, "its back-off, and a second for recover()"),
-    "failure": Kind(3, LOOK + SAID, "seen by its executor, said within 50 ms", BACKOFF + 1.0, "its back-off, and a second for recover()"),
-    "program-hang": Kind(2, 1 + 10 * 0.1 + SAID, "a second and ten of its periods (the slowest), said within 50 ms", 1 + 10 * 0.1 + 0.1 + 2.0,
-                         "that, its back-off, two seconds to start"),
-    "cable": Kind(2, LEASE + 100 * MS, "the lease of 300 ms, and 100; at both ends", 5.0, "from the joining, within five seconds"),
-    "silence": Kind(3, DEADLINE + PORTS + LOOK, "the deadline, and the next look at ports", 1.0, "from the joining, within a second"),
-    "lost-samples": Kind(2, 1.0 + 1.0 + 1.0, "a second of it; counts are said once a second; takt status looks for up to one", 1.0,
-                         "from its end, within a second"),
-    "hang": Kind(2, STUCK + SAID, "a second and ten periods, said within 50 ms", STUCK + BACKOFF + 2.0, "that, its back-off, two seconds to load"),
+    "host-killed": Kind(3, SAID, "a node checks every 5 ms; 50 ms are promised", 2.0, "two seconds to load"),
+    "program-killed": Kind(4, SAID, "a node checks every 5 ms; 50 ms are promised", 0.1 + 2.0, "its back-off, and two seconds to start"),
+    "node-killed": Kind(1, LEASE + 100 * MS, "its lease of 300 ms, and 100 ms", 5.0, "five seconds from the start of the new node"),
+    "crash": Kind(3, SAID, "like a killed host", BACKOFF + 2.0, "its back-off, and two seconds to load"),
+    "throw": Kind(3, LOOK + SAID, "reported 50 ms after its executor sees it", BACKOFF + 1.0, "its back-off, and a second for recover()"),
+    "failure": Kind(3, LOOK + SAID, "reported 50 ms after its executor sees it", BACKOFF + 1.0, "its back-off, and a second for recover()"),
+    "program-hang": Kind(2, 1 + 10 * 0.1 + SAID, "a second and ten periods of the slowest program, and 50 ms", 1 + 10 * 0.1 + 0.1 + 2.0,
+                         "this, its back-off, two seconds to start"),
+    "cable": Kind(2, LEASE + 100 * MS, "the lease of 300 ms, and 100 ms; at both ends", 5.0, "five seconds from joining the cable"),
+    "silence": Kind(3, DEADLINE + PORTS + LOOK, "the deadline, and the next check of the ports", 1.0, "a second from its end"),
+    "lost-samples": Kind(2, 1.0 + 1.0 + 1.0, "a second of losses; counts are published once a second; takt status waits up to one", 1.0,
+                         "a second from their end"),
+    "hang": Kind(2, STUCK + SAID, "a second and ten periods, and 50 ms", STUCK + BACKOFF + 2.0, "this, its back-off, two seconds to load"),
 }
 
 
@@ -65,7 +65,7 @@ FIGURES = ("detected", "safe", "seen", "recovered", "held")
 
 
 def summary(values):
-    """Of some: p50, p99, max."""
+    """The p50, p99 and max of some values."""
     if not values:
         return None
     values = sorted(values)
@@ -73,7 +73,7 @@ def summary(values):
 
 
 def in_columns(table):
-    """For whoever looks at the run."""
+    """The table as text."""
     rows = [["kind", "count", "detected p50", "p99", "max", "bound", "safe max", "bound", "seen max", "recovered p50", "p99", "max", "bound",
              "held max"]]
     for row in table:
@@ -88,20 +88,20 @@ def in_columns(table):
 
 
 class Fault:
-    """One that has been done. `at`: when, in seconds since 1970; a time before it was done, if that is not known better."""
+    """One injected fault. `at`: its time in seconds since 1970; if that is unknown, a time just before it."""
 
     def __init__(self, device, what, at=None):
         self.device = device
         self.what = what
         self.at = at
-        self.detected = lambda: None  # when the system first said so
-        self.back = lambda: self.at  # when what was hit was itself again; its steps and readers are looked at in any case
+        self.detected = lambda: None  # when the system first reported it
+        self.back = lambda: self.at  # when the part that failed was back; steps and readers are checked in any case
         self.told_when_mended = False
-        self.mend = None  # what the test does once it has been detected
-        self.from_then = None  # recovery is counted from here; None: from the fault
-        self.within = None  # the bound of its detection, where that is not the same for all of its kind
-        self.safe = []  # (device, reader): who has to have a safe value in its place
-        self.module = None  # (device, module): of which attempts are counted
+        self.mend = None  # what the test does to repair it, once it has been detected
+        self.from_then = None  # recovery is measured from this time; None: from the fault
+        self.within = None  # the bound of its detection, if it differs from that of its kind
+        self.safe = []  # (device, reader): the readers that must get the safe value
+        self.module = None  # (device, module): the module whose recovery attempts are checked
 
 
 class Faults(networks.NetworkCase):
@@ -112,16 +112,16 @@ class Faults(networks.NetworkCase):
         self.random = random.Random(SEED)
         self.running = {}
         self.ears = {}
-        self.lives = {device: [] for device in DEVICES}  # all ears
+        self.lives = {device: [] for device in DEVICES}  # the ears of all nodes so far
         self.wear = {device: Wear(device) for device in DEVICES}
         self.modules = cell.modules()
         self.violations = []
         self.orders = 0
         self.resets = 0
         self.hosts_killed = {}
-        self.excused = []  # (device, from, until): when nobody could hear it
+        self.excused = []  # (device, from, until): when no other machine could hear the device
 
-    # What runs
+    # Nodes and modules
 
     def start_node(self, device):
         self.running[device] = self.node(device, "--resume")
@@ -137,7 +137,7 @@ class Faults(networks.NetworkCase):
         self.record.hear()
 
     def all_execute(self):
-        """And every reader reads samples."""
+        """Whether every module executes and every reader reads samples."""
         return all(self.ears[d].states.get(module) == "EXECUTING" for d in DEVICES for module in self.modules[d]) and \
             all(self.ears[d].live.get(who) for d in DEVICES for who in ("near", "far", "relayed"))
 
@@ -147,7 +147,7 @@ class Faults(networks.NetworkCase):
             ["%s.%s has no samples" % (d, who) for d in DEVICES for who in ("near", "far", "relayed") if not self.ears[d].live.get(who)]
 
     def wait_heard(self, condition, limit):
-        """What it returns once that is true, of what was heard so far; none after `limit` seconds."""
+        """Returns the value of `condition` as soon as the output so far makes it true; the last value after `limit` seconds."""
         end = time.monotonic() + limit
         while True:
             self.hear()
@@ -167,7 +167,7 @@ class Faults(networks.NetworkCase):
                 for at, module, said in self.ears[device].said[self.marks[device][0]:][:200]:
                     file.write("    %.3f %s.%s: %s\n" % (at - self.began, device, module, said))
 
-    # What is done. Each is chosen at random among those that may be done now.
+    # The faults. Each method chooses at random among the targets that are allowed now.
 
     def killed(self, pid, device, what):
         fault = Fault(device, what, time.time())
@@ -175,7 +175,7 @@ class Faults(networks.NetworkCase):
         return fault
 
     def hosts(self, device):
-        """Of the executors that they run: pid."""
+        """The pid of each host, by its executor."""
         found = {}
         for process in self.running[device].processes("takt-host"):
             threads = set()
@@ -184,12 +184,12 @@ class Faults(networks.NetworkCase):
                     with open("/proc/%d/task/%s/comm" % (process.pid, task)) as file:
                         threads.add(file.read().strip())
                 except OSError:
-                    pass  # one that calls a hook, and has ended
+                    pass  # a thread that called a hook and has ended
             found["risky" if "risky" in threads else cell.EXECUTORS[device]] = process.pid
         return found
 
     def host_killed(self):
-        # One that is killed more than three times a minute is given up, as it should be.
+        # A host that ends more than three times a minute is given up, as it should be.
         now = time.monotonic()
         may = [(d, e) for d in DEVICES for e in ("risky", cell.EXECUTORS[d])
                if sum(now - then < 61 for then in self.hosts_killed.get((d, e), ())) < 3]
@@ -233,7 +233,7 @@ class Faults(networks.NetworkCase):
             try:
                 wait_until(lambda: not [p for p in node.processes() if p.alive], 5)
             except AssertionError:
-                self.violated("what its node had started goes on: %s" % node.processes())
+                self.violated("processes of the killed node still run: %s" % node.processes())
             self.runs.remove(node)
             self.excused.append((device, fault.at - 0.5, time.time() + 1))
             fault.from_then = time.time()
@@ -291,7 +291,7 @@ class Faults(networks.NetworkCase):
         return fault
 
     def pull(self, device):
-        """Its cable, now."""
+        """Pulls the cable of the device now."""
         fault = Fault(device, "its cable", time.time())
         self.net.cut(device)
         fault.safe = [(next_to(device), "far"), (device, "far")]
@@ -315,13 +315,13 @@ class Faults(networks.NetworkCase):
             join()
             self.excused.append((device, fault.at - 0.5, time.time() + 1))
         fault.mend = mend
-        fault.told_when_mended = True  # what is at the other end of the cable is heard once that is back
+        fault.told_when_mended = True  # the other end of the cable can be heard only once the cable is back
         fault.detected = lambda: self.latest(self.record.first("device-lost", a, mark, cause="device %s " % b) for a, b in ends)
         fault.back = lambda: self.latest(self.record.first("device-back", a, mark, cause="device %s " % b) for a, b in ends)
         return fault
 
     def silence(self):
-        """All samples are lost for longer than a deadline and shorter than the lease."""
+        """Loses all packets for longer than a deadline and shorter than the lease."""
         device = self.random.choice(DEVICES)
         mark = self.record_mark
         readers = [(next_to(device), "far"), (device, "far")]
@@ -335,7 +335,7 @@ class Faults(networks.NetworkCase):
         return fault
 
     def lost_samples(self):
-        """About half of all packets, for a second."""
+        """Loses about half of all packets for a second."""
         device = self.random.choice(DEVICES)
         before = self.lost_on_the_way()
         fault = Fault(device, "its network", time.time())
@@ -355,7 +355,7 @@ class Faults(networks.NetworkCase):
         return fault
 
     def lost_on_the_way(self):
-        """Of each reader far, as takt status says."""
+        """The samples lost at each reader `far`, as takt status shows them."""
         return {(device, module["name"]): port["lost"] for device, status in self.status().items() for module in status["modules"]
                 if module["name"] == "far" for port in module["ports"]}
 
@@ -365,27 +365,27 @@ class Faults(networks.NetworkCase):
         return None if None in times else max(times)
 
     def let_last(self, device, module):
-        """Until the last recovery counts as a lasting one, so that attempts are counted anew."""
+        """Waits until the last recovery counts as lasting, so that attempts are counted from 1 again."""
         steps = [s.at for s in self.ears[device].steps if s.module == module]
         if steps:
             time.sleep(max(0.0, steps[-1] + 1.1 - time.time()))
         self.mark()
 
-    # One of them
+    # One fault
 
     def waits(self):
-        """Of what is to be on time: all but the executor whose module may be in an endless loop."""
+        """The waiting times of all threads but those of the executor whose module may be in an endless loop."""
         return held_up.waits([p.pid for node in self.running.values() for p in node.processes()], but=("risky", "risky/s"))
 
     def mark(self):
-        """What is said from now on is said of the next fault."""
+        """Lines from now on belong to the next fault."""
         self.hear()
         self.marks = {d: self.ears[d].mark() for d in DEVICES}
         self.record_mark = self.record.mark()
 
     def one(self, kind):
         self.mark()
-        if not self.wait_heard(self.all_execute, 20):  # what a machine that is held up did to it between two faults
+        if not self.wait_heard(self.all_execute, 20):  # a stall of the machine may have caused errors between two faults
             self.violated("before %s: %s" % (kind, self.not_executing()))
             self.start_afresh()
             self.mark()
@@ -395,7 +395,7 @@ class Faults(networks.NetworkCase):
         fault = getattr(self, kind.replace("-", "_"))()
         if fault is None:
             return None
-        ears, marks = dict(self.ears), dict(self.marks)  # of those that the fault met
+        ears, marks = dict(self.ears), dict(self.marks)  # those at the time of the fault
         figures = {"number": self.number, "kind": kind, "device": fault.device, "what": fault.what, "at": fault.at}
         bound = fault.within or promised.detected
         of = "%s of %s.%s" % (kind, fault.device, fault.what)
@@ -417,7 +417,7 @@ class Faults(networks.NetworkCase):
                     continue
                 figures["safe"] = max(figures.get("safe", 0.0), at - fault.at)
                 if at - fault.at > DEADLINE + PERIOD + HELD_UP:
-                    self.violated("%s: %s.%s had its safe value after %.0f ms" % (of, device, who, 1e3 * (at - fault.at)))
+                    self.violated("%s: %s.%s got its safe value after %.0f ms" % (of, device, who, 1e3 * (at - fault.at)))
 
         if not fault.told_when_mended:
             detected()
@@ -428,13 +428,13 @@ class Faults(networks.NetworkCase):
             detected()
         back = self.wait_heard(lambda: fault.back() is not None and self.all_execute() and fault.back(), promised.recovered + HELD_UP + 20)
         if not back:
-            self.violated("%s: it did not come back: %s" % (of, self.not_executing()))
+            self.violated("%s: the cell did not recover: %s" % (of, self.not_executing()))
             self.start_afresh()
             return figures
         news = [self.ears[d].last_news(self.marks[d]) for d in DEVICES]
         figures["recovered"] = max(0.0, max([n for n in news if n] + [back]) - (fault.from_then or fault.at))
         if figures["recovered"] > promised.recovered + HELD_UP:
-            self.violated("%s was back after %.0f ms, not %.0f" % (of, 1e3 * figures["recovered"], 1e3 * promised.recovered))
+            self.violated("%s: the cell recovered after %.0f ms, not %.0f" % (of, 1e3 * figures["recovered"], 1e3 * promised.recovered))
         seen = self.monitor.first_trouble(fault.device, monitor_mark, fault.at)
         if seen is not None:
             figures["seen"] = max(0.0, seen - fault.at)
@@ -447,10 +447,10 @@ class Faults(networks.NetworkCase):
         said = [text for _, of, text in self.ears[device].said[self.marks[device][0]:] if of == module]
         attempts = [text for text in said if text.startswith("recovery, attempt")]
         if attempts != ["recovery, attempt 1 of %d" % cell.ATTEMPTS]:
-            self.violated("%s.%s: attempts were counted otherwise: %s" % (device, module, attempts))
+            self.violated("%s.%s: wrong count of recovery attempts: %s" % (device, module, attempts))
 
     def start_afresh(self):
-        """What did not come back is no reason not to go on."""
+        """Restarts all nodes and the cell, so that the test can continue after a failed recovery."""
         for device in DEVICES:
             self.running[device].kill_all()
             self.runs.remove(self.running[device])
@@ -466,8 +466,8 @@ class Faults(networks.NetworkCase):
         self.assertEqual(0, run.status, run.err)
         self.assertTrue(self.wait_heard(self.all_execute, 30), self.not_executing())
 
-    @takt_system.alone("each fault has to be stated within what the kernel and DDS need for it")
-    def test_what_goes_wrong_is_detected_and_mended_and_reaches_nobody(self):
+    @takt_system.alone("each fault has to be reported within the time that the kernel and DDS need")
+    def test_each_fault_is_detected_contained_and_recovered(self):
         print("seed %d" % SEED, flush=True)
         self.number = 0
         self.began = time.time()
@@ -502,37 +502,37 @@ class Faults(networks.NetworkCase):
 
     @staticmethod
     def shared():
-        return {name for name in os.listdir("/dev/shm") if not name.startswith("takt-fuzz")}  # of a test that may run beside it
+        return {name for name in os.listdir("/dev/shm") if not name.startswith("takt-fuzz")}  # those are of a fuzzer
 
     def shown(self):
-        """What the panel shows."""
+        """The last line of the panel."""
         return next((text for _, module, text in reversed(self.ears["station"].said) if module == "panel" and " placed; " in text), "")
 
     def let_go(self):
-        """A fieldbus that is lost stops the cell, rightly, until somebody presses the reset."""
+        """The loss of the fieldbus rightly stops the cell. This presses the reset button if that happened."""
         if "EMERGENCY STOP" in self.shown():
             self.resets += 1
             for down in ("true", "false"):
                 self.operator("set", "line.reset_button", "down", down)
 
     def look(self):
-        """At all at once, between two faults."""
+        """Checks all devices between two faults."""
         self.let_go()
         for device in DEVICES:
             self.wear[device].look(self.running[device].one("takt-node").pid, fault=self.number)
             self.assert_counted(device)
 
     def assert_counted(self, device):
-        """What takt status counts as errors of each module is how often it went to RECOVER since its node began."""
+        """The errors of each module in takt status must equal its steps to RECOVER since the start of its node."""
         def differences():
             self.ears[device].hear()
             steps = Counter(step.module for step in self.ears[device].steps if step.target == "RECOVER")
             return {m["name"]: (m["errors"], steps[m["name"]]) for m in self.status().get(device, {"modules": []})["modules"]
                     if m["errors"] != steps[m["name"]]}
-        end = time.monotonic() + 5  # they are said once a second
+        end = time.monotonic() + 5  # they are published once a second
         while found := differences():
             if time.monotonic() > end:
-                return self.violated("errors of %s counted by takt status, and by its steps: %s" % (device, found))
+                return self.violated("errors of %s differ, as counted by takt status and by its steps: %s" % (device, found))
 
     def at_the_end(self, done, before):
         self.hear()
@@ -542,7 +542,7 @@ class Faults(networks.NetworkCase):
             for ear in self.lives[device]:
                 ear.hear()
                 self.violations += ["%s: %s" % (device, found) for found in ear.breaks()]
-                self.violations += ["%s: neither right nor safe: %s" % (device, reading) for reading in ear.wrong()]
+                self.violations += ["%s: neither a valid sample nor the safe value: %s" % (device, reading) for reading in ear.wrong()]
             unseen += self.assert_seen(device)
         self.operator("undeploy", "palletizing")
         self.wait_heard(lambda: not any(p.program != "takt-node" for run in self.running.values() for p in run.processes()), 10)
@@ -553,12 +553,12 @@ class Faults(networks.NetworkCase):
                 self.violations.append(str(problem))
         after = self.shared()
         if before != after:
-            self.violations.append("in /dev/shm: %s, before %s" % (after, before))
+            self.violations.append("/dev/shm has %s, but had %s before" % (after, before))
         table = self.table(done)
         for row in table:
-            # As a rule nothing holds it up.
+            # Stalls are rare, so half of the faults must keep the bound itself.
             if row["count"] >= 5 and row["detected_ms"] and row["detected_ms"]["p50"] > row["detected_bound_ms"]:
-                self.violations.append("half of all %s were detected after more than %.0f ms" % (row["kind"], row["detected_bound_ms"]))
+                self.violations.append("half of the %s faults took more than %.0f ms to detect" % (row["kind"], row["detected_bound_ms"]))
         steps = sum(len(ear.steps) for device in DEVICES for ear in self.lives[device])
         readings = sum(len(ear.readings) for device in DEVICES for ear in self.lives[device])
         print("\n%d faults in %.0f s, seed %d; ms; bounds are what is promised, and on a shared machine %.0f ms more\n" %
@@ -580,7 +580,7 @@ class Faults(networks.NetworkCase):
                            "violations": self.violations, "done": done}, file, indent=1)
 
     def assert_it_works_on(self):
-        """After all of it parts are placed as before."""
+        """Checks that the cell still places parts after all faults."""
         def placed():
             match = re.search(r"(\d+) placed;", self.shown())
             return int(match[1]) if match else 0
@@ -589,11 +589,12 @@ class Faults(networks.NetworkCase):
             self.let_go()
             if self.wait_heard(lambda: placed() > begun, 15):
                 return placed()
-        self.violations.append("no part is placed any more: " + self.shown())
+        self.violations.append("the cell places no more parts: " + self.shown())
         return placed()
 
     def assert_seen(self, device):
-        """The monitor was told each step of each module once, but for the times at which nobody could be told. How many those were."""
+        """Checks that the monitor saw each step of each module once. Returns the number of steps that it could not see, because the device
+        was cut off or dead."""
         self.monitor.hear()
         unseen = 0
         for module in self.modules[device]:
@@ -603,8 +604,8 @@ class Faults(networks.NetworkCase):
                 if any(d == device and begin <= step.at <= end for d, begin, end in self.excused):
                     unseen += 1
                 else:
-                    self.violations.append("%s: the monitor was not told: %s" % (device, step))
-            self.violations += ["%s: the monitor was told what was not: %s" % (device, step) for step in beside]
+                    self.violations.append("%s: the monitor did not see: %s" % (device, step))
+            self.violations += ["%s: the monitor saw a step that did not happen: %s" % (device, step) for step in beside]
         return unseen
 
     @staticmethod

@@ -1,5 +1,6 @@
-"""A running cell and a program of another DDS: Cyclone DDS, built from idl/, watches it, commands it, and is at the other end of its
-ports. TAKT_CYCLONE_PEER is the program of tests/system/cyclone."""
+"""A program of Cyclone DDS, built from idl/, watches a running cell, commands it, and exchanges samples with its ports.
+
+TAKT_CYCLONE_PEER is the program of tests/system/cyclone."""
 import json
 import os
 import signal
@@ -30,25 +31,25 @@ class Foreign(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         return json.loads(run.out)
 
-    def test_sees_it_commands_it_and_exchanges_samples_with_it(self):
+    def test_cyclone_dds_watches_commands_and_exchanges_samples_with_a_cell(self):
         cell = self.start("run", "cell.xml", "--json")
         cell.wait_for_state("counter", "EXECUTING")
         watch = self.cyclone("watch", 60)
         state = lambda module: [s["state"] for s in self.said(watch, "lifecycle") if s["path"] == "foreign/line/" + module]
         for module in ("conveyor", "counter"):
             wait_until(lambda: state(module), 20, "the state of " + module)
-            self.assertEqual(EXECUTING, state(module)[-1], "who comes late is told the present state")
+            self.assertEqual(EXECUTING, state(module)[-1], "a late reader must get the present state")
         wait_until(lambda: len(self.said(watch, "statistics")) > 3 and self.said(watch, "device"), 20, "statistics and the device")
         self.assertEqual({"line"}, {s["device"] for s in self.said(watch, "device")})
 
-        # Samples both ways: the belt runs as Cyclone says, and tells it so.
+        # Samples go both ways: Cyclone commands the belt and reads its state.
         write = self.cyclone("write", "BeltCommand", "belt_command", 40, 20, "best-effort")
         parts = self.cyclone("read", "Part", "parts", 1, 30, "reliable")
         self.assertEqual(0, write.wait(30).status, write.err)
         seen = self.cyclone("read", "BeltState", "belt_state", 300, 20, "best-effort").wait(30)
         self.assertEqual(0, seen.status, seen.err)
         states = [json.loads(line) for _, line in seen.out_lines]
-        self.assertEqual(sorted(s["position"] for s in states), [s["position"] for s in states], "in order")
+        self.assertEqual(sorted(s["position"] for s in states), [s["position"] for s in states], "samples must be in order")
         self.assertEqual(1, json.loads(parts.wait(40).out)["number"])
         self.assertGreater(states[-1]["parts"], 0)
 
@@ -56,10 +57,10 @@ class Foreign(takt_system.Case):
             before = len(state("conveyor"))
             answer = self.command(kind)
             self.assertEqual((0, "line"), (answer["code"], answer["device"]))
-            wait_until(lambda: len(state("conveyor")) > before, 10, "its transition")
+            wait_until(lambda: len(state("conveyor")) > before, 10, "the transition of conveyor")
             self.assertEqual(expected, state("conveyor")[-1])
         numbers = [s["sequence_number"] for s in self.said(watch, "lifecycle") if s["path"] == "foreign/line/conveyor"]
-        self.assertEqual(list(range(numbers[0], numbers[0] + len(numbers))), numbers, "no transition lost or doubled")
+        self.assertEqual(list(range(numbers[0], numbers[0] + len(numbers))), numbers, "no transition may be lost or doubled")
 
         cell.signal(signal.SIGINT)
         self.assertEqual(0, cell.wait(10).status, cell.err)

@@ -12,7 +12,7 @@ def reason(hook):
 
 
 class Hangs(takt_system.Case):
-    def test_in_initialize_and_start_refuses_the_device(self):
+    def test_a_hang_in_initialize_or_start_prevents_the_start(self):
         for hook, last in (("initialize", ["IDLE", "DESTRUCT"]), ("start", ["IDLE", "INITIALIZE", "RECOVER", "DESTRUCT"])):
             with self.subTest(hook=hook):
                 run = self.takt("run", hook + ".xml", "--for", "5", "--json", limit=20)
@@ -21,11 +21,11 @@ class Hangs(takt_system.Case):
                 self.assertEqual(last, run.states("culprit"))
                 self.assertEqual(0, run.executor()["cycles"])
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
-                # The hooks of the next module in the file were called all the same.
+                # The hooks of the next module in the file were still called.
                 self.assertEqual("destruct", self.read("after").splitlines()[-1])
                 os.remove(os.path.join(self.folder, "after"))
 
-    def test_asked_to_end_while_a_hook_hangs_it_ends_when_the_hook_is_given_up(self):
+    def test_ctrl_c_ends_the_run_once_the_hanging_hook_is_given_up(self):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
@@ -35,22 +35,23 @@ class Hangs(takt_system.Case):
 
     @staticmethod
     def is_pending(pid, number):
-        """Whether a signal was sent to the process, and it has not taken it yet."""
+        """Whether a signal to the process is still pending."""
         with open("/proc/%d/status" % pid) as file:
             status = dict(line.split(":", 1) for line in file if ":" in line)
         return int(status["ShdPnd"], 16) >> (number - 1) & 1
 
-    def test_asked_twice_it_ends_at_once(self):
+    def test_a_second_ctrl_c_ends_the_run_at_once(self):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
-        wait_until(lambda: not self.is_pending(run.pid, signal.SIGINT), 3, "the first one to be taken")  # two that wait are one
+        # Two pending signals would merge into one.
+        wait_until(lambda: not self.is_pending(run.pid, signal.SIGINT), 3, "the first signal to be delivered")
         run.signal(signal.SIGINT)
         run.wait(20)
         self.assertEqual(1, run.status)
         self.assertIn("device initialize: error: its node was killed by SIGKILL (Killed)", run.other_lines)
 
-    def test_while_it_runs_and_at_its_end(self):
+    def test_hangs_in_error_recover_and_destruct_do_not_delay_the_table(self):
         run = self.start("run", "running.xml", "--json")
         run.wait_for_line("after: recovery, attempt 1", limit=30)
         host = run.one("takt-host")
@@ -67,10 +68,10 @@ class Hangs(takt_system.Case):
         for module in ("in_error", "in_recover"):
             self.assertEqual(LIFE[:4] + ["RECOVER", "DESTRUCT"], run.states(module))
             self.assertEqual(50, run.modules()[module]["cycles"])
-        # Its hooks waited for those of the others, and were called: each attempt, and the end.
+        # Its hooks had to wait for those of the other modules, but all were called: each attempt, and the end.
         diary = self.read("after").splitlines()
         self.assertEqual(["initialize", "start"] + ["error 1", "recover"] * 3 + ["error 1", "destruct"], diary)
-        # Nobody in the tables noticed.
+        # The modules in the tables were not affected.
         for module, every in (("steady", 1), ("program", 2)):
             self.assertEqual(LIFE, run.states(module))
             self.assert_grid(run, module, every=every)

@@ -1,4 +1,4 @@
-/* A program as there are many: every millisecond, more or less, it does its work. It says how even that was. */
+/* A typical legacy program: it does its work about every millisecond and prints how even its periods were. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -16,12 +16,12 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = takt_system.SOURCE
 BUILD = os.path.dirname(takt_system.BIN)
 PAGE = open(os.path.join(SOURCE, "docs", "install.md"), encoding="utf-8").read()
-PREFIX = "/opt/takt"  # on the page
+PREFIX = "/opt/takt"  # as on the page
 CELL = os.path.join("share", "takt", "deploy", "palletizing.xml")
 
 
 def hidden(empty):
-    """What goes before a command so that it finds nothing of the source and the build tree; none where that is not allowed."""
+    """The words before a command that hide the source tree and the build tree from it; None if that is not permitted."""
     alone = ["unshare", "--mount"] if os.getuid() == 0 else ["unshare", "--map-root-user", "--mount"]
     before = alone + ["sh", "-c", 'for tree in "$1" "$2"; do mount --bind "$0" "$tree" || exit 9; done; shift 2; exec "$@"',
                       empty, BUILD, SOURCE]
@@ -29,7 +29,7 @@ def hidden(empty):
 
 
 def block(language, containing=""):
-    """The code on the page."""
+    """The only code block of this language on the page that contains this text."""
     found = [text for text in re.findall(r"```%s\n(.*?)```" % language, PAGE, re.S) if containing in text]
     assert len(found) == 1, (language, containing, len(found))
     return found[0]
@@ -56,7 +56,7 @@ def tearDownModule():
 
 class Installed(takt_system.Case):
     def installed(self, *arguments, program="takt", folder="bin", root=None, hide=True, components="", **options):
-        """One of the installed programs, with nothing of the trees in sight."""
+        """Runs one of the installed programs, with both trees hidden."""
         if hide and HIDDEN is None:
             self.skipTest("no mount namespace is granted here")
         environment = {"TAKT_COMPONENT_PATH": components, "PATH": "/usr/bin:/bin", "LD_LIBRARY_PATH": ""}
@@ -73,15 +73,15 @@ class Installed(takt_system.Case):
         return found
 
     def command(self, line, folder):
-        """A command of the page, with the folder that Takt was installed into."""
+        """Runs a command of the page with the real installation folder."""
         self.assertIn(line, PAGE)
         run = subprocess.run(line.replace(PREFIX, INSTALLED), shell=True, cwd=folder, capture_output=True, text=True, timeout=300,
                              env=dict(os.environ, TAKT_DOMAIN=str(self.domain)))
         self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         return run
 
-    def test_a_build_tree_is_no_package(self):
-        """That its programs are in PATH makes find_package() look there."""
+    def test_find_package_rejects_a_build_tree(self):
+        """find_package() looks there because its programs are in PATH."""
         project = os.path.join(self.folder, "project")
         os.mkdir(project)
         with open(os.path.join(project, "CMakeLists.txt"), "w") as file:
@@ -91,11 +91,11 @@ class Installed(takt_system.Case):
         self.assertNotEqual(0, configured.returncode)
         self.assertIn("this is a build tree; install it, as docs/install.md says: cmake --install " + BUILD, configured.stderr)
 
-    def test_runs_without_the_trees(self):
+    def test_runs_without_the_source_and_build_trees(self):
         run = self.installed("run", os.path.join(INSTALLED, CELL), "--for", "2", "--json", "--quiet")
         self.assert_ran(run, ["trajectory", "servo", "arm", "conveyor", "counter", "panel"])
 
-    def test_what_it_looks_up_is_there(self):
+    def test_finds_its_components_and_its_check_library(self):
         for component in ("servo.so", "panel.exe"):
             self.assertEqual(0, self.installed("describe", component).status)
         run = self.installed("describe", "nowhere.so")
@@ -104,7 +104,7 @@ class Installed(takt_system.Case):
         self.assertNotIn("libtakt_check", run.err)
         self.assertRegex(run.err, "EXECUTING")
 
-    def test_a_node_finds_its_host(self):
+    def test_a_node_starts_without_the_source_and_build_trees(self):
         if HIDDEN is None:
             self.skipTest("no mount namespace is granted here")
         node = self.program("takt-node", "--device", "robot", programs=os.path.join(INSTALLED, "bin"), before=HIDDEN)
@@ -112,7 +112,7 @@ class Installed(takt_system.Case):
         node.signal(signal.SIGTERM)
         self.assertEqual(0, node.wait(10).status, node.err)
 
-    def test_nothing_installed_names_the_trees(self):
+    def test_no_installed_file_refers_to_the_trees(self):
         for folder, _, names in os.walk(INSTALLED):
             for name in names:
                 path = os.path.join(folder, name)
@@ -130,21 +130,21 @@ class Installed(takt_system.Case):
                     self.assertNotIn(BUILD.encode(), content, path)
                     self.assertNotIn(SOURCE.encode() + b"/", content, path)
 
-    def test_its_headers_compile(self):
+    def test_the_installed_headers_compile(self):
         include = os.path.join(INSTALLED, "include")
         headers = sorted(os.path.relpath(path, include) for path in glob.glob(include + "/takt/**/*.h*", recursive=True))
         self.assertLess(20, len(headers))
         in_c = [header for header in headers if header.endswith(".h")]
         in_cpp = [header for header in headers if header not in in_c]
         for compiler, standard, of_it in (("gcc", "c11", in_c), ("g++", "c++20", in_cpp)):
-            # The preset `debug` compiles each header alone. In the short form, this shows only that every header they need is installed.
+            # The preset `debug` compiles each header alone. So the short form only shows that all included headers are installed.
             for together in [[header] for header in of_it] if takt_system.FULL else [of_it]:
                 run = subprocess.run([compiler, "-x", "c" if of_it is in_c else "c++", "-std=" + standard, "-Wall", "-Wextra",
                                       "-fsyntax-only", "-I", include, "-"],
                                      input="".join("#include <%s>\n" % header for header in together), capture_output=True, text=True)
                 self.assertEqual((0, ""), (run.returncode, run.stderr), together)
 
-    def test_the_project_of_the_page(self):
+    def test_the_project_of_install_md_builds_and_runs(self):
         folder = os.path.join(self.folder, "project")
         os.mkdir(folder)
         for name, text in {"CMakeLists.txt": block("cmake"), "press.idl": block("idl"), "press.cpp": block("cpp", "// press.cpp"),
@@ -160,7 +160,7 @@ class Installed(takt_system.Case):
         run = self.installed("run", os.path.join(folder, "cell.xml"), "--for", "1.5", "--json", "--quiet",
                              components=os.path.join(folder, "build", "components"))
         self.assert_ran(run, ["press", "gauge"])
-        # The folder of the package, of no use to who wants another version.
+        # A project that asks for another version must not find the package.
         self.write("project/CMakeLists.txt", block("cmake").replace("takt 0.1", "takt 0.2"))
         refused = subprocess.run(["cmake", "-S", folder, "-B", os.path.join(self.folder, "other"), "-DCMAKE_PREFIX_PATH=" + INSTALLED],
                                  capture_output=True, text=True)
@@ -168,7 +168,7 @@ class Installed(takt_system.Case):
         self.assertIn('compatible with requested version "0.2"', re.sub(r"\s+", " ", refused.stderr))
 
     def build(self, lines):
-        """A project of these lines in the test's folder. Returns where its components are."""
+        """Builds a project of these CMake lines in the folder of the test. Returns the folder of its components."""
         self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(outside LANGUAGES C CXX)\n"
                    "find_package(takt REQUIRED)\n" + "\n".join(lines) + "\n")
         build = os.path.join(self.folder, "build")
@@ -177,7 +177,7 @@ class Installed(takt_system.Case):
             self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         return os.path.join(build, "components")
 
-    def test_the_figures_of_the_paper(self):
+    def test_the_figures_of_the_paper_build_and_run(self):
         names = ["figure8.cpp", "figure9.c", "figure10.cpp", "figure11.cpp"]
         for name in names:
             shutil.copy(os.path.join(SOURCE, "tests", "unit", "component", "figures", name), self.folder)
@@ -212,7 +212,7 @@ class Installed(takt_system.Case):
             self.assertGreater(int(re.search(said, words)[2]), 10)
         print("\n  with usleep(): %s\n  with Takt:     %s" % (usleep.strip(), takt))
 
-    # What comes with it
+    # Manual, completion, unit
 
     def test_the_manual_has_a_page_for_each_command(self):
         manual = os.path.join(INSTALLED, "share", "man")
@@ -226,10 +226,10 @@ class Installed(takt_system.Case):
         with open(os.path.join(manual, "man1", "takt-run.1"), encoding="utf-8") as file:
             run = subprocess.run(["groff", "-man", "-Tascii", "-P-cbou"], stdin=file, capture_output=True, text=True)
         self.assertIn("--for SECONDS", run.stdout)
-        self.assertIn("end after this long", run.stdout)
+        self.assertIn("end after this many seconds", run.stdout)
 
     def completed(self, line):
-        """What bash offers at the end of a line."""
+        """The words that bash offers at the end of this line."""
         script = os.path.join(INSTALLED, "share", "bash-completion", "completions", line.split()[0])
         words = line.split(" ")
         run = subprocess.run(["bash", "-c", 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); '
@@ -239,7 +239,7 @@ class Installed(takt_system.Case):
         self.assertEqual((0, ""), (run.returncode, run.stderr), line)
         return set(run.stdout.split())
 
-    def test_bash_completes(self):
+    def test_bash_completes_commands_options_and_files(self):
         self.write("cell.xml", "")
         os.mkdir(os.path.join(self.folder, "case"))
         offered = self.completed("takt s")
@@ -263,7 +263,7 @@ class Installed(takt_system.Case):
         self.assertIn("\nExecStart=%s --device %%i --resume " % program, unit)
         self.assertNotIn("@CMAKE", unit)
 
-    def test_the_unit_is_one(self):
+    def test_systemd_accepts_the_unit(self):
         path = os.path.join(INSTALLED, "lib", "systemd", "system", "takt-node@.service")
         self.assert_unit(path, PREFIX + "/bin/takt-node")
         if not shutil.which("systemd-analyze"):
@@ -277,7 +277,7 @@ class Installed(takt_system.Case):
     # Packages
 
     @unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "no dpkg-dev")
-    def test_the_packages(self):
+    def test_debian_packages_have_their_files_and_dependencies(self):
         command = "cd build/release && cpack -G DEB"
         self.assertIn(command, PAGE)
         packages = os.path.join(self.folder, "packages")

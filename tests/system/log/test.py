@@ -25,11 +25,11 @@ class Log(takt_system.Case):
                               "attachment", "count", "cycle"}, set(event))
         for device in {e["device"] for e in events}:
             numbers = [e["sequence"] for e in events if e["device"] == device]
-            self.assertEqual(sorted(set(numbers)), numbers, "out of order: %s" % device)
+            self.assertEqual(sorted(set(numbers)), numbers, "events out of order: %s" % device)
         return events
 
     def log_of_both(self):
-        """A node that is held up may not be found by one command, and is by the next."""
+        """Repeats takt log until it finds both nodes. A stalled node may be found only by the next command."""
         def both():
             events = self.log()
             return events if {e["device"] for e in events} == set(DEVICES) else None
@@ -42,18 +42,18 @@ class Log(takt_system.Case):
         return [e for e in events if e["kind"] == kind and module in (None, e["module"]) and device in (None, e["device"])]
 
     def crashed(self):
-        """Both nodes, after the module of robot has crashed."""
+        """Starts both nodes and the cell, and waits until the module of robot has crashed."""
         nodes = self.nodes(*DEVICES)
         self.deploy("crash.xml")
         nodes["robot"].wait_for_line("the host is started again")
         self.wait_for_states({"robot": {"grid": "EXECUTING", "culprit": "DESTRUCT"}})
         return nodes
 
-    def test_a_crash_has_its_line_and_overruns_are_all_counted(self):
+    def test_records_the_source_line_of_a_crash_and_counts_every_overrun(self):
         begun = time.time_ns()
         began = time.monotonic()
         nodes = self.crashed()
-        # A refused command, and one that was carried out.
+        # Two rejected commands, and one that was carried out.
         self.refused({"start robot.culprit": "refused", "stop robot.none": "no module"})
         self.done("stop line.program")
         time.sleep(1.5)
@@ -82,10 +82,10 @@ class Log(takt_system.Case):
         self.assertEqual({"robot", "line"}, {e["device"] for e in self.of(events, "node-start")})
         overruns = self.of(events, "overrun", "slow")
         self.assertGreater(sum(e["count"] for e in overruns), 0)
-        self.assertLessEqual(len(overruns), seconds + 2, "at most one a second, and one at the end")
+        self.assertLessEqual(len(overruns), seconds + 2, "at most one event a second, and one at the end")
         self.end(nodes)
 
-    def test_what_failed_twice_in_the_same_way_is_told_once_at_the_end(self):
+    def test_undeploy_reports_a_repeated_failure_once(self):
         nodes = self.crashed()
         begun = len(nodes["robot"].raw)
         for order in ("reset", "initialize", "start"):
@@ -94,10 +94,10 @@ class Log(takt_system.Case):
         self.wait_for_states({"robot": {"grid": "EXECUTING", "culprit": "DESTRUCT"}})
         run = self.takt("undeploy", "shop")
         self.assertEqual(0, run.status, run.err)
-        self.assertEqual(1, run.err.count("it had failed: module robot.culprit"), run.err)
+        self.assertEqual(1, run.err.count("failed earlier: module robot.culprit"), run.err)
         self.end(nodes)
 
-    def test_the_counts_are_those_of_the_report(self):
+    def test_counts_equal_those_of_the_run_report(self):
         run = self.takt("run", "crash.xml", "--for", "3", "--json", "--state-dir", os.path.join(self.folder, "state"))
         for device in DEVICES:
             events = self.log("--file", self.file(device))
@@ -109,7 +109,7 @@ class Log(takt_system.Case):
             self.assertEqual("node-end", events[-1]["kind"])
         self.assertGreater(run.modules("line")["slow"]["overruns"], 0)
 
-    def test_filters_and_what_a_person_reads(self):
+    def test_filters_events_and_prints_readable_text(self):
         nodes = self.crashed()
         self.assertEqual([], [e for e in self.log("--device", "line") if e["device"] != "line"])
         self.assertEqual({"culprit"}, {e["module"] for e in self.log("--module", "culprit")})
@@ -132,7 +132,7 @@ class Log(takt_system.Case):
                       "log --file /nowhere/x.faults": "/nowhere/x.faults: error: there is no such file"})
         self.end(nodes)
 
-    def test_it_outlives_host_and_node(self):
+    def test_the_record_survives_crashes_of_host_and_node(self):
         nodes = self.crashed()
         begun = len(nodes["robot"].raw)
         nodes["robot"].one("takt-host").kill()
@@ -144,12 +144,12 @@ class Log(takt_system.Case):
         nodes["robot"].signal(signal.SIGKILL)
         nodes["robot"].wait(10)
 
-        # Without a node, and told by the other one.
+        # The record can be read without its node, and the other node records the loss.
         dead = self.log("--file", self.file("robot"))
         self.assertEqual(before, dead[:len(before)])
         text = self.takt("log", "--file", self.file("robot"), "--kind", "host-restart")
         self.assertEqual(2, text.out.count("host-restart"))
-        lost = wait_until(lambda: self.of(self.log("--device", "line"), "device-lost"), 15, "the loss of robot")
+        lost = wait_until(lambda: self.of(self.log("--device", "line"), "device-lost"), 15, "line to record the loss of robot")
         self.assertIn("device robot is lost", lost[0]["cause"])
         run = self.takt("log")
         self.assertEqual(1, run.status)
@@ -161,11 +161,11 @@ class Log(takt_system.Case):
         self.assertEqual(dead, after[:len(dead)])
         restart, = self.of(after, "node-restart")
         self.assertEqual(dead[-1]["sequence"] + 1, restart["sequence"])
-        self.assertIn("not ended in order", restart["cause"])
+        self.assertIn("did not shut down cleanly", restart["cause"])
         self.end(nodes)
         self.assertEqual("node-end", self.log("--file", self.file("robot"))[-1]["kind"])
 
-    def test_a_file_that_is_damaged_costs_what_is_damaged(self):
+    def test_a_damaged_file_loses_only_the_damaged_events(self):
         nodes = self.crashed()
         self.end(nodes)
         path = self.file("robot")
@@ -175,7 +175,7 @@ class Log(takt_system.Case):
             file.write(b"x")
         run = self.takt("log", "--file", path, "--json")
         self.assertEqual(len(whole) - 1, len(run.out.splitlines()))
-        self.assertRegex(run.err, "1 damaged event is left out")
+        self.assertRegex(run.err, "1 damaged event was left out")
         with open(path, "r+b") as file:
             file.write(b"x")
         self.refused({"log --file " + path: "no fault record of this version"})
@@ -184,14 +184,14 @@ class Log(takt_system.Case):
         self.assertEqual({"robot"}, {e["device"] for e in self.log()})
         self.end({"robot": node})
 
-    def test_a_node_goes_on_where_it_cannot_write(self):
+    def test_a_node_runs_on_if_it_cannot_write_its_record(self):
         place = self.write("file", "")
         node = self.node("robot", "--state-dir", os.path.join(place, "folder"))
         self.assertRegex(node.err, "warning: the fault record: ")
         self.assertEqual(["node-start", "error"], [e["kind"] for e in self.log()])
         self.end({"robot": node})
 
-    def test_the_crash_of_a_program_names_its_core_dump(self):
+    def test_the_crash_event_of_a_program_names_its_core_dump(self):
         unlimited = resource.RLIM_INFINITY
         with open("/proc/sys/kernel/core_pattern") as file:
             piped = file.read().startswith("|")
@@ -216,7 +216,7 @@ class Log(takt_system.Case):
         error = crash("some", unlimited)
         self.assertTrue(os.path.isfile(error["attachment"]), error)
 
-    def test_whoever_follows_sees_everything_once(self):
+    def test_follow_prints_every_event_once(self):
         nodes = self.nodes(*DEVICES)
         follower = self.start("log", "--follow", "--json")
         follower.wait_for_out("node-start")
@@ -226,33 +226,33 @@ class Log(takt_system.Case):
         follower.wait_for_out("stop was carried out")
         self.done("undeploy shop")
         follower.wait_for_out("undeployed")
-        # What its events say is what the record says.
+        # The events that it prints equal those of the record.
         last = {e["device"]: e for e in self.log_of_both()}
 
         def told(device):
             return [e for e in [json.loads(line) for _, line in list(follower.out_lines)] if e["device"] == device]
-        wait_until(lambda: all(last[device] in told(device) for device in DEVICES), 15, "the last of both records")
-        time.sleep(0.5)  # for what would come twice
+        wait_until(lambda: all(last[device] in told(device) for device in DEVICES), 15, "the last events of both records")
+        time.sleep(0.5)  # an event that came twice would arrive in this time
         follower.signal(signal.SIGINT)
         self.assertEqual(0, follower.wait(10).status, follower.err)
         everything = self.log_of_both()
         self.assertIn("node-start", [e["kind"] for device in DEVICES for e in told(device)])
         for device in DEVICES:
-            # Of a device that it found a moment after it had begun, from then on; and there may be more by now.
+            # If it found a device only after its own start, it printed the events since then. Newer events may exist by now.
             seen = told(device)
             since = [e for e in everything if e["device"] == device and e["sequence"] >= seen[0]["sequence"]]
             self.assertEqual(since[:len(seen)], seen)
             self.assertIn("deployed", [e["kind"] for e in seen])
         self.end(nodes)
 
-    def test_of_a_node_that_is_found_late_only_what_is_new_is_told(self):
+    def test_follow_prints_only_new_events_of_a_node_found_late(self):
         node = self.node("robot")
         self.refused({"start robot.one": "robot", "stop robot.two": "robot", "recover robot.three": "robot"})
         self.assertGreater(len(self.log()), 3)
         node.signal(signal.SIGSTOP)
         begun = time.time_ns()
         follower = self.start("log", "--follow", "--json")
-        time.sleep(4)  # it has read what it found, which was nothing
+        time.sleep(4)  # it has read all records that it found, which are none
         self.assertEqual("", follower.out)
         node.signal(signal.SIGCONT)
         self.refused({"stop robot.four": "robot"})
@@ -267,7 +267,7 @@ class Log(takt_system.Case):
 class Cable(networks.NetworkCase):
     MACHINES = DEVICES
 
-    def test_a_device_that_others_know_and_that_is_not_found_from_here_is_named(self):
+    def test_names_a_device_that_only_other_nodes_can_reach(self):
         nodes = self.nodes(*DEVICES)
         self.deploy("cable.xml")
         for machine, other in (("operator", "line"), ("line", "operator")):
@@ -276,8 +276,9 @@ class Cable(networks.NetworkCase):
         run = self.takt("log", "--json")
         self.assertEqual({"robot"}, {json.loads(line)["device"] for line in run.out.splitlines()})
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, "^device line: error: others of its cell name it, and it was not found from here within 3 s; ask again")
-        self.assertGreater(time.monotonic() - begun, 3, "it was waited for")
+        self.assertRegex(run.err, "^device line: error: other devices of its cell list it, but it was not found from here within 3 s; "
+                                  "try again")
+        self.assertGreater(time.monotonic() - begun, 3, "takt log must wait for the device")
         for machine, other in (("operator", "line"), ("line", "operator")):
             subprocess.run(self.net.on(machine) + ["ip", "route", "del", "blackhole", self.net.address(other)], check=True)
         run = self.takt("log", "--json")
@@ -285,7 +286,7 @@ class Cable(networks.NetworkCase):
         self.assertEqual(set(DEVICES), {json.loads(line)["device"] for line in run.out.splitlines()})
         self.end(nodes)
 
-    def test_a_cable_that_is_pulled_is_seen_from_both_ends(self):
+    def test_both_ends_record_a_pulled_cable(self):
         nodes = self.nodes(*DEVICES)
 
         since = {}
@@ -296,7 +297,7 @@ class Cable(networks.NetworkCase):
             return {e["kind"]: e for e in map(json.loads, run.out.splitlines()) if e["sequence"] > since.get(device, -1)}
 
         def newest(device):
-            """Of the events of the device. A machine that stands still may have lost and found its devices by itself."""
+            """The number of the newest event of the device. A stall of the machine may have caused events before the cut."""
             return max(e["sequence"] for e in kinds(device).values())
 
         def wait_for(wanted, limit, what):
@@ -309,10 +310,10 @@ class Cable(networks.NetworkCase):
         time.sleep(1.5)
         since = {device: newest(device) for device in DEVICES}
         self.net.cut("line")
-        wait_for(({"device-lost", "connection-lost"}, {"stale-input"}), 15, "the loss seen by ")
+        wait_for(({"device-lost", "connection-lost"}, {"stale-input"}), 15, "the loss to be recorded by ")
         since = {device: newest(device) for device in DEVICES}
         self.net.join("line")
-        wait_for(({"device-back", "connection-back"}, {"fresh-input"}), 20, "the return seen by ")
+        wait_for(({"device-back", "connection-back"}, {"fresh-input"}), 20, "the return to be recorded by ")
         self.done("undeploy shop")
         self.end(nodes)
 

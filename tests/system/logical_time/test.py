@@ -4,7 +4,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 
-# Periods in ms. Run times of up to 2 ms each leave the rows room.
+# Periods in ms. Run times are up to 2 ms, which fits into the rows.
 PERIODS = {"m0": 20, "m1": 20, "m2": 40, "m3": 60}
 CONNECTIONS = [("m0", "m1.a"), ("m1", "m2.a"), ("m2", "m0.a"), ("m0", "m3.a"), ("m3", "m1.b"), ("m2", "m3.b"), ("m1", "m0.b")]
 RUNS_MS = 600
@@ -26,7 +26,7 @@ class LogicalTime(takt_system.Case):
         return self.write("cell.xml", text + "</cell>\n")
 
     def computed(self, executors, timing):
-        """What all modules end up with, of a run in which no release was late: the machine may be taken away for longer."""
+        """The results of all modules in a run without missed rows and overruns. Repeats runs that a stall of the machine disturbed."""
         cell = self.cell(executors, timing)
         for _ in range(20):
             run = self.takt("run", cell, "--for", "1.1", "--json", "--quiet")
@@ -36,10 +36,10 @@ class LogicalTime(takt_system.Case):
             if any(rows) or any(m["overruns"] for m in modules):
                 continue
             return [self.read(name) for name in PERIODS]
-        self.fail("not one of 20 runs without an overrun")
+        self.fail("all 20 runs had missed rows or overruns")
 
-    @takt_system.alone("it compares runs row by row, and a missed row differs")
-    def test_depends_on_nothing_but_the_cell(self):
+    @takt_system.alone("it compares runs row by row, and a missed row makes a difference")
+    def test_results_with_let_do_not_depend_on_run_times(self):
         one = self.computed(1, "let")
         for name, text in zip(PERIODS, one):
             self.assertEqual(RUNS_MS // PERIODS[name], int(text.split()[0]), name)
@@ -47,8 +47,8 @@ class LogicalTime(takt_system.Case):
         self.assertEqual(one, self.computed(2, "let"))
         self.assertEqual(one, self.computed(2, "let"))
 
-    @takt_system.alone("it compares two runs row by row, and a missed row differs")
-    def test_without_it_depends_on_run_times(self):
+    @takt_system.alone("it compares two runs row by row, and a missed row makes a difference")
+    def test_results_without_let_depend_on_run_times(self):
         self.assertNotEqual(self.computed(2, "direct"), self.computed(2, "direct"))
 
 

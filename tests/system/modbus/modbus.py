@@ -1,5 +1,5 @@
-"""Modbus TCP as its specification has it (Application Protocol V1.1b3, Messaging on TCP/IP V1.0b), frame by frame, with nothing
-of what Takt uses: a device that can be told to misbehave, and a master."""
+"""A device and a master of Modbus TCP, written from its specification (Application Protocol V1.1b3, Messaging on TCP/IP V1.0b) without
+the library that Takt uses. The device can misbehave."""
 
 import random
 import socket
@@ -11,7 +11,7 @@ ILLEGAL_ADDRESS = 2
 
 
 def free_port():
-    """Below those that the system gives to whoever connects to somebody, so that it stays free until it is used."""
+    """A free port below the range that the system uses for outgoing connections, so that it stays free until the test uses it."""
     ports = list(range(12000, 30000))
     random.shuffle(ports)
     for port in ports:
@@ -46,7 +46,8 @@ def _exactly(connection, count):
 
 
 class Device:
-    """Serves one map of addresses. `mood`: "well", "refuses", "garbage", "silent", "drip", "other" (answers for another request)."""
+    """Serves one map of addresses. `mood`: "well", "refuses", "garbage", "silent", "drip" (byte by byte) or "other" (answers another
+    request)."""
 
     def __init__(self, port=None):
         self.coils = dict.fromkeys(range(64), 0)
@@ -135,7 +136,7 @@ class Device:
 
 
 class Refused(Exception):
-    """The device answered an exception; its code."""
+    """The device answered with an exception; its argument is the code."""
 
 
 class Master:

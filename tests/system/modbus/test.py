@@ -11,8 +11,8 @@ import modbus
 import takt_system
 from takt_system import wait_until
 
-# Rows of 10 ms that may find the body busy because the machine kept it from its processor. One answer that it waited for in vain,
-# 0.7 s, would be more.
+# How many rows of 10 ms may find the body busy because the machine stalled. If the body waited for one missing answer (0.7 s), there would
+# be more.
 FEW = 50
 
 
@@ -52,13 +52,13 @@ class Modbus(takt_system.Case):
         return run
 
     def assert_on_time(self, run):
-        """Whatever the device did, the body came back to waitPeriod() before its next release."""
+        """Whatever the device did, the body returned to waitPeriod() before its next release."""
         master = run.modules("plc")["master"]
         self.assertEqual(0, master["errors"])
         self.assertLess(master["overruns"], FEW)
         self.assertGreater(master["cycles"], 5)
 
-    # The master, against a device of the specification's frames
+    # The master, with the device of modbus.py
 
     def test_values_go_both_ways_in_few_requests(self):
         device = self.device()
@@ -69,18 +69,18 @@ class Modbus(takt_system.Case):
         run = self.run_cell(device)
         # -20.5 is below what the register of the speed can hold, -2.0 fits the target.
         wait_until(lambda: (device.coils[0], device.registers[10], device.registers[30], device.registers[31]) ==
-                   (1, 0, 0xFFFF, 0xFFFE), what="what was read, written")
+                   (1, 0, 0xFFFF, 0xFFFE), what="the values that were read to be written")
         device.inputs[4] = 25
         wait_until(lambda: device.registers[10] == 2500, what="2.5 with a scale of 0.001")
         device.discrete[3] = 0
         wait_until(lambda: device.coils[0] == 0)
         self.assert_on_time(self.end(run))
-        # A coil that nobody has a value for was left alone until the end, and neighbours were asked for together.
+        # A coil without a value was not written before the end. Neighbouring addresses were read and written in one request.
         self.assertEqual({(2, 3, 1), (4, 4, 1), (3, 20, 2), (15, 0, 1), (16, 10, 1), (16, 30, 2), (15, 0, 2)},
                          set(device.requests))
         self.assertEqual((15, 0, 2), next(r for r in reversed(device.requests) if r[0] == 15))
 
-    def test_outputs_are_safe_when_the_cell_ends(self):
+    def test_outputs_get_safe_values_when_the_cell_ends(self):
         device = self.device()
         device.discrete[3] = 1
         device.inputs[4] = 25
@@ -89,7 +89,7 @@ class Modbus(takt_system.Case):
         self.end(run)
         self.assertEqual((0, 1, 0), (device.coils[0], device.coils[1], device.registers[10]))
 
-    def test_outputs_are_safe_while_the_module_is_stopped(self):
+    def test_outputs_get_safe_values_while_the_module_is_stopped(self):
         device = self.device()
         device.discrete[3] = 1
         run = self.run_cell(device, replace=[('<value name="backoff">', '<value name="watchdog">0.3</value><value name="backoff">')])
@@ -101,52 +101,52 @@ class Modbus(takt_system.Case):
         wait_until(lambda: device.coils[0] == 1, what="the values again")
         self.end(run)
 
-    def test_a_device_that_misbehaves_is_said_once_and_costs_no_cycle(self):
+    def test_a_misbehaving_device_is_reported_once_and_delays_no_cycle(self):
         device = self.device()
         device.discrete[3] = 1
         device.inputs[4] = 25
         run = self.run_cell(device)
         wait_until(lambda: device.coils[0] == 1)
-        # Which request it meets is open.
+        # Any request may be the one that fails.
         request = r"(reading|writing) [a-z ]+ \d+ to \d+ \(\w+\): "
-        for mood, words in (("refuses", "the device refuses " + request + "Illegal data address; mend the map"),
-                            ("garbage", "no proper answer to " + request + "Invalid data"),
-                            ("other", "no proper answer to " + request + "Invalid data"),
-                            ("silent", "no proper answer to " + request + "Connection timed out"),
-                            ("drip", "no proper answer to " + request + "Connection timed out")):
+        for mood, words in (("refuses", "the device rejected " + request + "Illegal data address; correct the map"),
+                            ("garbage", "no valid answer when " + request + "Invalid data"),
+                            ("other", "no valid answer when " + request + "Invalid data"),
+                            ("silent", "no valid answer when " + request + "Connection timed out"),
+                            ("drip", "no valid answer when " + request + "Connection timed out")):
             begun = len(run.raw)
             device.mood = mood
             run.wait_for_line(words, after=begun)
-            time.sleep(2)  # long enough to be said again
+            time.sleep(2)  # a repeated message would appear in this time
             device.mood = "well"
-            run.wait_for_line(r"plc.master: \| 127.0.0.1:\d+: the exchange is well again, after \d", after=begun)
+            run.wait_for_line(r"plc.master: \| 127.0.0.1:\d+: the exchange works again after \d", after=begun)
             self.assertEqual(2, sum(" plc.master: | " in line for line in run.raw[begun:]), run.err)
             device.coils[0] = 0
             wait_until(lambda: device.coils[0] == 1, what="the lamp after " + mood)
         self.assert_on_time(self.end(run))
 
-    def test_values_become_stale_while_the_device_is_off_and_come_back(self):
+    def test_values_turn_stale_while_the_device_is_off_and_come_back(self):
         device = self.device()
-        run = self.run_cell(device, replace=[('deadline="300000000"', 'deadline="2000000000"')])  # no less than the machine may stand still
+        run = self.run_cell(device, replace=[('deadline="300000000"', 'deadline="2000000000"')])  # longer than the machine may stall
         wait_until(lambda: len(device.requests) > 50)
 
         def late():
             port = next(p for p in run.modules("plc")["master"]["ports"] if p["name"] == "target")
             return port["late"]
         device.close()
-        run.wait_for_line(r"plc.master: \| 127.0.0.1:%d: (no proper answer|no connection)" % device.port)
+        run.wait_for_line(r"plc.master: \| 127.0.0.1:%d: (no valid answer|no connection)" % device.port)
         time.sleep(3)
         again = modbus.Device(device.port)
         self.addCleanup(again.close)
         again.discrete[3] = 1
-        run.wait_for_line(r"the exchange is well again")
+        run.wait_for_line(r"the exchange works again")
         wait_until(lambda: again.coils[0] == 1)
         self.assert_on_time(self.end(run))
         self.assertEqual(1, late())
 
-    # Master and device of Takt's, and a stranger who is a master too
+    # Takt's master and device, and a master of modbus.py
 
-    def test_what_one_end_has_the_other_gets(self):
+    def test_master_and_device_exchange_values(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -164,7 +164,7 @@ class Modbus(takt_system.Case):
         self.assertEqual([1], stranger.read_bits(1, 0))
         self.end(run)
 
-    def test_a_device_survives_garbage_and_serves_others_meanwhile(self):
+    def test_a_device_survives_garbage_and_still_serves_other_masters(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -183,7 +183,7 @@ class Modbus(takt_system.Case):
             self.assertEqual([1], one.read_bits(1, 100))
         self.end(run)
 
-    def test_a_killed_device_is_found_again(self):
+    def test_the_master_reconnects_to_a_restarted_device(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -192,41 +192,41 @@ class Modbus(takt_system.Case):
         wait_until(lambda: stranger.read_bits(1, 0) == [1])
         os.kill(run.one("modbus_device.exe").pid, signal.SIGKILL)
         run.wait_for_line(r"post.device: RECOVER -> EXECUTING")
-        run.wait_for_line(r"plc.master: \| .*the exchange is well again")
+        run.wait_for_line(r"plc.master: \| .*the exchange works again")
         again = self.master(port)
         again.write_bit(100, 1)
         wait_until(lambda: again.read_bits(1, 0) == [1], what="the lamp of the new device")
         self.end(run)
-        self.assertRegex(run.printed("master")[0], r"no proper answer|no connection")
-        self.assertRegex(run.printed("master")[1], r"is well again")
+        self.assertRegex(run.printed("master")[0], r"no valid answer|no connection")
+        self.assertRegex(run.printed("master")[1], r"works again")
         self.assert_on_time(run)
 
-    def test_a_taken_port_is_said(self):
+    def test_a_device_reports_a_tcp_port_that_is_in_use(self):
         device = self.device()
         run = self.takt("run", self.descriptor("pair.xml", device.port), "--for", "1")
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, r"cannot listen on 127.0.0.1:%d: Address already in use; choose a port" % device.port)
+        self.assertRegex(run.err, r"cannot listen on 127.0.0.1:%d: Address already in use; choose a free port" % device.port)
 
     # Before anything runs
 
-    def test_a_wrong_map_is_refused_with_its_lines(self):
+    def test_rejects_a_wrong_map_and_names_its_lines(self):
         wrong = self.descriptor("cell.xml", 1502, replace=[("discrete 3", "discret 3"), ("int16 scale 0.1", "int16 scale x"),
                                                            ("register 30 int32", "input-register 30 int32")])
         run = self.takt("check", wrong)
         self.assertEqual(1, run.status)
         at = r"cell.xml:12: error: module master: property 'map', line "
-        self.assertRegex(run.err, at + r"\d+: there is no table 'discret'; say coil, discrete, register or input-register\n")
+        self.assertRegex(run.err, at + r"\d+: unknown table 'discret'; write coil, discrete, register or input-register\n")
         self.assertRegex(run.err, at + r"\d+: the scale cannot be 'x'; write a number that is not 0\n")
-        self.assertRegex(run.err, at + r"\d+: nobody can write an input register; say 'in', or 'out register'")
+        self.assertRegex(run.err, at + r"\d+: an input register cannot be written; write 'in', or 'out register'")
         self.assert_refused(self.takt("run", wrong, "--for", "1"), at)
 
-    def test_ports_are_the_points_of_the_map(self):
+    def test_the_ports_are_the_points_of_the_map(self):
         out, = self.done("describe --json modbus_device.exe 'map=lamp out coil 0; speed in register 4 unit m/s'")
         ports = {p["name"]: (p["direction"], p["type"]["name"] if isinstance(p["type"], dict) else p["type"], p["text"])
                  for p in json.loads(out)["ports"]}
         self.assertEqual(("out", "basic::Flag", "coil 0"), ports["lamp"])
         self.assertEqual(("in", "basic::Number", "register 4, in m/s"), ports["speed"])
-        self.refused({"describe modbus_master.exe": r"property 'map' is missing; write a point a line",
+        self.refused({"describe modbus_master.exe": r"property 'map' is missing; write one point per line",
                       "describe modbus_master.exe port=1.5 'map=a in coil 1'": r"property 'port' cannot be '1.5'; it takes a whole"})
 
 

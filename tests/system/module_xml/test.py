@@ -27,14 +27,14 @@ STATISTICS = ["mean", "variance", "min", "p50", "p99", "p999", "max"]
 
 
 class ModuleXml(takt_system.Case):
-    def test_check_json_is_the_contract(self):
+    def test_check_json_has_the_documented_form(self):
         run = self.takt("check", EXAMPLE, "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual("", run.err)
         self.assertEqual(FIGURES_3_AND_4, run.report)
-        self.assertEqual(list(FIGURES_3_AND_4), list(run.report), "in the order of the contract")
+        self.assertEqual(list(FIGURES_3_AND_4), list(run.report), "the keys must have the documented order")
 
-    def test_check_text_has_the_tables(self):
+    def test_check_text_shows_the_tables_of_the_paper(self):
         run = self.takt("check", EXAMPLE)
         self.assertEqual(0, run.status, run.err)
         self.assertIn("basic period 100 us, macro period 600 us, 6 rows", run.out)
@@ -51,7 +51,7 @@ class ModuleXml(takt_system.Case):
         self.assertEqual([("emergency", "thread", "100 us", "1"), ("vision", "process", "10 ms", "2")], sporadic)
         self.assertRegex(run.out, r"not real-time: +monitoring")
 
-    def test_run_goes_through_every_state_and_counts_every_row(self):
+    def test_modules_pass_through_every_state_and_every_row_is_counted(self):
         run = self.start("run", EXAMPLE, "--for", "10", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         programs = sorted(p.program for p in run.processes())
@@ -82,21 +82,21 @@ class ModuleXml(takt_system.Case):
             program = name + ".exe" if m["type"] == "process" else "takt-host"
             self.assertEqual(pids[program], m["pid"], name)
 
-        # The grid has a row every 100 us from T0 until the end was asked for.
+        # The grid has a row every 100 us, from T0 until the run was asked to end.
         rows = executor["cycles"] + executor["missed"]
         self.assertLess(abs(rows - 100000), 20000)
         self.assertEqual(executor["cycles"], modules["control2"]["cycles"])
         self.assertEqual(executor["cycles"], modules["control3"]["cycles"])
         self.assert_grid(run, "controller1", every=6)
         self.assert_grid(run, "control4", every=3)
-        # A sporadic program is released by each row that does not find it in its body.
+        # Each row releases a sporadic program, unless it is still in its body.
         self.assertGreater(modules["vision"]["cycles"], 0)
         self.assertLessEqual(modules["vision"]["cycles"], executor["cycles"])
         self.assertGreater(modules["emergency"]["cycles"], 0)
         self.assertEqual(0, modules["monitoring"]["cycles"])
 
-        # What the modules counted themselves is what the scheduler counted; a program that is told to end may leave its last
-        # release.
+        # The modules counted the same releases as the scheduler. Only the last release of a program may be missing, because the end
+        # of the run can interrupt it.
         for name in ("control4", "vision"):
             counted = int(re.search(r"(\d+) releases", " ".join(run.printed(name)))[1])
             self.assertIn(modules[name]["cycles"] - counted, (0, 1), name)

@@ -1,4 +1,8 @@
-"""The palletizing cell on three machines of a network of their own, deployed and watched from a fourth."""
+"""The palletizing cell on three machines (network namespaces), deployed and watched from a fourth one.
+
+The cell survives a pulled cable: the cut-off device stops its belt by itself, the other devices go on, and the cell places parts again once
+the cable is back. Without multicast, the nodes find each other through a list of peers or through a discovery server.
+"""
 import json
 import os
 import re
@@ -36,25 +40,25 @@ class Network(networks.NetworkCase):
         self.done("undeploy palletizing")
         super().end(nodes)
 
-    def test_the_cell_outlives_a_cable_that_is_pulled(self):
+    def test_the_cell_survives_a_pulled_cable(self):
         nodes = self.nodes(*DEVICES)
         with open(CELL) as file:
             text = file.read()
-        # On a machine that holds everything up for a while now and then, the demo rightly halts, and waits for a hand on its reset.
+        # With its own time-outs, the demo rightly halts when the machine stalls, and waits for a manual reset.
         text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text).replace('deadline="500000000" stale="error"', 'deadline="2000000000" stale="error"')
         self.assertEqual((3, 1), (text.count('timeout">2<'), text.count('deadline="2000000000"')))
         self.deploy(self.write("patient.xml", text))
-        self.wait_for_status(self.all_execute, 15, "all devices")
-        time.sleep(5)  # parts come and go
-        before = self.wait_for_status(self.all_execute, 15, "all devices")
+        self.wait_for_status(self.all_execute, 15, "all devices to execute")
+        time.sleep(5)  # some parts are placed
+        before = self.wait_for_status(self.all_execute, 15, "all devices to execute")
         self.assertEqual([], [line.text for line in nodes["line"].said("conveyor") if "RECOVER" in line.text])
 
         self.net.cut("line")
         cut = time.monotonic()
         self.wait_for_status(lambda s: {name: d["alive"] for name, d in s.items()} == {"robot": True, "line": False, "station": True},
-                             15, "the loss of the line")
+                             15, "the loss of line to be seen")
         print("the loss of the line was told %.2f s after the cut (a look at it takes a process)" % (time.monotonic() - cut))
-        # The belt stops on its own machine, which the network does not reach, because nobody says how fast it is to run.
+        # The device that is cut off stops its belt by itself, because commands for its speed no longer arrive.
         nodes["line"].wait_for_line(r"line\.conveyor: EXECUTING -> RECOVER .*(stale|older)")
         time.sleep(max(0.0, 5 - (time.monotonic() - cut)))
         during = self.status()
@@ -62,9 +66,9 @@ class Network(networks.NetworkCase):
             self.assertEqual({"EXECUTING"}, {m["state"] for m in during[device]["modules"]}, device)
         self.net.join("line")
         joined = time.monotonic()
-        after = self.wait_for_status(self.all_execute, 20, "the line to come back")
+        after = self.wait_for_status(self.all_execute, 20, "line to come back")
         print("the line was back %.2f s after the cable" % (time.monotonic() - joined))
-        # Rows of the robot over the whole cut: all of them, walked or (on a machine that is held up) missed, none slipped.
+        # All rows of robot during the cut are accounted for, as walked or as missed.
         walked = {}
         for name, status in (("before", before), ("after", after)):
             executor = status["robot"]["executors"][0]
@@ -73,10 +77,10 @@ class Network(networks.NetworkCase):
               after["robot"]["executors"][0]["missed"] - before["robot"]["executors"][0]["missed"]))
         placed = lambda: int(re.search(r"(\d+) placed;", nodes["station"].printed("panel")[-1])[1])
         before = placed()
-        wait_until(lambda: placed() > before + 1, 30, "parts are placed again")
+        wait_until(lambda: placed() > before + 1, 30, "parts to be placed again")
         self.end(nodes)
 
-    def test_without_multicast_by_peers(self):
+    def test_runs_without_multicast_with_given_peers(self):
         self.net.no_multicast()
         peers = " ".join(self.net.address(device) for device in DEVICES)
         cell = self.cell_with('discovery="peers" peers="%s"' % peers)
@@ -86,7 +90,7 @@ class Network(networks.NetworkCase):
         self.assert_all_execute_by(("--peers", peers.replace(" ", ",")))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--peers", peers.replace(" ", ",")).status)
 
-    def test_without_multicast_by_a_discovery_server(self):
+    def test_runs_without_multicast_with_a_discovery_server(self):
         self.net.no_multicast()
         server = self.net.address("station") + ":11811"
         cell = self.cell_with('discovery="server" server="%s" server-device="station"' % server)

@@ -10,7 +10,7 @@ AGAIN = ["RECOVER", "EXECUTING"]
 
 
 class NonReal(takt_system.Case):
-    def test_threads_and_programs_beside_the_tables(self):
+    def test_threads_and_programs_run_outside_the_tables(self):
         run = self.takt("run", "cell.xml", "--for", "4", "--json")
         self.assertEqual(1, run.status, run.err)
         modules = run.modules()
@@ -19,7 +19,7 @@ class NonReal(takt_system.Case):
         self.assertGreater(modules["paced"]["cycles"], 0)
         at = {(s.source, s.target): s.at for s in run.steps("paced")}
         seconds = (at["EXECUTING", "START"] - at["START", "EXECUTING"]) % 86400
-        self.assertLessEqual(modules["paced"]["cycles"], seconds / 0.01 + 5, "a period is the least time between two runs")
+        self.assertLessEqual(modules["paced"]["cycles"], seconds / 0.01 + 5, "a period must be the shortest time between two runs")
         self.assertEqual(["initialize", "start", "destruct"], self.read("paced").splitlines())
 
         self.assertEqual(LIFE, run.states("free"))
@@ -43,14 +43,14 @@ class NonReal(takt_system.Case):
                          r"module cell\.ends_badly: error: was given up: crash: the process ended with status 3; its last line "
                          r"was: started \d+; ")
 
-        # The first row was over when a program of the background was started.
+        # The non-real-time programs were started after the first row.
         self.assertEqual(LIFE, run.states("grid"))
         self.assert_grid(run, "grid")
         t0 = int(self.read("grid").split()[0])
         for module in ("ends_well", "ends_badly"):
             self.assertGreater(int(run.printed(module)[0].split()[1]), t0)
 
-    def test_one_that_never_returns_does_not_hold_up_the_end(self):
+    def test_a_run_that_never_returns_does_not_block_the_end(self):
         run = self.takt("run", "endless.xml", "--for", "2", "--json", limit=30)
         self.assertEqual(1, run.status)
         self.assertEqual(["module endless.endless: error: run() did not return within 2 s, so the host was ended"],

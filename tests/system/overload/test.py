@@ -15,7 +15,7 @@ def module(name, component, priority, more="", **properties):
                      "properties": values, "more": more}
 
 
-# In every 20th run three and a half periods: in the last one of these it is the next module's turn.
+# Every 20th run takes three and a half periods, so the next module runs in the last of these.
 HOG = module("hog", "slow.so", 9, ns=35000000, every=20)
 
 
@@ -24,7 +24,7 @@ class Overload(takt_system.Case):
         cell = self.write("cell.xml", '<cell name="c"><device name="d"><executor name="main" %s/>%s</device></cell>\n' % (executor, modules))
         return self.takt("run", cell, "--for", seconds, "--json")
 
-    def test_skip_and_catch_up(self):
+    def test_skip_drops_missed_releases_and_catch_up_makes_up_for_them(self):
         run = self.run_cell(HOG + module("skips", "grid.so", 1, file="skips") +
                             module("all", "grid.so", 2, "<overrun limit=\"1000\">catch-up</overrun>", file="all") +
                             module("one", "grid.so", 3, "<overrun>catch-up</overrun>", file="one"))
@@ -39,22 +39,22 @@ class Overload(takt_system.Case):
         self.assertGreater(modules["one"]["missed"], 0)
         self.assertEqual(rows["cycles"] + rows["missed"], modules["one"]["cycles"] + modules["one"]["missed"])
         self.assertGreater(modules["one"]["cycles"], rows["cycles"])
-        # Each was on the grid, whenever it was made up.
+        # Each release was on the grid, even if it was made up later.
         for name in ("skips", "all", "one"):
             t0, runs, strayed = self.read(name).split()
             self.assertEqual((str(modules[name]["cycles"]), "0"), (runs, strayed), name)
 
-    def test_error_takes_the_module_out_and_it_recovers(self):
+    def test_overrun_error_sends_the_module_to_recover(self):
         run = self.run_cell(HOG + module("strict", "fine.so", 1, '<overrun>error</overrun><recovery attempts="100" backoff="1000000"/>'))
         self.assertEqual(0, run.status, run.err)
         steps = [s.text for s in run.steps("strict") if s.target == "RECOVER"]
         self.assertGreaterEqual(len(steps), 2)
         self.assertRegex(steps[0], r"^overrun: \d+ releases? w(as|ere) missed, (from|of) cycle \d+( on)?$")
-        # The end may meet it before it has recovered once more.
+        # The run may end before the last recovery.
         recovered = [s.target for s in run.steps("strict") if s.source == "RECOVER"]
         self.assertGreaterEqual(recovered.count("EXECUTING"), len(steps) - 1, run.states("strict"))
 
-    def test_the_executors_contract_is_for_all_that_have_none(self):
+    def test_modules_without_an_overrun_policy_use_the_executors(self):
         run = self.run_cell(HOG.replace("</property>", "</property><overrun>skip</overrun>") +
                             module("strict", "fine.so", 1, '<recovery attempts="100" backoff="1000000"/>') +
                             module("lax", "fine.so", 2, "<overrun>skip</overrun>"), executor='overrun="error"')
@@ -63,13 +63,13 @@ class Overload(takt_system.Case):
         self.assertNotIn("RECOVER", run.states("lax"))
         self.assertNotIn("RECOVER", run.states("hog"))
 
-    def test_stop_device(self):
+    def test_overrun_stop_device_ends_the_device(self):
         run = self.run_cell(HOG + module("vital", "fine.so", 1, "<overrun>stop-device</overrun>"), seconds="20")
         self.assertEqual(1, run.status, run.err)
         self.assertRegex(run.err, r"module d\.vital: error: overrun: \d+ release.*another <overrun> than stop-device")
         self.assertEqual("DESTRUCT", run.states("hog")[-1])
 
-    def test_a_program_is_given_what_it_is_owed(self):
+    def test_a_program_with_catch_up_gets_its_pending_releases(self):
         hog = dict(ns=35000000, every=20)
         run = self.run_cell(module("skips", "slow.exe", 1, **hog) +
                             module("owed", "slow.exe", 2, '<overrun limit="1000">catch-up</overrun>', **hog))
@@ -79,10 +79,10 @@ class Overload(takt_system.Case):
         for name in ("skips", "owed"):
             self.assertGreaterEqual(modules[name]["overruns"], 6, name)
         self.assertLess(modules["skips"]["cycles"], rows["cycles"])
-        # All that it was given it has done, save what was left at the end.
+        # It got a release for each row, walked or missed.
         self.assertEqual(rows["cycles"] + rows["missed"], modules["owed"]["cycles"])
 
-    def test_a_budget_is_tolerant_as_it_says(self):
+    def test_a_budget_tolerates_what_its_attributes_say(self):
         long = dict(ns=2000000, every=7)
         run = self.run_cell(module("often", "slow.so", 1, '<budget in-a-row="2">1000000</budget>', **long) +
                             module("little", "slow.so", 2, '<budget times="1000">1000000</budget>', **long) +

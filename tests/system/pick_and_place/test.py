@@ -17,8 +17,8 @@ import takt_system
 from takt_system import wait_until
 
 DEMO = os.path.join(takt_system.SOURCE, "deploy", "palletizing.xml")
-GOODBYE = re.compile(r"parts placed: (\d+); its timing predicts (\d+): one every ([\d.]+) s, of which the arm takes ([\d.]+) s, "
-                     r"in ([\d.]+) s(?: beside ([\d.]+) s of emergency stop)?(.*)")
+SUMMARY = re.compile(r"parts placed: (\d+); predicted from the timing: (\d+), one every ([\d.]+) s \(the arm takes ([\d.]+) s\), "
+                     r"in ([\d.]+) s(?: plus ([\d.]+) s of emergency stop)?(.*)")
 
 
 class PickAndPlace(takt_system.Case):
@@ -26,17 +26,17 @@ class PickAndPlace(takt_system.Case):
         self.port = modbus.free_port()
         with open(DEMO, encoding="utf-8") as file:
             text = file.read().replace("15020", str(self.port))
-        # On a machine that holds everything up for 0.2 s now and then, the demo rightly halts and waits for a hand on its reset.
+        # With its own time-out of 0.2 s, the demo rightly halts when the machine stalls, and waits for a manual reset.
         text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text)
         self.assertEqual(3, text.count('timeout">2<'))
         return self.start("run", self.write("palletizing.xml", text), *arguments)
 
     def modbus(self, function, address, count):
-        """The answer's data, of a client that has nothing to do with Takt."""
+        """Reads by a Modbus TCP client that is independent of Takt. Returns the data of the answer."""
         with socket.create_connection(("127.0.0.1", self.port), 5) as client:
             client.sendall(struct.pack(">HHHBBHH", 1, 0, 6, 1, function, address, count))
             head = client.recv(9, socket.MSG_WAITALL)
-            self.assertEqual(function, head[7], "no exception")
+            self.assertEqual(function, head[7], "the device answered with an exception")
             return client.recv(head[8], socket.MSG_WAITALL)
 
     def lamp(self):
@@ -54,39 +54,39 @@ class PickAndPlace(takt_system.Case):
         self.assertEqual(0, self.takt("set", f"line.{button}", "down", down).status)
 
     @takt_system.timing("the parts placed are compared with those that the timing predicts")
-    def test_places_what_its_timing_predicts_and_halts_at_the_emergency_stop(self):
+    def test_places_the_predicted_parts_and_halts_at_the_emergency_stop(self):
         cell = self.demo()
         cell.wait_for_state("panel", "EXECUTING")
-        wait_until(lambda: self.lamp() == 1, 10, "the green lamp: it starts without a reset")
+        wait_until(lambda: self.lamp() == 1, 10, "the green lamp, without a reset")
         wait_until(lambda: self.display() == 1, 30, "the first part on the display")
-        wait_until(lambda: abs(self.samples("robot.trajectory.setpoint", 1)[0]["velocity"][0]) > 0.2, 20, "the arm is on its way")
+        wait_until(lambda: abs(self.samples("robot.trajectory.setpoint", 1)[0]["velocity"][0]) > 0.2, 20, "the arm to move")
 
         self.press("stop_button", "true")
-        wait_until(lambda: self.lamp() == 0, 5, "the lamp goes out")
-        wait_until(lambda: max(map(abs, self.samples("robot.trajectory.setpoint", 1)[0]["velocity"])) == 0, 5, "the arm stands")
+        wait_until(lambda: self.lamp() == 0, 5, "the lamp to go out")
+        wait_until(lambda: max(map(abs, self.samples("robot.trajectory.setpoint", 1)[0]["velocity"])) == 0, 5, "the arm to stop")
         held = self.samples("robot.trajectory.setpoint", 1)[0]["position"]
-        wait_until(lambda: self.samples("line.conveyor.state", 1)[0]["speed"] == 0, 5, "the belt stands")
-        self.press("reset_button", "true")  # is for nothing while the button is down
+        wait_until(lambda: self.samples("line.conveyor.state", 1)[0]["speed"] == 0, 5, "the belt to stop")
+        self.press("reset_button", "true")  # has no effect while the stop button is down
         self.press("reset_button", "false")
         self.press("stop_button", "false")
         time.sleep(0.5)
-        self.assertEqual(held, self.samples("robot.trajectory.setpoint", 1)[0]["position"], "it waits for the reset")
+        self.assertEqual(held, self.samples("robot.trajectory.setpoint", 1)[0]["position"], "the arm must wait for the reset")
         self.assertEqual(0, self.lamp())
         self.press("reset_button", "true")
-        wait_until(lambda: self.lamp() == 1, 5, "the lamp is green again")
+        wait_until(lambda: self.lamp() == 1, 5, "the green lamp again")
         self.press("reset_button", "false")
-        wait_until(lambda: self.display() >= 3, 100, "it goes on")
+        wait_until(lambda: self.display() >= 3, 100, "the third part on the display")
 
         cell.signal(signal.SIGINT)
         self.assertEqual(0, cell.wait(15).status, cell.err)
-        said = [GOODBYE.search(line) for line in cell.raw]
+        said = [SUMMARY.search(line) for line in cell.raw]
         placed, predicted, each, arm, running, stopped, rest = next(s for s in said if s).groups()
-        self.assertEqual("", rest, "none refused or lost")
+        self.assertEqual("", rest, "no part may be rejected or lost")
         self.assertGreaterEqual(int(placed), 3)
         self.assertGreater(float(stopped), 0.5)
         self.assertAlmostEqual(1.34, float(each) - float(arm), delta=0.4)  # belt and camera, or the arm's way home
-        # What is under way counts when it is done. Braking and starting again at the emergency stop costs up to a second; what the
-        # machine took away, each its own.
+        # A part counts when it is placed. Braking and starting at the emergency stop costs up to a second, and stalls of the machine
+        # cost more.
         self.assertLessEqual(abs(int(placed) - int(predicted)), 1)
         self.assertLessEqual(int(placed), math.floor((float(running) + 0.5) / float(each)))
         self.assertGreaterEqual(int(placed), math.floor((float(running) - 1.5) / float(each)))
@@ -94,7 +94,7 @@ class PickAndPlace(takt_system.Case):
     @unittest.skipUnless(os.path.realpath(takt_system.BIN) == os.path.join(takt_system.SOURCE, "build", "release", "bin"),
                          "tools/demo builds and runs build/release")
     @takt_system.timing("the parts placed are compared with those that the timing predicts")
-    def test_the_demo_presses_the_emergency_stop_and_ends_by_itself(self):
+    def test_tools_demo_presses_the_emergency_stop_and_ends_by_itself(self):
         demo = takt_system.Run([os.path.join(takt_system.SOURCE, "tools", "demo"), "--for", "20"], self.folder,
                                environment={"TAKT_DOMAIN": str(self.domain)})
         self.runs.append(demo)
@@ -102,13 +102,13 @@ class PickAndPlace(takt_system.Case):
         orders = [line for line in demo.raw if line.startswith("demo: ")]
         self.assertEqual(["demo: takt set line.%s" % order for order in ("stop_button down true", "stop_button down false",
                                                                          "reset_button down true", "reset_button down false")], orders)
-        placed, predicted, _, _, running, stopped, _ = next(filter(None, map(GOODBYE.search, demo.raw))).groups()
+        placed, predicted, _, _, running, stopped, _ = next(filter(None, map(SUMMARY.search, demo.raw))).groups()
         self.assertGreater(int(placed), 0)
         self.assertLessEqual(abs(int(placed) - int(predicted)), 1)
         self.assertGreater(float(stopped), 2)
         self.assertIn("cell palletizing", demo.out)
 
-    def test_a_camera_that_dies_is_started_again(self):
+    def test_a_killed_camera_is_restarted(self):
         cell = self.demo()
         cell.wait_for_state("camera", "EXECUTING")
         wait_until(lambda: self.display() == 1, 60, "the first part")

@@ -16,7 +16,7 @@ class Ports(takt_system.Case):
     def port(self, run, module, port):
         return next(p for p in run.modules("d")[module]["ports"] if p["name"] == port)
 
-    def test_samples_reach_whoever_is_connected(self):
+    def test_samples_reach_every_connected_reader(self):
         run = self.takt("run", "cell.xml", "--for", "3", "--json")
         self.assertEqual(0, run.status, run.err)
         for name in ("objects", "bytes", "events"):
@@ -42,12 +42,12 @@ class Ports(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         seen = self.seen("bytes")
         self.assertEqual(0, seen["wrong"])
-        # What the program had read and not passed on is gone with it, and nothing else.
+        # Only samples that the program had read and not yet passed on are lost.
         self.assertLess(seen["gaps"], 20)
         self.assertGreater(seen["last"], 250)
         self.assertEqual((0, 0), (self.seen("objects")["gaps"], self.seen("objects")["wrong"]))
 
-    def test_who_looks_on_is_no_connection_and_his_leaving_no_fault(self):
+    def test_echo_is_not_counted_as_a_connection(self):
         run = self.start("run", "cell.xml", "--json")
         run.wait_for_state("relay", "EXECUTING")
         output = lambda: next(p for m in self.status_of("d")["modules"] if m["name"] == "source" for p in m["ports"] if p["name"] == "out")
@@ -55,17 +55,17 @@ class Ports(takt_system.Case):
         self.assertGreater(before, 0)
         echo = self.start("echo", "d.source.out")
         echo.wait_for_out("number")
-        wait_until(lambda: output()["samples"] > 1000, 10, "some looks of the node at the port")
+        wait_until(lambda: output()["samples"] > 1000, 10, "the node to check the port several times")
         self.assertEqual((before, before), (output()["connections"], output()["matched"]))
         echo.signal(signal.SIGINT)
         echo.wait(10)
-        time.sleep(1)  # as long as it might take to be noticed
+        time.sleep(1)  # a wrong report would appear in this time
         self.assertEqual(([""], before), (self.done("log --kind connection-lost --json"), output()["matched"]))
         run.signal(signal.SIGINT)
         run.wait(20)
         self.assertEqual(0, run.status, run.err)
 
-    def test_properties_say_which_ports_a_program_has(self):
+    def test_a_property_can_name_the_ports_of_a_program(self):
         run = self.takt("run", "named.xml", "--for", "3", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(["b"], [p["name"] for p in run.modules("d")["first"]["ports"] if p["samples"] > 50])
@@ -73,7 +73,7 @@ class Ports(takt_system.Case):
         out, = self.done("describe --json port_named.exe ports=x,y")
         self.assertEqual(["x", "y"], [p["name"] for p in json.loads(out)["ports"]])
 
-    def test_what_a_program_says_of_its_properties_is_said_at_their_line(self):
+    def test_check_reports_property_errors_of_a_program_at_their_line(self):
         with open(self.beside("named.xml")) as file:
             text = file.read()
         wrong = self.write("wrong.xml", text.replace(">c<", "><").replace(">a,b<", ">a<"))

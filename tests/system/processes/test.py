@@ -28,45 +28,45 @@ class Processes(takt_system.Case):
         self.assertEqual(1, sum(line.startswith("module %s.%s: error: was given up: %s; " % (device, module, reason))
                                 for line in run.other_lines), run.other_lines)
 
-    def test_one_that_ends_is_started_again_then_given_up(self):
+    def test_a_program_that_ends_is_restarted_then_given_up(self):
         run = self.takt("run", "ends.xml", "--for", "4", "--json")
         self.assertEqual(1, run.status)
         modules = run.modules()
         self.assert_recovered_then_given_up(run, "exits", "crash: the process ended with status 3", 2)
         self.assert_recovered_then_given_up(run, "crashes", "crash: the process was killed by SIGSEGV (Segmentation fault)", 2)
-        # A status of 0 is no better for one that is to be released.
+        # Exit status 0 is an error too for a program that has releases.
         self.assert_recovered_then_given_up(run, "leaves", "crash: the process ended with status 0", 0)
-        # One that ends in its first release has been EXECUTING, however soon that was.
+        # A program that ends in its first release was EXECUTING before, however briefly.
         self.assert_recovered_then_given_up(run, "first_row", "crash: the process ended with status 0", 3)
         for module, releases, lives in (("exits", 50, 3), ("crashes", 50, 3), ("leaves", 50, 1), ("first_row", 1, 4)):
-            # Each life ends by itself after so many releases; at most one more meets its end.
+            # Each life ends by itself after this many releases. At most one more release falls into its end.
             self.assertIn(modules[module]["cycles"] - releases * lives, range(lives + 1), module)
         self.assertEqual(4, len(run.other_lines), run.other_lines)
         self.assert_others_unaffected(run)
 
-    def test_one_that_is_late_is_counted_and_goes_on(self):
+    def test_a_late_program_runs_on_and_its_overruns_are_counted(self):
         run = self.takt("run", "late.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(LIFE, run.states("late"))
         late = run.modules()["late"]
         self.assertEqual(0, late["errors"])
-        # Each tenth body is one and a half periods long, so it is met by the next row, save the last and where that row was missed.
+        # Every tenth body takes one and a half periods, so the next row finds it busy, unless that row was missed or is the last one.
         self.assertGreaterEqual(late["overruns"] + run.executor()["missed"], late["cycles"] // 10 - 1)
         self.assertGreater(late["overruns"], 0)
         self.assert_grid(run, "late", every=5)
         self.assertEqual(LIFE, run.states("steady"))
         self.assert_grid(run, "steady")
 
-    def test_a_sporadic_one_counts_each_deadline_that_it_misses(self):
+    def test_each_missed_deadline_of_a_sporadic_program_is_counted(self):
         run = self.takt("run", "deadline.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
         held = int(re.search(r"condition held (\d+) times", " ".join(run.printed("late")))[1])
         self.assertGreater(held, 5)
-        # Every body is too long. It may be kept from the processor in another release too, and be ended in its last body.
+        # Every body is too long. Other releases may be late too, and the end of the run may interrupt the last body.
         self.assertGreaterEqual(run.modules()["late"]["overruns"], held - 1)
         self.assertEqual(LIFE, run.states("late"))
 
-    def test_one_that_does_not_come_up_refuses_the_device(self):
+    def test_a_program_that_does_not_come_up_prevents_the_start(self):
         reasons = {
             "never_attaches": "did not call initPeriodExe() within 5 s",
             "never_waits": "did not call waitPeriod() within 5 s",
@@ -75,7 +75,7 @@ class Processes(takt_system.Case):
             "wrong_kind": "the process ended with status 1; its last line was: takt: initSporadicExe(): the descriptor says "
                           "periodic; use initPeriodExe() and waitPeriod(); it had not called initPeriodExe()",
         }
-        runs = {name: self.start("run", name + ".xml", "--for", "5", "--json") for name in reasons}  # all at once: none runs
+        runs = {name: self.start("run", name + ".xml", "--for", "5", "--json") for name in reasons}  # in parallel, because no module runs
         for name, run in runs.items():
             with self.subTest(descriptor=name):
                 run.wait(20)
@@ -85,9 +85,9 @@ class Processes(takt_system.Case):
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
                 self.assertEqual(0, run.executor()["cycles"])
 
-    def test_one_that_stays_in_its_body_is_ended_and_started_again_then_given_up(self):
+    def test_a_hanging_program_is_ended_restarted_then_given_up(self):
         run = self.start("run", "stuck.xml", "--for", "6", "--json")
-        run.wait_for_state("stuck", "EXECUTING")  # before, it was started to say what it is
+        run.wait_for_state("stuck", "EXECUTING")  # before this, the program was started to describe itself
         pids = set()
         wait_until(lambda: pids.update(p.pid for p in run.processes("stuck.exe")) or len(pids) == 2, 10)
         run.wait()
@@ -100,20 +100,20 @@ class Processes(takt_system.Case):
         self.assertIn(modules["stuck"]["pid"], pids)
         self.assert_others_unaffected(run)
 
-    def test_one_that_does_not_end_is_made_to(self):
+    def test_a_program_that_does_not_end_is_killed(self):
         run = self.start("run", "stuck_at_the_end.xml", "--json")
         for module in ("stuck", "deaf"):
             run.wait_for_state(module, "EXECUTING")
-        time.sleep(1.9)  # three releases: they are in their bodies for good, and not yet for so long that they hang
+        time.sleep(1.9)  # three releases: they stay in their bodies, but not long enough to count as hung
         run.signal(signal.SIGTERM)
         run.wait(10)
         self.assertEqual("was killed by SIGTERM (Terminated)", run.steps("stuck")[-1].text)
         self.assertEqual("was killed by SIGKILL (Killed)", run.steps("deaf")[-1].text)
         for module in ("stuck", "deaf"):
             self.assertEqual(LIFE, run.states(module))
-            self.assertIn("does not come to its wait; SIGTERM", [line.text for line in run.said(module)])
+            self.assertIn("does not return to its wait function; sending SIGTERM", [line.text for line in run.said(module)])
             self.assertEqual(3, run.modules()[module]["cycles"])
-        self.assertIn("does not end on SIGTERM; SIGKILL", [line.text for line in run.said("deaf")])
+        self.assertIn("does not end on SIGTERM; sending SIGKILL", [line.text for line in run.said("deaf")])
         self.assert_others_unaffected(run)
 
 

@@ -26,24 +26,24 @@ class Recording(takt_system.Case):
             database.close()
 
     def count(self, file="a.takt"):
-        """0 as long as there is no table."""
+        """The number of samples in the file; 0 before the table exists."""
         try:
             return self.rows("select count(*) from sample", file)[0][0]
         except sqlite3.OperationalError:
             return 0
 
     def numbers(self, file="a.takt"):
-        """What the source wrote, in the order of the file: the counter after the encapsulation."""
+        """The numbers that the source wrote, in the order of the file. In a sample the number follows the encapsulation."""
         return [int.from_bytes(data[4:12], "little") for (data,) in self.rows("select bytes from sample order by id", file)]
 
     def arrived(self):
-        """At the port of sink.xml."""
+        """The number of samples that have arrived at the port of sink.xml."""
         return next(p["samples"] for m in self.status_of("s")["modules"] for p in m["ports"] if p["name"] == "in")
 
     def record(self, seconds, cell, *options, file="a.takt"):
-        """Of a cell that starts after the recorder has."""
+        """Starts the recorder, then the cell, and waits for the end of the recording."""
         recorder = self.start("record", "d.source.out", "--out", file, "--for", str(seconds), *options)
-        recorder.wait_for_line("waits for d.source.out: device d is not there")
+        recorder.wait_for_line("waits for d.source.out: device d not found")
         run = self.start("run", cell, "--json")
         recorder.wait(90)
         run.signal(signal.SIGINT)
@@ -51,7 +51,7 @@ class Recording(takt_system.Case):
         self.missed = run.executor("main", "d")["missed"]
         return recorder
 
-    def test_what_was_written_is_recorded_played_and_plotted(self):
+    def test_samples_are_recorded_played_and_plotted(self):
         recorder = self.record(6, "source.xml")
         self.assertEqual(0, recorder.status, recorder.err)
         self.assertRegex(recorder.err, r"records d\.source\.out \(samples::Count\)")
@@ -64,10 +64,10 @@ class Recording(takt_system.Case):
                          self.rows("select path, topic, type_name from port"))
         numbers = self.numbers()
         self.assertGreater(len(numbers), 50)
-        self.assertEqual(sorted(set(numbers)), numbers, "in order, none twice")
+        self.assertEqual(sorted(set(numbers)), numbers, "samples must be in order, and none twice")
         times = [t for (t,) in self.rows("select time_ns from sample order by id")]
         self.assertLess(abs(times[-1] / 1e9 - time.time()), 60)
-        # The stamps are the module's own: a sample for each period, save those that the executor missed.
+        # The time stamps are those of the module: one sample per period, without periods that the executor missed.
         for (a, at), (b, bt) in zip(list(zip(numbers, times)), list(zip(numbers, times))[1:]):
             self.assertAlmostEqual((b - a) * 0.01, (bt - at) / 1e9, delta=0.5 + self.missed * 0.01)
 
@@ -88,7 +88,7 @@ class Recording(takt_system.Case):
         listed = self.takt("play", "a.takt", "--list")
         self.assertRegex(listed.out, r"d\.source\.out +samples::Count +%d +0\.000" % len(numbers))
 
-        # Into another cell, and a part of it.
+        # Play the whole recording into another cell, then a part of it.
         for options, expected in ([], numbers), (["--from", "0.5", "--to", "1.5", "--speed", "2"],
                                                 [n for n, t in zip(numbers, times) if 5e8 <= t - times[0] <= 15e8]):
             sink = self.start("run", "sink.xml")
@@ -97,26 +97,26 @@ class Recording(takt_system.Case):
             play = self.takt("play", "a.takt", "--port", "d.source.out=replay/out", *options)
             took = time.monotonic() - began
             self.assertEqual(0, play.status, play.err)
-            self.assertNotIn("nobody reads", play.err)
+            self.assertNotIn("has no reader", play.err)
             self.assertRegex(play.err, r"takt play: %d samples of 1 port" % len(expected))
             if not options:
                 self.assertGreater(took, (times[-1] - times[0]) / 1e9)
             wait_until(lambda: self.arrived() >= len(expected), 15, "%d samples at the sink" % len(expected))
-            time.sleep(0.5)  # for what would come twice, and for the sink to read
+            time.sleep(0.5)  # duplicates would arrive in this time, and the sink reads
             sink.signal(signal.SIGINT)
             sink.wait(20)
             seen = json.loads(self.read("seen"))
             self.assertEqual((len(expected), expected[0], expected[-1], 0),
                              (seen["read"], seen["first"], seen["last"], seen["wrong"]))
 
-        # Not beside the module that writes the topic.
+        # takt play must not write the topic of a running module.
         run = self.start("run", "source.xml")
         run.wait_for_state("source", "EXECUTING")
-        self.refused({"play a.takt": r"port d\.source\.out: error: d\.source runs and writes it itself; .*--port d\.source\.out=TOPIC"})
+        self.refused({"play a.takt": r"port d\.source\.out: error: is written by d\.source, which runs; .*--port d\.source\.out=TOPIC"})
         run.signal(signal.SIGINT)
         run.wait(20)
 
-    def test_a_recorder_that_is_killed_leaves_a_file_and_goes_on_in_it(self):
+    def test_a_killed_recorder_leaves_a_readable_file_and_appends_to_it(self):
         run = self.start("run", "component.xml")
         run.wait_for_state("source", "EXECUTING")
         wait_until(lambda: self.count() > 50, 40, "samples in the file")
@@ -136,10 +136,10 @@ class Recording(takt_system.Case):
         self.assertEqual(sorted(set(numbers)), numbers)
         self.assertEqual(1, len(self.rows("select * from port")))
 
-    def test_a_bound_is_kept(self):
+    def test_a_recording_keeps_to_its_maximum_size(self):
         stopped = self.record(60, "fast.xml", "--max-size", "1")
         self.assertEqual(0, stopped.status, stopped.err)
-        self.assertRegex(stopped.err, r"a\.takt is full at 1\.0 MB, so it ended")
+        self.assertRegex(stopped.err, r"a\.takt is full at 1\.0 MB; recording ended")
         self.assertLessEqual(os.path.getsize(self.path("a.takt")), 1000000)
         self.assertGreater(os.path.getsize(self.path("a.takt")), 500000)
 
@@ -149,41 +149,41 @@ class Recording(takt_system.Case):
         self.assertLessEqual(os.path.getsize(self.path("b.takt")), 1000000)
         self.assertGreater(self.numbers("b.takt")[0], 1000)
 
-    def test_what_is_wrong_is_said(self):
+    def test_reports_wrong_arguments_and_files(self):
         self.write("text.takt", "This is a text of more than a few words, and no recording whatever it is called.\n" * 50)
         self.refused({
-            "record d --out x.takt": r"'d' names no port; say DEVICE\.MODULE\.PORT",
+            "record d --out x.takt": r"'d' is not a port name; write DEVICE\.MODULE\.PORT",
             "record d.m.p --out no/x.takt": r"no/x\.takt: error: cannot be opened",
-            "record d.m.p --out text.takt": r"text\.takt: error: is there already",
-            "record d.m.p --out text.takt --append": r"text\.takt: error: is no recording",
-            "record d.m.p --out y.takt --max-size 0.5": r"1 MB is the least",
-            "play none.takt": r"none\.takt: error: is not there",
-            "play text.takt": r"text\.takt: error: is no recording",
-            "plot text.takt d.m.p.x": r"text\.takt: error: is no recording",
+            "record d.m.p --out text.takt": r"text\.takt: error: exists already",
+            "record d.m.p --out text.takt --append": r"text\.takt: error: is not a recording",
+            "record d.m.p --out y.takt --max-size 0.5": r"use at least 1 MB",
+            "play none.takt": r"none\.takt: error: does not exist",
+            "play text.takt": r"text\.takt: error: is not a recording",
+            "plot text.takt d.m.p.x": r"text\.takt: error: is not a recording",
         })
         usage = self.at_once("record --out x.takt", "record d.m.p", "play a --speed 0", "plot a", "record d.m.p --out x --full no")
         self.assertEqual([2] * len(usage), [run.status for run in usage])
         nobody = self.takt("record", "d.m.p", "--out", "z.takt", "--for", "1")
         self.assertEqual(1, nobody.status)
-        self.assertRegex(nobody.err, r"waits for d\.m\.p: device d is not there\n.*0 samples of 0 ports")
-        self.assertFalse(os.path.exists(self.path("z.takt")), "nothing is left that the next attempt would find in its way")
+        self.assertRegex(nobody.err, r"waits for d\.m\.p: device d not found\n.*0 samples of 0 ports")
+        self.assertFalse(os.path.exists(self.path("z.takt")), "no file may be left, which would block the next attempt")
 
         run = self.takt("run", "wrong.xml", "--for", "2")
         self.assertRegex(run.err, r"\| property max_size: error: cannot be 'much'; write a number from 0 to")
-        self.assertRegex(run.err, r"\| error: there is no property 'fiel'; did you mean file\?")
+        self.assertRegex(run.err, r"\| error: unknown property 'fiel'; did you mean file\?")
         self.assertRegex(run.err, r"\| property file: error: is missing")
 
-    def test_wrong_names_and_damage(self):
+    def test_reports_wrong_names_and_damaged_files(self):
         self.assertEqual(0, self.record(8, "source.xml").status)
         self.refused({
-            "plot a.takt d.source.uot.number": r"no port 'd\.source\.uot' is in it; did you mean d\.source\.out\?",
+            "plot a.takt d.source.uot.number": r"has no port 'd\.source\.uot'; did you mean d\.source\.out\?",
             "plot a.takt d.source.out.numbr": r"port d\.source\.out has no field 'numbr'; did you mean number\?",
-            "plot a.takt d.source.out --from 1000": r"no sample is in that time",
-            "play a.takt --from 1000": r"no sample is in that time",
+            "plot a.takt d.source.out --from 1000": r"has no samples in that time",
+            "play a.takt --from 1000": r"has no samples in that time",
             "plot a.takt d.source.out --svg no/a.svg": r"no/a\.svg: error: cannot be written",
-            "play a.takt --port d.source.uot": r"no port 'd\.source\.uot' is in it",
-            "play a.takt --port d.source.out=": r"names no topic",
-            "play a.takt --from 2 --to 1": r"--from lies after --to",
+            "play a.takt --port d.source.uot": r"has no port 'd\.source\.uot'",
+            "play a.takt --port d.source.out=": r"has no topic after '='",
+            "play a.takt --from 2 --to 1": r"--from is after --to",
         })
         size = os.path.getsize(self.path("a.takt"))
         with open(self.path("a.takt"), "r+b") as file:

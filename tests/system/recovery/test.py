@@ -22,18 +22,18 @@ class Recovery(takt_system.Case):
             self.assert_grid(run, module, every=every)
 
     def assert_backoff(self, run, module, seconds):
-        """Each attempt comes so long after what it answers: the step to RECOVER, or the attempt before it."""
+        """Each attempt comes this much later than the step to RECOVER, or than the failed attempt before it."""
         before = None
         for line in run.said(module):
             if "-> RECOVER" in line.text or line.text.startswith("could not recover"):
                 before = line.at
             elif line.text.startswith("recovery, attempt"):
-                self.assertGreaterEqual((line.at - before) % 86400, seconds - 0.0015, line)  # the times are cut to 1 ms
+                self.assertGreaterEqual((line.at - before) % 86400, seconds - 0.0015, line)  # the printed times are truncated to 1 ms
 
-    def test_a_module_recovers_and_runs_again(self):
+    def test_a_failed_module_recovers_and_runs_again(self):
         run = self.takt("run", "recovers.xml", "--for", "2.5", "--json")
         modules = run.modules()
-        # Why, and the number that error() is told.
+        # For each module: the reason, and the number that error() gets.
         reasons = {
             "throws": ("failure: run() threw as it was asked to", 1),
             "says": ("failure: run() failed as it was asked to", 1),
@@ -42,7 +42,7 @@ class Recovery(takt_system.Case):
         }
         for module, (reason, number) in reasons.items():
             diary = self.diary(module)
-            # One that came when the device was already being stopped is counted, and the module ends as all do.
+            # An error during the stop of the device is counted, but the module ends like all others.
             errors = diary.count("error %d" % number)
             self.assertGreaterEqual(errors, 1, module)
             self.assertIn(modules[module]["errors"], (errors, errors + 1), module)
@@ -59,13 +59,13 @@ class Recovery(takt_system.Case):
             self.assertEqual("DESTRUCT", modules[module]["state"])
         self.assert_others_unaffected(run)
 
-        # Twice is all that it may: 0.1 s, three times, and two back-offs are over long before the end.
+        # It may recover twice: three times 0.1 s and two back-offs are over long before the end of the run.
         self.assertEqual(STARTED + AGAIN * 2 + ["RECOVER", "DESTRUCT"], run.states("throws"))
         self.assertEqual("after 2 attempts", run.steps("throws")[-1].text)
         self.assertEqual(3, modules["throws"]["errors"])
         self.assertLessEqual(modules["throws"]["cycles"], 300)
         self.assertEqual(1, run.status)
-        self.assertIn("module recovers.throws: error: was given up: failure: run() threw as it was asked to; mend the module, "
+        self.assertIn("module recovers.throws: error: was given up: failure: run() threw as it was asked to; correct the module, "
                       "or give it more attempts in <recovery>", run.other_lines)
 
     def test_a_module_that_cannot_recover_is_given_up(self):
@@ -82,16 +82,16 @@ class Recovery(takt_system.Case):
             self.assertEqual("after %d attempts" % attempts, run.steps(module)[-1].text)
             self.assertEqual((100, 1), (modules[module]["cycles"], modules[module]["errors"]))
             self.assertRegex("\n".join(run.other_lines), r"module gives_up\.%s: error: was given up: " % module)
-        # It recovers each time, and fails each time before that counts as lasting.
+        # It recovers each time, but fails again before the recovery counts as lasting.
         self.assertEqual(STARTED + AGAIN * 3 + ["RECOVER", "DESTRUCT"], run.states("again"))
         self.assertEqual((40, 4), (modules["again"]["cycles"], modules["again"]["errors"]))
-        # With no attempt, an error is the end; the module is still told of both.
+        # With no attempt, an error ends the module. Its error() and destruct() are still called.
         self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("at_once"))
         self.assertEqual(["initialize", "start", "error 1", "destruct"], self.diary("at_once"))
         self.assertEqual(5, len(run.other_lines), run.other_lines)
         self.assert_others_unaffected(run)
 
-    def test_a_module_that_the_device_cannot_do_without_ends_it(self):
+    def test_giving_up_a_stop_device_module_ends_the_device(self):
         run = self.takt("run", "stop_device.xml", "--for", "60", "--json", limit=40)
         self.assertEqual(1, run.status)
         self.assertEqual(STARTED + AGAIN + ["RECOVER", "DESTRUCT"], run.states("needed"))

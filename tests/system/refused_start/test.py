@@ -6,7 +6,7 @@ import takt_system
 from takt_system import LIFE, NEVER_RAN
 
 WORDS = {"throw": "threw: %s() threw as it was asked to", "say": "%s() failed as it was asked to",
-         "other": "threw something that is no std::exception"}
+         "other": "threw something that is not a std::exception"}
 
 
 class RefusedStart(takt_system.Case):
@@ -23,7 +23,7 @@ class RefusedStart(takt_system.Case):
             self.assertNotIn("EXECUTING", run.states(name))
             self.assertEqual(1, run.states(name).count("DESTRUCT"))
 
-    def test_initialize_fails(self):
+    def test_a_failing_initialize_hook_prevents_the_start(self):
         for how, words in WORDS.items():
             with self.subTest(how=how):
                 run = self.takt("run", "initialize_%s.xml" % how, "--for", "5", "--json", limit=15)
@@ -32,14 +32,14 @@ class RefusedStart(takt_system.Case):
                 self.assertEqual(["module initialize_%s.bad: error: %s" % (how, reason)], run.other_lines)
                 self.assertEqual(["IDLE", "DESTRUCT"], run.states("bad"))
                 self.assert_none_ran(run)
-                # Hooks are called in the order of the file: the one before it was initialised, and is destructed.
+                # Hooks are called in the order of the file: the module before it was initialised, and is destructed.
                 self.assertEqual(["initialize", "destruct"], self.diary("first"))
                 self.assertIn(self.diary("last"), ([], ["initialize", "destruct"]))
             for name in ("first", "last"):
                 if os.path.exists(os.path.join(self.folder, name)):
                     os.remove(os.path.join(self.folder, name))
 
-    def test_start_fails(self):
+    def test_a_failing_start_hook_prevents_the_start(self):
         for how, words in WORDS.items():
             with self.subTest(how=how):
                 run = self.takt("run", "start_%s.xml" % how, "--for", "5", "--json", limit=15)
@@ -57,7 +57,7 @@ class RefusedStart(takt_system.Case):
                     self.assertEqual(["initialize", "start", "destruct"], self.diary(name))
                     os.remove(os.path.join(self.folder, name))
 
-    def test_a_start_that_recovers_delays_all_and_refuses_nobody(self):
+    def test_a_start_hook_that_recovers_only_delays_the_start(self):
         run = self.takt("run", "start_recovers.xml", "--for", "0.3", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(LIFE[:2] + ["RECOVER"] + LIFE[2:], run.states("bad"))

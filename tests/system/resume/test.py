@@ -14,7 +14,7 @@ class Resume(takt_system.Case):
             node.wait_for_line(r" robot\.%s: START -> EXECUTING" % module)
 
     def gone(self, node):
-        wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "the end of all that it had started")
+        wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "its host and its programs to end")
 
     def kept(self):
         found = glob.glob(os.path.join(self.folder, "state", "robot.*.deployment"))
@@ -29,7 +29,7 @@ class Resume(takt_system.Case):
         self.assertEqual(("-", [[]]), (status["cell"], [d["modules"] for d in status["devices"]]))
         self.assertEqual(["takt-node"], [p.program for p in node.processes()])
 
-    def test_it_is_taken_up_again_on_the_same_grid(self):
+    def test_a_resumed_cell_keeps_its_grid(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)
@@ -43,7 +43,7 @@ class Resume(takt_system.Case):
                 instants.append(self.first_release())
             node = self.node("robot", "--resume")
             self.executes(node)
-            # It does not make up for the time that it was away.
+            # The node does not make up for the rows while it was dead.
             executor = self.status_of("robot")["executors"][0]
             print("%s: rows walked %d, missed %d" % (number.name, executor["cycles"], executor["missed"]))
             self.assertLess(executor["missed"], 3000)
@@ -59,7 +59,7 @@ class Resume(takt_system.Case):
         self.assert_waits(node)
         self.end({"robot": node})
 
-    def test_without_resume_it_waits_and_says_so(self):
+    def test_a_node_without_resume_waits_and_says_so(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)
@@ -69,13 +69,13 @@ class Resume(takt_system.Case):
         node = self.node("robot")
         node.wait_for_line("cell cell was running when this node ended.*--resume")
         self.assert_waits(node)
-        # And it is free.
+        # A new deployment is accepted.
         self.deploy("cell.xml")
         self.executes(node)
         self.done("undeploy cell")
         self.end({"robot": node})
 
-    def test_what_is_damaged_is_told(self):
+    def test_reports_a_damaged_deployment_file(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)
@@ -91,7 +91,7 @@ class Resume(takt_system.Case):
                 with open(path, "wb") as file:
                     file.write(content)
                 node = self.node("robot", "--resume")
-                said = node.wait_for_line("nothing is taken up again")
+                said = node.wait_for_line("nothing is restored")
                 self.assertIn(path, said)
                 self.assertRegex(said, "damaged: .*; deploy the cell again$")
                 self.assertEqual(["takt-node"], [p.program for p in node.processes()])

@@ -1,9 +1,9 @@
-/* What a node of ROS 2 is on the wire: topics under rt/, types under ROS 2's names, its default quality of service (reliable,
- * volatile, the last ten). It knows nothing of Takt.
+/* Looks on the wire like a ROS 2 node: topics under rt/, ROS 2 type names, the default quality of service of ROS 2 (reliable,
+ * volatile, history of ten). It uses nothing of Takt.
  *
  *   ros2_peer DOMAIN pub TYPE TOPIC COUNT PERIOD_MS [best-effort]
- *   ros2_peer DOMAIN sub TYPE TOPIC COUNT SECONDS        until COUNT have come; a JSON object a line
- *   ros2_peer DOMAIN list SECONDS                        writers and readers that others have: "pub|sub TOPIC TYPE RELIABILITY"
+ *   ros2_peer DOMAIN sub TYPE TOPIC COUNT SECONDS        until COUNT have arrived; prints one JSON object a line
+ *   ros2_peer DOMAIN list SECONDS                        the writers and readers of other participants: "pub|sub TOPIC TYPE RELIABILITY"
  *
  * TYPE: Float64, String, JointState, Twist. TOPIC as in ROS 2: /chatter. */
 #include <stdio.h>
@@ -27,7 +27,7 @@ static dds_entity_t must(dds_entity_t entity, const char *what) {
   exit(3);
 }
 
-/* rmw_qos_profile_default; best effort as in rmw_qos_profile_sensor_data. */
+/* rmw_qos_profile_default, or best effort as in rmw_qos_profile_sensor_data. */
 static dds_qos_t *profile(int best_effort) {
   dds_qos_t *qos = dds_create_qos();
   dds_qset_reliability(qos, best_effort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
@@ -42,7 +42,7 @@ static void fill_number(void *sample, int n) { ((std_msgs_msg_dds__Float64_ *)sa
 static void print_text(const void *sample) { printf("{\"data\": \"%s\"}\n", ((const std_msgs_msg_dds__String_ *)sample)->data); }
 static void fill_text(void *sample, int n) {
   static char text[400];
-  /* The third is longer than what a bounded port can hold. */
+  /* The third text is longer than the bounded port can hold. */
   if (n == 3) {
     memset(text, 'x', 300);
     text[300] = '\0';
@@ -121,7 +121,7 @@ static int pub(dds_entity_t participant, int count, char **words) {
     usleep(10000);
     must(dds_get_publication_matched_status(writer, &matched), "matched");
   } while (matched.current_count == 0);
-  usleep(1000000); /* until the reader has matched, too */
+  usleep(1000000); /* until the reader has matched too */
   for (int n = 1; n <= atoi(words[2]); ++n) {
     union {
       std_msgs_msg_dds__Float64_ number;

@@ -1,4 +1,4 @@
-"""A program that is a node of ROS 2 on the wire talks to the ports of a cell. TAKT_ROS2_PEER is the program beside this file."""
+"""A program that looks like a node of ROS 2 on the wire talks to the ports of a cell. TAKT_ROS2_PEER is the program of this folder."""
 import json
 import os
 import signal
@@ -26,7 +26,7 @@ class Ros2(takt_system.Case):
     def matched(self, port):
         return any(line.split()[0].endswith(port) and "1/1" in line for line in self.takt("status").out.splitlines() if line.strip())
 
-    def test_a_node_of_ros2_sees_topics_and_exchanges_messages(self):
+    def test_a_ros2_node_sees_topics_and_exchanges_messages(self):
         cell = self.start("run", "cell.xml", "--json")
         cell.wait_for_state("echo", "EXECUTING")
 
@@ -36,7 +36,7 @@ class Ros2(takt_system.Case):
                     "pub rt/cell/x std_msgs::msg::dds_::Float64_ reliable",
                     "sub rt/cell/text std_msgs::msg::dds_::String_ reliable",
                     "sub rt/cmd_vel geometry_msgs::msg::dds_::Twist_ best-effort"}
-        wait_until(lambda: expected <= {line.strip() for _, line in list(names.out_lines)}, 20, "the topics, as ROS 2 calls them")
+        wait_until(lambda: expected <= {line.strip() for _, line in list(names.out_lines)}, 20, "the topics under their ROS 2 names")
 
         before = time.time()
         states = self.peer("sub", "JointState", "/joint_states", 20, 20).wait(30)
@@ -50,18 +50,18 @@ class Ros2(takt_system.Case):
         self.assertGreater(times[-1], before)
         self.assertLess(times[-1], time.time() + 1)
 
-        # Text there and back; the third of these is longer than the port's 255.
+        # Text goes there and back. The third text is longer than the 255 characters of the port and is dropped.
         capitals = self.peer("sub", "String", "/cell/capitals", 5, 40)
-        wait_until(lambda: self.matched("echo.capitals"), 20, "that the reader has matched")
+        wait_until(lambda: self.matched("echo.capitals"), 20, "the reader to match")
         self.assertEqual(0, self.peer("pub", "String", "/cell/text", 6, 20).wait(30).status)
         self.assertEqual(0, capitals.wait(40).status, capitals.err)
         self.assertEqual(["HELLO %d" % n for n in (1, 2, 4, 5, 6)], [m["data"] for m in self.messages(capitals)])
 
-        # A velocity from a writer of either reliability.
+        # Velocities arrive from a reliable and from a best-effort writer.
         for reliability in ("reliable", "best-effort"):
-            wait_until(lambda: not self.matched("echo.x"), 20, "that the reader before has gone")
+            wait_until(lambda: not self.matched("echo.x"), 20, "the previous reader to go")
             x = self.peer("sub", "Float64", "/cell/x", 5, 40)
-            wait_until(lambda: self.matched("echo.x"), 20, "that the reader has matched")
+            wait_until(lambda: self.matched("echo.x"), 20, "the reader to match")
             self.assertEqual(0, self.peer("pub", "Twist", "/cmd_vel", 40, 20, reliability).wait(30).status)
             self.assertEqual(0, x.wait(40).status, x.err)
             values = [m["data"] for m in self.messages(x)]
@@ -73,14 +73,14 @@ class Ros2(takt_system.Case):
         names.signal(signal.SIGKILL)
         names.wait(10)
 
-    def test_a_type_that_ros2_does_not_know_is_refused(self):
+    def test_check_rejects_a_type_that_ros2_does_not_know(self):
         with open(self.beside("cell.xml"), encoding="utf-8") as file:
             text = file.read()
         path = self.write("wrong.xml", text.replace('from="robot.joint_states.joint_states" topic', 'from="robot.arm.measured" topic'))
         run = self.takt("check", path)
         self.assertEqual(1, run.status)
         line = 1 + text[:text.index('topic="/joint_states"')].count("\n")
-        self.assertIn(f"wrong.xml:{line}: error: port robot.arm.measured is of type motion::JointState, which no program of ROS 2 knows",
+        self.assertIn(f"wrong.xml:{line}: error: port robot.arm.measured has type motion::JointState, which is not a ROS 2 message",
                       run.err)
 
 

@@ -25,7 +25,7 @@ def changes(node, who):
 
 class Readers:
     def wait_for(self, node, readers, what, since, limit=15.0, after=None):
-        """When each of the readers was first `what` after that, in seconds. `after`: how much later to begin for each reader."""
+        """Waits until each reader has printed `what` after `since`. Returns the seconds it took. `after`: a later start per reader."""
         took = {}
         for who in readers:
             begin = since + (after[who] if after else 0.0)
@@ -39,14 +39,14 @@ class Readers:
         print("%s: %s" % (what, ", ".join("%s after %.1f ms" % (who, 1000 * s) for who, s in took.items())))
 
     def goes_safe(self, what, node, readers, act, *arguments, back=None):
-        """The readers get the safe value once `act` was done, and samples again after `back`, or by themselves."""
+        """Waits until `act` makes the readers get the safe value, and until they get samples again after `back` or by themselves."""
         since = time.monotonic()
         act(*arguments)
         took = self.wait_for(node, readers, "SAFE", since)
         self.tell(what, took)
         if back is None:
             return
-        if back == "itself":  # the one reader may be back before the other has seen that it was gone
+        if back == "itself":  # one reader may be back before the other one has the safe value
             self.tell("  and back", self.wait_for(node, readers, "LIVE", since, after=took))
             return
         since = time.monotonic()
@@ -59,7 +59,7 @@ class Readers:
 
 
 class OnOneDevice(Readers, takt_system.Case):
-    def test_whatever_becomes_of_the_writer(self):
+    def test_readers_get_the_safe_value_however_the_writer_fails(self):
         node = self.node("d")
         self.deploy("local.xml")
         everybody = ("thread", "program", "relayed")
@@ -75,7 +75,7 @@ class OnOneDevice(Readers, takt_system.Case):
         self.goes_safe("in DESTRUCT", node, direct, order("destruct d.source"), back=lambda: self.done("reset d.source") and
                        self.done("initialize d.source") and self.done("start d.source"))
         self.goes_safe("its program was killed", node, ("relayed",), lambda: node.one("port_relay.exe").kill(), back="itself")
-        # Who is released by the host that died reads nothing until there is another one: a reader elsewhere sees it.
+        # The readers that this host releases read nothing until it restarts, so only their return is checked.
         since = time.monotonic()
         node.one("takt-host").kill()
         self.tell("its host was killed; samples again", self.wait_for(node, ("thread",), "LIVE", since))
@@ -84,7 +84,7 @@ class OnOneDevice(Readers, takt_system.Case):
         self.assertEqual(0, self.takt("status", "--json").status)
         inputs = {m["name"]: m["ports"][0] for m in self.status_of("d")["modules"] if m["name"] in ("program", "relayed")}
         self.assertTrue(inputs["program"]["safe"])
-        self.assertFalse(inputs["relayed"]["safe"], "its writer executes")
+        self.assertFalse(inputs["relayed"]["safe"], "the writer of this reader executes")
         self.assert_never_wrong(node)
         self.assertEqual(0, self.takt("undeploy", "local").status)
         self.end({"d": node})
@@ -93,7 +93,7 @@ class OnOneDevice(Readers, takt_system.Case):
 class OnAnotherDevice(Readers, takt_system.Case):
     READERS = ("thread", "program")
 
-    def test_a_writer_that_is_stopped_and_one_whose_node_is_killed(self):
+    def test_readers_get_the_safe_value_when_a_remote_writer_is_stopped_or_killed(self):
         nodes = self.nodes("robot", "line")
         self.deploy("far.xml")
         self.wait_for(nodes["line"], self.READERS, "LIVE", 0)
@@ -114,7 +114,7 @@ class OverACable(Readers, networks.NetworkCase):
         self.deploy(cell)
         return nodes
 
-    def test_the_cable_of_the_writer_is_pulled(self):
+    def test_readers_get_the_safe_value_when_the_writers_cable_is_pulled(self):
         nodes = self.start_cell("far.xml", ("robot", "line"))
         readers = OnAnotherDevice.READERS
         self.wait_for(nodes["line"], readers, "LIVE", 0)
@@ -124,12 +124,12 @@ class OverACable(Readers, networks.NetworkCase):
         self.assertEqual(0, self.operator("undeploy", "far").status)
         self.end(nodes)
 
-    def test_a_device_that_is_cut_off_stops_itself_and_the_cell(self):
+    def test_an_isolated_device_stops_itself_and_the_cell(self):
         nodes = self.start_cell("stop_cell.xml", ("a", "b", "c"))
         self.wait_for(nodes["b"], ("reader",), "LIVE", 0)
         cut = time.monotonic()
         self.net.cut("a")
-        nodes["a"].wait_for_line(r"device a: error: has lost b, c, and has a module whose fault stops the cell; see to")
+        nodes["a"].wait_for_line(r"device a: error: has lost b, c, and one of its modules stops the cell when it fails; check its machine")
         for other in ("b", "c"):
             nodes[other].wait_for_line(r"device %s: error: (is lost|stops with its cell: device a: error: is lost)" %
                                        ("(a|%s)" % other))
@@ -151,7 +151,7 @@ class ACell(Readers, takt_system.Case):
             self.wait_for(nodes[device], ("reader",), "LIVE", 0)
         return nodes
 
-    def test_is_stopped_by_one_modules_fault(self):
+    def test_a_fault_of_a_stop_cell_module_stops_the_cell(self):
         nodes = self.begin()
         since = time.monotonic()
         self.done("set a.source how 2")
@@ -166,19 +166,19 @@ class ACell(Readers, takt_system.Case):
         self.assertRegex(undeployed.err, "module a.source: error: was given up")
         self.end(nodes)
 
-    def test_is_stopped_by_the_loss_of_the_device_that_would_say_so(self):
+    def test_the_loss_of_the_stop_cell_modules_device_stops_the_cell(self):
         nodes = self.begin()
         since = time.monotonic()
         nodes["a"].kill_all()
         for other in ("b", "c"):
             nodes[other].wait_for_state("reader", "DESTRUCT")
-            nodes[other].wait_for_line(r"device (a: error: is lost, and has a module whose fault stops the cell|%s: error: stops with its cell: "
-                                       r"device a: error: is lost)" % other)
+            nodes[other].wait_for_line(r"device (a: error: is lost, and one of its modules stops the cell when it fails|"
+                                       r"%s: error: stops with its cell: device a: error: is lost)" % other)
         print("the others had stopped %.0f ms after a node was killed" % (1000 * (time.monotonic() - since)))
         self.takt("undeploy", "stop_cell")
         self.end({d: nodes[d] for d in ("b", "c")})
 
-    def test_goes_on_without_another_device_and_ends_in_order(self):
+    def test_the_loss_of_another_device_does_not_stop_the_cell(self):
         nodes = self.begin()
         nodes["b"].kill_all()
         time.sleep(2)

@@ -11,7 +11,7 @@ SEEDS = [int(seed) for seed in os.environ.get("TAKT_SCRIBBLES", "1 2 3 4").split
 
 
 class Scribbles(takt_system.Case):
-    def test_costs_its_device_at_most_and_never_the_node(self):
+    def test_random_writes_to_shared_memory_never_end_the_node(self):
         with open(self.beside("cell.xml")) as file:
             cell = file.read()
         nodes = self.nodes("hurt", "whole")
@@ -19,7 +19,7 @@ class Scribbles(takt_system.Case):
             text = cell.replace('"seed">1<', '"seed">%d<' % seed)
             before = len(nodes["whole"].lines)
             self.deploy(self.write("cell.xml", text))
-            # It is at it after 0.2 s. What comes of that is seen by people, who ask.
+            # The module starts to write after 0.2 s. Meanwhile operators and observers use the node.
             for _ in range(4):
                 time.sleep(0.4)
                 status = self.status_of()
@@ -31,7 +31,7 @@ class Scribbles(takt_system.Case):
             self.assertEqual({"EXECUTING"}, set(self.states_of("whole").values()), "seed %d" % seed)
             self.takt("undeploy", "scribbled", limit=90)
             wait_until(lambda: not any(d["modules"] for d in self.status_of()["devices"]), 60,
-                       "both to be free again after seed %d" % seed)
+                       "both nodes to be free again after seed %d" % seed)
             new = nodes["whole"].lines[before:]
             self.assertEqual([], [line.text for line in new if re.match(r"\w+ -> RECOVER", line.text)], "seed %d" % seed)
         self.end(nodes)

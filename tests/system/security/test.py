@@ -1,4 +1,4 @@
-"""A cell with DDS Security on machines of its own, and strangers beside it."""
+"""A cell with DDS Security in network namespaces, with strangers on the same network."""
 import json
 import os
 import re
@@ -17,13 +17,13 @@ from wear import taken_by
 PEER = os.environ.get("TAKT_DDS_PEER", "")
 CYCLONE = os.environ.get("TAKT_CYCLONE_PEER", "")
 DEVICES = ("robot", "line")
-# What a switch sees. Writes what it saw when it is told to end.
+# Records all packets that pass the switch, and writes them to a file on SIGTERM.
 SNIFF = r"""
 import signal, socket, sys
 ended = []
 signal.signal(signal.SIGTERM, lambda *_: ended.append(1))
 s = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.ntohs(3))
-s.setsockopt(socket.SOL_SOCKET, 33, 1 << 26)  # SO_RCVBUFFORCE: nothing is lost while it is held up
+s.setsockopt(socket.SOL_SOCKET, 33, 1 << 26)  # SO_RCVBUFFORCE: no packet is lost while this process stalls
 s.settimeout(0.1)
 print("ready", flush=True)
 seen = bytearray()
@@ -36,15 +36,15 @@ open(sys.argv[1], "wb").write(seen)
 """
 
 
-# Of a descriptor and of states: what is said, and not who may say it.
+# Words of the descriptor and of states, which must not be readable (the names of topics may be).
 WORDS = (b"quiet_sink", b"port_source.so", b"port_sink.so")
-# Of samples::Count, as its component describes it.
+# The type samples::Count, as its component describes it.
 SHAPE = {"name": "samples::Count", "fields": [{"name": "number", "type": "unsigned long long"}, {"name": "same", "type": "double", "array": [6]},
                                               {"name": "few", "type": "unsigned long", "sequence": 4}]}
 
 
 class Peer:
-    """The program of the DDS tests, on one of the machines; it ends when its input does."""
+    """The program of the DDS tests, on one of the machines. It ends with its standard input."""
 
     def __init__(self, case, machine, *arguments, **environment):
         self._process = subprocess.Popen(
@@ -53,7 +53,7 @@ class Peer:
         case.addCleanup(self.end)
 
     def line(self):
-        """What it says next, but for whom it refused itself."""
+        """Its next line, without the notices about participants that it rejected."""
         while True:
             line = self._process.stdout.readline()
             if not line.startswith("notice "):
@@ -76,7 +76,7 @@ class Security(takt_system.Case):
         self.net = networks.Networks(*DEVICES, "operator", "stranger")
         self.net.__enter__()
         self.addCleanup(self.net.__exit__)
-        # Each machine has all its interfaces here; they are the test's own.
+        # All interfaces, not only loopback: the network belongs to this test.
         self.environment = {"TAKT_DOMAIN": "0", "TAKT_INTERFACE": ""}
         self.keys = os.path.join(self.folder, "keys")
         run = self.secure("init", self.beside("cell.xml"), "keys", "--operator", "anna", "--observer", "eve")
@@ -101,7 +101,7 @@ class Security(takt_system.Case):
         return {device: self.node(device, **options) for device in DEVICES}
 
     def as_one(self, who, *arguments, machine="operator", limit=40):
-        """takt, as this one of the authority ("operators/anna"), or of another folder, or as nobody ("")."""
+        """Runs takt with the identity in this folder of the authority ("operators/anna"), in another folder, or without one ("")."""
         environment = dict(self.environment, TAKT_SECURITY=who and os.path.join(self.keys, who))
         return self.start(*arguments, environment=environment, before=self.net.on(machine)).wait(limit)
 
@@ -109,7 +109,7 @@ class Security(takt_system.Case):
         self.agreed(lambda: self.as_one("operators/anna", "deploy", "cell.xml"))
 
     def undeploy(self, who):
-        """Again where the machine was held up for longer than a lease: the first one is carried out, and not answered."""
+        """Repeats the command if the machine stalled for longer than a lease: the first one was then carried out but not answered."""
         for _ in range(3):
             run = self.as_one(who, "undeploy", "guarded")
             if "was lost before it answered" not in run.err:
@@ -142,7 +142,7 @@ class Security(takt_system.Case):
                 return file.read()
         return seen
 
-    def test_the_cell_runs_and_who_listens_on_the_cable_reads_nothing(self):
+    def test_the_traffic_of_a_secured_cell_is_unreadable(self):
         sniffed = self.sniff()
         nodes = self.started()
         self.assertIn("security is on: device robot of cell guarded", nodes["robot"].err)
@@ -150,20 +150,20 @@ class Security(takt_system.Case):
         wait_until(lambda: self.states() == {"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, 20, "both modules")
         echo = self.as_one("operators/anna", "echo", "robot.plainly_visible.out", "--count", "3")
         self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
-        # Who may look sees all of it, and changes nothing.
+        # An observer sees everything and cannot change anything.
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states("observers/eve"))
         echo = self.as_one("observers/eve", "echo", "robot.plainly_visible.out", "--count", "3")
         self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
         stop = self.as_one("observers/eve", "stop", "robot.plainly_visible")
         self.assertEqual(1, stop.status)
-        self.assertIn("observer eve at 10.77.0.3 may look and not stop", stop.err)
-        nodes["robot"].wait_for_line("refused: observer eve at 10.77.0.3 asked to stop, which only an operator may")
+        self.assertIn("observer eve at 10.77.0.3 may only observe, not stop", stop.err)
+        nodes["robot"].wait_for_line("rejected: observer eve at 10.77.0.3 asked to stop, which only an operator may do")
         update = self.as_one("observers/eve", "deploy", "--update", "cell.xml")
         self.assertEqual(1, update.status)
-        self.assertEqual(len(DEVICES), update.err.count("observer eve at 10.77.0.3 may look and not"), update.err)
+        self.assertEqual(len(DEVICES), update.err.count("observer eve at 10.77.0.3 may only observe, not"), update.err)
         call = self.as_one("observers/eve", "call", "robot.plainly_visible.none")
         self.assertEqual(1, call.status)
-        self.assertRegex(call.err, "observers/eve: error: observer eve may look and not call; name the folder of an operator")
+        self.assertRegex(call.err, "observers/eve: error: observer eve may only observe, not call; give the folder of an operator")
         undeploy = self.as_one("observers/eve", "undeploy", "guarded")
         self.assertEqual(1, undeploy.status, undeploy.err)
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
@@ -173,26 +173,26 @@ class Security(takt_system.Case):
         self.undeploy("operators/anna")
         self.end(nodes)
         seen = json.loads(self.read("sink"))
-        self.assertGreater(seen["read"], 10, "samples of the robot")
+        self.assertGreater(seen["read"], 10, "samples of robot must arrive")
         self.assertEqual(0, seen["wrong"])
         seen = sniffed()
-        self.assertGreater(len(seen), 50000, "something was said")
-        # Not the names of topics: participants show each other their permissions when they meet.
+        self.assertGreater(len(seen), 50000, "the traffic must have been recorded")
+        # The names of topics are readable, because participants exchange their permissions in the clear when they meet.
         for secret in WORDS:
             self.assertEqual(0, seen.count(secret), secret)
 
-    def test_without_security_the_same_words_are_on_the_cable(self):
-        """So that the test above can fail."""
+    def test_the_traffic_of_a_cell_without_security_is_readable(self):
+        """Shows that the test above would find readable words."""
         with open(self.beside("cell.xml")) as file:
             text = file.read()
         plain = self.write("plain.xml", text.replace(' security="required"', ""))
         sniffed = self.sniff()
         nodes = self.started(folder="")
         for node in nodes.values():
-            self.assertIn("security is off: whoever is on its network may command it and read what it says", node.err)
+            self.assertIn("security is off: anyone on its network can command this device and read its data", node.err)
         refused = self.as_one("", "deploy", "cell.xml")
         self.assertEqual(1, refused.status)
-        self.assertIn("cell guarded requires security, and the node of device robot runs without", refused.err)
+        self.assertIn("cell guarded requires security, but the node of device robot runs without it", refused.err)
         run = self.as_one("", "deploy", plain)
         self.assertEqual(0, run.status, run.err)
         self.undeploy("")
@@ -201,20 +201,20 @@ class Security(takt_system.Case):
         for word in WORDS:
             self.assertGreater(seen.count(word), 0, word)
 
-    def test_strangers_are_not_heard(self):
+    def test_rejects_participants_without_an_identity_of_the_cell(self):
         self.takt("secure", "init", self.beside("cell.xml"), "evil", "--operator", "anna", environment=self.environment)
         nodes = self.started()
         self.deploy()
         line = nodes["line"]
 
-        # No identity: Takt's own tool, plain Fast DDS, plain Cyclone DDS.
+        # Participants without an identity: Takt's own tool, plain Fast DDS, plain Cyclone DDS.
         run = self.as_one("", "stop", "line.quiet_sink", machine="stranger")
         self.assertEqual(1, run.status)
-        self.assertIn("it is not there", run.err)
-        line.wait_for_line("refused: participant 'takt' at 10.77.0.4 has no identity of this cell")
+        self.assertIn("not found: no answer", run.err)
+        line.wait_for_line("rejected: participant 'takt' at 10.77.0.4 has no identity of this cell")
         plain = Peer(self, "stranger", "order", "line")
         self.assertEqual("no answer", plain.line())
-        line.wait_for_line("refused: participant 'peer' at 10.77.0.4 has no identity of this cell")
+        line.wait_for_line("rejected: participant 'peer' at 10.77.0.4 has no identity of this cell")
         if CYCLONE:
             cyclone = subprocess.run(self.net.on("stranger") + [CYCLONE, "0", "command", "line", "quiet_sink", "8"],
                                      capture_output=True, timeout=60,
@@ -222,30 +222,30 @@ class Security(takt_system.Case):
                                               "<AllowMulticast>true</AllowMulticast></General></Domain></CycloneDDS>"))
             self.assertNotEqual(0, cyclone.returncode, cyclone.stdout)
 
-        # Another authority that issues the same names.
+        # An identity of the same name from another authority.
         run = self.as_one(os.path.join(self.folder, "evil", "operators", "anna"), "stop", "line.quiet_sink", machine="stranger")
         self.assertEqual(1, run.status)
-        line.wait_for_line("refused: operator anna at 10.77.0.4: its identity is of another authority")
+        line.wait_for_line("rejected: operator anna at 10.77.0.4: its identity is from another authority")
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
-        self.assertEqual(1, sum("'takt' at 10.77.0.4" in text for text in line.raw), "said once")
+        self.assertEqual(1, sum("'takt' at 10.77.0.4" in text for text in line.raw), "each must be reported once")
         self.end(nodes)
 
-    def test_nobody_does_more_than_he_was_granted(self):
+    def test_members_cannot_exceed_their_permissions(self):
         nodes = self.started()
         self.deploy()
         robot, line = nodes["robot"], nodes["line"]
         identity = lambda path: os.path.join(self.keys, path)
 
-        # A device that speaks for another one: of the peer's cell "test", so of nobody's here.
+        # A device that publishes the status of another device (in the peer's cell "test").
         impostor = Peer(self, "stranger", "device", "robot", PEER_SECURITY=identity("devices/line"))
         self.assertEqual("ready", impostor.line())
-        robot.wait_for_line("refused: device line at 10.77.0.4 speaks on takt/device for test/robot, which is not its own")
+        robot.wait_for_line("rejected: device line at 10.77.0.4 publishes on takt/device for test/robot, which is not its own")
         impostor.end()
 
-        # A device that writes another's topic: its own program does not let it, and if it does, nobody hears.
+        # A device that writes a topic of another device. Its own program prevents that; a manipulated one is ignored.
         shape = self.write("type.json", json.dumps(SHAPE))
         topic = "takt/guarded/robot/plainly_visible/out"
-        wanted = "refused: device line at 10.77.0.4 writes %s, which it was not granted" % topic
+        wanted = "rejected: device line at 10.77.0.4 writes %s without permission" % topic
         honest = Peer(self, "stranger", "give", topic, "reliable", "32", shape, PEER_SECURITY=identity("devices/line"))
         self.assertNotEqual("ready", honest.line())
         honest.end()
@@ -254,15 +254,15 @@ class Security(takt_system.Case):
         self.assertEqual("ready", cheat.line())
         line.wait_for_line(wanted)
 
-        # An observer whose program was tampered with, on the topic of commands.
+        # A manipulated program of an observer that writes commands.
         forge = Peer(self, "stranger", "forge", "takt/command", "takt::Command", "plain", "1", "00" * 64,
                      PEER_SECURITY=identity("observers/eve"), PEER_CHEATS="1")
-        robot.wait_for_line("refused: observer eve at 10.77.0.4 writes takt/command, which it was not granted")
+        robot.wait_for_line("rejected: observer eve at 10.77.0.4 writes takt/command without permission")
         forge.end()
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
         self.end(nodes)
 
-    def test_whoever_comes_and_goes_leaves_nothing_behind(self):
+    def test_commands_leave_no_memory_and_no_open_files_in_a_node(self):
         nodes = self.started()
         self.deploy()
         ask = lambda: self.assertEqual(0, self.as_one("operators/anna", "status").status)
@@ -274,11 +274,11 @@ class Security(takt_system.Case):
             ask()
         after = taken_by(line)
         print("40 commands: from %s to %s" % (before, after))
-        self.assertLess(after["rss_kib"] - before["rss_kib"], 2000, "Fast DDS by itself keeps 115 of each")
+        self.assertLess(after["rss_kib"] - before["rss_kib"], 2000, "Fast DDS by itself keeps 115 KiB for each command")
         self.assertEqual(before["files"], after["files"])
         self.end(nodes)
 
-    def test_who_was_revoked_is_refused_from_the_next_start_on(self):
+    def test_a_revoked_identity_is_rejected_from_the_next_start_on(self):
         shutil.copytree(os.path.join(self.keys, "operators", "anna"), os.path.join(self.folder, "stolen"))
         self.secure("add", "keys", "operator", "bert")
         run = self.secure("revoke", "keys", "anna")
@@ -289,35 +289,35 @@ class Security(takt_system.Case):
         nodes = self.started()
         run = self.as_one(os.path.join(self.folder, "stolen"), "status", machine="stranger")
         self.assertEqual(1, run.status)
-        nodes["robot"].wait_for_line("refused: operator anna at 10.77.0.4: its identity was revoked")
+        nodes["robot"].wait_for_line("rejected: operator anna at 10.77.0.4: its identity was revoked")
         self.assertEqual(0, self.as_one("operators/bert", "status").status)
-        # Of the whole folder the first whose identity is good.
+        # With the whole folder, takt uses the first valid identity.
         whole = self.as_one(".", "status")
         self.assertEqual(0, whole.status, whole.err)
-        self.assertRegex(whole.err, r"anna/identity.cert.pem: it was revoked\nso it is operator bert who asks")
+        self.assertRegex(whole.err, r"anna/identity.cert.pem: it was revoked\nusing the identity of operator bert instead")
         self.end(nodes)
 
-    def test_who_is_no_operator_is_told_so(self):
+    def test_takt_reports_an_identity_of_the_wrong_kind(self):
         run = self.as_one("devices/line", "stop", "robot.plainly_visible")
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, r"^\S+keys/devices/line: error: this is the identity of device line, not of an operator or observer; name the "
-                                  r"folder of one, as DIR/operators/NAME$")
+        self.assertRegex(run.err, r"^\S+keys/devices/line: error: this is the identity of device line, not of an operator or observer; "
+                                  r"give the folder of one, such as DIR/operators/NAME$")
         self.refused({"secure add keys program mes": "cell guarded has no topics for a program: each of its connections has two ends; leave out",
-                      "sign cell.xml --key keys/operators/anna": "keys/operators/anna: error: this is the identity of one participant, and no "
+                      "sign cell.xml --key keys/operators/anna": "keys/operators/anna: error: this is the identity of one participant, not an "
                       "authority; its authority is in .*keys$"})
         self.assertFalse(os.path.exists(os.path.join(self.keys, "programs")))
 
-    def test_a_device_that_has_left_the_cell_is_named(self):
+    def test_secure_update_warns_about_a_device_removed_from_the_cell(self):
         with open(self.beside("cell.xml")) as file:
             text = file.read()
-        self.assertNotIn("any more", self.secure("update", "keys", self.beside("cell.xml")).err)
+        self.assertNotIn("no longer in the cell", self.secure("update", "keys", self.beside("cell.xml")).err)
         less = self.write("less.xml", re.sub(r'(?s)<device name="line">.*</device>|<connection.*?/>', "", text))
         update = self.secure("update", "keys", less)
-        self.assertIn("device line is not in the cell any more, and its identity is valid; takt secure revoke keys line", update.err)
+        self.assertIn("device line is no longer in the cell, but its identity is still valid; takt secure revoke keys line", update.err)
         self.secure("revoke", "keys", "line")
         self.assertEqual("", self.secure("update", "keys", less).err)
 
-    def test_files_that_are_not_in_order_are_named(self):
+    def test_rejects_identity_files_that_are_missing_exposed_or_wrong(self):
         folder = os.path.join(self.keys, "devices", "robot")
 
         def refused(pattern, **options):
@@ -329,26 +329,26 @@ class Security(takt_system.Case):
         self.assertEqual(0o600, os.stat(key).st_mode & 0o777)
         self.assertEqual(0o700, os.stat(folder).st_mode & 0o777)
         os.chmod(key, 0o640)
-        refused("others than its owner may read or write this private key; chmod 600 .*identity.key.pem")
+        refused("other users may read or write this private key; run chmod 600 .*identity.key.pem")
         os.chmod(key, 0o600)
         os.rename(key, key + ".away")
         refused("identity.key.pem: error: there is no such file")
         os.rename(key + ".away", key)
         refused("this is the identity of device line, not of device robot", folder=os.path.join(self.keys, "devices", "line"))
         refused("not of device robot", folder=os.path.join(self.keys, "operators", "anna"))
-        refused("this identity is for domain 0 and not for domain 5", options=["--domain", "5"])
+        refused("this identity is for domain 0, not for domain 5", options=["--domain", "5"])
         refused("exclude each other", options=["--server", "127.0.0.1:11811"])
         refused("there is no such folder", folder=os.path.join(self.keys, "devices", "nobody"))
 
         again = self.takt("secure", "init", "cell.xml", "keys", environment=self.environment)
         self.assertEqual(1, again.status)
-        self.assertIn("there is an authority already", again.err)
+        self.assertIn("an authority already exists", again.err)
 
-    def test_an_identity_that_expires_soon_is_warned_of(self):
+    def test_warns_about_an_identity_that_expires_soon(self):
         run = self.secure("renew", "keys", "robot", "--days", "10")
         self.assertRegex(run.out, r"device +robot .*it expires in (9|10) days")
         robot = self.node("robot")
-        self.assertRegex(robot.err, r"warning: its identity is to be renewed, it expires in (9|10) days: takt secure renew")
+        self.assertRegex(robot.err, r"warning: its identity must be renewed: it expires in (9|10) days; run takt secure renew")
         self.end({"robot": robot})
         doctor = self.takt("doctor", "--json", environment={"TAKT_SECURITY": os.path.join(self.keys, "devices", "robot")})
         finding = next(f for f in doctor.report["findings"] if f["check"] == "security")
@@ -358,7 +358,7 @@ class Security(takt_system.Case):
         finding = next(f for f in doctor.report["findings"] if f["check"] == "security")
         self.assertRegex(finding["found"], "is off")
 
-    def test_one_folder_is_enough_for_a_cell_on_one_machine(self):
+    def test_one_folder_of_keys_secures_a_run_on_one_machine(self):
         run = self.start("run", "cell.xml", "--for", "2", "--security", "keys", environment=self.environment,
                          before=self.net.on("operator")).wait(60)
         self.assertEqual(0, run.status, run.err)
@@ -366,7 +366,7 @@ class Security(takt_system.Case):
 
 
 class Components(takt_system.Case):
-    """What a node loads is code."""
+    """A node loads components as code, so it checks who can change them."""
 
     def setUp(self):
         super().setUp()
@@ -390,7 +390,7 @@ class Components(takt_system.Case):
         self.assertEqual(1, len({run.status for run in runs}), [run.err for run in runs])
         return runs[0].status, runs[0].err + runs[1].err
 
-    def test_that_everybody_may_write_are_refused(self):
+    def test_rejects_components_that_everybody_may_write(self):
         self.assertEqual(0, self.try_it()[0])
         os.chmod(self.file, 0o757)
         status, said = self.try_it()
@@ -400,14 +400,14 @@ class Components(takt_system.Case):
         os.chmod(self.components, 0o777)
         self.assertIn("everybody may write to %s; chmod o-w" % self.components, self.try_it()[1])
 
-    def test_that_are_not_signed_are_refused_where_signatures_are_asked_for(self):
+    def test_rejects_unsigned_components_if_signatures_are_required(self):
         self.assertEqual(0, self.takt("secure", "init", self.cell, "keys").status)
         signed = self.takt("sign", self.file, "--key", "keys")
         self.assertEqual(0, signed.status, signed.err)
         certificate = os.path.join(self.folder, "keys", "authority", "components.cert.pem")
         self.assertIn("1 signed", signed.out)
         self.assertEqual((0, ""), self.try_it(TAKT_SIGNED_BY=certificate)[:1] + ("",))
-        # As anybody can check it.
+        # openssl alone can verify the signature.
         public = subprocess.run(["openssl", "x509", "-in", certificate, "-pubkey", "-noout"], capture_output=True, check=True).stdout
         self.write("public.pem", public.decode())
         subprocess.run(["openssl", "dgst", "-sha256", "-verify", os.path.join(self.folder, "public.pem"), "-signature",
@@ -419,9 +419,9 @@ class Components(takt_system.Case):
         self.assertEqual(1, status)
         self.assertIn("its signature is not of this file", said)
         os.remove(self.file + ".sig")
-        self.assertIn("it is not signed, and only signed components are used here", self.try_it(TAKT_SIGNED_BY=certificate)[1])
-        self.assertEqual(0, self.try_it()[0], "nobody asks")
-        # The certificate in a node's folder is enough.
+        self.assertIn("it is not signed, and only signed components are accepted here", self.try_it(TAKT_SIGNED_BY=certificate)[1])
+        self.assertEqual(0, self.try_it()[0], "no signature is required")
+        # A certificate in the folder of the device makes its node require signatures.
         self.assertEqual(0, self.takt("sign", self.file, "--key", "keys").status)
         shutil.copy(certificate, os.path.join(self.folder, "keys", "devices", "d"))
         run = self.takt("run", self.cell, "--for", "1", "--security", "keys", environment=self.environment)
@@ -431,9 +431,9 @@ class Components(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertIn("it is not signed", run.err)
 
-    def test_a_certificate_that_is_none_is_named(self):
+    def test_reports_an_invalid_signing_certificate(self):
         other = self.write("other.pem", "nothing")
-        for file, what in (("nosuch.pem", "there is no such file"), (other, "it is no certificate")):
+        for file, what in (("nosuch.pem", "there is no such file"), (other, "it is not a certificate")):
             self.assertIn("module mine: %s: %s; name the certificate that takt sign prints" % (file, what), self.try_it(TAKT_SIGNED_BY=file)[1])
             node = self.program("takt-node", "--device", "d", "--signed-by", file).wait(20)
             self.assertEqual(1, node.status, node.err)

@@ -16,7 +16,7 @@ class Services(takt_system.Case):
         return json.loads(self.read(name))
 
     def running(self, descriptor):
-        """The run, once a service answers."""
+        """Starts the cell and waits until a service and a client execute. Returns the run."""
         run = self.start("run", descriptor, "--json")
         for module in ("answers", "near"):
             run.wait_for_state(module, "EXECUTING")
@@ -44,33 +44,34 @@ class Services(takt_system.Case):
             self.assertGreater(seen["replied"], 50, name)
             self.assertGreater(seen["refused"], 5, name)
             self.assertLess(seen["timed_out"], 10, name)
-        self.assertRegex(self.seen("near")["refusal"], "^a multiple of 7; ask for another$|^its handler threw: a multiple of 11$")
+        self.assertRegex(self.seen("near")["refusal"], "^a multiple of 7; ask for another$|^the handler threw: a multiple of 11$")
         self.assertEqual("a multiple of 7", self.seen("through")["refusal"])
 
-    def test_takt_call_says_what_is_wrong(self):
+    def test_takt_call_reports_wrong_names_and_values(self):
         run = self.running("cell.xml")
         run.wait_for_state("relay", "EXECUTING")
         self.done("call serve.answers.handled " + FIVE)
         self.refused({
-            "call serve.answers": "'serve.answers' names no service; say DEVICE.MODULE.SERVICE",
+            "call serve.answers": "'serve.answers' is not the name of a service; write DEVICE.MODULE.SERVICE",
             "call serve.answers.handle": "module serve.answers has no port 'handle'; .*handled",
-            "call serve.near.ask": "'ask' of module serve.near is a client, which asks and is not asked",
+            "call serve.near.ask": "'ask' of module serve.near is a client and cannot be called",
             "call serve.answers.handled nummer=5": "samples::Count: error: has no field 'nummer'; did you mean number",
-            "call serve.answers.handled number": "'number' is no field with a value; write field=value",
+            "call serve.answers.handled number": "'number' is not a field with a value; write field=value",
             "call serve.answers.handled number=five": "samples::Count.number: error: cannot be \"five\"; write a whole number",
             "call serve.answers.handled number=1 number=2": "samples::Count.number: error: is given twice",
             "call serve.answers.handled few=[1,2,3,4,5]": "samples::Count.few: error: .*write a list of at most 4",
-            "call serve.answers.handled '{\"number\": }'": "this is no JSON",
-            "call serve.answers.handled --timeout 10": "serve.answers.handled refuses: a multiple of 7",
+            "call serve.answers.handled '{\"number\": }'": "the sample is not JSON",
+            "call serve.answers.handled --timeout 10": "serve.answers.handled rejected the request: a multiple of 7",
             "call serve.answers.handled --timeout 10 number=11 same=[11,11,11,11,11,11] few=[11]":
-                "serve.answers.handled refuses: its handler threw: a multiple of 11",
+                "serve.answers.handled rejected the request: the handler threw: a multiple of 11",
             "call nobody.answers.handled": "nobody",
             "record serve.answers.handled --out none.takt --for 6":
                 "waits for serve.answers.handled: it is a service; record the client's NAME/request and NAME/reply",
         })
         self.assertEqual(2, self.takt("call", "serve.answers.handled", "--timeout", "0").status)
         self.done("stop serve.answers")
-        self.refused({"call serve.answers.handled": "module serve.answers is in START, where it answers nobody; takt start serve.answers",
+        self.refused({"call serve.answers.handled":
+                      "module serve.answers is in START, but answers only in EXECUTING; start it: takt start serve.answers",
                       "echo serve.answers.handled": "serve.answers"})
         begun = len(run.raw)
         self.done("start serve.answers")
@@ -80,10 +81,10 @@ class Services(takt_system.Case):
         seen = self.seen("near")
         print("stopped for a while: %s" % seen)
         self.assertEqual(0, seen["wrong"])
-        # Those of a handler are refused meanwhile; those that run() is to take find nobody in time, or a late run().
+        # Meanwhile, calls with a handler are rejected. Calls that run() takes time out, or a late run() takes them.
         self.assertGreater(seen["refused"], 20)
 
-    def test_a_service_comes_back_with_its_host(self):
+    def test_a_service_answers_again_after_a_restart_of_its_host(self):
         nodes = self.nodes("serve", "ask")
         self.deploy("cell.xml")
         for module in ("far", "far_polled"):
@@ -102,7 +103,7 @@ class Services(takt_system.Case):
             self.assertGreater(seen["replied"], 50, name)
         self.end(nodes)
 
-    def test_a_node_that_is_gone_is_nobody(self):
+    def test_clients_of_a_dead_node_find_no_service(self):
         nodes = self.nodes("serve", "ask")
         self.deploy("cell.xml")
         nodes["ask"].wait_for_state("far", "EXECUTING")
@@ -112,15 +113,15 @@ class Services(takt_system.Case):
         self.runs.remove(nodes["serve"])
         undeploy = self.takt("undeploy", "services")
         self.assertEqual((1, "cell services is undeployed from ask\n"), (undeploy.status, undeploy.out))
-        self.assertIn("device serve: error: it is lost and could not be told", undeploy.err)
+        self.assertIn("device serve: error: is lost and did not receive the command", undeploy.err)
         seen = self.seen("far")
         print("far: %s" % seen)
         self.assertEqual(0, seen["wrong"])
         self.assertGreater(seen["nobody"], 100)
         self.end({"ask": nodes["ask"]})
 
-    @takt_system.timing("that the other clients get their answers within a second is what a hang must not change")
-    def test_a_handler_that_hangs_costs_its_module(self):
+    @takt_system.timing("the other clients must get their answers within a second while a handler hangs")
+    def test_a_hanging_handler_ends_only_its_module(self):
         run = self.running("hang.xml")
         run.wait_for_line("answers: EXECUTING -> RECOVER .*the handler of a service did not return within 5 s", limit=30)
         run.wait_for_state("answers", "DESTRUCT")
@@ -139,26 +140,26 @@ class Services(takt_system.Case):
         self.assertLess(other["timed_out"], 5)
         self.assertGreater(other["replied"], 100)
 
-    def test_a_handler_that_crashes_costs_its_module(self):
+    def test_a_crashing_handler_ends_only_its_module(self):
         run = self.running("crash.xml")
         run.wait_for_line("the host .*in the handler of a service", limit=30)
         run.wait_for_state("answers", "DESTRUCT")
-        wait_until(lambda: run.states("others").count("EXECUTING") == 2, 20, "the others to go on")
+        wait_until(lambda: run.states("others").count("EXECUTING") == 2, 20, "module others to execute again")
         self.done("call serve.others.handled " + FIVE)
         run.signal(signal.SIGINT)
         run.wait(30)
         self.assertEqual(0, self.seen("other")["wrong"])
 
-    def test_takt_check_says_what_is_wrong(self):
+    def test_takt_check_reports_wrong_services(self):
         check = self.takt("check", "bad.xml")
         self.assertEqual(1, check.status)
         for line, what in {
-            20: "client d.asks.ask has requests of type samples::Count and service d.belt.count of type basic::Count; "
-                "connect a client and a service of the same types",
+            20: "client d.asks.ask has requests of type samples::Count, but service d.belt.count of type basic::Count; "
+                "connect a client and a service with the same types",
             21: "module d.answers has no service 'handle'; did you mean handled",
-            22: "'handled' of module d.answers is a service and stands for the client",
-            23: "'command' of module d.belt is a port and no client",
-            24: "module d.asks has the client 'ask' and no port 'ask'; say <service",
+            22: "'handled' of module d.answers is a service, not a client",
+            23: "'command' of module d.belt is a port, not a client",
+            24: "'ask' of module d.asks is a client, not a port; connect it with <service",
         }.items():
             self.assertRegex(check.err, r"bad\.xml:%d: error: .*%s" % (line, what.replace("(", r"\(")))
 

@@ -17,9 +17,9 @@ class Simulate(takt_system.Case):
         with open(os.path.join(self.folder, "trace.txt"), "rb") as file:
             return file.read()
 
-    def test_one_seed_is_one_trace_byte_for_byte(self):
+    def test_the_same_seed_gives_the_same_trace_byte_for_byte(self):
         faults = ("--faults", "20", "--for", "0.5")
-        # What is given up in the course of it is said, as by takt run; the seeds here are without.
+        # With these seeds no module is given up, so the exit status is 0.
         first = self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt"))
         self.assertGreater(len(first), 100000)
         self.assertEqual(first, self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt")))
@@ -29,7 +29,7 @@ class Simulate(takt_system.Case):
         self.assertGreater(len(random.out), 100000)
         self.assertEqual(random.out, again.out)
 
-    def test_the_report_is_that_of_takt_run(self):
+    def test_the_report_has_the_form_of_takt_run(self):
         run = self.takt("simulate", EXAMPLE, "--for", "2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(["cell", "devices"], list(run.report))
@@ -48,7 +48,7 @@ class Simulate(takt_system.Case):
         self.assertIn("cell module", text.out)
         self.assertIn("overruns: not done by the next", text.out)
 
-    def test_a_script_is_carried_out(self):
+    def test_the_faults_of_a_script_happen_when_written(self):
         lines = self.trace(DEMO, "--for", "1.5", "--script", self.beside("faults.txt")).decode().splitlines()
 
         def has(pattern):
@@ -62,11 +62,11 @@ class Simulate(takt_system.Case):
         self.assertEqual(3, sum(1 for line in lines if line.endswith("is lost") and "station.panel.arm" in line))
         has(r"^\+0\.900000000 station fault \(at 900000 us station clock-step -2000 us\)$")
         has(r"^\+1\.00[3-4]\d+ robot executor motion woke 300\d+ ns after its release$")
-        # Every line begins with its time, and none goes back.
+        # Every line begins with its time, and the times never decrease.
         times = [float(line.split(" ")[0]) for line in lines]
         self.assertEqual(sorted(times), times)
 
-    def test_a_wrong_script_is_refused_at_its_lines(self):
+    def test_rejects_a_wrong_script_and_names_its_lines(self):
         wrong = self.beside("wrong.txt")
         run = self.takt("simulate", DEMO, "--for", "1", "--script", wrong, "--trace", "trace.txt")
         self.assertEqual((1, ""), (run.status, run.out))
@@ -78,14 +78,14 @@ class Simulate(takt_system.Case):
         self.assertEqual((1, ""), (absent.status, absent.out))
         self.assertIn("absent.txt: error: ", absent.err)
 
-    def test_a_random_cell_is_shown_again(self):
+    def test_the_same_number_gives_the_same_random_cell(self):
         traces = [self.takt("simulate", "--random-cell", str(n), "--trace", "-") for n in (3, 3, 4)]
         for run in traces:
-            self.assertNotIn("must not happen", run.err)
+            self.assertNotIn("invariant violated", run.err)
         self.assertEqual(traces[0].out, traces[1].out)
         self.assertNotEqual(traces[0].out, traces[2].out)
 
-    def test_wrong_usage(self):
+    def test_rejects_wrong_usage(self):
         for arguments in ([], [DEMO, "--for", "0"], [DEMO, "--for", "soon"], [DEMO, "--cpus", "0"], [DEMO, "--random-cell", "1"],
                           [DEMO, "--faults", "-1"], [DEMO, "--faults", "nan"], [DEMO, "--for", "nan"], [DEMO, "--seed", "x"],
                           [DEMO, "--seed", "-1"], [DEMO, "--seed", "99999999999999999999"], [DEMO, "--trace", "-", "--json"],
@@ -98,16 +98,16 @@ class Simulate(takt_system.Case):
         self.assertEqual((1, ""), (nowhere.status, nowhere.out))
         self.assertIn("cannot be written", nowhere.err)
 
-    def test_run_times_that_nobody_knows_are_not_taken_in_silence(self):
+    def test_warns_about_unknown_run_times(self):
         guessed = self.takt("simulate", DEMO, "--for", "0.1")
-        self.assertRegex(guessed.err, r"warning: nothing is known of how long these run.*robot\.trajectory.*line\.conveyor")
+        self.assertRegex(guessed.err, r"warning: the run times of these modules are not known.*robot\.trajectory.*line\.conveyor")
         times = '{"runs": 9, "min_ns": 1000, "p50_ns": 2000, "p99_ns": 3000, "p999_ns": 4000, "max_ns": 5000}'
         cell = json.loads(self.takt("check", DEMO, "--json").out)
         names = [d["name"] + "." + m for d in cell["devices"] for e in d["executors"] for m in set(sum(e["rows"], [])) | set(e["sporadic"])]
         profile = '{"cell": "palletizing", "machine": {}, "modules": {%s}}' % ", ".join('"%s": %s' % (n, times) for n in names)
         known = self.takt("simulate", DEMO, "--for", "1", "--json", "--profile", self.write("times.json", profile))
         self.assertEqual(0, known.status, known.err)
-        self.assertNotIn("nothing is known", known.err)
+        self.assertNotIn("are not known", known.err)
         for m in known.report["devices"][0]["modules"]:
             self.assertLessEqual(m["run_us"]["max"], 5.5, m["name"])
         for broken in (profile.replace("palletizing", "other"), profile.replace("line.conveyor", "line.ghost"), "{"):
@@ -115,11 +115,11 @@ class Simulate(takt_system.Case):
             self.assertEqual((1, ""), (refused.status, refused.out))
             self.assertIn("error: ", refused.err)
 
-    def test_it_is_faster_than_real_time(self):
+    def test_prints_how_many_times_faster_than_real_time_it_was(self):
         run = self.takt("simulate", DEMO, "--for", "100")
         self.assertEqual(0, run.status, run.err)
         print("\n" + run.err)
-        self.assertRegex(run.err, r"simulated 100 s in [\d.]+ s, \d+ times as fast; seed 1")
+        self.assertRegex(run.err, r"simulated 100 s in [\d.]+ s, \d+ times real time; seed 1")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ class Soak(networks.NetworkCase):
             return states == {"EXECUTING"} and all(status[d]["alive"] for d in DEVICES)
         wait_until(holds, 30, "every module to execute after %s (seed %d)" % (dict(self.done_so_far), SEED))
 
-    # What happens. Each leaves the cell as it found it, once it has come back.
+    # The events. After each of them the cell returns to its normal state.
 
     def order(self):
         module = self.random.choice(("left.source", "left.near", "left.program", "right.far", "right.answers"))
@@ -53,7 +53,7 @@ class Soak(networks.NetworkCase):
         self.assertEqual(value, self.operator("get", "right.answers", "burst").out.strip())
 
     def kill_host(self):
-        time.sleep(max(0.0, self.hosts_killed_at + 25 - time.monotonic()))  # else it is given up, as it should be
+        time.sleep(max(0.0, self.hosts_killed_at + 25 - time.monotonic()))  # else the host would be given up, as it should be
         self.hosts_killed_at = time.monotonic()
         hosts = [p for p in self.running["left"].processes() if p.program == "takt-host"]
         os.kill(self.random.choice(hosts).pid, signal.SIGKILL)
@@ -82,19 +82,19 @@ class Soak(networks.NetworkCase):
         self.agreed(lambda: self.operator("deploy", self.beside("cell.xml")))
 
     def take_down(self):
-        left = wait_until(lambda: self.status().get("left"), 15, "what the left one says")
+        left = wait_until(lambda: self.status().get("left"), 15, "the status of left")
         self.crashes += sum(m["errors"] for m in left["modules"] if m["name"] == "crashes")
         run = self.operator("undeploy", "soak")
         self.assertEqual(0, run.status, run.err)
 
     def measure(self):
-        """Of each node that waits for a deployment, beside what it took when it did so first."""
+        """Notes what each node uses while it waits for a deployment."""
         for device in DEVICES:
             wait_until(lambda d=device: not [p for p in self.running[d].processes() if p.program != "takt-node"], 10,
-                       "nothing but the node of %s" % device)
+                       "the host and programs of %s to end" % device)
             self.wear[device].look(self.node_pid(device), at_s=round(time.monotonic() - self.began, 1))
 
-    def test_it_takes_no_more_after_hours_than_after_minutes(self):
+    def test_a_node_uses_no_more_after_hours_than_after_minutes(self):
         self.random = random.Random(SEED)
         self.hosts_killed_at = 0.0
         self.crashes = 0
@@ -103,7 +103,7 @@ class Soak(networks.NetworkCase):
             self.start_node(device)
         self.began = time.monotonic()
         self.deploy()
-        # A node that is killed begins anew, so that comes seldom.
+        # Killing a node resets its figures, so this is rare.
         events = [self.order] * 6 + [self.property] * 6 + [self.kill_host] * 1 + [self.kill_program] * 4 + \
             [self.pull_cable] * 3 + [self.redeploy] * 6
         while time.monotonic() - self.began < SECONDS:
@@ -118,7 +118,7 @@ class Soak(networks.NetworkCase):
         self.take_down()
         self.measure()
         self.assertGreater(self.crashes, 0)
-        # Others on this machine have theirs.
+        # Files from before the test may belong to others.
         new = {name for name in os.listdir("/dev/shm") if "takt" in name or "fast" in name} - before
         self.assertEqual(set(), new, "left in /dev/shm")
 

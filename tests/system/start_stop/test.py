@@ -13,7 +13,7 @@ PROGRAMS = ["fine.exe", "fine_sporadic.exe", "monitoring.exe"]
 
 class StartStop(takt_system.Case):
     def running(self, *options):
-        """A run in which every module is EXECUTING."""
+        """Starts a run and waits until every module is EXECUTING."""
         run = self.start("run", "cell.xml", "--json", *options)
         for module in MODULES:
             run.wait_for_state(module, "EXECUTING")
@@ -25,7 +25,7 @@ class StartStop(takt_system.Case):
         for module in MODULES:
             self.assertEqual(LIFE, run.states(module))
 
-    def test_again_and_again(self):
+    def test_repeated_runs_leave_nothing_behind(self):
         for _ in range(takt_system.how_much("TAKT_STARTS", 5, 50)):
             run = self.takt("run", "cell.xml", "--for", "0.3", "--json")
             self.assert_ended_well(run)
@@ -34,35 +34,35 @@ class StartStop(takt_system.Case):
             self.assert_grid(run, "program", every=2)
             self.runs.remove(run)
 
-    def test_a_request_to_end_is_an_orderly_end(self):
+    def test_a_termination_signal_ends_the_run_in_order(self):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             with self.subTest(signal=number):
                 run = self.running()
                 run.signal(number)
                 self.assert_ended_well(run.wait(20))
 
-    def test_ctrl_c_at_a_terminal_reaches_the_whole_group(self):
+    def test_ctrl_c_to_the_whole_process_group_ends_the_run_in_order(self):
         run = self.running()
         os.killpg(run.pid, signal.SIGINT)
         self.assert_ended_well(run.wait(20))
 
-    def test_a_node_that_is_asked_to_end_ends_its_device(self):
+    def test_sigterm_to_the_node_ends_its_device_in_order(self):
         run = self.running()
         run.one("takt-node").kill(signal.SIGTERM)
         self.assert_ended_well(run.wait(20))
 
-    def test_a_request_to_end_at_any_moment_of_the_start(self):
+    def test_a_termination_signal_during_startup_leaves_nothing_behind(self):
         for step in range(16):
             run = self.start("run", "cell.xml")
             time.sleep(0.01 * step)
             number = signal.SIGTERM if step % 2 else signal.SIGINT
             run.signal(number)
             run.wait(20)
-            # Before takt can be asked, the signal itself ends it; nothing has been started then.
+            # Before takt handles the signal, the signal ends it directly. It has started no process by then.
             self.assertIn(run.status, (0, -number), run.err)
             self.assert_nothing_left(run)
 
-    def test_killed_at_any_moment_of_the_start(self):
+    def test_sigkill_during_startup_leaves_nothing_behind(self):
         for step in range(10):
             run = self.start("run", "cell.xml")
             time.sleep(0.015 * step)
@@ -70,15 +70,15 @@ class StartStop(takt_system.Case):
             run.wait(20)
             self.assert_nothing_left(run)
 
-    def test_killed_takt_leaves_nothing(self):
+    def test_killing_takt_leaves_nothing_behind(self):
         run = self.running()
         run.signal(signal.SIGKILL)
         run.wait(20)
         for module in MODULES:
-            self.assertEqual(LIFE, run.states(module), "the node ends in order")
+            self.assertEqual(LIFE, run.states(module), "the node must end in order")
         self.assert_nothing_left(run)
 
-    def test_killed_node_leaves_nothing_and_is_reported(self):
+    def test_killing_the_node_is_reported_and_leaves_nothing_behind(self):
         run = self.running()
         run.one("takt-node").kill()
         run.wait(20)
@@ -87,10 +87,10 @@ class StartStop(takt_system.Case):
         device = run.device()
         self.assertEqual(("cell", False, [], []), (device["name"], device["alive"], device["executors"], device["modules"]))
         self.assert_nothing_left(run)
-        # The host takes its modules down in order, though nobody reads any more what they print.
+        # The host still ends its modules in order, although no process reads their output.
         self.assertEqual(["initialize", "start", "destruct"], self.read("diary").splitlines())
 
-    def test_killed_host_is_started_again_and_the_others_live_on(self):
+    def test_a_killed_host_restarts_and_the_other_processes_live_on(self):
         run = self.running()
         node = run.one("takt-node").pid
         programs = [run.one(program).pid for program in PROGRAMS]
@@ -104,7 +104,7 @@ class StartStop(takt_system.Case):
         self.assertNotEqual(host.pid, run.one("takt-host").pid)
         self.assertEqual(node, run.one("takt-node").pid)
         self.assertEqual(programs, [run.one(program).pid for program in PROGRAMS])
-        self.assertEqual(held, len(run.one("takt-node").memories()), "the channel is the same")
+        self.assertEqual(held, len(run.one("takt-node").memories()), "the node must keep the same shared memories")
         run.signal(signal.SIGINT)
         run.wait(20)
         self.assertEqual(0, run.status, run.err)
@@ -113,11 +113,11 @@ class StartStop(takt_system.Case):
             self.assertEqual(LIFE, run.states(module))
         for module in ("fine", "sporadic", "diary"):
             self.assertEqual(LIFE[:4] + ["DESTRUCT"] + LIFE, run.states(module))
-        # The grid was kept: the rows that nobody walked are missed, and the program missed its share.
+        # The grid stayed the same: rows during the restart count as missed, also for the program.
         self.assertGreater(run.executor()["missed"], 0)
         self.assert_grid(run, "program", every=2)
 
-    def test_a_host_that_is_killed_again_and_again_ends_the_device(self):
+    def test_a_host_killed_four_times_ends_the_device(self):
         run = self.running()
         for _ in range(4):
             host = run.one("takt-host")
@@ -128,7 +128,7 @@ class StartStop(takt_system.Case):
         self.assertRegex(run.err, "it has been restarted 3 times")
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
 
-    def test_killed_process_modules_are_started_again(self):
+    def test_killed_process_modules_are_restarted(self):
         run = self.running()
         before = {program: run.one(program).pid for program in PROGRAMS}
         host = run.one("takt-host").pid

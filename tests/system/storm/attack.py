@@ -1,13 +1,13 @@
-"""What somebody on the network throws at a cell; runs in a network namespace of its own.
+"""Attacks a cell from the network. Runs in a network namespace of its own.
 
-attack.py ports                        prints the UDP and TCP ports that are open in this namespace, as JSON
-attack.py capture FILE SECONDS         writes the UDP payloads that come by to FILE, each once
+attack.py ports                        prints the open UDP and TCP ports of this namespace as JSON
+attack.py capture FILE SECONDS         records the UDP payloads on the network to FILE, each once
 attack.py storm SECONDS RATE SEED KINDS TARGETS [FILE]
-    KINDS      of random, rtps (a proper header and broken submessages), tcp, mutated (copies of FILE, broken), with commas
+    KINDS      a comma-separated list: random, rtps (valid header, broken submessages), tcp, mutated (altered copies of FILE)
     TARGETS    JSON: {"udp": [[address, port], ...], "tcp": [...]}
-attack.py forge FILE SECONDS TARGETS   for so long heartbeats in the name of all who are in FILE, for every writer that they may have
-attack.py crowd FILE SECONDS TARGETS   for so long announcements as in FILE, each of another participant, which there is none of
-prints how much of each it sent, as JSON."""
+attack.py forge FILE SECONDS TARGETS   sends heartbeats in the name of every participant in FILE, for every writer it may have
+attack.py crowd FILE SECONDS TARGETS   sends announcements as in FILE, each of another participant that does not exist
+Prints how many packets of each kind it sent, as JSON."""
 
 import json
 import os
@@ -22,7 +22,7 @@ MULTICAST = "239.255.0.1"
 # Submessages of RTPS 2.3 and of DDS Security.
 KNOWN = (0x01, 0x06, 0x07, 0x08, 0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0x12, 0x13, 0x15, 0x16, 0x30, 0x31, 0x32, 0x33, 0x34)
 DATA, DATA_FRAG, HEARTBEAT, ACKNACK, GAP = 0x15, 0x16, 0x07, 0x06, 0x08
-# Readers and writers that every participant has.
+# The built-in readers and writers of every participant.
 BUILTIN = (0x000100C2, 0x000100C7, 0x000003C2, 0x000003C7, 0x000004C2, 0x000004C7, 0x000200C2, 0x000200C7, 0xFF0101C2, 0xFF0202C3,
            0x00000000)
 EDGES = (0, 1, 2, 3, 4, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFE, 0xFFFFFFFF)
@@ -87,15 +87,15 @@ class Thrower:
         return struct.pack(">I", self.r.choice(BUILTIN) if self.r.random() < 0.9 else self.r.getrandbits(32))
 
     def parameters(self, order):
-        """A list of parameters, as discovery sends it, with any length and content."""
+        """A parameter list as in discovery, with random lengths and contents."""
         data = b""
         for _ in range(self.r.randrange(0, 12)):
-            # Those of the specification, of security and of vendors.
+            # Parameters of the specification, of DDS Security and of vendors.
             number = self.r.choice((0x02, 0x05, 0x07, 0x0F, 0x15, 0x16, 0x1A, 0x1D, 0x2F, 0x30, 0x31, 0x32, 0x33, 0x34, 0x40, 0x44, 0x50, 0x52,
                                     0x58, 0x59, 0x5A, 0x60, 0x62, 0x70, 0x71, 0x72, 0x73, 0x75, 0x77, 0x1001, 0x1002, 0x8000, 0x8007,
                                     self.r.randrange(65536)))
             value = self.r.randbytes(4 * self.r.randrange(0, 10))
-            if len(value) >= 4 and self.r.random() < 0.6:  # how many, how long
+            if len(value) >= 4 and self.r.random() < 0.6:  # as a count or a length
                 value = self.number(order, "I") + value[4:]
             size = len(value) if self.r.random() < 0.8 else self.r.choice(EDGES) & 0xFFFF
             data += struct.pack(order + "HH", number, size) + value
@@ -153,7 +153,7 @@ class Thrower:
         return bytes(packet[:9000])
 
     def modbus(self):
-        """A frame of Modbus TCP, or what is none."""
+        """A frame of Modbus TCP, or random bytes."""
         if self.r.random() < 0.3:
             return self.random()
         body = bytes((1, self.r.choice((1, 2, 3, 4, 5, 6, 15, 16, 22, 23, 43, self.r.randrange(256))))) + self.r.randbytes(self.r.randrange(0, 260))
@@ -210,7 +210,7 @@ def storm(seconds, rate, seed, kinds, targets, path):
 
 
 def forge(path, seconds, targets):
-    """A HEARTBEAT that says that everything up to number 2^40 is gone, in the clear."""
+    """Sends unencrypted HEARTBEATs that claim that all samples up to number 2^40 are gone."""
     names = {payload[8:20] for payload in read_captured(path) if payload[:4] == b"RTPS"}
     udp = sender(targets)
     begin = time.monotonic()
@@ -230,7 +230,7 @@ def forge(path, seconds, targets):
 
 
 def crowd(path, seconds, targets):
-    """Each is there for 100 s, under a number that is made up; 1000 a second."""
+    """Announces 1000 participants a second, each with an invented GUID prefix and a lease of 100 s."""
     lease = struct.pack("<HH", 0x02, 8)
     known = [p for p in read_captured(path) if p[:4] == b"RTPS" and struct.pack(">I", 0x000100C2) in p and lease in p]
     udp = sender(targets)
@@ -261,7 +261,7 @@ def main():
         path, seconds, targets = arguments
         print(json.dumps((forge if what == "forge" else crowd)(path, float(seconds), json.loads(targets))))
     else:
-        os.nice(10)  # it stands for another machine: what runs here is not to wait for it
+        os.nice(10)  # it plays another machine, so it must not slow down the cell's processes
         seconds, rate, seed, kinds, targets, *path = arguments
         print(json.dumps(storm(float(seconds), float(rate), int(seed), kinds.split(","), json.loads(targets), path[0] if path else None)))
 

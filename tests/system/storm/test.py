@@ -1,7 +1,7 @@
-"""A cell on machines of its own, and somebody beside it who throws whatever he likes at every port that is open.
+"""A cell in network namespaces, and an attacker who sends hostile packets to every open port.
 
-TAKT_STORM_SECONDS: how long each storm lasts, and the quiet before the first (5, in full 20). TAKT_STORM_RATE: packets a second (5000).
-TAKT_STORM_SEED: of what is thrown; printed."""
+TAKT_STORM_SECONDS: duration of each storm and of the quiet phase before it (5; 20 in the full form).
+TAKT_STORM_RATE: packets a second (5000). TAKT_STORM_SEED: seed of the packets (random, printed)."""
 import json
 import os
 import random
@@ -41,11 +41,11 @@ class Storm(networks.NetworkCase):
         self.machines = {device: self.node(device, *options[device]) for device in DEVICES}
 
     def order(self, *arguments):
-        """A command that is carried out. Who changes copies of the packets by which a newcomer proves who he is can spoil that
-        proof, so a secured one that finds nobody, and has changed nothing, is given again."""
+        """Runs a command, which must succeed. The attacker's altered copies of authentication packets can spoil the authentication of a
+        new participant. So in a secured cell, a command that found no node, and thus changed nothing, is repeated."""
         for _ in range(3 if self.secured else 1):
             run = self.operator(*arguments, environment=self.identity)
-            if "it is not there: no answer" not in run.err:
+            if "not found: no answer" not in run.err:
                 break
             print("takt %s found nobody, and is given again" % " ".join(arguments))
         self.assertEqual(0, run.status, "takt %s: %s" % (" ".join(arguments), run.err))
@@ -64,7 +64,7 @@ class Storm(networks.NetworkCase):
         return json.loads(out)
 
     def targets(self):
-        """Every port that is open on the machines of the cell, and the one by which participants find each other."""
+        """Every open port on the machines of the cell, and the multicast port of discovery."""
         targets = {"udp": [["239.255.0.1", 7400]], "tcp": [], "from": self.net.address("stranger")}
         for device in DEVICES:
             ports = self.attack(device, "ports")
@@ -81,14 +81,14 @@ class Storm(networks.NetworkCase):
         self.hosts = {device: self.machines[device].one("takt-host").pid for device in DEVICES}
 
     def undeploy(self):
-        """Again where a machine was held up for longer than a lease: the first one is carried out, and not answered."""
+        """Repeats the command if a machine stalled for longer than a lease: the first one was then carried out but not answered."""
         for _ in range(3):
             run = self.operator("undeploy", "harbour", environment=self.identity)
             if run.status == 0:
                 return
             self.assertIn("was lost before it answered", run.err)
             print("undeploy is asked again: " + run.err)
-        self.fail("nobody answers to undeploy")
+        self.fail("no node answered to undeploy")
 
     def wait_until_all_execute(self, limit=15):
         def holds():
@@ -105,7 +105,7 @@ class Storm(networks.NetworkCase):
         self.orders += 1
 
     def hold(self, seconds):
-        """Commands now and then, for so long."""
+        """Stops and starts the loop about once a second, for this long."""
         self.slowest = 0.0
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -113,7 +113,7 @@ class Storm(networks.NetworkCase):
             time.sleep(min(1.0, max(0.0, end - time.monotonic())))
 
     def read_back(self, what):
-        """What the loop of 1 kHz was like; the cell is undeployed."""
+        """Prints how the 1 kHz loop ran, checks its steps, and undeploys the cell. Returns what the sink saw."""
         status = self.wait_until_all_execute()
         for device in DEVICES:
             self.assertIsNone(self.machines[device].status, "the node of %s ended: %s" % (device, self.machines[device].err))
@@ -129,7 +129,7 @@ class Storm(networks.NetworkCase):
         self.machines["robot"].wait_for_line(r"robot\.source: START -> DESTRUCT", after=begun)
         states = ["INITIALIZE", "START", "EXECUTING"] + ["START", "EXECUTING"] * self.orders
         said = self.machines["robot"].steps("source")
-        self.assertEqual(states + ["START", "DESTRUCT"], [s.target for s in said[-len(states) - 2:]], "%d steps before" % steps)
+        self.assertEqual(states + ["START", "DESTRUCT"], [s.target for s in said[-len(states) - 2:]], "after %d earlier steps" % steps)
         return json.loads(self.read("sink"))
 
     def weather(self, kinds, quiet_seconds=SECONDS):
@@ -142,7 +142,7 @@ class Storm(networks.NetworkCase):
         quiet = self.read_back("quiet")
         self.assertEqual((0, True), (quiet["wrong"], quiet["read"] > 0))
         for run in self.machines.values():
-            self.assertNotIn("no RTPS message", run.err, "what members say to each other is never refused")
+            self.assertNotIn("RTPS message", run.err, "packets of members must never be rejected")
         listening.wait(60)
 
         self.deploy()
@@ -154,10 +154,10 @@ class Storm(networks.NetworkCase):
         print("thrown: %s at %d UDP and %d TCP ports" % (thrown, len(targets["udp"]), len(targets["tcp"])))
         self.assertEqual(0, storm.returncode)
         self.assertTrue(all(n > 0 for n in thrown["sent"].values()), thrown)
-        self.stop_and_start()  # after it
+        self.stop_and_start()  # once more after the storm
         sink = self.read_back("storm")
         for device, run in self.machines.items():
-            self.assertIn("refused: what %s sends is no RTPS message" % self.net.address("stranger"), run.err)
+            self.assertIn("dropped a packet from %s: it is not a valid RTPS message" % self.net.address("stranger"), run.err)
         for run in self.machines.values():
             run.signal(signal.SIGTERM)
         for run in self.machines.values():
@@ -166,7 +166,7 @@ class Storm(networks.NetworkCase):
 
 
 class InTheOpen(Storm):
-    def test_what_is_no_message_of_a_member_disturbs_nobody(self):
+    def test_a_cell_survives_malformed_packets(self):
         sink = self.weather(["random", "rtps", "tcp"])
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
@@ -175,13 +175,13 @@ class InTheOpen(Storm):
 class Secured(Storm):
     secured = True
 
-    def test_who_uses_names_and_words_of_members_is_not_believed(self):
+    def test_a_secured_cell_survives_altered_copies_of_its_packets(self):
         sink = self.weather(["random", "rtps", "tcp", "mutated"], quiet_seconds=5)
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
 
     def deceive(self, how, seconds):
-        """Commands meanwhile and after; what was sent, and what the sink says."""
+        """Gives commands during and after the attack. Returns what the attacker sent and what the sink saw."""
         captured = os.path.join(self.folder, "captured")
         listening = self.attack("robot", "capture", captured, "3", wait=False)
         self.assertEqual("ready\n", listening.stdout.readline())
@@ -196,18 +196,18 @@ class Secured(Storm):
         self.assertEqual(0, sink["wrong"])
         return json.loads(out), sink
 
-    def test_who_says_in_a_members_name_that_samples_are_gone_is_not_believed(self):
+    def test_a_secured_cell_ignores_forged_heartbeats(self):
         sent, sink = self.deceive("forge", 5)
         self.assertGreaterEqual(sent["members"], len(DEVICES))
-        self.assertGreater(sink["read"], 5000, "a reader that believes it waits for number 2^40")
+        self.assertGreater(sink["read"], 5000, "a reader that believes the heartbeat waits for number 2^40")
         for run in self.machines.values():
-            self.assertIn("refused: what %s sends is not encrypted" % self.net.address("stranger"), run.err)
+            self.assertIn("dropped a packet from %s: it is not encrypted" % self.net.address("stranger"), run.err)
 
-    def test_a_crowd_that_is_not_there_keeps_nobody_out(self):
+    def test_fake_participants_do_not_keep_members_out(self):
         sent, _ = self.deceive("crowd", 10)
         self.assertGreater(sent["participants"], 1000)
         for run in self.machines.values():
-            self.assertIn("refused: what %s sends announces" % self.net.address("stranger"), run.err)
+            self.assertIn("dropped a packet from %s: it announces" % self.net.address("stranger"), run.err)
 
 
 if __name__ == "__main__":

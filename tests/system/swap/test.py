@@ -16,7 +16,7 @@ COMPONENTS = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
 
 
 class BareLoop:
-    """Sleeps to each ms at a higher priority on the executor's processor: what is late there too is the machine's."""
+    """Wakes up every ms at a higher priority on the CPU of the executor. If it is late too, the machine stalled."""
 
     def __init__(self):
         self._run = subprocess.Popen([sys.executable, "-c", self._LOOP], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -44,17 +44,17 @@ while not select.select([sys.stdin], [], [], 0)[0]:
             self._run.communicate()
 
     def end(self):
-        """(from, to) of each time that it was late by more than half a ms, in ns since 1970."""
+        """The periods (from, to) in which it was late by more than 0.5 ms, in ns since 1970."""
         out, _ = self._run.communicate("end\n", timeout=10)
         return [tuple(map(int, line.split())) for line in out.splitlines()]
 
 
 class Traced:
-    """Every row of the executor, of traces that overlap, by its instant in ms since the first one's release."""
+    """Collects the rows of the executor from overlapping traces. The key is the release in ms since that of the first row."""
 
     def __init__(self):
         self.rows = {}
-        self.swaps = []  # the rows that began with another instance
+        self.swaps = []  # the rows that began with a new instance
 
     def add(self, trace):
         about = trace["otherData"]
@@ -70,7 +70,7 @@ class Traced:
                     self.swaps.append(row)
 
     def missed(self):
-        """(row that was missed, rows since the last swap, cause, what is known of it, when)"""
+        """Yields (missed row, rows since the last swap, cause, explanation, time) for each missed row."""
         for row, seen in sorted(self.rows.items()):
             since = [row - swap for swap in self.swaps if swap < row]
             for n in range(seen.get("missed", 0), 0, -1):
@@ -113,12 +113,12 @@ class Swap(takt_system.Case):
         return next(m for m in self.status_of("d")["modules"] if m["name"] == "ticks")["cycles"]
 
     def versions(self, run):
-        """What each instance said in start()."""
+        """What each instance printed in start()."""
         found = [re.match(r"version (\d) (from|begins at) (\d+), label (\w+)", line.text.lstrip("| ")) for line in run.lines]
         return [(int(m[1]), m[2], int(m[3]), m[4]) for m in found if m]
 
     def assert_versions(self, expected, run):
-        """What an instance prints may come after the answer that it is there."""
+        """Waits for these versions, because the output of an instance may arrive after the answer to the swap."""
         wait_until(lambda: len(self.versions(run)) >= len(expected), 5, "versions %s" % expected)
         self.assertEqual(expected, [version for version, *_ in self.versions(run)])
 
@@ -128,7 +128,7 @@ class Swap(takt_system.Case):
         return run.modules()
 
     def assert_nothing_missed(self, run):
-        """Every row that was walked called the module once, and its reader saw each of its numbers once."""
+        """Checks that every walked row called the module once, and that its reader saw each number once."""
         self.assertEqual(0, run.status, run.err)
         modules, rows = run.modules(), run.executor()
         seen = json.loads(self.read("seen"))
@@ -141,7 +141,7 @@ class Swap(takt_system.Case):
         self.assertEqual(LIFE, run.states("ticks"))
         self.assertEqual(LIFE, run.states("reader"))
 
-    def test_no_release_is_missed_and_the_count_goes_on(self):
+    def test_swaps_miss_no_release_and_keep_the_saved_state(self):
         run = self.running()
         self.done("set d.ticks label mine")
         files = ["ticks_more.so", "ticks.so", "ticks.so"]
@@ -153,13 +153,13 @@ class Swap(takt_system.Case):
             file = files[n % 3]
             self.assertRegex(self.swap(file), r"^d\.ticks: \S+/%s from row \d+ of its executor on$" % file)
             now = time.monotonic()
-            if now - at > 2 or n == COUNT - 1:  # the record holds some seconds
+            if now - at > 2 or n == COUNT - 1:  # the flight recorder holds only some seconds
                 self.done("trace d --last %.1f -o trace.json" % (now - at + 1))
                 at = now
                 traced.add(json.loads(self.read("trace.json")))
         self.finish(run)
         traced.report(bare.end())
-        # What the machine keeps from the executor is not the swap's: the rows after it, of the time that it takes itself.
+        # Only rows right after a swap that were missed by the executor's own fault count. Stalls of the machine do not.
         self.assertEqual(COUNT, len(traced.swaps))
         self.assertEqual([], [missed for missed in traced.missed()
                               if missed[1] is not None and missed[1] <= 2 and missed[2] in ("own overrun", "predecessor")])
@@ -172,10 +172,10 @@ class Swap(takt_system.Case):
         self.assertGreater(counts[-1], counts[1])
         self.assert_nothing_missed(run)
 
-    def test_one_whose_first_runs_fail_is_put_back(self):
+    def test_a_version_whose_first_runs_fail_is_replaced_by_the_old_one(self):
         run = self.running()
         self.refused({"swap d.ticks ticks_fails.so":
-                      r"module d\.ticks: error: the one before it was put back in cycle \d+: failure: the third is not for me"})
+                      r"module d\.ticks: error: the old instance was put back in cycle \d+: failure: the third is not for me"})
         before = self.count()
         wait_until(lambda: self.count() > before + 100, 10, "some runs")
         self.swap("ticks_more.so")
@@ -183,31 +183,31 @@ class Swap(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual((0, LIFE), (modules["ticks"]["errors"], run.states("ticks")))
         seen = json.loads(self.read("seen"))
-        # The numbers of the two runs that went well are counted again by the one that was put back.
+        # The old instance counts the numbers of the two good runs of the new one again.
         self.assertEqual((1, 0, 1), (seen["first"], seen["gaps"], seen["wrong"]))
         self.assertEqual(modules["ticks"]["cycles"] - 2, seen["last"])
         self.assert_grid(run, "ticks")
 
-    def test_one_that_crashes_costs_its_host_and_is_not_loaded_again(self):
+    def test_a_version_that_crashes_is_not_loaded_again(self):
         run = self.running()
         before = self.count()
         self.refused({"swap d.ticks ticks_crashes.so":
-                      r"the one before it is loaded again: the host was killed by SIGSEGV .* in run\(\) of its new instance"})
+                      r"the old instance is loaded again: the host was killed by SIGSEGV .* in run\(\) of its new instance"})
         wait_until(lambda: len(self.versions(run)) == 3, 10, "the old version to be loaded again")
         version, how, count, _ = self.versions(run)[2]
         self.assertEqual((1, "from"), (version, how))
-        self.assertGreaterEqual(count, before, "what it had saved itself, up to the exchange")
+        self.assertGreaterEqual(count, before, "it must restore what it had saved up to the swap")
         self.wait_for_states({"d": "EXECUTING"})
         modules = self.finish(run)
         self.assertEqual(0, run.status, run.err)
-        # What two runs of the new one counted is counted again; the third never ended.
+        # The numbers of two runs of the new version are counted again; its third run never ended.
         self.assertEqual(modules["ticks"]["cycles"] - 2, json.loads(self.read("seen"))["last"])
 
-    def test_a_host_that_ends_later_loads_the_new_file(self):
+    def test_a_restarted_host_loads_the_swapped_file(self):
         mine = os.path.join(self.folder, "mine.so")
         shutil.copy(os.path.join(COMPONENTS, "ticks.so"), mine)
         run = self.running(("ticks.so", "mine.so"))
-        # Another file of the same name: what is loaded already must not be taken for it.
+        # Another file with the same name: the loader must not reuse the one that is loaded.
         shutil.copy(os.path.join(COMPONENTS, "ticks_more.so"), mine + ".new")
         os.replace(mine + ".new", mine)
         self.swap("mine.so")
@@ -221,38 +221,38 @@ class Swap(takt_system.Case):
         self.wait_for_states({"d": "EXECUTING"})
         self.finish(run)
 
-    def test_what_must_not_take_its_place_is_refused_and_nothing_else_is_lost(self):
+    def test_rejects_unsuitable_files_without_losing_a_run(self):
         run = self.running()
         everybody = self.write("everybody.so", "")
         shutil.copy(os.path.join(COMPONENTS, "ticks.so"), everybody)
         os.chmod(everybody, 0o666)
         for commands in (
                 {"swap d.ticks nothing.so": r"^file nothing\.so: error: .*there is no file nothing\.so .*looked in",
-                 "swap d.ticks not_a_library.so": r"^file not_a_library\.so: error: .*not_a_library\.so is no shared object",
+                 "swap d.ticks not_a_library.so": r"^file not_a_library\.so: error: .*not_a_library\.so is not a shared object",
                  "swap d.ticks everybody.so": r"everybody may write to .*; chmod o-w"},
                 {"swap d.ticks ticks_other.so":
-                 r"it has not the ports and properties of the module that runs: port 'more' is new, "
+                 r"its ports and properties differ from those of the running module: port 'more' is new, "
                  r"property 'step' is of type integer, not double; undeploy the cell and deploy it with this file"},
                 {"swap d.ticks fine.so": r"port 'out' is missing, port 'in' is missing, property 'label' is missing"},
-                {"swap d.ticks ticks_forgets.so": r"it does not take over what version 1 of it saved: .*override restore\(\)"},
+                {"swap d.ticks ticks_forgets.so": r"it cannot take over the state that version 1 saved: .*override restore\(\)"},
                 {"swap d.ticks ticks_hangs.so": r"initialize\(\) did not return within 5 s"},
                 {"swap d.tick ticks.so": r"device d has no module 'tick'; did you mean ticks\?",
                  "swap d.program fine.so": r"module d\.program is a program; only a thread module can be swapped",
                  "swap d.sporadic fine_sporadic.so": r"module d\.sporadic is sporadic; only a periodic module can be swapped",
-                 "swap d ticks.so": r"'d' names no module; say DEVICE\.MODULE, and the file after a blank"}):
+                 "swap d ticks.so": r"'d' is not the name of a module; write DEVICE\.MODULE, a space and the file"}):
             for command, pattern in commands.items():
                 self.refused({command: pattern})
         self.done("stop d.ticks")
-        self.refused({"swap d.ticks ticks.so": r"module d\.ticks is in START; it can be swapped in EXECUTING alone; takt start d\.ticks"})
+        self.refused({"swap d.ticks ticks.so": r"module d\.ticks is in START; it can be swapped only in EXECUTING; takt start d\.ticks"})
         self.done("start d.ticks")
-        self.swap("ticks_more.so")  # the thread that hangs is in nobody's way
+        self.swap("ticks_more.so")  # the hanging thread does not block this swap
         self.finish(run)
         self.assertEqual(0, run.status, run.err)
         seen = json.loads(self.read("seen"))
         self.assertEqual((1, 0, 0), (seen["first"], seen["gaps"], seen["wrong"]))
         self.assertEqual(run.modules()["ticks"]["cycles"], seen["read"])
 
-    def test_a_node_looks_on_its_component_path_asks_for_signatures_and_resumes_what_the_descriptor_says(self):
+    def test_a_node_swaps_only_signed_files_on_its_component_path(self):
         folder = os.path.join(self.folder, "signed")
         os.mkdir(folder)
         for name in ("ticks.so", "ticks_more.so", "ticks_fails.so", "port_sink.so"):
@@ -265,12 +265,12 @@ class Swap(takt_system.Case):
         node = self.node("d", environment=environment)
         self.deploy(cell)
         self.wait_for_states({"d": "EXECUTING"})
-        self.refused({"swap d.ticks ticks_fails.so": r"it is not signed, and only signed components are used here"})
+        self.refused({"swap d.ticks ticks_fails.so": r"it is not signed, and only signed components are accepted here"})
         self.refused({"swap d.ticks ticks_hangs.so": r"^file ticks_hangs\.so: error: .*there is no file ticks_hangs\.so on this device's component path"})
-        # A path is the asker's, and another file may lie there.
+        # A path is rejected, because it could name another file on the device.
         for path in ("somewhere/else/ticks_more.so", "./ticks_more.so", os.path.join(folder, "ticks_more.so")):
-            self.refused({"swap d.ticks " + path: r"^file %s: error: it has a path, and device d looks for it by its name alone, on its "
-                          r"component path; copy it there, and takt swap d\.ticks ticks_more\.so$" % re.escape(path)})
+            self.refused({"swap d.ticks " + path: r"^file %s: error: it has a path, but device d searches its component path for the file "
+                          r"name only; copy the file there, then: takt swap d\.ticks ticks_more\.so$" % re.escape(path)})
         self.assertIn(folder + "/ticks_more.so", self.swap("ticks_more.so"))
         log = self.done("log --device d --kind command,refused-command --json")[0]
         self.assertIn("swap to ticks_more.so was carried out", log)

@@ -11,7 +11,7 @@ DEVICES = {"robot": ["grid", "program"], "line": ["grid", "sporadic"], "station"
 
 
 class ThreeDevices(takt_system.Case):
-    def test_all_run_from_one_instant(self):
+    def test_all_devices_start_at_one_instant(self):
         run = self.start("run", "cell.xml", "--for", "3", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         nodes = run.processes("takt-node")
@@ -25,7 +25,7 @@ class ThreeDevices(takt_system.Case):
             self.assertEqual(modules, list(run.modules(device)))
             for module in modules:
                 self.assertEqual(LIFE, run.states(module, device))
-        # All are ready before the first runs.
+        # All modules are ready before the first one runs.
         texts = [(line.device, line.text) for line in run.lines]
         first_run = min(i for i, (_, text) in enumerate(texts) if text == "START -> EXECUTING")
         last_start = max(i for i, (_, text) in enumerate(texts) if text == "INITIALIZE -> START")
@@ -33,7 +33,7 @@ class ThreeDevices(takt_system.Case):
 
         grids = [self.read(name).split() for name in ("robot", "line", "fast", "slow")]
         grids.append(re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program"))).groups())
-        # One instant on the wall clock; each node reads its two clocks together as closely as it can.
+        # One instant on the wall clock. Each node reads its two clocks as close together as it can.
         instants = [int(t0) for t0, _, _ in grids]
         self.assertLess(max(instants) - min(instants), 20000, grids)
         self.assertEqual({"0"}, {strayed for _, _, strayed in grids})
@@ -42,7 +42,7 @@ class ThreeDevices(takt_system.Case):
                                                 ("slow", "station", 1, "slow")):
             self.assert_grid(run, module, every=every, executor=executor, device=device)
 
-    def test_if_one_refuses_none_runs(self):
+    def test_if_one_device_fails_to_initialise_none_runs(self):
         run = self.takt("run", "one_refuses.xml", "--for", "5", "--json", limit=30)
         self.assert_refused(run)
         self.assertEqual(["module line.bad: error: initialize() failed: threw: initialize() threw as it was asked to"], run.other_lines)
@@ -52,12 +52,12 @@ class ThreeDevices(takt_system.Case):
                 self.assertEqual(0, executor["cycles"])
             self.assertEqual({"DESTRUCT"}, {m["state"] for m in device["modules"]})
 
-    def test_a_node_that_dies_leaves_the_other_devices_running(self):
+    def test_a_killed_node_leaves_the_other_devices_running(self):
         run = self.start("run", "cell.xml", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         line = next(node for node in run.processes("takt-node") if "line" in node.arguments)
         line.kill()
-        wait_until(lambda: len(run.processes("takt-host")) == 2, 15, "the end of its host")
+        wait_until(lambda: len(run.processes("takt-host")) == 2, 15, "its host to end")
         self.assertEqual(2, len(run.processes("takt-node")))
         self.assertIsNone(run.status)
         run.signal(signal.SIGINT)

@@ -41,7 +41,7 @@ class Trace(takt_system.Case):
         return node
 
     def sound(self, trace):
-        """What Chrome needs of it, and what is true of any. Returns its spans by thread and category."""
+        """Checks that Chrome can read the trace, and what holds for every trace. Returns its spans by thread and category."""
         spans = collections.defaultdict(list)
         names = {}
         for event in trace["traceEvents"]:
@@ -65,7 +65,7 @@ class Trace(takt_system.Case):
             row = next(rows)
             for run in events:
                 while row["ts"] + row["dur"] + 0.002 < run["ts"] + run["dur"]:
-                    row = next(rows)  # there is one for each run
+                    row = next(rows)  # each run lies in a row
                 self.assertLessEqual(row["ts"], run["ts"] + 0.002)
         self.assertEqual("takt trace 1", trace["otherData"]["format"])
         return spans
@@ -85,15 +85,15 @@ class Trace(takt_system.Case):
         return run.report, trace
 
     def caused(self, report, trace, cause, culprit=None):
-        """Something was late by that, with its culprit."""
+        """Checks that some delay has this cause and this culprit. Returns the delays with this cause."""
         found = [e for e in trace["traceEvents"] if e.get("args", {}).get("cause") == cause]
-        self.assertTrue(found, "nothing was late by %s: %s" % (cause, report))
+        self.assertTrue(found, "no delay has the cause %s: %s" % (cause, report))
         if culprit is not None:
             self.assertIn(culprit, {e["args"].get("culprit") for e in found})
         return found
 
-    @takt_system.alone("its program keeps a processor busy")
-    def test_a_device_that_runs(self):
+    @takt_system.alone("its program keeps a CPU busy")
+    def test_traces_a_running_device(self):
         node = self.deployed(module("source", "port_source.so", 1), module("sink", "port_sink.so", 2),
                              module("slow", "slow.exe", 3, kind="process"),
                              connections='<connection from="robot.source.out" to="robot.sink.in"/>')
@@ -111,7 +111,7 @@ class Trace(takt_system.Case):
         self.assertEqual(["slow"], sorted({body["name"] for events in bodies for body in events}))
         self.end({"robot": node})
 
-    def test_overrun_and_predecessor(self):
+    def test_attributes_delays_to_an_overrun_and_to_a_predecessor(self):
         node = self.deployed(module("long", "slow.so", 1, ns=7000000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(1.5)
@@ -120,7 +120,7 @@ class Trace(takt_system.Case):
         self.caused(report, trace, "predecessor", "long")
         self.end({"robot": node})
 
-    def test_page_faults(self):
+    def test_attributes_a_delay_to_page_faults(self):
         node = self.deployed(module("maps", "maps.so", 1, pages=8000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(1.5)
@@ -129,7 +129,7 @@ class Trace(takt_system.Case):
         self.end({"robot": node})
 
     @unittest.skipUnless(os.geteuid() == 0, "needs a priority")
-    def test_preemption(self):
+    def test_attributes_a_delay_to_preemption(self):
         node = self.deployed(module("fine", "fine.so", 1))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(0.5)
@@ -138,7 +138,7 @@ class Trace(takt_system.Case):
         self.caused(report, trace, "preemption")
         self.end({"robot": node})
 
-    def test_a_host_that_was_stopped(self):
+    def test_attributes_a_delay_to_a_stopped_host(self):
         node = self.deployed(module("fine", "fine.so", 1))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(0.5)
@@ -148,15 +148,15 @@ class Trace(takt_system.Case):
         os.kill(host, signal.SIGCONT)
         time.sleep(0.3)
         report, trace = self.trace()
-        # The machine may have taken its processor away as well, and for longer.
+        # The machine may also have stalled, and for longer.
         stopped = [e for e in self.caused(report, trace, "preemption") if "stopped by a signal" in e["args"]["why"]]
         self.assertTrue(stopped, report)
         late = max(stopped, key=lambda e: e["args"]["begins_late_us"])
         self.assertGreater(late["args"]["missed"], 20)
         self.end({"robot": node})
 
-    @takt_system.timing("the crash has to be in the last rows that the recorder holds")
-    def test_a_crash_leaves_its_last_rows(self):
+    @takt_system.timing("the rows before the crash must still be in the recorder")
+    def test_a_crash_leaves_a_trace_of_its_last_rows(self):
         node = self.deployed(module("segv", "segv.so", 1), module("fine", "fine.so", 2))
         node.wait_for_line(r"takt trace (\S+\.trace\.json)")
         files = glob.glob(os.path.join(self.folder, "state", "traces", "robot.*.trace.json"))
@@ -177,15 +177,15 @@ class Trace(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.end({"robot": node})
 
-    def test_what_cannot_be_traced_is_refused(self):
+    def test_rejects_what_cannot_be_traced(self):
         node = self.node("robot")
         self.write("none.json", "{}")
         self.write("text.json", "no")
         self.refused({"trace robot": "device robot has no deployment to trace",
-                      "trace none.json": r"none\.json: error: it is no trace of takt",
-                      "trace text.json": r"text\.json: error: it is no trace of takt",
+                      "trace none.json": r"none\.json: error: is not a Takt trace",
+                      "trace text.json": r"text\.json: error: is not a Takt trace",
                       "trace nothing.json": "there is no such file",
-                      "trace nobody": "device nobody: error: it is not there"})
+                      "trace nobody": "device nobody: error: not found: no answer"})
         self.assertEqual(2, self.takt("trace", "robot", "--last", "0").status)
         self.end({"robot": node})
 

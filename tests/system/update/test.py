@@ -26,7 +26,7 @@ class Update(takt_system.Case):
             self.cell = file.read()
 
     def changed(self, *changes):
-        """The cell with parts in place of others, as a file."""
+        """Writes the cell with these replacements to a file."""
         text = self.cell
         for old, new in changes:
             self.assertEqual(1, text.count(old), old)
@@ -51,17 +51,17 @@ class Update(takt_system.Case):
         return {device: node.one("takt-host").pid for device, node in nodes.items()}
 
     def versions(self, node):
-        """What each instance of ticks said in start(): its version, how it began, its label."""
+        """What each instance of ticks printed in start(): its version, how it began, its label."""
         found = [re.match(r"version (\d) (from|begins at) \d+, label (\w+)", line.text.lstrip("| ")) for line in list(node.lines)]
         return [m.groups() for m in found if m]
 
     def assert_versions(self, node, *expected):
-        """Of the last instances of ticks. What one prints may come after the answer that it is there."""
+        """Waits until the last instances of ticks have these versions. Their output may arrive after the answer to the update."""
         wait_until(lambda: [version for version, *_ in self.versions(node)][-len(expected):] == list(expected), 10,
-                   "versions %s to be told" % (expected,))
+                   "versions %s to be printed" % (expected,))
 
     def t0(self, name):
-        """When the grid of a module that has ended began, in ns; it has strayed from it never."""
+        """T0 of an ended module in ns. All its releases must have been on the grid."""
         t0, runs, strayed = (int(n) for n in self.read(name).split())
         self.assertEqual((True, 0), (runs > 0, strayed))
         return t0
@@ -70,7 +70,7 @@ class Update(takt_system.Case):
         print("the grids differ by %d ns" % (other - one))
         self.assertLess(abs(other - one), 20000)
 
-    def test_a_file_and_a_property_are_changed_while_it_runs_and_resumed(self):
+    def test_changes_a_file_and_a_property_while_running_and_resumes_them(self):
         nodes = self.running()
         hosts = self.hosts(nodes)
         self.done("set robot.live label mine")
@@ -79,7 +79,7 @@ class Update(takt_system.Case):
                          self.update(*more))
         self.assertEqual(["7", "mine"], self.done("get robot.live step", "get robot.live label"))
         self.assertEqual(["nothing differs"], self.update(*more))
-        # What an operator has set gives way only to a new word of the descriptor.
+        # A value set by an operator is replaced only if the descriptor changes it.
         self.assertEqual(["robot.live: label: a -> b", "cell cell is updated"], self.update(*more, ('"label">a', '"label">b')))
         self.assertEqual(["7", "b"], self.done("get robot.live step", "get robot.live label"))
         self.assertEqual(hosts, self.hosts(nodes))
@@ -104,30 +104,30 @@ class Update(takt_system.Case):
         self.assertGreater(seen["read"], 0)
         self.end(nodes)
 
-    def test_one_device_is_brought_up_anew_on_its_grid_and_the_other_runs_on(self):
+    def test_a_changed_period_restarts_one_device_on_its_grid(self):
         nodes = self.running()
         robot = nodes["robot"].one("takt-host").pid
         self.done("set line.grid file operator")
-        self.assertEqual(["line is brought up anew: module grid: period: 5 ms -> 2 ms", "cell cell is updated"],
+        self.assertEqual(["line is restarted: module grid: period: 5 ms -> 2 ms", "cell cell is updated"],
                          self.update(("<period>5000000</period> <priority>1", "<period>2000000</period> <priority>1")))
         self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         before = self.t0("operator")
         self.assertEqual(robot, nodes["robot"].one("takt-host").pid)
         self.assertEqual([RUNS, RUNS], [nodes["robot"].states(module) for module in ("ticks", "live")])
         self.assertEqual(["operator"], self.done("get line.grid file"))
-        # Samples of the device that ran on arrive again.
+        # Samples from the device that ran on arrive again.
         reader = lambda: next(m for m in self.status_of("line")["modules"] if m["name"] == "reader")["ports"][0]
-        wait_until(lambda: reader()["samples"] > 0, 15, "samples of the other device")
+        wait_until(lambda: reader()["samples"] > 0, 15, "samples from the other device")
         self.done("undeploy cell")
         self.assert_same_grid(before, self.t0("operator"))
         self.assertGreater(json.loads(self.read("seen"))["read"], 0)
         self.end(nodes)
 
-    def test_a_mistake_on_one_device_changes_nothing_anywhere(self):
+    def test_an_error_on_one_device_changes_nothing(self):
         nodes = self.nodes("robot", "line")
         more = ("ticks.so", "ticks_more.so")
         run = self.update_fails(more)
-        self.assertRegex(run.err, r"no device on domain \d+ runs a cell cell; none runs any cell; takt deploy starts it")
+        self.assertRegex(run.err, r"no device on domain \d+ runs cell cell; no cell runs on this domain; start the cell with takt deploy")
         self.deploy(self.changed())
         self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         hosts = self.hosts(nodes)
@@ -136,10 +136,10 @@ class Update(takt_system.Case):
                 ((more, ("robot.ticks.out", "robot.ticks.output")), r"cell\.xml:\d+: error: .*no port 'output'"),
                 ((more, ("<period>5000000</period> <priority>1", "<period>5ms</period> <priority>1")), r"cell\.xml:\d+: error: "),
                 ((more, ('<cell name="cell">', '<cell name="cell" domain="%d">' % self.domain)),
-                 r"cell\.xml:1: error: a cell that runs cannot be given another domain: none -> \d+; undeploy the cell and deploy it"),
+                 r"cell\.xml:1: error: a running cell cannot change its domain: none -> \d+; undeploy the cell and deploy it"),
                 ((('"step">1', '"step">100000'),), r"cell\.xml:\d+: error: .*property 'step' cannot be '100000'"),
                 ((more, ('</device>\n  <connection', '</device>\n  %s\n  <connection' % STATION)),
-                 r"device station: error: it is not there")):
+                 r"device station: error: not found: no answer")):
             run = self.update_fails(*changes)
             self.assertEqual("", run.out)
             self.assertRegex(run.err, pattern)
@@ -152,34 +152,34 @@ class Update(takt_system.Case):
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_what_fails_on_its_way_is_put_back_on_every_device(self):
+    def test_a_failed_update_is_undone_on_every_device(self):
         nodes = self.running()
         robot = nodes["robot"].one("takt-host").pid
         run = self.update_fails((">given<", ">other<"), ("ticks.so", "ticks_fails.so"), ('"file">line', '"file">other'),
                                 ("<period>5000000</period> <priority>1", "<period>2000000</period> <priority>1"))
-        self.assertIn("line is brought up anew: module grid: period: 5 ms -> 2 ms; module grid: file: line -> other\n", run.out)
-        self.assertRegex(run.err, r"module robot\.ticks: error: file: ticks\.so -> ticks_fails\.so: the one before it was put back "
+        self.assertIn("line is restarted: module grid: period: 5 ms -> 2 ms; module grid: file: line -> other\n", run.out)
+        self.assertRegex(run.err, r"module robot\.ticks: error: file: ticks\.so -> ticks_fails\.so: the old instance was put back "
                                   r"in cycle \d+: failure: the third is not for me")
-        self.assertIn("cell cell is not updated; what had been changed was put back", run.err)
-        # Each says what it does as it does it, and why it goes back before it does.
-        for node, change in (("robot", "robot.ticks: label: given -> other; file: "), ("line", "line is brought up anew: ")):
+        self.assertIn("cell cell is not updated; all changes were undone", run.err)
+        # Each node reports the change when it begins, and the reason for going back before it does so.
+        for node, change in (("robot", "robot.ticks: label: given -> other; file: "), ("line", "line is restarted: ")):
             nodes[node].wait_for_line("is not updated: ")
             said = nodes[node].err
-            told = [said.find(text) for text in ("is being updated: " + change, "is put back to what it was: ", "is not updated: ")]
+            told = [said.find(text) for text in ("is being updated: " + change, "undoing the update: ", "is not updated: ")]
             self.assertNotIn(-1, told, said)
             self.assertEqual(sorted(told), told, said)
             self.assertNotIn(": is updated", said)
         said = nodes["line"].err
-        self.assertLess(said.index("is put back to what it was: "), said.rindex("-> DESTRUCT"))
+        self.assertLess(said.index("undoing the update: "), said.rindex("-> DESTRUCT"))
         self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         self.assertEqual(robot, nodes["robot"].one("takt-host").pid)
-        self.assertEqual(["given"], self.done("get robot.ticks label"), "it was set before the file was to be swapped")
+        self.assertEqual(["given"], self.done("get robot.ticks label"), "the property was set before the swap and must be set back")
         first = self.t0("line")
         self.assertEqual(["nothing differs"], self.update())
-        # A device that cannot be brought up.
+        # The new version of a device cannot be started.
         run = self.update_fails(("ticks.so", "ticks_more.so"), ("grid.so", "bad_start.so"), ('<value name="file">line</value>', ""))
         self.assertRegex(run.err, r"grid.*start\(\)")
-        self.assertIn("cell cell is not updated; what had been changed was put back", run.err)
+        self.assertIn("cell cell is not updated; all changes were undone", run.err)
         self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         self.assert_versions(nodes["robot"], "1", "2", "1")
         self.assertEqual(["nothing differs"], self.update())
@@ -187,13 +187,13 @@ class Update(takt_system.Case):
         self.assert_same_grid(first, self.t0("line"))
         self.end(nodes)
 
-    def test_devices_come_and_go(self):
+    def test_adds_and_removes_devices(self):
         connection = re.search(r"  <connection.*\n", self.cell)[0]
         self.cell = self.cell.replace(connection, "")
         nodes = self.running("robot", "line", "station")
         robot = nodes["robot"].one("takt-host").pid
         line = self.cell[self.cell.index('<device name="line">'):self.cell.index("</cell>")]
-        self.assertEqual(["line is taken down: the cell does not have it any more", "station is new", "cell cell is updated"],
+        self.assertEqual(["line is stopped: it is no longer in the cell", "station is new", "cell cell is updated"],
                          self.update((line, STATION)))
         self.wait_for_states({"robot": "EXECUTING", "station": "EXECUTING"})
         self.assertEqual([], nodes["line"].processes("takt-host"))

@@ -27,7 +27,7 @@ class Watch(takt_system.Case):
         self.end(self.running)
 
     def choose(self, terminal, name):
-        """Presses the arrows until the mark is on it."""
+        """Presses the arrow keys until this row is selected."""
         def there():
             lines = terminal.lines
             marked = next((i for i, line in enumerate(lines) if line.startswith("> ")), None)
@@ -44,13 +44,13 @@ class Watch(takt_system.Case):
     def leave(self, terminal, run, how):
         how()
         self.assertEqual(0, run.wait(10).status, run.err)
-        wait_until(terminal.restored, 5, "the terminal to be as it was")
+        wait_until(terminal.restored, 5, "the terminal to be restored")
         self.assertEqual([], terminal.strange)
         self.assertEqual("", run.err)
 
-    def test_shows_what_is_there_and_follows_it(self):
+    def test_shows_devices_and_modules_and_follows_them(self):
         terminal, run = self.open()
-        terminal.wait_for("no device is to be seen on this domain")
+        terminal.wait_for("no devices found on this domain")
         self.assertTrue(terminal.alternate)
         self.assertFalse(terminal.cursor)
         self.running = self.nodes("robot", "line")
@@ -60,12 +60,12 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^[> ] robot +\* running$")
         terminal.wait_for(r"^[> ] line +! running +module fails is in RECOVER")
         number = r"\d+(\.\d+)?"
-        # p50, p99, the last minute with something in it, budget, overruns, errors, cycles
+        # p50, p99, a last minute that is not empty, budget, overruns, errors, cycles
         terminal.wait_for(r"^ +grid +\* EXECUTING +%s +%s +[_.,\-=+*# ]*[_.,\-=+*#] +\d+ %% +\d+ +0 +\d+$" % (number, number))
         terminal.wait_for(r"^ +program +\* EXECUTING +%s +%s +[_.,\-=+*# ]+ - +\d+ +0 +\d+$" % (number, number))
         terminal.wait_for(r"^ +fails +! RECOVER .*failure: run\(\)")
         terminal.wait_for(r"^takt watch  cell  domain %d  2 devices  4 modules  1 RECOVER +\d\d:\d\d:\d\d$" % self.domain)
-        # What happened last, and what the keys are.
+        # The last event, and the keys.
         terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line\.fails: EXECUTING -> RECOVER")
         terminal.wait_for(r"^Enter details .*q quit")
         self.running["robot"].signal(signal.SIGKILL)
@@ -73,7 +73,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^ +grid +X LOST")
         terminal.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
         self.running["robot"].wait(10)
-        # Who looks only now is told so too.
+        # A terminal that starts now shows the loss too.
         late, second = self.open()
         late.wait_for(r"^[> ] robot +X LOST")
         late.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
@@ -85,10 +85,10 @@ class Watch(takt_system.Case):
         for device in self.running:
             terminal.wait_for(r"^[> ] %s +o waiting$" % device)
         self.end(self.running)
-        terminal.wait_for("no device is to be seen on this domain")
+        terminal.wait_for("no devices found on this domain")
         self.leave(terminal, run, lambda: terminal.press("q"))
 
-    def test_keys_tell_the_module_that_is_chosen(self):
+    def test_keys_command_the_selected_module(self):
         self.cell()
         terminal, run = self.open()
         terminal.wait_for(r"^ +fails +! RECOVER")
@@ -99,7 +99,7 @@ class Watch(takt_system.Case):
             terminal.wait_for(r"^robot\.%s: START$" % module)
             terminal.wait_for(r"^> +%s +o START\b" % module)
             terminal.press("t")
-            terminal.wait_for(r"robot\.%s: stop is refused in state START; it is allowed in EXECUTING" % module)
+            terminal.wait_for(r"robot\.%s: stop is not allowed in state START; it is allowed in EXECUTING" % module)
             terminal.press("s")
             terminal.wait_for(r"^robot\.%s: EXECUTING$" % module)
             terminal.wait_for(r"^> +%s +\* EXECUTING\b" % module)
@@ -108,7 +108,7 @@ class Watch(takt_system.Case):
         terminal.press("r")
         terminal.wait_for(r"^line\.fails: EXECUTING$")
         self.running["line"].wait_for_line("fails: RECOVER -> EXECUTING", after=begun)
-        # A device is all of its modules.
+        # A command to a device goes to all its modules.
         self.choose(terminal, "robot")
         terminal.press("t")
         for module in ("grid", "program"):
@@ -116,7 +116,7 @@ class Watch(takt_system.Case):
         terminal.press("s")
         for module in ("grid", "program"):
             terminal.wait_for(r"^ +%s +\* EXECUTING\b" % module)
-        # At the ends the mark stays, and a key that means nothing does nothing.
+        # The selection stops at both ends, and keys without a meaning have no effect.
         terminal.press(UP * 20 + "zZ7\t\x1b[15~")
         terminal.wait_for(r"^> line\b")
         terminal.press(DOWN * 20)
@@ -125,7 +125,7 @@ class Watch(takt_system.Case):
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_a_terminal_of_any_size(self):
+    def test_draws_within_a_terminal_of_any_size(self):
         self.cell()
         for rows, columns in ((1, 1), (2, 3), (3, 200), (5, 10), (60, 20)):
             with self.subTest(rows=rows, columns=columns):
@@ -144,18 +144,18 @@ class Watch(takt_system.Case):
             if rows >= 6:
                 terminal.wait_for("^> line")
         terminal.wait_for(r"^Enter details .*q quit")
-        del terminal.strange[:]  # what was drawn for a larger one just before
+        del terminal.strange[:]  # left from drawing for the larger size
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_one_module_or_device(self):
+    def test_shows_the_details_of_one_module_or_device(self):
         self.cell()
         terminal, run = self.open(rows=40)
         terminal.wait_for(r"^ +grid +\* EXECUTING")
         self.choose(terminal, "grid")
         terminal.press(ENTER)
         terminal.wait_for(r"^robot\.grid$")
-        # The descriptor that runs says how it is meant to be.
+        # These lines come from the running descriptor.
         terminal.wait_for(r"^  runs +thread, periodic, every 1 ms$")
         terminal.wait_for(r"^  executor +main, priority 1$")
         terminal.wait_for(r"^  budget +500 us$")
@@ -181,24 +181,24 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^  node +process %d$" % self.running["robot"].pid)
         terminal.wait_for(r"^  main +\d+ +\d+ +\d+ +\S+ +\S+ +\S+ +\S+$")
         terminal.press(ESCAPE + "c")
-        terminal.wait_for("nothing is connected")
+        terminal.wait_for("the cell has no connections")
         terminal.press(ESCAPE + "?")
-        terminal.wait_for("destruct, once y has confirmed it")
+        terminal.wait_for("destruct; confirm with y")
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_an_order_that_takes_long_does_not_hold_up_the_screen(self):
+    def test_a_slow_command_does_not_block_the_screen(self):
         self.cell()
         terminal, run = self.open()
         terminal.wait_for(r"^ +stubborn +\* EXECUTING")
         self.choose(terminal, "stubborn")
         terminal.press("D")
-        terminal.wait_for(r"^destruct line\.stubborn\? y does it")
+        terminal.wait_for(r"^destruct line\.stubborn\? y: yes")
         terminal.press("n")
-        terminal.wait_for(r"^no destruct of line\.stubborn")
+        terminal.wait_for(r"^destruct of line\.stubborn cancelled")
         terminal.press("Dy")
         terminal.wait_for(r"destruct of line\.stubborn, [1-9] s \.\.\.$")
-        # It is not answered yet, and keys do what they do.
+        # The command is not answered yet, but keys still work.
         for _ in range(3):
             terminal.press(UP)
             terminal.wait_for(r"^> +fails")
@@ -207,11 +207,11 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"destruct of line\.stubborn, \d+ s \.\.\.$")
         terminal.press(ENTER)
         terminal.wait_for(r"^line\.stubborn$")
-        # Nor does it keep anybody from leaving.
+        # Quitting works too.
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_however_it_ends_the_terminal_is_restored(self):
+    def test_restores_the_terminal_however_it_ends(self):
         terminals = [self.open(*arguments) for arguments in ((), (), (), ("--for", "3"))]
         for terminal, _ in terminals:
             terminal.wait_for("no device")
@@ -219,16 +219,16 @@ class Watch(takt_system.Case):
                 lambda: terminals[2][1].signal(signal.SIGHUP), lambda: None)
         for (terminal, run), way in zip(terminals, ways):
             self.leave(terminal, run, way)
-        # There may be nobody left to restore it for.
+        # The terminal may be gone at the end.
         terminal, run = self.open()
         terminal.wait_for("no device")
         terminal.close()
         self.assertIn(run.wait(10).status, (0, 1))
 
-    def test_without_a_terminal_a_line_is_printed_for_each_transition(self):
+    def test_prints_a_line_per_transition_without_a_terminal(self):
         run = self.start("watch")
         self.running = self.nodes("robot", "line")
-        for device in self.running:  # who comes later is told the last transition alone
+        for device in self.running:  # a later start prints only the last transition
             run.wait_for_out(r"^\S+ %s: waiting" % device)
         self.deploy("cell.xml")
         for module in ("robot.grid", "robot.program", "line.fails"):
@@ -250,7 +250,7 @@ class InTmux(takt_system.Case):
         self.addCleanup(tmux.close)
         return tmux
 
-    def test_at_80_by_24(self):
+    def test_works_in_tmux_at_80_by_24(self):
         running = self.nodes("robot", "line")
         self.deploy("cell.xml")
         tmux = self.open()
@@ -263,18 +263,18 @@ class InTmux(takt_system.Case):
         coloured = tmux.coloured
         self.assertRegex(coloured, "\x1b\\[32m● EXECUTING")
         self.assertRegex(coloured, "\x1b\\[31m▲ RECOVER")
-        # Sorted by state, the worst first, then the other way round; by the numbers of a column.
+        # Sort by state with the worst first, then in reverse order.
         tmux.press(">")
         tmux.wait_for("module +▲state")
         self.assertRegex(tmux.lines[2], r"line\.fails +▲ RECOVER")
         tmux.press("v")
         tmux.wait_for("module +▼state")
         self.assertRegex(tmux.lines[5], r"line\.fails +▲ RECOVER")
-        # Found by what is typed.
+        # Filter by typing.
         tmux.press("<", "/")
         tmux.type("grix")
         tmux.wait_for("^/grix_$")
-        tmux.wait_for("nothing is as the filter says")
+        tmux.wait_for("no rows match the filter")
         tmux.press("BSpace")
         tmux.type("d")
         tmux.wait_for("^. +grid +● EXECUTING")
@@ -291,7 +291,7 @@ class InTmux(takt_system.Case):
         tmux.wait_for("^>   grid")
         tmux.press("Escape")
         tmux.wait_for("^    program")
-        # Any other size, while it runs.
+        # Other sizes, while it runs.
         for columns, rows in ((40, 10), (200, 60), (20, 5), (80, 24)):
             tmux.resize(columns, rows)
             wait_until(lambda: len(tmux.lines) == rows and tmux.lines[-1].startswith("Enter details"[:columns - 1]), 5,
@@ -305,7 +305,7 @@ class InTmux(takt_system.Case):
         self.done("undeploy cell")
         self.end(running)
 
-    def test_a_hundred_modules(self):
+    def test_shows_a_hundred_modules_in_tmux(self):
         descriptor = self.write("many.xml", "<cell name='many'><device name='robot'>%s</device></cell>" % "".join(
             "<module><name>m%03d</name><filename>fine.so</filename><moduletype>thread</moduletype>"
             "<operationtype>periodic</operationtype><period>10000000</period><priority>1</priority></module>" % i

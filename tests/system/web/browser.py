@@ -1,5 +1,5 @@
-"""A person who looks at a page: opens it, reads what is shown, clicks, presses keys. In Chromium without a screen, whose files all
-lie in a folder of the test."""
+"""Acts as a person at a web page: opens it, reads it, clicks and presses keys. Uses headless Chromium, whose files all lie in a folder of
+the test."""
 
 import os
 
@@ -15,7 +15,7 @@ OPTIONS = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", 
            "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--disable-breakpad",
            "--force-device-scale-factor=1")
 
-# What differs from what a page would keep: how each row's state changed, and when.
+# Records every change of a row's state with its time, which the page itself does not keep.
 WATCH_STATES = """
 window.seen = {};
 const note = (row) => (window.seen[row.dataset.module] ??= []).push([row.dataset.state, Date.now()]);
@@ -51,19 +51,19 @@ class Browser:
         self.driver.get(address)
 
     def go(self, route):
-        """Another view of the page that is open, as a link in it would."""
+        """Opens another view of the page, as a link in it does."""
         self.script("location.hash = arguments[0]", route)
 
     def script(self, text, *arguments):
         return self.driver.execute_script(text, *arguments)
 
     def wait_script(self, text, *arguments):
-        """Of a script that is done later and says so by done(...)."""
+        """Runs a script and waits until it calls done(...). Returns the value that it passes."""
         self.driver.set_script_timeout(120)
         return self.driver.execute_async_script("const done = arguments[arguments.length - 1];\n" + text, *arguments)
 
     def texts(self, selector):
-        """Of all that is shown and that `selector` finds."""
+        """The texts of all visible elements that `selector` finds."""
         return self.script("return [...document.querySelectorAll(arguments[0])].filter((one) => one.checkVisibility())"
                            ".map((one) => one.textContent)", selector)
 
@@ -72,7 +72,7 @@ class Browser:
         return found[0] if found else None
 
     def wait_for(self, selector, pattern, limit=40.0):
-        """The first text that `selector` finds and that matches."""
+        """Waits for a visible text that `selector` finds and that matches, and returns it."""
         import re
         expression = re.compile(pattern)
         try:
@@ -91,7 +91,7 @@ class Browser:
             raise AssertionError("%s; it is %r" % (error, self.attribute(selector, name))) from None
 
     def click(self, selector):
-        """Where a finger would: what lies over it gets the click."""
+        """Clicks at the place of the element. An element that covers it gets the click."""
         self.driver.find_element("css selector", selector).click()
 
     def write(self, selector, text):
@@ -103,24 +103,24 @@ class Browser:
         ActionChains(self.driver).send_keys(*keys).perform()
 
     def focused(self):
-        """What has the focus, in words: of a link or button its text, else its label."""
+        """The label of the element that has the focus, or its text."""
         return self.script("const one = document.activeElement;"
                            "return one.getAttribute('aria-label') || one.labels?.[0]?.textContent || one.textContent.slice(0, 80)")
 
     def press_until(self, key, holds, most=60):
-        """Presses the key until what has the focus is it. Fails where the focus is not to be seen on the way."""
+        """Presses the key until the focused element satisfies `holds`. Fails if the focus is invisible on the way."""
         for _ in range(most):
             self.press(key)
             if self.script("const one = getComputedStyle(document.activeElement);"
                            "return document.activeElement !== document.body && !document.activeElement.closest('.drawing')"
                            " && (one.outlineStyle === 'none' || parseFloat(one.outlineWidth) < 2)"):
-                raise AssertionError("the focus on %r is not to be seen" % self.focused())
+                raise AssertionError("the focus on %r is not visible" % self.focused())
             if holds(self.focused()):
                 return
-        raise AssertionError("%d times %r did not lead to it; the focus is on %r" % (most, key, self.focused()))
+        raise AssertionError("%d times %r did not reach it; the focus is on %r" % (most, key, self.focused()))
 
     def states(self):
-        """Of the modules in the list: {"device.module": "EXECUTING"}."""
+        """The states of the modules in the list: {"device.module": "EXECUTING"}."""
         return self.script("return Object.fromEntries([...document.querySelectorAll('tr[data-module]')].map((row) =>"
                            "[row.dataset.module, row.querySelector('.mark .word').textContent]))")
 
@@ -128,12 +128,12 @@ class Browser:
         self.script(WATCH_STATES)
 
     def seen(self, module=None):
-        """What came after watch_states(): the states of a module, each with the browser's clock in ms; or of all."""
+        """The states since watch_states(): those of one module, or of all with the time of each in ms of the browser's clock."""
         seen = self.script("return window.seen")
         return seen if module is None else [state for state, _ in seen[module]]
 
     def errors(self, apart=()):
-        """What the console says that is wrong since the last time, save what contains one of `apart`."""
+        """The errors and warnings on the console since the last call, without lines that contain one of `apart`."""
         try:
             lines = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
         except WebDriverException as error:

@@ -19,7 +19,7 @@ from takt_system import wait_until
 
 
 class Events:
-    """A stream of events, put together as a page does."""
+    """Reads the stream of events and combines them as the page does."""
 
     def __init__(self, address):
         self.response = urllib.request.urlopen(address + "api/events", timeout=30)
@@ -73,14 +73,14 @@ class Events:
 class Gateway(takt_system.Case):
     def web(self, *arguments):
         run = self.start("web", "--port", "0", *arguments)
-        run.wait_for_out(r"^domain \d+ is to be seen at http://\S+/$")
+        run.wait_for_out(r"^domain \d+ is shown at http://\S+/$")
         self.address = re.search(r"http://\S+/", run.out).group()
         token = re.search(r"#token=([0-9a-f]+)$", run.out, re.M)
         self.token = token.group(1) if token else None
         return run
 
     def ask(self, path, body=None, method=None, token=None, headers=()):
-        """The status of an answer, and what it says."""
+        """Sends a request. Returns the HTTP status and the JSON of the answer."""
         request = urllib.request.Request(self.address + path, method=method,
                                          data=None if body is None else body if isinstance(body, bytes) else json.dumps(body).encode())
         if token:
@@ -111,7 +111,7 @@ class Gateway(takt_system.Case):
         self.takt("undeploy", "seen")
         self.end(self.running)
 
-    def test_tells_what_dds_says_and_follows_it(self):
+    def test_streams_the_states_that_dds_carries(self):
         run = self.web()
         events = self.events()
         events.wait(lambda e: e.of("cell"))
@@ -121,7 +121,7 @@ class Gateway(takt_system.Case):
         self.deploy("cell.xml")
         names = {"left.source", "left.fails", "right.sink", "right.live", "right.program"}
         events.wait(lambda e: e.states() == {name: "EXECUTING" for name in names})
-        for name in names:  # each step, none left out
+        for name in names:  # no step may be missing
             self.assertEqual([(s, n) for m, s, n in events.steps if m == name][-3:],
                              [("INITIALIZE", 1), ("START", 2), ("EXECUTING", 3)], name)
         cell = events.wait(lambda e: e.of("cell")[-1] if e.of("cell")[-1]["cell"] == "seen" else None)
@@ -131,7 +131,7 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: e.of("measures") and e.of("measures")[-1]["modules"].get("left.source", {}).get("cycles", 0) > 500)
         events.wait(lambda e: e.of("measures")[-1]["connections"].get("0", {}).get("matched"))
 
-        # An order of somebody else, a fault, a crash of a host, a device that is lost: all are told, and quickly.
+        # The stream quickly shows a command of another operator, a fault, a crash of a host, and the loss of a device.
         began = time.monotonic()
         self.done("stop right.live")
         events.wait(lambda e: e.states()["right.live"] == "START")
@@ -145,8 +145,8 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: e.devices["left"]["host_restarts"] == 1)
         self.running["right"].signal(signal.SIGKILL)
         events.wait(lambda e: not e.devices["right"]["alive"])
-        self.assertEqual("EXECUTING", events.states()["right.sink"], "the last that was heard")
-        # Who comes now is told the same.
+        self.assertEqual("EXECUTING", events.states()["right.sink"], "the last known state must remain")
+        # A new stream shows the same.
         other = self.events()
         other.wait(lambda e: e.of("faults"))
         self.assertEqual(events.devices["right"], other.devices["right"])
@@ -162,7 +162,7 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: e.ended, what="the end of the stream")
 
     def faults(self, events):
-        """As a page has them."""
+        """The faults as a page lists them."""
         told = events.of("faults")
         last = max((i for i, data in enumerate(told) if data["whole"]), default=0)
         return [f for data in told[last:] for f in data["events"]]
@@ -186,10 +186,10 @@ class Gateway(takt_system.Case):
         self.assertTrue(self.ask("api/rights", token=self.token)[1]["command"])
         self.assertEqual((200, "START"), (lambda s, j: (s, j["state"]))(*self.ask("api/command", stop, token=self.token)))
         self.assertEqual("START", self.states_of("right")["live"])
-        # The node's refusal, with its reason.
+        # The node rejects the command with a reason.
         status, said = self.ask("api/command", stop, token=self.token)
         self.assertEqual(409, status)
-        self.assertRegex(said["what"], "stop is refused in state START")
+        self.assertRegex(said["what"], "stop is not allowed in state START")
         status, said = self.ask("api/command", {"device": "nobody", "verb": "stop"}, token=self.token)
         self.assertEqual(504, status)
         self.assertIn("nobody", said["what"])
@@ -203,14 +203,14 @@ class Gateway(takt_system.Case):
         status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "0"}, token=self.token)
         self.assertEqual(409, status)
         self.assertRegex(said["what"], "1 to 1000|at least 1|less than")
-        # A program has what it was given when it was started; nothing is asked that its node would refuse to say.
+        # For a program, the gateway shows the values from its start, and sends the node no request that it would reject.
         before = self.done("log --json --kind refused-command")[0].count("refused-command")
         properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
         self.assertEqual({"gain": "2.5", "label": "none"}, properties)
         self.assertEqual(before, self.done("log --json --kind refused-command")[0].count("refused-command"))
         self.finish(run)
 
-    def test_tells_values_of_ports_tables_and_history(self):
+    def test_serves_port_values_tables_and_history(self):
         run = self.cell()
         events = self.events()
         stream = events.wait(lambda e: e.of("stream"))[0]["id"]
@@ -227,18 +227,18 @@ class Gateway(takt_system.Case):
         self.assertEqual(sorted(numbers()), numbers())
         times = [t for p in events.of("points") for t in p["times_ms"]]
         apart = [b - a for a, b in zip(times, times[1:])]
-        self.assertGreaterEqual(min(apart), 19.9, "at most 50 a second")
+        self.assertGreaterEqual(min(apart), 19.9, "at most 50 values a second")
         self.assertEqual([True] + [False] * (len(events.of("points")) - 1), [p["whole"] for p in events.of("points")])
         same = [v for p in events.of("points") for v in p["values"][1]]
-        self.assertEqual(numbers()[:len(same)], same[:len(numbers())], "all fields of one sample")
-        # Who comes later gets what was before.
+        self.assertEqual(numbers()[:len(same)], same[:len(numbers())], "all fields must be of the same sample")
+        # A later stream gets the earlier values too.
         other = self.events()
         later = other.wait(lambda e: e.of("stream"))[0]["id"]
         self.ask("api/streams/%s/ports" % later, {"ports": ["left.source.out"]}, "PUT")
         first = other.wait(lambda e: e.of("points"))[0]
         self.assertTrue(first["whole"])
         self.assertGreaterEqual(len(first["times_ms"]), 60)
-        # Nothing more of what is not wanted any more; mistakes are told, of each port.
+        # A new list of ports replaces the old one. Each wrong port is reported.
         status, said = self.ask(path, {"ports": ["left.source.ouy", "left.nobody.out", "x"]}, "PUT")
         self.assertEqual(200, status)
         self.assertEqual(["left.source.ouy", "left.nobody.out", "x"], [p["port"] for p in said["problems"]])
@@ -271,14 +271,14 @@ class Gateway(takt_system.Case):
         late = self.events()
         trend = late.wait(lambda e: e.of("trends"))[0]["jitter_us"]["left.source"]
         self.assertGreater(len(trend), 1)
-        self.assertLessEqual(set(trend) - {None}, set(recent(events) + recent(late)), "the same, of the seconds before")
+        self.assertLessEqual(set(trend) - {None}, set(recent(events) + recent(late)), "the trend must have the same values")
         history = wait_until(lambda: (lambda h: h if len(h["times_ms"]) >= 3 else None)(
             self.ask("api/history?module=left.source")[1]), 15, "three seconds of history")
         self.assertEqual({len(history["times_ms"])}, {len(values) for values in history.values()})
         self.assertEqual([], self.ask("api/history?module=left.nobody")[1]["times_ms"])
         self.finish(run)
 
-    def test_follows_an_update_and_forgets_a_cell_that_was_taken_down(self):
+    def test_follows_an_update_and_forgets_an_undeployed_cell(self):
         run = self.cell()
         spare = self.node("spare")
         events = self.events()
@@ -290,18 +290,18 @@ class Gateway(takt_system.Case):
             self.assertIn('takt_faults_total{device="spare",severity="error"} 0\n', response.read().decode())
         cells = len(events.of("cell"))
         ports = len(events.of("port"))
-        # The same deployment, in which the port's values need not be kept until they are read: its topic has another quality.
+        # The update changes the port from a queue to the latest value, so its topic has another quality of service.
         with open(self.beside("cell.xml")) as file:
             text = file.read().replace('kind="queue" depth="100"', 'kind="latest" deadline="1000000000"')
         self.done("deploy %s --update" % self.write("other.xml", text))
         events.wait(lambda e: len(e.of("cell")) > cells, 30)
         self.assertEqual("seen", events.of("cell")[-1]["cell"])
         self.assertNotEqual(events.of("cell")[cells - 1]["graph"], events.of("cell")[-1]["graph"])
-        events.wait(lambda e: len(e.of("port")) > ports, 30, "the port as it is now")
+        events.wait(lambda e: len(e.of("port")) > ports, 30, "the changed port")
         told = len(events.of("points"))
-        events.wait(lambda e: len(e.of("points")) > told + 3, what="values of the port as it is now")
-        self.assertTrue(any(p["whole"] for p in events.of("points")[1:]), "a new beginning")
-        # A node that had no part in the cell is lost: that holds nothing back.
+        events.wait(lambda e: len(e.of("points")) > told + 3, what="values of the changed port")
+        self.assertTrue(any(p["whole"] for p in events.of("points")[1:]), "the values must begin anew")
+        # The loss of a node outside the cell delays nothing.
         spare.signal(signal.SIGKILL)
         events.wait(lambda e: not e.devices["spare"]["alive"])
         self.done("undeploy seen")
@@ -310,7 +310,7 @@ class Gateway(takt_system.Case):
         self.runs.remove(spare)
         self.finish(run)
 
-    def test_the_record_of_a_node_that_is_found_late_is_told_and_is_no_news(self):
+    def test_lists_but_does_not_count_old_faults_of_a_node_found_late(self):
         node = self.node("left")
         self.refused({"stop left.before": "left"})
         node.signal(signal.SIGSTOP)
@@ -323,7 +323,7 @@ class Gateway(takt_system.Case):
         self.refused({"stop left.after": "left"})
         events.wait(lambda e: any(f["module"] == "after" for f in self.faults(e)))
         told = [f["sequence"] for f in self.faults(events)]
-        self.assertEqual(sorted(set(told)), told, "each once")
+        self.assertEqual(sorted(set(told)), told, "each event must be listed once")
         other = self.events()
         other.wait(lambda e: e.of("faults"))
         self.assertEqual(told, [f["sequence"] for f in self.faults(other)])
@@ -364,10 +364,10 @@ class Gateway(takt_system.Case):
             self.assertIn(family.type, ("gauge", "counter"))
             self.assertTrue(family.documentation.endswith("."), name)
             seen = [tuple(sorted(s.labels.items())) for s in family.samples]
-            self.assertEqual(len(seen), len(set(seen)), "%s has a sample twice" % name)
+            self.assertEqual(len(seen), len(set(seen)), "%s has the same sample twice" % name)
             if family.type == "counter":
                 self.assertTrue(all(s.name.endswith("_total") for s in family.samples), name)
-        # Counters do not go back.
+        # Counters never decrease.
         later = families()
         for name, family in found.items():
             if family.type != "counter":
@@ -377,7 +377,7 @@ class Gateway(takt_system.Case):
                 self.assertGreaterEqual(now[tuple(sorted(sample.labels.items()))], sample.value, name)
         self.finish(run)
 
-    def test_what_is_no_request_disturbs_nobody(self):
+    def test_malformed_requests_disturb_nobody(self):
         run = self.cell("--commands")
         events = self.events()
         events.wait(lambda e: len(e.modules) == 5 and e.of("cell")[-1]["cell"] == "seen")
@@ -400,11 +400,11 @@ class Gateway(takt_system.Case):
         for junk in (b"", b"\r\n\r\n", b"\0" * 5000, b"GET / HTTP/9.9\r\n\r\n", b"POST /api/command HTTP/1.1\r\nContent-Length: 99999999999999\r\n\r\n",
                      b"GET /" + b"a" * 100000 + b" HTTP/1.1\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 20000 + b"\r\n"):
             self.assertNotIn(b" 200 ", raw(junk).split(b"\r\n")[0], junk[:40])
-        # Another name leads here: not to be read.
+        # A request under another host name (DNS rebinding) is rejected.
         for host in ("evil.example", "127.0.0.1.evil.example", ""):
             self.assertIn(b" 421 ", raw(b"GET /api/events HTTP/1.1\r\nHost: %s\r\nConnection: close\r\n\r\n" % host.encode(), whole=True).split(b"\r\n")[0])
         status, said = self.ask("api/command", b"x" * 70000, token=self.token)
-        self.assertEqual((413, "64 KiB are the most"), (status, said["fix"]))
+        self.assertEqual((413, "send at most 64 KiB"), (status, said["fix"]))
         for body in (b"", b"{", b"[]", b'{"verb": 5}', b'{"device": "left", "verb": "explode"}', b'{"device": ["left"], "verb": "stop"}'):
             status, said = self.ask("api/command", body, token=self.token)
             self.assertEqual(400, status, body)
@@ -417,7 +417,7 @@ class Gateway(takt_system.Case):
         with urllib.request.urlopen(self.address, timeout=30) as page:
             self.assertIn("default-src 'self'", page.headers["Content-Security-Policy"])
             self.assertIn(b"<title>", page.read())
-        # Streams have an end of their number, and those that are there go on.
+        # The number of streams is limited, and the existing ones go on.
         more = []
         for _ in range(63):
             more.append(Events(self.address))
@@ -425,12 +425,12 @@ class Gateway(takt_system.Case):
             Events(self.address)
         self.assertEqual(503, full.exception.code)
         full.exception.close()
-        self.assertEqual(200, self.ask("api/rights")[0], "who only asks is answered")
+        self.assertEqual(200, self.ask("api/rights")[0], "other requests must still be answered")
         for one in more:
             one.close()
         self.done("stop right.live")
         events.wait(lambda e: e.states()["right.live"] == "START")
-        wait_until(lambda: self.opens(), 30, "room for another page")
+        wait_until(lambda: self.opens(), 30, "a free stream for another page")
         self.assertEqual({"EXECUTING"}, set(self.states_of("left").values()))
         self.finish(run)
 
@@ -442,7 +442,7 @@ class Gateway(takt_system.Case):
             error.close()
             return False
 
-    def test_what_it_cannot_do_is_said(self):
+    def test_reports_why_it_cannot_start(self):
         taken = socket.socket()
         self.addCleanup(taken.close)
         taken.bind(("127.0.0.1", 0))
@@ -452,11 +452,11 @@ class Gateway(takt_system.Case):
         short = self.write("short", "abc\n")
         os.chmod(short, 0o600)
         self.refused({
-            "web --listen foo.bar": r"foo\.bar:8080: (error: )?the page cannot be served there(: [^;]+)?; --listen wants an address",
-            "web --port %d" % taken.getsockname()[1]: r"error: 127\.0\.0\.1:\d+: the page cannot be served there.*choose another --port|127\.0\.0\.1:\d+: error: the page cannot be served there.*choose another --port",
-            "web --listen 192.0.2.1 --port 0": "the page cannot be served there.*an address of this machine",
-            "web --token-file %s" % secret: "others may read it.*chmod 600",
-            "web --token-file %s" % short: "is no token.*at least 16",
+            "web --listen foo.bar": r"foo\.bar:8080: (error: )?cannot listen on this address(: [^;]+)?; --listen needs an address",
+            "web --port %d" % taken.getsockname()[1]: r"error: 127\.0\.0\.1:\d+: cannot listen on this address.*choose another --port|127\.0\.0\.1:\d+: error: cannot listen on this address.*choose another --port",
+            "web --listen 192.0.2.1 --port 0": "cannot listen on this address.*an address of this machine",
+            "web --token-file %s" % secret: "is readable by other users.*chmod 600",
+            "web --token-file %s" % short: "is not a valid token.*at least 16",
             "web --token-file nowhere": "there is no such file",
         })
         os.chmod(secret, 0o600)
