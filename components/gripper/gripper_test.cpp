@@ -109,8 +109,7 @@ TEST(Gripper, RejectsPartsThatDoNotFit) {
   ASSERT_TRUE(module.set("part_width", "0.1"));
   EXPECT_EQ(
       module.start().text(),
-      "a part of 0.1 m does not fit between fingers that open 0.08 m; increase stroke or reduce part_width"
-      "smaller");
+      "a part of 0.1 m does not fit between fingers that open 0.08 m; increase stroke or reduce part_width");
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TAKT_COMPONENT(Feeder)
 # The bodies of start() and run(), and the expected message; None: it compiles.
 CASES = [
     ('if (gain < 0) return takt::fail("no air", "open the valve");', "if (in.read()) out.write(in.value());", None),
-    ('if (gain < 0) takt::fail("no air", "open the valve");', "", "return it: nobody hears of it otherwise"),
+    ('if (gain < 0) takt::fail("no air", "open the valve");', "", "return it; otherwise the failure is lost"),
     ('gain.narrow(0, 1, "as the feeder is");', "", "nodiscard"),
     ("", "basic::Count count; out.write(count);", "basic::Count"),
     ("", "gain = 2;", "gain"),

@@ -11,7 +11,7 @@ std::int64_t wall_ns() noexcept {
 }
 
 Instant instant_of_wall(std::int64_t wall) noexcept {
-  // Between the two readings the thread may be put aside for milliseconds: the closest of several pairs
+  // The thread may be preempted for milliseconds between the two readings. So the closest of several pairs
   // counts.
   constexpr int kPairs = 20;
   Nanoseconds closest = Nanoseconds::max();

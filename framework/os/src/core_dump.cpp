@@ -38,7 +38,7 @@ std::string newest_of(const std::string& pattern) {
     }
   }
   ::globfree(&found);
-  // One that lay there before is not this one's.
+  // An older file is not from this crash.
   constexpr std::time_t kJustNow = 10;
   return newest.empty() || ::time(nullptr) - time.tv_sec > kJustNow ? "" : newest;
 }
@@ -54,7 +54,7 @@ std::string core_glob(std::string_view pattern, int pid, int signal) {
     } else if (c != '%') {
       glob += c;
     } else if (++i == pattern.size()) {
-      break;  // the kernel leaves it out too
+      break;  // the kernel drops it, too
     } else if (pattern[i] == 'p' || pattern[i] == 'P') {
       glob += std::to_string(pid);
     } else if (pattern[i] == 's') {
@@ -71,7 +71,7 @@ CoreDump find_core_dump(int pid, int signal) {
   const std::string pattern = text_of("/proc/sys/kernel/core_pattern");
   if (!pattern.empty() && pattern[0] == '|') {
     const std::string program = pattern.substr(1, pattern.find(' ') - 1);
-    return {"", "core_pattern gives it to " + program};
+    return {"", "core_pattern passes it to " + program};
   }
   rlimit limit{};
   ::getrlimit(RLIMIT_CORE, &limit);

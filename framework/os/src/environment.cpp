@@ -68,8 +68,8 @@ Result<void> can_open(std::size_t descriptors) {
   while (opened.size() < descriptors) {
     opened.emplace_back(::eventfd(0, EFD_CLOEXEC));
     if (opened.back()) continue;
-    return errno_problem("this process can open " + std::to_string(opened.size() - 1) + " more files of " +
-                         std::to_string(descriptors) + " that it may need");
+    return errno_problem("this process can open only " + std::to_string(opened.size() - 1) + " of the " +
+                         std::to_string(descriptors) + " more files that it may need");
   }
   return {};
 }

@@ -1,4 +1,4 @@
-// What the kernel answered, in words.
+// Turns error numbers of the kernel into problems.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace takt::os {
 
-/// "CALL: No such file or directory" from errno.
+/// The problem of errno: "CALL: No such file or directory".
 Problem errno_problem(std::string call, std::string fix = {});
-/// The same from an error number. A process that may open no more files is told what helps, whatever `fix`
-/// says.
+/// The same for an error number. If the process has too many open files, `fix` is replaced by the cure for
+/// that.
 Problem error_problem(std::string call, int error, std::string fix = {});
 
 }  // namespace takt::os

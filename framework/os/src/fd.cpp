@@ -15,7 +15,7 @@ void Fd::close() noexcept {
 }
 
 Problem error_problem(std::string call, int error, std::string fix) {
-  // Whatever the call was for, it is the process that lacks something.
+  // The limit of the process is the cause, regardless of the call.
   if (error == EMFILE)
     fix = "raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE= of its service";
   return fail(std::move(call) + ": " + std::strerror(error), std::move(fix));

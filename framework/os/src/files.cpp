@@ -95,7 +95,7 @@ Result<void> replace_file(const std::string& path, const std::string& content, R
     if (n < 0) return failed();
     written += static_cast<std::size_t>(n);
   }
-  // The content is on the disk before the name is, and the name before we say so.
+  // The content must be on the disk before the name, and the name before this function returns.
   if (::fsync(file.get()) != 0) return failed();
   file.close();
   if (::rename(temporary.c_str(), path.c_str()) != 0) return failed();
@@ -156,7 +156,7 @@ Result<void> make_private_folder(const std::string& path) {
   if (::stat(path.c_str(), &status) != 0) return errno_problem(path);
   if (!S_ISDIR(status.st_mode)) return fail(path + " is a file", "name a folder");
   if ((status.st_mode & 077) == 0) return {};
-  return fail("others may enter the folder " + path, "chmod 700 " + path);
+  return fail("other users may enter the folder " + path, "run chmod 700 " + path);
 }
 
 bool output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }

@@ -33,7 +33,7 @@ Result<FixedFile> FixedFile::open(const std::string& path) {
   if (::fstat(file.fd_.get(), &status) != 0 || !S_ISREG(status.st_mode))
     return Problem{path, "is not a regular file", kRoom};
   if (::flock(file.fd_.get(), LOCK_EX | LOCK_NB) != 0)
-    return Problem{path, "is in use by another process", "end that, or name another folder"};
+    return Problem{path, "is in use by another process", "end that process, or name another folder"};
   return file;
 }
 
@@ -42,7 +42,7 @@ Result<void> FixedFile::reserve(std::size_t bytes) {
   if (::fstat(fd_.get(), &before) != 0) return errno_problem(path_);
   const int error = ::posix_fallocate(fd_.get(), 0, static_cast<off_t>(bytes));
   if (error == 0) return {};
-  // What there was of it is left to others.
+  // Release the part that was allocated.
   if (::ftruncate(fd_.get(), before.st_size) != 0) return errno_problem(path_);
   return error_problem(path_, error, kRoom);
 }

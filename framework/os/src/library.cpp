@@ -34,8 +34,9 @@ Result<Fd> copy_of(const std::string& path) {
   return to;
 }
 
-// The loader binds a GNU_UNIQUE symbol to one address in the whole process, whatever object asks for it.
-// Those of the C++ library itself (guards and tags of its templates) hold no state of the module.
+// The name of a symbol that the loader would share between copies; empty if there is none. The loader binds a
+// GNU_UNIQUE symbol to one address in the whole process. Those of the C++ library (guards and tags of its
+// templates) hold no state of the module and do not count.
 std::string shared_variable(const Fd& fd) {
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0) return {};
@@ -76,9 +77,9 @@ std::string shared_variable(const Fd& fd) {
   return found;
 }
 
-// A path of the copy that no loaded object has. The loader takes an object of the same path for the same
-// object, and the number of a descriptor is used again.
-Result<std::string> path_of_its_own(Fd& copy) {
+// A path of the copy that no loaded object has. The loader takes an object with the same path for the same
+// object, and descriptor numbers are reused.
+Result<std::string> unused_path(Fd& copy) {
   std::vector<Fd> taken;
   while (true) {
     const std::string path = "/proc/self/fd/" + std::to_string(copy.get());
@@ -87,7 +88,8 @@ Result<std::string> path_of_its_own(Fd& copy) {
     ::dlclose(other);
     taken.push_back(std::move(copy));
     copy = Fd{::fcntl(taken.back().get(), F_DUPFD_CLOEXEC, 0)};
-    if (!copy) return errno_problem("a descriptor for a copy of a module", "free file descriptors");
+    if (!copy)
+      return errno_problem("cannot duplicate the descriptor for a copy of a module", "free file descriptors");
   }
 }
 
@@ -115,10 +117,10 @@ Result<Library> Library::open(const std::string& path, Globals globals) {
     copy = std::move(*copied);
     if (const std::string variable = shared_variable(copy); !variable.empty()) {
       return fail(
-          path + " cannot have globals of its own for a second module: the loader would share " + variable,
+          path + " cannot have its own globals for a second module: the loader would share " + variable,
           "compile it with -fno-gnu-unique, or make it a takt::Component");
     }
-    auto own = path_of_its_own(copy);
+    auto own = unused_path(copy);
     if (!own) return own.problems();
     file = std::move(*own);
   }

@@ -50,7 +50,7 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return entries;
 }
 
-// The one in brackets, or in parentheses: "always [madvise] never", "none voluntary (full)".
+// The word in brackets or in parentheses: "always [madvise] never", "none voluntary (full)".
 std::string chosen_of(const std::string& text, char open, char close) {
   const std::size_t from = text.find(open);
   const std::size_t to = text.find(close, from);
@@ -71,7 +71,7 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   };
   if (text_of(root / "sys/kernel/realtime") == "1" || says("PREEMPT_RT")) return Preemption::real_time;
   if (says("PREEMPT_DYNAMIC")) {
-    // It is chosen at boot, or since.
+    // Chosen at run time, at boot, or by the configuration of the kernel.
     const std::string now = chosen_of(text_of(root / "sys/kernel/debug/sched/preempt"), '(', ')');
     if (!now.empty()) return preemption_named(now);
     std::optional<Preemption> found;
@@ -91,7 +91,7 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   }
   if (says("PREEMPT_LAZY")) return Preemption::lazy;
   if (says("PREEMPT")) return Preemption::full;
-  // A kernel that is preempted nowhere and one that is in some places call themselves the same.
+  // The version is the same for kernels without preemption and with voluntary preemption.
   return machine.version.empty() ? std::optional<Preemption>{} : Preemption::voluntary;
 }
 
@@ -136,7 +136,7 @@ std::vector<Interrupt> interrupts_of(const fs::path& root) {
     const auto number = number_in<int>(folder.filename().string());
     if (!number) continue;
     Interrupt interrupt{.number = *number};
-    // Whoever serves it has a folder there.
+    // The handler of an interrupt has a folder there.
     std::error_code error;
     for (const fs::path& entry : entries_of(folder)) {
       if (fs::is_directory(entry, error)) interrupt.name = entry.filename().string();
@@ -163,7 +163,7 @@ std::string hypervisor_of(const fs::path& root) {
     if (!line.starts_with("flags")) continue;
     const auto words = words_in(line);
     flag = std::find(words.begin(), words.end(), "hypervisor") != words.end();
-    break;  // those of the others are the same
+    break;  // the other CPUs have the same flags
   }
   if (!flag) return {};
   const std::string product = text_of(root / "sys/class/dmi/id/product_name");
@@ -186,7 +186,7 @@ std::optional<std::uint64_t> size_of_filesystem(const fs::path& folder) {
   return std::uint64_t{status.f_blocks} * status.f_frsize;
 }
 
-// An empty root is the machine's own.
+// An empty root means this machine.
 fs::path root_folder(const std::string& root) { return root.empty() ? "/" : root; }
 
 }  // namespace
@@ -250,7 +250,7 @@ std::optional<Throttling> read_throttling(const std::string& root_name) {
       if (!runtime || !period || *period <= 0) continue;
       const Throttling mine{
           .kept = Nanoseconds{*runtime}, .period = Nanoseconds{*period}, .fair_server = true, .seen = true};
-      if (!found.seen || mine.kept > found.kept) found = mine;  // the worst of all processors
+      if (!found.seen || mine.kept > found.kept) found = mine;  // the worst of all CPUs
     }
     return found;
   }
@@ -269,7 +269,7 @@ std::optional<ProcessorTime> read_processor_time(const std::string& root) {
   constexpr std::size_t kSteal = 8;  // "cpu" user nice system idle iowait irq softirq steal guest guest_nice
   if (words.size() <= kSteal || words[0] != "cpu") return std::nullopt;
   ProcessorTime time;
-  // A guest's time is in the user's already.
+  // The time of guests is already part of the user time.
   for (std::size_t i = 1; i <= kSteal; ++i) time.all += number_in<std::uint64_t>(words[i]).value_or(0);
   time.stolen = number_in<std::uint64_t>(words[kSteal]).value_or(0);
   return time;

@@ -30,8 +30,8 @@ constexpr const char* kFifoCure =
     "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
 constexpr const char* kLockCure = "run as root, or raise the memlock limit (ulimit -l unlimited)";
 
-// What is left of the calling thread's stack. Of what was asked for, the loader has taken the thread-local
-// variables of all libraries, which may be most of it.
+// The remaining stack of the calling thread. The loader places the thread-local variables of all libraries on
+// the stack, which may take most of the requested size.
 std::size_t stack_left() {
   pthread_attr_t attributes;
   if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return 0;
@@ -43,10 +43,10 @@ std::size_t stack_left() {
          reinterpret_cast<std::uintptr_t>(lowest);
 }
 
-// The pages of a thread's stack, touched before it matters. Half of what is left of it: the rest is for what
-// calls us.
-[[gnu::noinline]] void touch_stack(std::size_t asked_for) {
-  const std::size_t bytes = std::min(asked_for, stack_left()) / 2;
+// Touches the pages of the thread's stack in advance, but only half of the remaining ones, so that the rest
+// stays free for the calling functions.
+[[gnu::noinline]] void touch_stack(std::size_t requested) {
+  const std::size_t bytes = std::min(requested, stack_left()) / 2;
   auto* stack = static_cast<volatile char*>(__builtin_alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += 4096) stack[i] = 0;
 }
@@ -86,7 +86,7 @@ bool is_real_time() noexcept {
 Result<void> make_real_time(int tid, int priority) {
   const sched_param parameter{.sched_priority = priority};
   if (::sched_setscheduler(tid, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameter) != 0) {
-    return errno_problem("SCHED_FIFO " + std::to_string(priority) + " is refused", kFifoCure);
+    return errno_problem("SCHED_FIFO " + std::to_string(priority) + " is denied", kFifoCure);
   }
   return {};
 }
@@ -94,9 +94,9 @@ Result<void> make_real_time(int tid, int priority) {
 Result<void> make_background(int tid) {
   constexpr int kLowest = 19;
   const sched_param parameter{.sched_priority = 0};
-  if (::sched_setscheduler(tid, SCHED_OTHER, &parameter) != 0) return errno_problem("SCHED_OTHER is refused");
+  if (::sched_setscheduler(tid, SCHED_OTHER, &parameter) != 0) return errno_problem("SCHED_OTHER is denied");
   if (::setpriority(PRIO_PROCESS, static_cast<id_t>(tid), kLowest) != 0)
-    return errno_problem("nice 19 is refused");
+    return errno_problem("nice 19 is denied");
   return {};
 }
 
@@ -110,17 +110,17 @@ Result<void> pin(int tid, const std::vector<int>& cpus) {
     names += (names.empty() ? "" : ",") + std::to_string(cpu);
   }
   if (::sched_setaffinity(tid, sizeof set, &set) != 0) {
-    return errno_problem("processor " + names + " is refused", "use one that this machine has");
+    return errno_problem("CPU " + names + " is denied", "use a CPU that this machine has");
   }
   return {};
 }
 
 Result<void> lock_memory() {
   if (auto all = may_lock_memory(); !all) return all;
-  // Freed memory stays ours, and large blocks come from the heap that is locked already.
+  // The process keeps freed memory, and large blocks come from the heap, which is already locked.
   ::mallopt(M_TRIM_THRESHOLD, -1);
   ::mallopt(M_MMAP_MAX, 0);
-  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno_problem("mlockall is refused", kLockCure);
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno_problem("mlockall is denied", kLockCure);
   return {};
 }
 
@@ -139,8 +139,8 @@ Result<void> may_have_priority() {
   return {};
 }
 
-// A limit that the memory of now stays below is no help: what comes later is to be locked too, and the first
-// thread or allocation beyond the limit would fail.
+// A limit does not suffice even if the present memory is below it: future memory is locked, too, and the
+// first thread or allocation beyond the limit would fail.
 Result<void> may_lock_memory() {
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -149,7 +149,7 @@ Result<void> may_lock_memory() {
   std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
   ::syscall(SYS_capget, &header, data.data());
   if ((data[0].effective & (1U << CAP_IPC_LOCK)) != 0) return {};
-  return fail("mlockall is refused beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", kLockCure);
+  return fail("mlockall is denied beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", kLockCure);
 }
 
 Result<void> may_be_real_time() {
@@ -181,8 +181,8 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, options.stack_bytes);
-  // The thread takes its own priority and processor before its body runs, so that a refusal costs it these
-  // and not its life.
+  // The thread sets its own priority and CPU before its body runs. If the system denies them, it runs without
+  // them.
   auto ready = std::make_shared<std::atomic<bool>>(false);
   auto prepared = [ready, options, body = std::move(body), refused] {
     Problems mine;

@@ -71,7 +71,7 @@ bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms) {
 }
 
 void on_crash(CrashHandler handler) {
-  // The first time it loads a library, and allocates.
+  // The first call of backtrace() loads a library and allocates.
   std::array<void*, 2> frames{};
   ::backtrace(frames.data(), frames.size());
   crash_handler = handler;
@@ -82,29 +82,30 @@ void on_crash(CrashHandler handler) {
 }
 
 void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept {
-  const auto tell = [found](std::uintptr_t address, std::uintptr_t back) {
+  const auto report = [found](std::uintptr_t address, std::uintptr_t back) {
     dl_find_object object{};
     if (::_dl_find_object(reinterpret_cast<void*>(address), &object) != 0) return found({address, "?"});
     const link_map* map = object.dlfo_link_map;
     found({address - map->l_addr - back, map->l_name});
   };
-  // Its own calls and the signal's come first. Should it not find its way beyond those (a call of a function
-  // that is none), there is at least where it crashed.
+  // The calls of this function and of the signal handler come first. If the walk does not get beyond them
+  // (after a call of an invalid function), at least the place of the crash is reported.
   constexpr std::size_t kOwn = 8;
   constexpr std::size_t kMost = 64;
   std::array<void*, kMost + kOwn> frames{};
-  tell(at, 0);
+  report(at, 0);
   const int all = ::backtrace(frames.data(), static_cast<int>(std::min(most + kOwn, frames.size())));
   void* const* const end = frames.data() + all;
   void* const* frame = std::find(frames.data(), frames.data() + all, reinterpret_cast<void*>(at));
   if (frame == end) return;
-  // An address that a call returns to is behind the call.
-  for (std::size_t told = 1; ++frame != end && told < most; ++told)
-    tell(reinterpret_cast<std::uintptr_t>(*frame), 1);
+  // A return address is after the call, so 1 is subtracted.
+  for (std::size_t reported = 1; ++frame != end && reported < most; ++reported)
+    report(reinterpret_cast<std::uintptr_t>(*frame), 1);
 }
 
 void prepare_crash_stack() {
-#ifndef __SANITIZE_ADDRESS__  // which gives each thread one, and at its end unmaps whichever it finds
+#ifndef __SANITIZE_ADDRESS__  // it gives each thread such a stack, and unmaps any that it finds at the
+                              // thread's end
   constexpr std::size_t kBytes = 64 * 1024;
   thread_local std::unique_ptr<std::array<char, kBytes>> stack;
   if (stack) return;

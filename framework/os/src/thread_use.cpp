@@ -8,8 +8,8 @@
 
 namespace takt::os {
 
-// The name of a thread is in brackets and may be anything; what follows the last one is words of known
-// places.
+// The name of a thread is in parentheses and may contain any character. The fields after the last ')' have
+// known positions.
 std::optional<ThreadUse> read_thread_use(int tid, const std::string& root) {
   const std::string folder = root + "/proc/" + std::to_string(tid) + "/task/" + std::to_string(tid);
   const std::string stat = text_of(folder + "/stat");
@@ -18,7 +18,7 @@ std::optional<ThreadUse> read_thread_use(int tid, const std::string& root) {
   ThreadUse use;
   std::istringstream words{stat.substr(name_ends + 1)};
   std::string word;
-  for (int place = 3; words >> word; ++place) {  // as proc(5) counts them
+  for (int place = 3; words >> word; ++place) {  // numbered as in proc(5)
     std::istringstream number{word};
     if (place == 3) use.stopped = word == "T" || word == "t";
     if (place == 10) number >> use.minor_faults;

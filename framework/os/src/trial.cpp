@@ -16,17 +16,17 @@ namespace takt::os {
 namespace {
 
 constexpr Nanoseconds kPause = std::chrono::milliseconds{1};
-// As an executor has it unless its descriptor says otherwise.
+// The default priority of an executor.
 constexpr int kPriority = 80;
 
-// For real, in a process that is over at once: what is locked stays so.
+// Tries it in a separate process, because locked memory stays locked.
 Result<void> try_locking() {
   if (auto allowed = may_lock_memory(); !allowed) return allowed;
   const auto tried = in_child(
       "locking memory", [] { return lock_memory() ? std::string{} : std::string{"refused"}; },
       std::chrono::seconds{5});
   if (!tried) return tried.problems();
-  if (!tried->empty()) return fail("mlockall is refused", "free memory, or raise the memlock limit");
+  if (!tried->empty()) return fail("mlockall is denied", "free memory, or raise the memlock limit");
   return {};
 }
 
@@ -43,7 +43,7 @@ WakeUps wake_ups_of(std::vector<Nanoseconds> delays) {
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause) {
   std::vector<Nanoseconds> delays(count);
   const NoDeepIdle no_deep_idle;
-  Problems refused;  // then it is measured as it will run: without
+  Problems refused;  // ignored: then the thread is measured without priority, as it would run
   auto thread = Thread::start(
       {.name = "takt-probe", .priority = kPriority, .cpus = {allowed_cpus().back()}},
       [&delays, pause] {

@@ -8,7 +8,7 @@
 namespace takt::os {
 
 namespace {
-// One step up for a delay beyond the margin weighs as much as 99 steps down: the margin settles where one
+// One step up, for a delay beyond the margin, is as large as 99 steps down. So the margin settles where one
 // wake-up in a hundred is later.
 constexpr std::int64_t kUp = 990;
 constexpr std::int64_t kDown = 10;
@@ -32,7 +32,7 @@ Instant Waker::wait_until(Instant release) noexcept {
   if (strategy_ != model::Wakeup::spin) {
     const Instant wake = release - margin_.value();
     const bool sleeps = time < wake;
-    while (time < wake && !stopped()) {  // a second time only if something else woke us
+    while (time < wake && !stopped()) {  // a second time only after a spurious wake-up
       futex_wait(stop_, 0, kAll, wake);
       time = os::now();
     }

@@ -148,7 +148,7 @@ class Bench(takt_system.Case):
             self.skipTest("needs root, to give it up")
         run = self.takt("bench", "wake", "--for", "0.1", "--json", before=["setpriv", "--inh-caps=-all", "--bounding-set=-all"])
         self.assertEqual(0, run.status, run.err)
-        self.assertIn("SCHED_FIFO 80 is refused", " ".join(run.report["refused"]))
+        self.assertIn("SCHED_FIFO 80 is denied", " ".join(run.report["refused"]))
 
     def test_reports_errors_before_it_measures(self):
         run = self.takt("bench", "table1", "--html", os.path.join(self.folder, "nowhere", "x.html"))

@@ -68,7 +68,7 @@ class Doctor(takt_system.Case):
         findings = {f["check"]: f for f in run.report["findings"]}
         self.assertFalse(run.report["root"])
         self.assertEqual("spoils", findings["priority"]["severity"])
-        self.assertIn("is refused", findings["priority"]["found"])
+        self.assertIn("is denied", findings["priority"]["found"])
         self.assertEqual("spoils", findings["memory"]["severity"])
         self.assertIn("limits.conf", findings["memory"]["cure"])
 

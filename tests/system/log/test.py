@@ -210,7 +210,7 @@ class Log(takt_system.Case):
 
         error = crash("none", 0)
         self.assertIsNone(error["attachment"])
-        self.assertIn("no core dump: core_pattern gives it to" if piped else "no core dump: RLIMIT_CORE is 0", error["cause"])
+        self.assertIn("no core dump: core_pattern passes it to" if piped else "no core dump: RLIMIT_CORE is 0", error["cause"])
         if piped or resource.getrlimit(resource.RLIMIT_CORE)[1] != unlimited:
             self.skipTest("this system writes no core dumps to files")
         error = crash("some", unlimited)

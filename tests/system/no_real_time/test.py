@@ -56,15 +56,15 @@ class NoRealTime(takt_system.Case):
         run = self.takt("run", self.descriptor, "--for", "1.5", "--json", **options)
         self.assert_ran(run)
         self.assertIs(False, run.device()["real_time"])
-        self.assertIn("mlockall is refused beyond 8192 KiB", run.err)
+        self.assertIn("mlockall is denied beyond 8192 KiB", run.err)
 
     def test_runs_without_rights_and_warns(self):
         run = self.takt("run", self.descriptor, "--for", "1", "--json", **self.options)
         self.assert_ran(run)
         self.assertIs(False, run.device()["real_time"])
         warnings = [line.text for line in run.lines if line.text.startswith("WARNING: not real-time: ")]
-        self.assertTrue([w for w in warnings if "SCHED_FIFO" in w and "is refused" in w and "CAP_SYS_NICE" in w], run.err)
-        self.assertTrue([w for w in warnings if "mlockall is refused" in w and "memlock" in w], run.err)
+        self.assertTrue([w for w in warnings if "SCHED_FIFO" in w and "is denied" in w and "CAP_SYS_NICE" in w], run.err)
+        self.assertTrue([w for w in warnings if "mlockall is denied" in w and "memlock" in w], run.err)
 
     def test_the_text_report_says_not_real_time(self):
         run = self.takt("run", self.descriptor, "--for", "0.2", **self.options)
@@ -73,8 +73,8 @@ class NoRealTime(takt_system.Case):
 
     def test_require_realtime_starts_nothing_without_rights(self):
         run = self.takt("run", self.descriptor, "--for", "5", "--json", "--require-realtime", limit=15, **self.options)
-        self.assert_refused(run, r"(?m)^device cell: error: SCHED_FIFO .* is refused: .*; run as root, or give ",
-                            r"(?m)^device cell: error: mlockall is refused beyond 0 KiB")
+        self.assert_refused(run, r"(?m)^device cell: error: SCHED_FIFO .* is denied: .*; run as root, or give ",
+                            r"(?m)^device cell: error: mlockall is denied beyond 0 KiB")
         self.assertNotIn("INITIALIZE", run.err)
         self.assertNotIn("WARNING", run.err)
 

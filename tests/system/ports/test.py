@@ -84,7 +84,7 @@ class Ports(takt_system.Case):
         self.assertRegex(run.err, r"wrong.xml:21: error: .*first has no port")
         self.refused({"describe port_named.exe": r"property 'ports' is missing; name the ports",
                       "describe port_named.exe ports=": r"property 'ports' is missing; name the ports",
-                      "describe port_named.exe ports=a,a": r"there are two ports 'a'",
+                      "describe port_named.exe ports=a,a": r"the program has two ports 'a'",
                       "describe port_sink.so file=x": r"do not depend on properties"})
 
 

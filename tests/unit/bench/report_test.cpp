@@ -17,7 +17,7 @@ Report report() {
   Report report{.benchmark = "wake"};
   report.machine.processors = 2;
   report.stolen = std::chrono::milliseconds{30};
-  report.refused = {fail("SCHED_FIFO 80 is refused", "run as root")};
+  report.refused = {fail("SCHED_FIFO 80 is denied", "run as root")};
   report.sections = {{.title = "wake-up",
                       .columns = {"p50 us", "missed"},
                       .rows = {{"hybrid", {0.021, 3}}, {"none", {std::nan(""), 0}}},
@@ -30,7 +30,7 @@ TEST(ReportText, AlignsItsColumns) {
   EXPECT_THAT(text,
               ContainsRegex("wake-up\n +p50 us +missed\n  hybrid +0.02 +3\n  none +- +0\n  A sentence.\n"));
   EXPECT_THAT(text, HasSubstr("30 ms"));
-  EXPECT_THAT(text, HasSubstr("SCHED_FIFO 80 is refused; run as root"));
+  EXPECT_THAT(text, HasSubstr("SCHED_FIFO 80 is denied; run as root"));
 }
 
 TEST(ReportJson, HasAKeyForEachColumn) {

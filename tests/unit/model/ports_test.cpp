@@ -108,7 +108,7 @@ TEST_F(Connections, ImmediateDispatchNeedsAConnectedEventPort) {
           "cell.xml:5: error: module a has <dispatch>immediate</dispatch>, but none of its event ports"));
   (*ports[0][0]).erase((*ports[0][0]).begin() + 1);
   EXPECT_THAT(text(check({"robot", "b", "state"}, {"robot", "a", "joint"})),
-              testing::HasSubstr("has no event port"));
+              testing::HasSubstr("no event port that releases it"));
 }
 
 TEST(PortsJson, SurvivesARoundTrip) {

@@ -384,7 +384,7 @@ TEST_F(AgentUpdate, RejectsAnInvalidDescriptorWithItsLine) {
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(device.data()[0]["where"], "new.xml:6");
   EXPECT_FALSE(accepts(with("<cell name=\"cell\"", "<cell name=\"other\"")));
-  EXPECT_THAT(device.text(), HasSubstr("cannot be given another name"));
+  EXPECT_THAT(device.text(), HasSubstr("a running cell cannot change its name"));
   device.work.inspected = Problems{fail("there is no file arm2.so")};
   EXPECT_FALSE(accepts(kFile));
   EXPECT_THAT(device.text(), HasSubstr("no file arm2.so"));

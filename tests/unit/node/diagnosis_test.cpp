@@ -94,8 +94,8 @@ TEST(Diagnosis, HasACureForEveryProblem) {
   machine.files = os::Limit{256, 256};
   machine.time = os::ProcessorTime{100, 5};
   os::Trial trial;
-  trial.priority = fail("SCHED_FIFO 1 is refused", "be root");
-  trial.locking = fail("mlockall is refused beyond 8192 KiB");
+  trial.priority = fail("SCHED_FIFO 1 is denied", "be root");
+  trial.locking = fail("mlockall is denied beyond 8192 KiB");
   trial.idle_held = fail("/dev/cpu_dma_latency cannot be opened");
   trial.timer_resolution = milliseconds{4};
   trial.wake_ups = {500, microseconds{60}, milliseconds{2}, milliseconds{9}};
@@ -123,8 +123,8 @@ TEST(Diagnosis, RatesTheKernelByItsPreemptionMode) {
 
 TEST(Diagnosis, RatesDeniedPriorityAndMemoryAsSpoiling) {
   os::Trial trial = good_trial();
-  trial.priority = fail("SCHED_FIFO 1 is refused: Operation not permitted");
-  trial.locking = fail("mlockall is refused beyond 64 KiB");
+  trial.priority = fail("SCHED_FIFO 1 is denied: Operation not permitted");
+  trial.locking = fail("mlockall is denied beyond 64 KiB");
   os::Machine machine = good_machine();
   machine.priority = os::Limit{0, 0};
   EXPECT_EQ(finding("priority", machine, trial).severity, Severity::spoils);

@@ -78,7 +78,7 @@ TEST(Thread, RunsWithoutAProcessorThatTheMachineDoesNotHaveAndSaysSo) {
   ASSERT_TRUE(thread.ok());
   ASSERT_EQ(refused.size(), 1U) << "it is known when start() returns";
   EXPECT_EQ(refused[0].where, "thread t");
-  EXPECT_NE(refused[0].what.find("processor 1000 is refused"), std::string::npos);
+  EXPECT_NE(refused[0].what.find("CPU 1000 is denied"), std::string::npos);
   thread->join();
   EXPECT_TRUE(ran);
 }
@@ -91,7 +91,7 @@ TEST(Thread, RunsWithoutAPriorityThatIsRefusedAndSaysSo) {
   ASSERT_TRUE(thread.ok());
   thread->join();
   ASSERT_EQ(refused.size(), 1U);
-  EXPECT_NE(refused[0].what.find("SCHED_FIFO 1000 is refused"), std::string::npos);
+  EXPECT_NE(refused[0].what.find("SCHED_FIFO 1000 is denied"), std::string::npos);
   EXPECT_FALSE(refused[0].fix.empty());
   EXPECT_EQ(policy, SCHED_OTHER);
 }

@@ -108,7 +108,7 @@ TEST(CheckText, ShowsEachRowWithAndWithoutOffsets) {
   model::Cell shifted = figure1();
   shifted.devices[0].executors[0].offsets = model::Offsets::automatic;
   EXPECT_THAT(text(shifted),
-              AllOf(HasSubstr("offsets: the fullest row has 3 modules; without them 4 modules\n"),
+              AllOf(HasSubstr("offsets: the fullest row has 3 modules; without offsets 4 modules\n"),
                     HasSubstr("shifted: controller1 by 100 us\n"),
                     HasSubstr("row  offset  modules  before  modules, in the order"),
                     HasSubstr("0    0 ns    3        4       control3, control2, control4 (process)\n"),
@@ -121,7 +121,7 @@ TEST(CheckText, ShowsEachRowWithAndWithoutOffsets) {
                               with_budget(periodic("c", 1ms), 50us)})});
   full.devices[0].executors[0].offsets = model::Offsets::automatic;
   EXPECT_THAT(text(full),
-              AllOf(HasSubstr("has 2 modules, 95 %; without them 3 modules, 155 %\n"),
+              AllOf(HasSubstr("has 2 modules, 95 %; without offsets 3 modules, 155 %\n"),
                     HasSubstr("row  offset  load  before  modules"), HasSubstr("155 %"), HasSubstr("5 %")));
 }
 

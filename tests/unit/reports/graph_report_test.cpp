@@ -149,7 +149,7 @@ device line
   logger  process  non-real              -
 
 device station
-  module      type    operation                                           executor
+  module      type    operation                                               executor
   dispatcher  thread  sporadic, deadline 10 ms, immediate, interarrival 1 ms  main
 
 connections

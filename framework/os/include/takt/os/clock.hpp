@@ -1,4 +1,4 @@
-// The machine's monotonic clock, and its wall clock.
+// The monotonic clock and the wall clock of the machine.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace takt::os {
 
-/// CLOCK_MONOTONIC through the vDSO: about 20 ns, no system call where the clock source is the TSC. Any
-/// thread.
+/// The time of CLOCK_MONOTONIC through the vDSO. About 20 ns and no system call if the clock source is the
+/// TSC. Any thread.
 inline Instant now() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_MONOTONIC, &t);
@@ -27,7 +27,7 @@ Instant instant_of_wall(std::int64_t wall_ns) noexcept;
 /// call.
 void sleep_until(Instant instant) noexcept;
 
-/// The clock that an executor reads when it runs for real.
+/// The clock of an executor outside simulations and tests.
 class MonotonicClock final : public Clock {
  public:
   Instant now() noexcept override { return os::now(); }

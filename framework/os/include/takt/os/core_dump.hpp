@@ -1,4 +1,4 @@
-// Where the kernel leaves the memory of a process that it has just killed.
+// Finds the core dump of a process that a signal has just killed.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace takt::os {
 
-/// The names that `pattern` (as /proc/sys/kernel/core_pattern has it) may stand for, for glob(): what is not
-/// known here is "*".
+/// A glob() pattern for the files of `pattern`, which is in the format of /proc/sys/kernel/core_pattern.
+/// Parts that are not known here become "*".
 std::string core_glob(std::string_view pattern, int pid, int signal);
 
 struct CoreDump {

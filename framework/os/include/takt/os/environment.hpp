@@ -1,4 +1,5 @@
-// What a program is told by the one that started it, and who and where it is.
+// The environment of a program: variables, arguments, inherited descriptors, limits and the names of the
+// machine.
 #pragma once
 
 #include <cstddef>
@@ -10,22 +11,23 @@
 
 namespace takt::os {
 
-/// The descriptor whose number an environment variable holds; it is closed on the next exec and the variable
-/// is removed, so that this program's own children do not get it. Empty when there is none.
+/// The descriptor whose number is in an environment variable. Removes the variable and marks the descriptor
+/// to close on exec, so that children of this program do not get it. Empty if there is none.
 Fd take_fd_from_environment(const char* name);
 
-/// The same for a descriptor whose number is known; empty when it is none.
+/// The same for a descriptor with a known number; empty if that is not a descriptor.
 Fd adopt_fd(int number);
 
-/// The value of an environment variable, which is removed; empty when it is not set.
+/// Returns and removes an environment variable; empty if it is not set.
 std::string take_from_environment(const char* name);
 
-/// The value of an environment variable; empty when it is not set.
+/// The value of an environment variable; empty if it is not set.
 std::string environment(const char* name);
-/// For this program and those that it starts. While there is one thread.
+/// Sets an environment variable for this program and those that it starts. Only while there is a single
+/// thread.
 void set_environment(const char* name, const std::string& value);
 
-/// What this program was started with, without its own name. Not before the C library is there.
+/// The arguments of this program, without its own name. Not before the C library is initialized.
 std::vector<std::string> program_arguments();
 
 /// The name of this machine.

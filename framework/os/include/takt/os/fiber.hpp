@@ -1,5 +1,5 @@
-// A course of execution with a stack of its own, that runs until it hands over to another one. Many of them
-// are one thread: nothing happens at the same time, and who goes on is the program's decision.
+// Fibers: courses of execution with their own stacks on one thread. Each runs until it hands over to another
+// one, so nothing runs in parallel and the program decides which fiber runs next.
 #pragma once
 
 #include <cstddef>
@@ -8,22 +8,23 @@
 
 namespace takt::os {
 
-/// All fibers that hand over to each other belong to one thread. Sanitizers are told of each change of stack.
+/// All fibers that hand over to each other must belong to one thread. Sanitizers are notified of each stack
+/// switch.
 class Fiber {
  public:
-  /// The course that the calling thread is in already, for others to come back to.
+  /// The current course of the calling thread, to which others can hand over again.
   Fiber();
-  /// Runs `body` when it is handed over to for the first time. `body` never returns, and lets no exception
-  /// out: it ends by never being handed over to again. The stack has at least this many bytes and a page
-  /// after its end that nobody may touch. Ends the process when there is no memory for it.
+  /// Runs `body` at the first handover. `body` must not return and must not throw; a fiber ends when nothing
+  /// hands over to it again. The stack has at least this many bytes, and a guard page at its end. Ends the
+  /// process if there is no memory for it.
   Fiber(std::size_t stack_bytes, std::function<void()> body);
-  /// Not of the one that runs. What its functions had on the stack is not destroyed.
+  /// Must not be the running fiber. Objects on its stack are not destroyed.
   ~Fiber();
   Fiber(const Fiber&) = delete;
   Fiber& operator=(const Fiber&) = delete;
 
-  /// Called by this one while it runs: the other goes on where it was; this one does when somebody hands over
-  /// to it. Not while an exception is being handled.
+  /// Called by this fiber while it runs. The other fiber continues where it stopped. This one continues when
+  /// a fiber hands over to it. Not while an exception is being handled.
   void hand_over_to(Fiber& other);
 
  private:

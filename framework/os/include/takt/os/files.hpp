@@ -1,4 +1,4 @@
-// What kind of file something is, and files that must be whole.
+// Checks kinds and rights of files, and reads and replaces whole files.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,24 @@
 
 namespace takt::os {
 
-/// A regular file that this user may execute.
+/// Whether this is a regular file that this user may execute.
 bool is_executable(const std::string& path);
 
-/// An ELF shared object of this machine's kind that is not a program. (A program built as PIE has an
-/// interpreter.)
+/// Whether this is an ELF shared object for this machine's architecture, and not a program. (A program built
+/// as PIE has an interpreter.)
 bool is_shared_object(const std::string& path);
 
-/// A section of an ELF file by its name; none where the file is none, or has no such section with something
-/// in it. At most 16 MiB.
+/// The content of a section of an ELF file, by its name, at most 16 MiB. None if the file is not ELF, or if
+/// it has no such section with content.
 std::optional<std::string> read_section(const std::string& path, const std::string& name);
 
-/// Replaces a file so that whoever reads it, after a loss of power too, finds the old content or the new one
-/// and never a part. Makes its folder if there is none.
+/// The users that may read a file.
 enum class Readers { owner, everybody };
+/// Replaces a file atomically: a reader finds the complete old or new content, also after a loss of power.
+/// Creates the folder if it does not exist.
 Result<void> replace_file(const std::string& path, const std::string& content,
                           Readers readers = Readers::owner);
-/// What is in a file; none where there is no such file. Fails when it cannot be read or has more than `most`
+/// The content of a file; none if the file does not exist. Fails if it cannot be read or has more than `most`
 /// bytes.
 Result<std::optional<std::string>> read_file(const std::string& path, std::size_t most);
 /// All of a file of /proc or /sys, which has no size before it is read, without line feeds and zeros at its

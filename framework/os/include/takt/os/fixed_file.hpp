@@ -1,8 +1,8 @@
-// A file of fixed size that is written in place, a piece at a time: all its room is taken when it is made, so
-// that a disk that is full later cannot keep anything from being written.
+// A file of fixed size that is written in place, piece by piece. All its space is allocated in advance, so
+// that writing cannot fail later because the disk is full.
 //
-// Pieces are written by system calls and not through a mapping of the file: an error of the disk, or somebody
-// who cuts the file short, is then a failed call and no SIGBUS.
+// It is written by system calls and not through a mapping. So a disk error or a truncated file makes a call
+// fail instead of raising SIGBUS.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@ namespace takt::os {
 
 class FixedFile {
  public:
-  /// Opens it, or makes an empty one and its folder. It is this process's alone: fails while another one has
-  /// it open by this function.
+  /// Opens the file, or creates an empty one and its folder. Locks the file: fails while another process has
+  /// it open with this function.
   static Result<FixedFile> open(const std::string& path);
-  /// Makes room for so many bytes; what is new is zero. Fails where the disk is full; it has then the size
-  /// that it had.
+  /// Allocates space for this many bytes; new bytes are zero. Fails if the disk is full; then the size does
+  /// not change.
   Result<void> reserve(std::size_t bytes);
-  /// All that is in it. Fails when that is more than `most` bytes.
+  /// The whole content. Fails if it has more than `most` bytes.
   [[nodiscard]] Result<std::string> read(std::size_t most) const;
-  /// What is killed in the middle has written the first part of it. After a loss of power it is there once
-  /// sync() has returned.
+  /// Writes in place. A process that is killed during the call may have written only the first part. The
+  /// bytes survive a loss of power after sync() has returned.
   Result<void> write(std::size_t at, std::string_view bytes);
-  /// Waits for the disk.
+  /// Waits until the disk has stored everything.
   void sync() const noexcept;
-  /// The file gets another name; one of that name is lost.
+  /// Renames the file; replaces an existing file of that name.
   Result<void> rename(const std::string& path);
 
  private:

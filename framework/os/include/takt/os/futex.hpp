@@ -1,4 +1,4 @@
-// Waiting for a word in shared memory to change.
+// Waits for a word in shared memory to change.
 #pragma once
 
 #include <atomic>
@@ -9,13 +9,14 @@
 
 namespace takt::os {
 
-/// Sleeps while `word` is `expected`, until somebody wakes one of the bits in `mask`, until `deadline`
-/// (monotonic), or for no reason at all: check the word again. Works between processes. One system call.
+/// Sleeps while `word` is `expected`, until a futex_wake() with one of the bits in `mask`, or until
+/// `deadline` (monotonic). It may also return early for no reason, so check the word again. Works between
+/// processes. One system call.
 void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t expected, std::uint32_t mask,
                 std::optional<Instant> deadline = std::nullopt) noexcept;
 
-/// Wakes everybody who sleeps on `word` with one of the bits in `mask`. One system call; a real-time thread
-/// may.
+/// Wakes all threads that sleep on `word` with one of the bits in `mask`. One system call; for real-time
+/// threads, too.
 void futex_wake(const std::atomic<std::uint32_t>& word, std::uint32_t mask) noexcept;
 
 }  // namespace takt::os

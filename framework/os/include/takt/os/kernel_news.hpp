@@ -1,4 +1,4 @@
-// What the kernel says while we run (/dev/kmsg).
+// Reads the messages that the kernel logs while the program runs (/dev/kmsg).
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ class KernelNews {
   Fd fd_;
 };
 
-/// The text of a record of /dev/kmsg, "6,1234,5678,-;TEXT\n KEY=VALUE": TEXT.
+/// The TEXT of a record of /dev/kmsg, "6,1234,5678,-;TEXT\n KEY=VALUE".
 std::string kernel_text(const std::string& record);
 
 }  // namespace takt::os

@@ -1,4 +1,4 @@
-// A terminal's keys, one by one, as they are pressed.
+// Reads the keys of a terminal one by one as they are pressed.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace takt::os {
 
-/// While it exists the terminal neither shows what is typed nor waits for a line's end, and Ctrl-Z is a key
-/// like others; afterwards it is as it was.
+/// While this object exists, the terminal does not echo keys, does not wait for the end of a line, and passes
+/// Ctrl-Z as a key. The destructor restores the terminal.
 class Keyboard {
  public:
-  // Those that are no character: beyond every byte.
+  // Keys that are not characters; their values are beyond every byte.
   static constexpr int kUp = 256;
   static constexpr int kDown = 257;
   static constexpr int kPageUp = 258;
@@ -35,12 +35,11 @@ class Keyboard {
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  /// Standard input and output are a terminal.
+  /// Whether standard input and output are a terminal.
   static bool is_terminal();
 
-  /// The next key that was pressed, a byte of a character or one of those above; none when none was. What a
-  /// terminal sends for a key that is not among them is passed over. Does not wait: a lone escape is told
-  /// only when nothing has followed it for a while.
+  /// The next key: a byte of a character or one of the keys above; none if no key was pressed. Skips other
+  /// special keys. Does not wait. A lone escape is returned only after nothing has followed it for a while.
   std::optional<int> next();
   [[nodiscard]] Size size() const;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
@@ -53,11 +52,12 @@ class Keyboard {
   Instant typed_at_{};
 };
 
-/// The first key of what was typed, which is taken off it; none when there is nothing, or only the beginning
-/// of a key. `whole`: nothing is going to follow, so an escape is one.
+/// Removes and returns the first key of the typed bytes; none if there are no bytes, or only the beginning of
+/// a key. `whole` means that no more bytes follow, so an escape is a key of its own.
 std::optional<int> take_key(std::string& typed, bool whole);
 
-/// The columns of the terminal that standard error is; 0: it is none. 80 where the terminal does not say.
+/// The width of the terminal on standard error, in columns; 0 if that is not a terminal, 80 if the width is
+/// not known.
 std::size_t error_columns();
 
 }  // namespace takt::os

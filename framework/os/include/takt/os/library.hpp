@@ -1,4 +1,4 @@
-// Shared objects, loaded at run time.
+// Loads shared objects at run time.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace takt::os {
 class Library {
  public:
   enum class Globals {
-    shared,  ///< a second load of the same file is the same object in memory
+    shared,  ///< a second load of the same file gives the same object in memory
     own,     ///< this load has its own copy of all global variables
   };
 
@@ -43,7 +43,7 @@ class Library {
   void* handle_ = nullptr;
 };
 
-/// The address of a function of any object that is loaded for the whole process; null when there is none.
+/// The address of a function of any object that is loaded globally in this process; null if there is none.
 void* loaded_function(const char* name) noexcept;
 
 }  // namespace takt::os

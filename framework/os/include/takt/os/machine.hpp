@@ -1,6 +1,6 @@
-// What a machine is like as far as real time goes, read from /proc and /sys. Reading and nothing else: what
-// of it is good or bad is for others to say. A value that cannot be read (no such file on this kernel, or not
-// for this user) is absent, which is not the same as 0.
+// Reads the properties of a machine that matter for real time, from /proc and /sys. It does not judge them. A
+// value that cannot be read (the kernel has no such file, or this user may not read it) is absent, which
+// differs from 0.
 #pragma once
 
 #include <cstddef>
@@ -13,18 +13,19 @@
 
 namespace takt::os {
 
-/// How soon a thread in the kernel gives way to one of higher priority.
+/// How the kernel preempts a thread that runs in the kernel.
 enum class Preemption { none, voluntary, lazy, full, real_time };
 const char* to_text(Preemption preemption) noexcept;
 
-/// What the kernel keeps from real-time threads that never sleep: `kept` of each `period`. Up to Linux 6.11
-/// by real-time throttling (/proc/sys/kernel/sched_rt_runtime_us), later by a server of ordinary threads on
-/// each processor (/sys/kernel/debug/sched/fair_server), which that file does not switch off.
+/// The time that the kernel withholds from real-time threads that never sleep: `kept` of each `period`. Up to
+/// Linux 6.11 this is real-time throttling (/proc/sys/kernel/sched_rt_runtime_us). Later kernels have a
+/// server for ordinary threads on each CPU (/sys/kernel/debug/sched/fair_server), which that file does not
+/// switch off.
 struct Throttling {
   Nanoseconds kept{};
   Nanoseconds period{std::chrono::seconds{1}};
   bool fair_server = false;
-  bool seen = true;  ///< false: it may not be read, and these are the kernel's own values
+  bool seen = true;  ///< false: not readable, these are the kernel's defaults
 
   [[nodiscard]] bool on() const noexcept { return kept > Nanoseconds{0}; }
 };
@@ -35,20 +36,21 @@ struct IdleState {
   bool disabled = false;
 };
 
+/// A CPU.
 struct Processor {
   int number = 0;
   std::string governor{};                ///< of its frequency; empty: none
-  std::vector<IdleState> idle_states{};  ///< shallow to deep
-  std::vector<int> siblings{};           ///< that share its core, itself too
+  std::vector<IdleState> idle_states{};  ///< from shallow to deep
+  std::vector<int> siblings{};           ///< the CPUs of its core, including itself
 };
 
 struct Interrupt {
   int number = 0;
-  std::string name{};       ///< of the device; empty: nobody serves it
-  std::vector<int> cpus{};  ///< that it may come to
+  std::string name{};       ///< of the device; empty: no handler
+  std::vector<int> cpus{};  ///< the CPUs that may handle it
 };
 
-/// A resource limit; `hard` is how far this user may raise it. Absent: unlimited.
+/// A resource limit; this user may raise it up to `hard`. Absent values mean unlimited.
 struct Limit {
   std::optional<std::uint64_t> soft{};
   std::optional<std::uint64_t> hard{};
@@ -72,15 +74,15 @@ struct Machine {
   std::optional<Limit> priority{};  ///< RLIMIT_RTPRIO
   std::optional<Limit> locked{};    ///< RLIMIT_MEMLOCK, in bytes
   std::optional<Limit> files{};     ///< RLIMIT_NOFILE
-  std::vector<int> online{};        ///< processors
+  std::vector<int> online{};        ///< CPUs
   std::vector<int> isolated{};      ///< from the kernel's scheduler
   std::vector<int> tickless{};      ///< nohz_full
   std::vector<Processor> processors{};
   std::optional<bool> hyper_threads{};  ///< hyper-threading is active
   std::string clock{};                  ///< the clock source: "tsc"
-  std::vector<std::string> clocks{};    ///< that it could be
-  std::vector<Interrupt> interrupts{};  ///< that somebody serves
-  bool irqbalance = false;              ///< runs
+  std::vector<std::string> clocks{};    ///< the available clock sources
+  std::vector<Interrupt> interrupts{};  ///< with a handler
+  bool irqbalance = false;              ///< whether irqbalance runs
   std::optional<Nanoseconds> timer_slack{};
   std::optional<std::uint64_t> swap_bytes{};
   std::optional<std::uint64_t> shared_memory_bytes{};   ///< of /dev/shm
@@ -88,23 +90,23 @@ struct Machine {
   std::optional<std::uint64_t> send_buffer_bytes{};     ///< net.core.wmem_max
   std::string huge_pages{};                             ///< "always", "madvise", "never"
   std::optional<bool> numa_balancing{};
-  std::string hypervisor{};  ///< "a hypervisor" or its product; empty: none is seen
-  std::string container{};   ///< the file that gives it away; empty: none
-  bool sealed = false;       ///< what the kernel can be told (/proc/sys) is read-only here
+  std::string hypervisor{};  ///< "a hypervisor" or its product name; empty: none detected
+  std::string container{};   ///< the file that indicates a container; empty: none
+  bool sealed = false;       ///< the kernel's settings (/proc/sys) are read-only here
   std::optional<ProcessorTime> time{};
 };
 
-/// Reads what there is below `root`: "" is this machine, anything else a tree of copies. Never fails.
+/// Reads the machine below `root`: "" is this machine, anything else a tree of copied files. Never fails.
 Machine read_machine(const std::string& root = {});
 
-/// The parts of it that are looked at alone.
+/// Parts of it that are also needed alone.
 std::optional<Throttling> read_throttling(const std::string& root = {});
 std::optional<ProcessorTime> read_processor_time(const std::string& root = {});
 std::optional<std::uint64_t> read_swap_bytes(const std::string& root = {});
 
-/// "0-2,5" as the kernel writes lists of processors; what is no such list is empty.
+/// Reads a list of CPUs as the kernel writes it: "0-2,5". Empty if the text is not such a list.
 std::vector<int> parse_cpus(const std::string& text);
-/// The other way round.
+/// Writes such a list.
 std::string cpus_text(const std::vector<int>& cpus);
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
-// Messages between a program and the one that started it: whole texts, in order, and the news of the other's
-// end.
+// A connection between a program and the program that started it. It delivers whole messages in order, and
+// reports when the other end is gone.
 #pragma once
 
 #include <optional>
@@ -16,19 +16,19 @@ class MessageSocket {
   MessageSocket() = default;
   explicit MessageSocket(Fd fd) : fd_(std::move(fd)) {}
 
-  /// Two connected ends.
+  /// Creates two connected ends.
   static Result<std::pair<MessageSocket, MessageSocket>> pair();
 
-  /// Sends what the other end takes now and keeps the rest for flush(); never waits. False when the other end
-  /// is gone.
+  /// Sends as much as the other end accepts now and keeps the rest for flush(). Never waits. Returns false if
+  /// the other end is gone.
   bool send(const std::string& message);
-  /// Sends more of what send() kept. False when the other end is gone.
+  /// Sends more of the bytes that send() has kept. Returns false if the other end is gone.
   bool flush();
-  /// The same as send(), but waits until the other end has taken everything.
+  /// The same as send(), but waits until the other end has accepted everything.
   bool send_wait(const std::string& message);
-  /// The next whole message if it has arrived; does not wait. Sets closed() when the other end is gone.
+  /// The next message if it has arrived completely; does not wait. Sets closed() if the other end is gone.
   std::optional<std::string> receive();
-  /// Waits for the next message; none when the other end is gone.
+  /// Waits for the next message; none if the other end is gone.
   std::optional<std::string> receive_wait();
 
   [[nodiscard]] bool closed() const noexcept { return closed_; }

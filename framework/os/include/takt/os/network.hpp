@@ -1,4 +1,4 @@
-// This machine's place on the network.
+// The network addresses of this machine, and name lookup.
 #pragma once
 
 #include <string>
@@ -8,12 +8,11 @@
 
 namespace takt::os {
 
-/// The IPv4 addresses of the interfaces that are up and have a cable, in the system's order: "127.0.0.1",
-/// "10.0.0.7". Fails where the system does not say, as when this process has no descriptor left.
+/// The IPv4 addresses of the interfaces that are up and connected, in the system's order: "127.0.0.1",
+/// "10.0.0.7". Fails if the system call fails, for example because this process has no descriptor left.
 Result<std::vector<std::string>> ipv4_addresses();
 
-/// The IPv4 address of a host's name, or of an address itself. May wait for the name service. Fails where
-/// there is none.
+/// The IPv4 address of a host name or of an address. May wait for the name service. Fails if there is none.
 Result<std::string> resolve_ipv4(const std::string& host);
 
 }  // namespace takt::os

@@ -1,4 +1,4 @@
-// How one thread wakes another that waits for descriptors.
+// Wakes a thread that waits for descriptors.
 #pragma once
 
 #include <takt/core/result.hpp>
@@ -10,7 +10,7 @@ class Notice {
  public:
   static Result<Notice> create();
 
-  /// fd() can be read from now on, until take(). Any thread; never waits.
+  /// Makes fd() readable until the next take(). Any thread; never waits.
   void give() const noexcept;
   /// Whether it was given since the last take().
   bool take() const noexcept;

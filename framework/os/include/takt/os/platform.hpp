@@ -1,4 +1,4 @@
-// What something was measured on, without which a number says nothing, and what it took.
+// Describes the machine of a measurement, and measures the CPU time and memory that were used.
 #pragma once
 
 #include <cstdint>
@@ -8,32 +8,32 @@
 
 namespace takt::os {
 
-/// As it is now. What Linux does not say is empty.
+/// The current state of the machine. Values that Linux does not provide are empty.
 struct Platform {
   std::string name;
   std::string processor;     ///< "Intel(R) Core(TM) i7-7700 CPU @ 3.60GHz"
-  int processors = 0;        ///< that are online
+  int processors = 0;        ///< the number of online CPUs
   std::string kernel;        ///< "6.1.0-18-rt-amd64 #1 SMP PREEMPT_RT ..."
   std::string clock_source;  ///< "tsc": read without a system call
-  std::string governor;      ///< of processor 0: "performance"; empty: no frequency scaling is to be seen
-  std::string isolated;      ///< "2-3": kept free from other programs; empty: none
-  bool hypervisor = false;   ///< it is a virtual machine, whose processors others may take away
-  double throttled = 0;      ///< of each second, taken from real-time threads that never sleep; 0 to 1
-  std::string load;          ///< "0.52 0.58 0.59": of the last 1, 5 and 15 minutes
+  std::string governor;      ///< of CPU 0: "performance"; empty: no frequency scaling is visible
+  std::string isolated;      ///< "2-3": the CPUs kept free of other programs; empty: none
+  bool hypervisor = false;   ///< a virtual machine, whose CPUs may be taken away by the host
+  double throttled = 0;  ///< share of each second withheld from real-time threads that never sleep; 0 to 1
+  std::string load;      ///< "0.52 0.58 0.59": the load of the last 1, 5 and 15 minutes
 };
 
 /// Reads files of /proc and /sys; not for real-time threads.
 Platform describe_platform();
 
-/// What other machines on the same hardware took from all processors of this one, since it was started. In
-/// steps of 10 ms as a rule. Not for real-time threads.
+/// The time that other virtual machines on the same hardware took from all CPUs of this one since it was
+/// started, usually in steps of 10 ms. Not for real-time threads.
 Nanoseconds stolen_time();
 
-/// The memory of a process in bytes, of what it shares with others its part (proportional set size); 0 where
-/// that may not be read. Not for real-time threads.
+/// The memory of a process in bytes, with its part of shared memory (proportional set size); 0 if it cannot
+/// be read. Not for real-time threads.
 std::uint64_t memory_of(int pid);
 
-/// The processor time that the calling thread has used. One system call at most.
+/// The CPU time that the calling thread has used. At most one system call.
 Nanoseconds thread_time() noexcept;
 
 }  // namespace takt::os

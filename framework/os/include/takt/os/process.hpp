@@ -1,4 +1,4 @@
-// Other programs: started, watched, ended.
+// Starts, watches and ends other programs.
 #pragma once
 
 #include <functional>
@@ -25,21 +25,21 @@ struct ProcessEnd {
 /// "SIGSEGV (Segmentation fault)".
 std::string signal_text(int signal);
 
-/// SIGTERM and SIGKILL, for who may not name Linux.
+/// SIGTERM and SIGKILL, for rooms that may not include Linux headers.
 extern const int kTerminate;
 extern const int kKill;
 
 struct SpawnOptions {
-  std::string program{};                                           ///< a path; no search
+  std::string program{};                                           ///< a path; PATH is not searched
   std::vector<std::string> arguments{};                            ///< without the program's own name
-  std::vector<std::pair<std::string, std::string>> environment{};  ///< added to ours
-  std::vector<const Fd*> inherit{};  ///< descriptors that the program gets under the same number
-  bool capture_output = false;       ///< standard output and error come back through pipes
-  bool new_group = true;             ///< not reached by the terminal's Ctrl-C
-  bool dies_with_parent = true;      ///< SIGKILL when the thread that started it ends
+  std::vector<std::pair<std::string, std::string>> environment{};  ///< added to that of this process
+  std::vector<const Fd*> inherit{};  ///< descriptors that the program gets with the same numbers
+  bool capture_output = false;       ///< read standard output and error through pipes
+  bool new_group = true;             ///< Ctrl-C in the terminal does not reach the program
+  bool dies_with_parent = true;      ///< gets SIGKILL when the thread that started it ends
 };
 
-/// A child process. Destroying it kills and reaps a child that still runs.
+/// A child process. The destructor kills and reaps a child that still runs.
 class Child {
  public:
   Child() = default;
@@ -49,41 +49,40 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child();
 
-  /// Fails when the program cannot be executed, with the reason, and no process is left then. The caller has
-  /// no other threads, or none that hold locks.
+  /// Fails with the reason if the program cannot be executed; then no process is left. The caller must have
+  /// no other threads that hold locks.
   static Result<Child> spawn(const SpawnOptions& options);
 
   [[nodiscard]] int pid() const noexcept { return pid_; }
   [[nodiscard]] bool running() const noexcept { return pid_ > 0; }
-  /// Reaps the child if it has ended; says so once.
+  /// Reaps the child if it has ended; returns the end only once.
   std::optional<ProcessEnd> poll() noexcept;
   /// Waits for the end.
   ProcessEnd wait() noexcept;
-  /// SIGKILL, SIGTERM, ...; nothing when it has ended.
+  /// Sends SIGKILL, SIGTERM, ...; does nothing if the child has ended.
   void signal(int number) const noexcept;
 
-  Fd output;  ///< reads its standard output, non-blocking; only with capture_output
+  Fd output;  ///< its standard output, non-blocking; only with capture_output
   Fd error;
 
  private:
   int pid_ = 0;
 };
 
-/// Reads what there is without waiting; empty when there is nothing now. `end` is set when there will be
-/// nothing more.
+/// Reads the available bytes without waiting; empty if there are none. Sets `end` if no more bytes will
+/// follow.
 std::string read_available(const Fd& fd, bool* end);
 
-/// Runs `work` in a child process and returns what it returned, so that a crash or a hang of foreign code
-/// costs the child and not us. `what` begins the message when it fails. The caller has a single thread.
+/// Runs `work` in a child process and returns its result, so that a crash or a hang of foreign code affects
+/// only the child. `what` is the beginning of the message if it fails. The caller must have a single thread.
 Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work,
                              Nanoseconds limit);
 
-/// The directory of this program's file.
+/// The folder of this program's file.
 std::string program_directory();
 
-/// Where Takt keeps what its programs use and people do not start (takt-host, libtakt_check.so): the folder
-/// that the build was told for an installation, as it lies from this program, if that is there; else beside
-/// this program, as built.
+/// The folder of Takt's internal files (takt-host, libtakt_check.so). In an installation it is the folder
+/// that the build was configured with, relative to this program. Otherwise it is the folder of this program.
 std::string private_directory();
 
 }  // namespace takt::os

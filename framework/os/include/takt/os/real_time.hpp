@@ -1,4 +1,4 @@
-// What makes a thread real-time on Linux, and what the system may refuse.
+// Makes threads real-time on Linux, and checks whether the system allows it.
 #pragma once
 
 #include <cstddef>
@@ -50,13 +50,13 @@ Result<void> may_be_real_time();
 /// The calling thread's id.
 int thread_id() noexcept;
 
-/// A thread with a stack of fixed size that is in memory before it runs.
+/// A thread with a stack of fixed size, whose pages are in memory before the body runs.
 class Thread {
  public:
   struct Options {
     std::string name;               ///< at most 15 bytes are shown
-    std::optional<int> priority{};  ///< SCHED_FIFO; none: as the creator
-    std::vector<int> cpus{};        ///< empty: as the creator
+    std::optional<int> priority{};  ///< SCHED_FIFO; none: that of the creator
+    std::vector<int> cpus{};        ///< empty: those of the creator
     std::size_t stack_bytes = 512 * 1024;
   };
 
@@ -68,12 +68,12 @@ class Thread {
   /// Joins.
   ~Thread();
 
-  /// Runs `body` in a new thread. A priority or processor that the system refuses is said in `refused`, and
-  /// the thread runs without it. Fails only when there can be no thread.
+  /// Runs `body` in a new thread. If the system denies the priority or the CPU, the thread runs without it
+  /// and the reason is added to `refused`. Fails only if the thread cannot be created.
   static Result<Thread> start(const Options& options, std::function<void()> body, Problems* refused);
 
   void join();
-  /// Leaves the thread to itself, for one that will never end.
+  /// Detaches a thread that will never end.
   void detach();
   [[nodiscard]] bool running() const noexcept { return started_; }
 

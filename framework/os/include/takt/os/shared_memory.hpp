@@ -1,5 +1,5 @@
-// Memory that several processes see. It has no name in the file system: whoever holds the descriptor has it,
-// and it is gone when the last process that had it is gone, however that ended.
+// Memory that several processes share. It has no name in the file system: a process gets it through its
+// descriptor. The memory is freed when the last process that holds it has ended, also by a crash.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,10 @@ class SharedMemory {
   SharedMemory& operator=(const SharedMemory&) = delete;
   ~SharedMemory();
 
-  /// Zeroed, of fixed size. `name` is for humans (/proc/PID/maps). The descriptor is not inherited by new
-  /// programs unless handed to them.
+  /// Creates zeroed memory of fixed size. `name` is only for people (/proc/PID/maps). New programs do not
+  /// inherit the descriptor unless it is passed to them.
   static Result<SharedMemory> create(const std::string& name, std::size_t size);
-  /// Maps what another process created; takes the descriptor.
+  /// Maps the memory that another process created; takes the descriptor.
   static Result<SharedMemory> attach(Fd fd);
 
   [[nodiscard]] std::byte* data() const noexcept { return data_; }

@@ -1,4 +1,4 @@
-// Signals as something to wait for, and the last words of a thread that crashes.
+// Receives signals through a descriptor, and reports crashes of threads.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace takt::os {
 
-/// The signals by which a program is asked to end (SIGINT, SIGTERM, SIGHUP), blocked for this thread and
-/// those that it starts later, and given out one by one.
+/// The signals that ask a program to end (SIGINT, SIGTERM, SIGHUP). They are blocked for this thread and for
+/// threads that it starts later, and are returned one by one.
 class SignalQueue {
  public:
   static Result<SignalQueue> of_requests_to_end();
-  /// The next one that has arrived; does not wait.
+  /// The next signal that has arrived; does not wait.
   std::optional<int> next() const;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
 
@@ -24,32 +24,32 @@ class SignalQueue {
   Fd fd_;
 };
 
-/// A write to a pipe whose reader is gone fails from now on, instead of ending this program. Programs that it
-/// starts are ended as usual.
+/// From now on, a write to a pipe without a reader fails instead of ending this program. Programs that it
+/// starts keep the default behaviour.
 void survive_broken_pipes();
 
-/// Waits until one of the descriptors can be read or its other end is gone, at most `limit_ms`; false when
-/// none.
+/// Waits at most `limit_ms` until one of the descriptors can be read or its other end is gone. Returns false
+/// if none.
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
 
-/// Called in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a stack of its own;
-/// afterwards the process ends by the same signal. `at` is the address at which it crashed. To be
-/// async-signal-safe; should it crash itself, it is called again for that, once for each signal.
+/// Called in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a separate stack.
+/// Afterwards the process ends by the same signal. `at` is the address of the crash. A handler must be
+/// async-signal-safe. If it crashes itself, it is called again, once for each signal.
 using CrashHandler = void (*)(int signal, std::uintptr_t at) noexcept;
-/// Allocates: what walk_stack() needs is loaded here.
+/// Installs the handler. Allocates, because it loads the library that walk_stack() needs.
 void on_crash(CrashHandler handler);
 
-/// A place in a file that is loaded.
+/// A place in a loaded file.
 struct CodeAt {
-  std::uintptr_t address;  ///< as the file counts
+  std::uintptr_t address;  ///< relative to the file
   const char* object;      ///< the file; empty: the program itself
 };
-/// By a CrashHandler: the calls that led to where it crashed, innermost first, one after the other to
-/// `found`. A stack that is broken may crash it again.
+/// For a CrashHandler: passes the calls that led to the crash to `found`, innermost first, at most `most`. A
+/// corrupt stack may cause another crash.
 void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept;
 
-/// Gives the calling thread the stack for that, so that a stack overflow is reported too. Kept until the
-/// thread ends.
+/// Gives the calling thread a stack for the handler, so that a stack overflow is reported, too. Kept until
+/// the thread ends.
 void prepare_crash_stack();
 
 }  // namespace takt::os

@@ -1,4 +1,4 @@
-// What system calls are called.
+// Names of system calls.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace takt::os {
 
-/// "clock_nanosleep"; "system call 1000" for a number that had no name when this was compiled.
+/// The name of a system call: "clock_nanosleep"; "system call 1000" for a number unknown at compile time.
 std::string system_call_name(std::int64_t number);
 
 }  // namespace takt::os

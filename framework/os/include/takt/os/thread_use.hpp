@@ -1,5 +1,5 @@
-// What the kernel counts of a thread and of a processor, from which it can be told what kept a thread from
-// running. Reads /proc; not for real-time threads.
+// The kernel's counters of a thread and of a CPU, which show what kept a thread from running. Reads /proc;
+// not for real-time threads.
 #pragma once
 
 #include <cstdint>

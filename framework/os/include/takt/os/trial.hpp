@@ -1,4 +1,4 @@
-// What only trying shows: whether the system grants what real time needs, and how late it wakes a thread.
+// Tries whether the system grants what real time needs, and measures how late it wakes a thread.
 #pragma once
 
 #include <cstddef>
@@ -10,24 +10,24 @@
 
 namespace takt::os {
 
-/// How late a thread came that slept until an instant.
+/// How late a thread woke that slept until an instant.
 struct WakeUps {
   std::size_t count = 0;
   Nanoseconds p50{};
   Nanoseconds p99{};
   Nanoseconds max{};
 };
-/// Of these delays. Pure.
+/// The statistics of these delays. Pure.
 WakeUps wake_ups_of(std::vector<Nanoseconds> delays);
 
-/// Lets a thread of its own sleep `count` times for `pause` each, with SCHED_FIFO where that is granted, on
-/// the highest processor that this process may use, with deep idle states held off where that is. Takes a
-/// little longer than count x pause.
+/// Lets a new thread sleep `count` times for `pause` each, on the highest CPU that this process may use. If
+/// the system allows it, the thread has SCHED_FIFO and deep idle states are prevented. Takes a little longer
+/// than count x pause.
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause);
 
 struct Trial {
   Result<void> priority;   ///< SCHED_FIFO
-  Result<void> locking;    ///< mlockall, now and for what comes later
+  Result<void> locking;    ///< mlockall of present and future memory
   Result<void> idle_held;  ///< /dev/cpu_dma_latency
   Nanoseconds timer_resolution{};
   WakeUps wake_ups;

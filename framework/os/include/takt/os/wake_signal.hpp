@@ -1,14 +1,15 @@
-// Waking another process by a signal, as the scheduler of the paper does. Takt's own does not: it is here to
-// be measured against.
+// Wakes another process by a signal, as the scheduler of the paper does. Takt does not use this; benchmarks
+// compare against it.
 #pragma once
 
 namespace takt::os {
 
-/// The signal is kept until somebody waits for it, in this thread and those that it starts later.
+/// Blocks the signal for this thread and for threads that it starts later, so that it is pending until it is
+/// waited for.
 void hold_wake_signal() noexcept;
-/// Sleeps until it has come. One system call.
+/// Sleeps until the signal arrives. One system call.
 void wait_for_wake_signal() noexcept;
-/// One system call.
+/// Sends the signal. One system call.
 void send_wake_signal(int pid) noexcept;
 
 }  // namespace takt::os

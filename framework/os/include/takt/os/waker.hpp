@@ -1,6 +1,6 @@
-// Waking up at an instant. A wake-up from sleep is the largest error of a control loop: tens of microseconds
-// in a virtual machine, several on metal. So the thread sleeps to a margin before the instant and spins the
-// rest.
+// Wakes a thread at an instant. A wake-up from sleep is the largest timing error of a control loop: tens of
+// microseconds in a virtual machine, several on bare metal. So the thread sleeps until a margin before the
+// instant and then spins.
 #pragma once
 
 #include <atomic>
@@ -11,14 +11,14 @@
 
 namespace takt::os {
 
-/// How long before an instant to end the sleep: the 99th percentile of the wake-up delays seen, tracked in
-/// one number. Pure: no clock.
+/// The time by which the sleep ends before the instant: the 99th percentile of the wake-up delays seen,
+/// tracked in one number. Pure: reads no clock.
 class WakeMargin {
  public:
   /// The margin starts at its cap, so that the first wake-ups are early rather than late.
   explicit WakeMargin(Nanoseconds cap) noexcept : cap_ns_(cap.count()), margin_ns_(cap.count()) {}
 
-  /// A sleep ended this long after it should have.
+  /// Records that a sleep ended this much too late.
   void observe(Nanoseconds delay) noexcept;
   [[nodiscard]] Nanoseconds value() const noexcept { return Nanoseconds{margin_ns_}; }
 
@@ -27,16 +27,18 @@ class WakeMargin {
   std::int64_t margin_ns_;
 };
 
-/// The largest margin for a period: this share of it, 0 to 1, and at most 100 us.
+/// The maximum margin for a period: this share of it (0 to 1), but at most 100 us.
 Nanoseconds margin_cap(Nanoseconds period, double share) noexcept;
 
-/// Waits for releases by one of three strategies: `sleep` (sleep to the instant), `hybrid` (sleep, then
-/// spin), `spin` (never sleep: one core at 100 %, which the kernel's real-time throttling interrupts unless
-/// it is off).
+/// Waits for releases with one of three strategies:
+/// - `sleep` sleeps until the instant,
+/// - `hybrid` sleeps, then spins,
+/// - `spin` never sleeps and uses a whole CPU; the kernel's real-time throttling interrupts it unless that is
+/// off.
 class Waker {
  public:
-  /// `stop` ends a wait early when it is not 0; who sets it wakes it (futex).
-  /// `cap`: see margin_cap(); not used by `sleep`.
+  /// `stop` ends a wait early when it becomes non-zero; the thread that sets it must also wake it (futex).
+  /// `cap` is the maximum margin, see margin_cap(); `sleep` does not use it.
   Waker(model::Wakeup strategy, Nanoseconds cap, const std::atomic<std::uint32_t>& stop) noexcept
       : strategy_(strategy), stop_(stop), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : cap) {}
 
@@ -53,7 +55,7 @@ class Waker {
   WakeMargin margin_;
 };
 
-/// Tells the processor that this thread spins.
+/// Hints to the CPU that this thread spins.
 inline void cpu_relax() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
