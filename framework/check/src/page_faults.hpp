@@ -7,8 +7,8 @@ namespace takt::check {
 void serve_page_faults() noexcept;
 /// From now on, faults of the calling thread are detected. Call it once per thread.
 void watch_page_faults() noexcept;
-/// If the kernel gives no place for faults: records the number of faults since the last call if
-/// `these_count`, at the cost of a system call. Otherwise does nothing.
+/// If the kernel does not report the location of faults: counts the faults since the last call, and records
+/// their number if `these_count`; costs a system call. Otherwise does nothing.
 void count_page_faults(bool these_count) noexcept;
 
 }  // namespace takt::check

@@ -182,7 +182,7 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
     case channel::Release::busy:
       add(unit.block->overruns);
       if (fatal(unit))
-        raise(unit, ErrorType::overrun, number, "it was still in its body at its next release");
+        raise(unit, ErrorType::overrun, number, "the program was still in its body at its next release");
       break;
   }
   return now;

@@ -122,7 +122,7 @@ class TypeReader {
   std::optional<Type> type(const Json& json) {
     Type type;
     if (!json.is_object()) {
-      problem("", "the description is not an object", R"(it is {"name": ..., "fields": [...]})");
+      problem("", "the description is not an object", R"(write {"name": ..., "fields": [...]})");
       return std::nullopt;
     }
     type.name = name_of(json, "", "name", is_type_name);
@@ -154,7 +154,7 @@ class TypeReader {
     const auto found = json.find(member);
     if (found != json.end() && found->is_string() && is_right(found->template get_ref<const std::string&>()))
       return found->template get<std::string>();
-    problem(where, std::string{"has no "} + member, "it is an IDL name");
+    problem(where, std::string{"has no valid \""} + member + '"', "write an IDL name");
     return "?";
   }
 
@@ -188,7 +188,7 @@ class TypeReader {
   Field field_of(const Json& json, const std::string& holder, std::size_t nesting) {
     Field field;
     if (!json.is_object()) {
-      problem(holder, "has a field that is not an object", R"(it is {"name": ..., "type": ...})");
+      problem(holder, "has a field that is not an object", R"(write {"name": ..., "type": ...})");
       return field;
     }
     field.name = name_of(json, holder, "name", is_name);
@@ -267,7 +267,7 @@ class TypeReader {
       for (const Json& each : *found) {
         if (!each.is_string() || !is_name(each.get_ref<const std::string&>()) ||
             !names.insert(each.get<std::string>()).second) {
-          problem(where, "has an enumerator without a unique name", "it is an IDL name");
+          problem(where, "has an enumerator without a unique name", "write a unique IDL name");
           return {"?"};
         }
         enumerators.push_back(each.get<std::string>());

@@ -104,8 +104,8 @@ void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&
 }
 
 void prepare_crash_stack() {
-#ifndef __SANITIZE_ADDRESS__  // it gives each thread such a stack, and unmaps any that it finds at the
-                              // thread's end
+#ifndef __SANITIZE_ADDRESS__  // the sanitizer gives each thread such a stack, and unmaps the thread's
+                              // present one when the thread ends
   constexpr std::size_t kBytes = 64 * 1024;
   thread_local std::unique_ptr<std::array<char, kBytes>> stack;
   if (stack) return;

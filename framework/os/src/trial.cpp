@@ -43,7 +43,7 @@ WakeUps wake_ups_of(std::vector<Nanoseconds> delays) {
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause) {
   std::vector<Nanoseconds> delays(count);
   const NoDeepIdle no_deep_idle;
-  Problems refused;  // ignored: then the thread is measured without priority, as it would run
+  Problems refused;  // ignored: without a priority, executors run like that too
   auto thread = Thread::start(
       {.name = "takt-probe", .priority = kPriority, .cpus = {allowed_cpus().back()}},
       [&delays, pause] {

@@ -53,7 +53,7 @@ Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* 
         problems.push_back(model::problem_at(
             cell.texts(), module.line,
             "the run time of " + in_quotes(device.name + "." + module.name) + " is not known",
-            "add a <budget>, or use a profile of a run in which it ran"));
+            "add a <budget>, or use a profile in which this module ran"));
       }
     }
   }

@@ -104,7 +104,7 @@ Problem too_large(std::span<const Task> tasks, const Extent& extent) {
   const std::uint64_t low = period_of(tasks[shorter]);
   const std::uint64_t high = period_of(tasks[longer]);
   what += ": " + name_of(tasks, shorter) + " with " + to_text(tasks[shorter].period) + " and " +
-          name_of(tasks, longer) + " with " + to_text(tasks[longer].period) + " coincide only every " +
+          name_of(tasks, longer) + " with " + to_text(tasks[longer].period) + " coincide only once in " +
           duration(least_common_multiple(low, high));
   if (high % low == 0)
     return {{}, what, "bring the two periods closer together, or give each an executor of its own"};

@@ -117,7 +117,7 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
     } else {
       identity.domains = domains_in(*text);
       if (!subject.empty() && text->find("<subject_name>" + subject + "<") == std::string::npos)
-        folder.add(kPermissions, "they are not for " + subject, kCopyAgain);
+        folder.add(kPermissions, "the permissions are not for " + subject, kCopyAgain);
     }
   }
   if (!folder.problems().empty()) return folder.problems();

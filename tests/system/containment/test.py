@@ -234,7 +234,7 @@ class Saved(takt_system.Case):
         shutil.copy(os.path.join(folder, "keeps.so"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
-        run.wait_for_line(r"keeps: its saved state is not restored: it was saved by version 2 .*override restore\(\)")
+        run.wait_for_line(r"keeps: its saved state is not restored: it was saved by version 2, and .*override restore\(\)")
         self.finish(run)
         self.assertEqual("version 1 began 0", self.said_of(run, "version")[-1])
 

@@ -54,7 +54,7 @@ class Log(takt_system.Case):
         began = time.monotonic()
         nodes = self.crashed()
         # Two rejected commands, and one that was carried out.
-        self.refused({"start robot.culprit": "refused", "stop robot.none": "no module"})
+        self.refused({"start robot.culprit": "is not allowed in state DESTRUCT", "stop robot.none": "no module"})
         self.done("stop line.program")
         time.sleep(1.5)
         self.done("undeploy shop")
@@ -178,9 +178,9 @@ class Log(takt_system.Case):
         self.assertRegex(run.err, "1 damaged event was left out")
         with open(path, "r+b") as file:
             file.write(b"x")
-        self.refused({"log --file " + path: "no fault record of this version"})
+        self.refused({"log --file " + path: "is not a fault record of this version"})
         node = self.node("robot")
-        self.assertIn("set aside", node.err)
+        self.assertIn("it was renamed to", node.err)
         self.assertEqual({"robot"}, {e["device"] for e in self.log()})
         self.end({"robot": node})
 

@@ -212,7 +212,7 @@ class Security(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertIn("not found: no answer", run.err)
         line.wait_for_line("rejected: participant 'takt' at 10.77.0.4 has no identity of this cell")
-        plain = Peer(self, "stranger", "order", "line")
+        plain = Peer(self, "stranger", "stop", "line")
         self.assertEqual("no answer", plain.line())
         line.wait_for_line("rejected: participant 'peer' at 10.77.0.4 has no identity of this cell")
         if CYCLONE:

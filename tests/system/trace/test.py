@@ -184,7 +184,7 @@ class Trace(takt_system.Case):
         self.refused({"trace robot": "device robot has no deployment to trace",
                       "trace none.json": r"none\.json: error: is not a Takt trace",
                       "trace text.json": r"text\.json: error: is not a Takt trace",
-                      "trace nothing.json": "there is no such file",
+                      "trace nothing.json": "is not a file that exists, and not a valid device name",
                       "trace nobody": "device nobody: error: not found: no answer"})
         self.assertEqual(2, self.takt("trace", "robot", "--last", "0").status)
         self.end({"robot": node})

@@ -48,7 +48,7 @@ std::vector<std::string> notes(const std::string& content, const std::string& be
   return found;
 }
 
-TEST(DescriptorCases, AcceptsTheGoodOnes) {
+TEST(DescriptorCases, AcceptsTheValidDescriptors) {
   const auto files = files_of(kCases + "good");
   EXPECT_GE(files.size(), 20U);
   for (const std::string& file : files) {
@@ -57,7 +57,7 @@ TEST(DescriptorCases, AcceptsTheGoodOnes) {
   }
 }
 
-TEST(DescriptorCases, RejectsTheBadOnesWithTheExpectedLinesAndMessages) {
+TEST(DescriptorCases, RejectsTheInvalidDescriptorsWithTheExpectedProblems) {
   const auto files = files_of(kCases + "bad");
   EXPECT_GE(files.size(), 60U);
   for (const std::string& file : files) {

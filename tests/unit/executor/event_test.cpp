@@ -91,7 +91,7 @@ TEST(Immediate, RunsWithoutARow) {
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }
 
-TEST(Immediate, IsOnlyRungForByARow) {
+TEST(Immediate, IsWokenButNotRunByARow) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   bool news = false;
   device.bodies[1].on_news = [&] { return news; };
@@ -102,7 +102,7 @@ TEST(Immediate, IsOnlyRungForByARow) {
   EXPECT_EQ(device.bodies[1].asked, 0);
 }
 
-TEST(Immediate, WaitsForItsInterarrivalAndTheNextRowRings) {
+TEST(Immediate, IsWokenByTheFirstRowAfterItsInterarrival) {
   FakeDevice device{{thread(milliseconds{1}),
                      event_module(milliseconds{5}, microseconds{1500}, model::Dispatch::immediate)}};
   device.bodies[1].on_news = [] { return true; };

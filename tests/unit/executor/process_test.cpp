@@ -66,13 +66,13 @@ TEST(ProcessUnit, IsNotReleasedOutOfTheTables) {
   EXPECT_EQ(device.blocks[0].missed.load(), 0U);
 }
 
-TEST(ProcessUnit, IsRungForOnceWhileItSleeps) {
+TEST(ProcessUnit, IsWokenOnceWhileItSleeps) {
   FakeDevice device{{process(milliseconds{1}), process(milliseconds{1}), process(milliseconds{1})}};
   device.slots[0].sleeping.store(1);
   device.slots[2].sleeping.store(1);
   device.join();
   EXPECT_EQ(device.cycle(), channel::wake_bit(0) | channel::wake_bit(2));
-  EXPECT_EQ(device.cycle(), 0U) << "it was rung for already, but has not yet woken up";
+  EXPECT_EQ(device.cycle(), 0U) << "its wake-up was already requested";
   EXPECT_EQ(device.blocks[0].cycles.load(), 1U);
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }

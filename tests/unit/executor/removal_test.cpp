@@ -1,5 +1,5 @@
 // Removes modules from the tables while rows are walked as fast as possible. Once the removal is over,
-// nothing of the module runs, so other threads may access its data.
+// no code of the module runs, so other threads may access its data.
 #include <takt/channel/removal.hpp>
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ struct Shared {
   }
 };
 
-TEST(Removal, IsOverOnlyWhenNothingOfTheModuleRuns) {
+TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
   constexpr std::size_t kModules = 3;  // periodic, released by rows, immediate
   constexpr std::uint64_t kTimes = 1'500;
   FakeDevice device{

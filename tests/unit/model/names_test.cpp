@@ -7,7 +7,7 @@
 namespace takt::model::names_test {
 namespace {
 
-TEST(Name, RejectsAllOtherForms) {
+TEST(Name, RejectsInvalidNames) {
   for (const char* name :
        {"", "7axis", "-a", "a.b", "a b", " a", "a ", "a/b", "gr\u00f6\u00dfe", "a\n", "a:b", "a+"}) {
     EXPECT_FALSE(is_valid_name(name)) << name;
@@ -16,7 +16,7 @@ TEST(Name, RejectsAllOtherForms) {
   EXPECT_FALSE(is_valid_name(std::string_view{"a\0", 2}));
 }
 
-TEST(Name, AcceptsALetterOrUnderscoreThenAlsoDigitsAndDashes) {
+TEST(Name, AcceptsDigitsAndDashesAfterALetterOrUnderscore) {
   for (const char* name : {"a", "Z", "_", "a7", "_7", "a-b", "trajectory_2", "A-"})
     EXPECT_TRUE(is_valid_name(name)) << name;
   EXPECT_TRUE(is_valid_name(std::string(63, 'a')));

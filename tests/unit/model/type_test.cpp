@@ -148,16 +148,16 @@ TEST(Type, RejectsUnknownTypesAndMembers) {
 }
 
 TEST(Type, RejectsMissingAndDuplicateNames) {
-  EXPECT_THAT(problems_with(R"({"type":"long"})"), ElementsAre("T has no name"));
-  EXPECT_THAT(problems_with(R"({"name":"a.b","type":"long"})"), ElementsAre("T has no name"));
-  EXPECT_THAT(problems_with(R"({"name":"","type":"long"})"), ElementsAre("T has no name"));
-  EXPECT_THAT(problems_with(R"({"name":"3","type":"long"})"), ElementsAre("T has no name"));
+  EXPECT_THAT(problems_with(R"({"type":"long"})"), ElementsAre("T has no valid \"name\""));
+  EXPECT_THAT(problems_with(R"({"name":"a.b","type":"long"})"), ElementsAre("T has no valid \"name\""));
+  EXPECT_THAT(problems_with(R"({"name":"","type":"long"})"), ElementsAre("T has no valid \"name\""));
+  EXPECT_THAT(problems_with(R"({"name":"3","type":"long"})"), ElementsAre("T has no valid \"name\""));
   EXPECT_THAT(problems_of(R"({"name":"a::","fields":[{"name":"x","type":"long"}]})"),
-              ElementsAre("the type has no name"));
+              ElementsAre("the type has no valid \"name\""));
   EXPECT_THAT(problems_of(R"({"name":"::a","fields":[{"name":"x","type":"long"}]})"),
-              ElementsAre("the type has no name"));
+              ElementsAre("the type has no valid \"name\""));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"enum","enumerators":["A"]})"),
-              ElementsAre("T.x has no of"));
+              ElementsAre("T.x has no valid \"of\""));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"enum","of":"E","enumerators":[]})"),
               ElementsAre("T.x has no enumerators"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"enum","of":"E","enumerators":["A","A"]})"),

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kStack = 64 * 1024;
 
-TEST(Fiber, GoesOnWhereItHandedOver) {
+TEST(Fiber, ContinuesWhereItHandedOver) {
   std::string said;
   Fiber main;
   Fiber* self = nullptr;
@@ -29,7 +29,7 @@ TEST(Fiber, GoesOnWhereItHandedOver) {
   EXPECT_EQ("a1b2", said);
 }
 
-TEST(Fiber, EachHasAStackOfItsOwn) {
+TEST(Fiber, HasItsOwnStack) {
   Fiber main;
   std::array<int, 3> sums{};
   std::array<std::unique_ptr<Fiber>, 3> fibers;
@@ -50,7 +50,7 @@ TEST(Fiber, EachHasAStackOfItsOwn) {
   EXPECT_EQ((std::array<int, 3>{1000, 2000, 3000}), sums);
 }
 
-TEST(Fiber, HandlesExceptionsOfItsOwn) {
+TEST(Fiber, CatchesItsOwnExceptions) {
   Fiber main;
   Fiber* self = nullptr;
   std::string caught;
@@ -73,7 +73,9 @@ void return_from_a_body() {
   main.hand_over_to(other);
 }
 
-TEST(FiberDeathTest, DoesNotReturnFromItsBody) { EXPECT_DEATH(return_from_a_body(), "does not return"); }
+TEST(FiberDeathTest, EndsTheProcessIfTheBodyReturns) {
+  EXPECT_DEATH(return_from_a_body(), "does not return");
+}
 
 }  // namespace
 }  // namespace takt::os::fiber_test

@@ -26,15 +26,15 @@ class Files : public testing::Test {
   std::string folder_;
 };
 
-TEST_F(Files, AFileThatIsNotThereHasNoContent) {
+TEST_F(Files, AMissingFileHasNoContentAndCanBeRemoved) {
   const auto read = read_file(folder_ + "/file", 100);
   ASSERT_TRUE(read.ok());
   EXPECT_FALSE(read->has_value());
   EXPECT_TRUE(remove_file(folder_ + "/file").ok());
 }
 
-// The file stays open, and reads as that of a process that is gone.
-TEST_F(Files, TheTextOfAThreadThatEndsMeanwhileIsEmpty) {
+// The descriptor stays open after the thread has ended; reading it then fails.
+TEST_F(Files, TextOfAnEndedThreadIsEmpty) {
   std::promise<int> opened;
   std::promise<void> end;
   std::thread thread{[&] {
@@ -50,13 +50,13 @@ TEST_F(Files, TheTextOfAThreadThatEndsMeanwhileIsEmpty) {
   ::close(file);
 }
 
-TEST_F(Files, ATextEndsBeforeItsLineFeed) {
+TEST_F(Files, TextOfOmitsTheLastLineFeed) {
   ASSERT_TRUE(replace_file(folder_ + "/file", "one\ntwo\n").ok());
   EXPECT_EQ(text_of(folder_ + "/file"), "one\ntwo");
   EXPECT_EQ(text_of(folder_ + "/no_such"), "");
 }
 
-TEST_F(Files, SaysWhatOthersMayDo) {
+TEST_F(Files, ReportsTheRightsOfOtherUsers) {
   EXPECT_FALSE(rights_of(folder_ + "/file").has_value());
   ASSERT_TRUE(replace_file(folder_ + "/file", "mine").ok());
   const Rights mine = rights_of(folder_ + "/file").value();
@@ -71,12 +71,12 @@ TEST_F(Files, SaysWhatOthersMayDo) {
   EXPECT_TRUE(rights_of(folder_)->is_folder);
 }
 
-TEST_F(Files, APrivateFolderIsItsOwnersAlone) {
+TEST_F(Files, OnlyTheOwnerMayEnterAPrivateFolder) {
   ASSERT_TRUE(make_private_folder(folder_ + "/deeper/private").ok());
   struct stat status {};
   ASSERT_EQ(::stat((folder_ + "/deeper/private").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0700U);
-  EXPECT_TRUE(make_private_folder(folder_ + "/deeper/private").ok()) << "there is one";
+  EXPECT_TRUE(make_private_folder(folder_ + "/deeper/private").ok()) << "it already exists";
   ASSERT_EQ(::chmod((folder_ + "/deeper/private").c_str(), 0750), 0);
   const auto open = make_private_folder(folder_ + "/deeper/private");
   ASSERT_FALSE(open.ok());
@@ -85,7 +85,7 @@ TEST_F(Files, APrivateFolderIsItsOwnersAlone) {
   EXPECT_FALSE(make_private_folder(folder_ + "/file").ok());
 }
 
-TEST_F(Files, ReplacesWhatIsThereAndMakesTheFolder) {
+TEST_F(Files, ReplaceFileOverwritesAndCreatesTheFolder) {
   const std::string path = folder_ + "/deeper/file";
   ASSERT_TRUE(replace_file(path, "a long first content").ok());
   ASSERT_TRUE(replace_file(path, std::string{"second\0", 7}).ok());
@@ -94,7 +94,7 @@ TEST_F(Files, ReplacesWhatIsThereAndMakesTheFolder) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ + "/deeper")) << "no temporary file is left";
 }
 
-TEST_F(Files, ReadsNoMoreThanIsAllowed) {
+TEST_F(Files, RejectsAFileLargerThanTheLimit) {
   const std::string path = folder_ + "/file";
   ASSERT_TRUE(replace_file(path, "12345678").ok());
   const auto read = read_file(path, 7);
@@ -102,7 +102,7 @@ TEST_F(Files, ReadsNoMoreThanIsAllowed) {
   EXPECT_THAT(read.problems()[0].what, HasSubstr("more than 7 bytes"));
 }
 
-TEST_F(Files, ALeftoverOfAnInterruptedWriteIsNotTakenForTheFile) {
+TEST_F(Files, IgnoresTheRestOfAnInterruptedReplacement) {
   const std::string path = folder_ + "/file";
   ASSERT_TRUE(replace_file(path, "whole").ok());
   std::ofstream{path + ".new"} << "ha";
@@ -111,7 +111,7 @@ TEST_F(Files, ALeftoverOfAnInterruptedWriteIsNotTakenForTheFile) {
   EXPECT_EQ(**read_file(path, 100), "next");
 }
 
-TEST_F(Files, AFailureSaysWhatAndLeavesTheOldFile) {
+TEST_F(Files, AFailedReplacementNamesTheFileAndKeepsTheOldContent) {
   const std::string path = folder_ + "/file";
   ASSERT_TRUE(replace_file(path, "old").ok());
   std::filesystem::create_directories(path + ".new/in the way");
@@ -124,14 +124,14 @@ TEST_F(Files, AFailureSaysWhatAndLeavesTheOldFile) {
 
 __attribute__((used, section("takt_test"))) const char kInASection[] = "in a section";
 
-TEST_F(Files, ASectionOfAProgramIsReadByItsName) {
+TEST_F(Files, ReadsASectionOfAProgramByName) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   EXPECT_EQ(read_section(self, "takt_test"), std::string(kInASection, sizeof kInASection));
   EXPECT_FALSE(read_section(self, "takt_tes"));
-  EXPECT_FALSE(read_section(self, ".bss")) << "it has nothing in the file";
+  EXPECT_FALSE(read_section(self, ".bss")) << "it has no content in the file";
 }
 
-TEST_F(Files, WhatIsNoWholeObjectHasNoSection) {
+TEST_F(Files, FindsNoSectionInAnIncompleteOrOtherFile) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   std::filesystem::create_directories(folder_);
   EXPECT_FALSE(read_section(folder_, "takt_test"));

@@ -13,7 +13,7 @@ std::vector<int> keys_of(std::string typed, bool whole = false) {
   return keys;
 }
 
-TEST(Keyboard, TakesOneKeyAfterTheOther) {
+TEST(Keyboard, ReturnsKeysOneByOne) {
   EXPECT_THAT(keys_of(""), ElementsAre());
   EXPECT_THAT(keys_of("ab\r"), ElementsAre('a', 'b', '\r'));
   EXPECT_THAT(keys_of("\033[Aq\033[B\033OA"),
@@ -24,13 +24,11 @@ TEST(Keyboard, TakesOneKeyAfterTheOther) {
   EXPECT_THAT(keys_of("\b\x7f"), ElementsAre(Keyboard::kBackspace, Keyboard::kBackspace));
 }
 
-TEST(Keyboard, BytesOfACharacterAreNoOtherKeys) { EXPECT_THAT(keys_of("ö"), ElementsAre(0xc3, 0xb6)); }
+TEST(Keyboard, ReturnsTheBytesOfACharacterUnchanged) { EXPECT_THAT(keys_of("ö"), ElementsAre(0xc3, 0xb6)); }
 
-TEST(Keyboard, AKeyThatNobodyKnowsIsPassedOver) {
-  EXPECT_THAT(keys_of("\033[15~\033[1;5C\033OPq"), ElementsAre('q'));
-}
+TEST(Keyboard, SkipsUnknownKeys) { EXPECT_THAT(keys_of("\033[15~\033[1;5C\033OPq"), ElementsAre('q')); }
 
-TEST(Keyboard, AnEscapeIsOneWhenNothingFollows) {
+TEST(Keyboard, ALoneEscapeIsAKeyOnlyIfNothingFollows) {
   std::string typed = "\033";
   EXPECT_EQ(take_key(typed, false), std::nullopt);
   EXPECT_EQ(typed, "\033");

@@ -13,28 +13,28 @@ const std::string kUnique = TAKT_TEST_OBJECTS "/unique.so";
 
 int count_up(const Library& library) { return reinterpret_cast<int (*)()>(library.own_symbol("count_up"))(); }
 
-TEST(Library, FindsWhatTheObjectDefines) {
+TEST(Library, FindsOnlySymbolsThatExist) {
   const auto library = Library::open(kPlain, Library::Globals::shared);
   ASSERT_TRUE(library.ok()) << to_text(library.problems());
   EXPECT_NE(library->own_symbol("count_up"), nullptr);
   EXPECT_EQ(library->own_symbol("count_down"), nullptr);
 }
 
-TEST(Library, DoesNotTakeTheFunctionsOfTheCLibraryForTheObjectsOwn) {
+TEST(Library, DoesNotFindFunctionsOfTheCLibrary) {
   const auto library = Library::open(kPlain, Library::Globals::shared);
   ASSERT_TRUE(library.ok());
   EXPECT_EQ(library->own_symbol("error"), nullptr);
   EXPECT_EQ(library->own_symbol("malloc"), nullptr);
 }
 
-TEST(Library, LoadedTwiceIsOneObject) {
+TEST(Library, SharedLoadsGiveOneObject) {
   const auto first = Library::open(kPlain, Library::Globals::shared);
   const auto second = Library::open(kPlain, Library::Globals::shared);
   const int before = count_up(*first);
   EXPECT_EQ(count_up(*second), before + 1);
 }
 
-TEST(Library, WithGlobalsOfItsOwnIsACopy) {
+TEST(Library, OwnLoadsHaveSeparateGlobals) {
   const auto shared = Library::open(kPlain, Library::Globals::shared);
   const auto first = Library::open(kPlain, Library::Globals::own);
   const auto second = Library::open(kPlain, Library::Globals::own);
@@ -46,7 +46,7 @@ TEST(Library, WithGlobalsOfItsOwnIsACopy) {
   EXPECT_EQ(second->own_symbol("error"), nullptr);
 }
 
-TEST(Library, LoadedAfreshBeginsAnew) {
+TEST(Library, EachOwnLoadStartsWithFreshGlobals) {
   for (int i = 0; i < 20; ++i) {
     auto library = Library::open(kPlain, Library::Globals::own);
     ASSERT_TRUE(library.ok()) << to_text(library.problems());
@@ -55,9 +55,9 @@ TEST(Library, LoadedAfreshBeginsAnew) {
   }
 }
 
-TEST(Library, WithVariablesTheLoaderWouldShareCannotBeACopy) {
+TEST(Library, RejectsAnOwnLoadIfTheLoaderWouldShareVariables) {
 #if defined(__clang__)
-  GTEST_SKIP() << "this compiler does not make such symbols";
+  GTEST_SKIP() << "this compiler creates no unique symbols";
 #endif
   EXPECT_TRUE(Library::open(kUnique, Library::Globals::shared).ok());
   const auto copy = Library::open(kUnique, Library::Globals::own);
@@ -66,7 +66,7 @@ TEST(Library, WithVariablesTheLoaderWouldShareCannotBeACopy) {
   EXPECT_THAT(copy.problems()[0].fix, HasSubstr("-fno-gnu-unique"));
 }
 
-TEST(Library, ThatIsNotThereIsRefusedWithItsName) {
+TEST(Library, RejectsAMissingFileAndNamesIt) {
   for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
     const auto library = Library::open("/nowhere/at.so", globals);
     ASSERT_FALSE(library.ok());
@@ -74,7 +74,7 @@ TEST(Library, ThatIsNotThereIsRefusedWithItsName) {
   }
 }
 
-TEST(Library, ThatIsTextIsRefusedWithTheLoadersReason) {
+TEST(Library, RejectsATextFileAndNamesIt) {
   for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
     const auto library = Library::open(TAKT_SOURCE_DIR "/CMakeLists.txt", globals);
     ASSERT_FALSE(library.ok());

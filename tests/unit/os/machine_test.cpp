@@ -1,4 +1,4 @@
-// Trees as /proc and /sys have them, made up, so that every machine can be looked at on any.
+// Uses artificial trees of /proc and /sys, so that the test can present any machine.
 #include <takt/os/machine.hpp>
 
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ class MachineTree : public testing::Test {
   std::string root_;
 };
 
-TEST_F(MachineTree, NothingIsKnownOfAnEmptyOne) {
+TEST_F(MachineTree, AllValuesAreAbsentInAnEmptyTree) {
   const Machine machine = read();
   EXPECT_FALSE(machine.preemption.has_value());
   EXPECT_FALSE(machine.throttling.has_value());
@@ -55,7 +55,7 @@ TEST_F(MachineTree, NothingIsKnownOfAnEmptyOne) {
   EXPECT_EQ(machine.container, "");
 }
 
-TEST_F(MachineTree, PreemptionOfEachKindOfKernel) {
+TEST_F(MachineTree, ReadsThePreemptionOfEachKindOfKernel) {
   kernel("6.1.0-31-rt-amd64", "#1 SMP PREEMPT_RT Debian 6.1.128-1");
   EXPECT_EQ(read().preemption, Preemption::real_time);
   kernel("6.1.0", "#1 SMP PREEMPT Wed");
@@ -66,13 +66,13 @@ TEST_F(MachineTree, PreemptionOfEachKindOfKernel) {
   EXPECT_EQ(read().preemption, Preemption::voluntary);
 }
 
-TEST_F(MachineTree, APatchedKernelSaysThatItIsRealTime) {
+TEST_F(MachineTree, RecognizesAPatchedRealTimeKernel) {
   kernel("5.4.0", "#1 SMP PREEMPT");
   put("sys/kernel/realtime", "1");
   EXPECT_EQ(read().preemption, Preemption::real_time);
 }
 
-TEST_F(MachineTree, DynamicPreemptionIsWhatWasChosenLast) {
+TEST_F(MachineTree, DynamicPreemptionIsTheModeChosenLast) {
   kernel("6.1.0-31-amd64", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.128-1");
   EXPECT_FALSE(read().preemption.has_value());
   put("boot/config-6.1.0-31-amd64",
@@ -84,7 +84,7 @@ TEST_F(MachineTree, DynamicPreemptionIsWhatWasChosenLast) {
   EXPECT_EQ(read().preemption, Preemption::none);
 }
 
-TEST_F(MachineTree, ThrottlingIsWhatTheRuntimeLeavesOfThePeriod) {
+TEST_F(MachineTree, ThrottlingKeepsThePeriodMinusTheRuntime) {
   kernel("6.1.0", "");
   put("proc/sys/kernel/sched_rt_period_us", "1000000");
   put("proc/sys/kernel/sched_rt_runtime_us", "950000");
@@ -98,7 +98,7 @@ TEST_F(MachineTree, ThrottlingIsWhatTheRuntimeLeavesOfThePeriod) {
   EXPECT_FALSE(read_throttling(root_)->on());
 }
 
-TEST_F(MachineTree, SinceLinux612AServerOfOrdinaryThreadsKeepsTheTime) {
+TEST_F(MachineTree, ReadsTheFairServerSinceLinux612) {
   kernel("6.11.9", "");
   put("proc/sys/kernel/sched_rt_period_us", "1000000");
   put("proc/sys/kernel/sched_rt_runtime_us", "-1");
@@ -106,7 +106,7 @@ TEST_F(MachineTree, SinceLinux612AServerOfOrdinaryThreadsKeepsTheTime) {
   kernel("6.12.0-1-amd64", "");
   auto throttling = read_throttling(root_);
   EXPECT_TRUE(throttling->fair_server);
-  EXPECT_TRUE(throttling->on()) << "the file that it does not heed says -1";
+  EXPECT_TRUE(throttling->on()) << "the fair server ignores the file with -1";
   EXPECT_FALSE(throttling->seen);
   put("sys/kernel/debug/sched/fair_server/cpu0/runtime", "0");
   put("sys/kernel/debug/sched/fair_server/cpu0/period", "1000000000");
@@ -122,7 +122,7 @@ TEST_F(MachineTree, SinceLinux612AServerOfOrdinaryThreadsKeepsTheTime) {
   EXPECT_TRUE(read_throttling(root_)->fair_server);
 }
 
-TEST_F(MachineTree, LimitsAreNumbersOrUnlimited) {
+TEST_F(MachineTree, ReadsNumericAndUnlimitedLimits) {
   put("proc/self/limits",
       "Limit                     Soft Limit           Hard Limit           Units     \n"
       "Max open files            1024                 524288               files     \n"
@@ -137,7 +137,7 @@ TEST_F(MachineTree, LimitsAreNumbersOrUnlimited) {
   EXPECT_EQ(machine.priority->hard, 98U);
 }
 
-TEST_F(MachineTree, ProcessorsWithTheirGovernorsIdleStatesAndSiblings) {
+TEST_F(MachineTree, ReadsGovernorsIdleStatesAndSiblingsOfCpus) {
   const std::string cpus = "sys/devices/system/cpu/";
   put(cpus + "online", "0-1");
   put(cpus + "isolated", "1");
@@ -163,7 +163,7 @@ TEST_F(MachineTree, ProcessorsWithTheirGovernorsIdleStatesAndSiblings) {
   EXPECT_THAT(second.siblings, ElementsAre(0, 1));
 }
 
-TEST_F(MachineTree, AnInterruptIsOneThatSomebodyServes) {
+TEST_F(MachineTree, ListsOnlyInterruptsWithAHandler) {
   put("proc/irq/7/smp_affinity_list", "0-3");
   put("proc/irq/16/eth0/spurious", "");
   put("proc/irq/16/smp_affinity_list", "0-3");
@@ -177,7 +177,7 @@ TEST_F(MachineTree, AnInterruptIsOneThatSomebodyServes) {
   EXPECT_THAT(machine.interrupts[1].cpus, ElementsAre(0, 2));
 }
 
-TEST_F(MachineTree, ProgramsClocksPagesSwapAndBuffers) {
+TEST_F(MachineTree, ReadsProgramsClocksPagesSwapAndBuffers) {
   put("proc/812/comm", "irqbalance");
   put("sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet");
   put("sys/devices/system/clocksource/clocksource0/available_clocksource", "tsc hpet acpi_pm ");
@@ -200,12 +200,12 @@ TEST_F(MachineTree, ProgramsClocksPagesSwapAndBuffers) {
   EXPECT_EQ(machine.swap_bytes, 3072U * 1024);
 }
 
-TEST_F(MachineTree, WithoutSwapThereAreZeroBytesOfIt) {
+TEST_F(MachineTree, SwapIsZeroBytesIfThereIsNone) {
   put("proc/swaps", "Filename Type Size Used Priority");
   EXPECT_EQ(read().swap_bytes, 0U);
 }
 
-TEST_F(MachineTree, VirtualMachinesAndContainersGiveThemselvesAway) {
+TEST_F(MachineTree, DetectsVirtualMachinesAndContainers) {
   put("proc/cpuinfo", "processor : 0\nflags\t\t: fpu vme hypervisor lm\n");
   EXPECT_EQ(read().hypervisor, "a hypervisor");
   put("sys/class/dmi/id/sys_vendor", "QEMU");
@@ -217,11 +217,11 @@ TEST_F(MachineTree, VirtualMachinesAndContainersGiveThemselvesAway) {
   EXPECT_EQ(read().container, "/.dockerenv");
 }
 
-TEST_F(MachineTree, StolenTimeIsAShareOfAllProcessors) {
+TEST_F(MachineTree, StolenShareIsOfTheTimeOfAllCpus) {
   put("proc/stat", "cpu  100 0 100 700 50 10 10 30 40 0\ncpu0 1 2 3 4 5 6 7 8 9 0");
   const auto before = read_processor_time(root_);
   ASSERT_TRUE(before.has_value());
-  EXPECT_EQ(before->all, 1000U) << "what guests took is in the user's time already";
+  EXPECT_EQ(before->all, 1000U) << "the time of guests is already part of the user time";
   EXPECT_DOUBLE_EQ(before->stolen_share(), 0.03);
   put("proc/stat", "cpu  150 0 100 700 50 10 10 80 40 0");
   EXPECT_DOUBLE_EQ(read_processor_time(root_)->stolen_share(*before), 0.5);
@@ -230,7 +230,7 @@ TEST_F(MachineTree, StolenTimeIsAShareOfAllProcessors) {
   EXPECT_FALSE(read_processor_time(root_).has_value());
 }
 
-TEST_F(MachineTree, GarbageIsNotKnown) {
+TEST_F(MachineTree, InvalidValuesAreAbsent) {
   kernel("nonsense", "");
   put("proc/sys/kernel/sched_rt_period_us", "0");
   put("proc/sys/kernel/sched_rt_runtime_us", "x");
@@ -242,7 +242,7 @@ TEST_F(MachineTree, GarbageIsNotKnown) {
   EXPECT_FALSE(machine.files.has_value());
 }
 
-TEST(Machine, ListsOfProcessorsAreReadAndWritten) {
+TEST(Machine, ReadsAndWritesListsOfCpus) {
   EXPECT_THAT(parse_cpus(""), IsEmpty());
   EXPECT_THAT(parse_cpus("3"), ElementsAre(3));
   EXPECT_THAT(parse_cpus("0-2,5"), ElementsAre(0, 1, 2, 5));
@@ -251,22 +251,22 @@ TEST(Machine, ListsOfProcessorsAreReadAndWritten) {
   EXPECT_EQ(cpus_text({0, 1, 2, 5}), "0-2,5");
 }
 
-TEST(Machine, ThisOneHasAKernelAndProcessors) {
+TEST(Machine, ThisMachineHasAKernelAndCpus) {
   const Machine machine = read_machine();
   EXPECT_NE(machine.kernel, "");
   EXPECT_FALSE(machine.online.empty());
   EXPECT_TRUE(machine.time.has_value());
 }
 
-TEST(KernelNews, TheTextOfARecordIsBetweenItsHeadAndItsKeys) {
+TEST(KernelNews, KernelTextIsBetweenTheHeaderAndTheKeys) {
   EXPECT_EQ(kernel_text("4,812,5123456,-;sched: RT throttling activated\n SUBSYSTEM=cpu\n"),
             "sched: RT throttling activated");
   EXPECT_EQ(kernel_text("no record"), "");
 }
 
-TEST(KernelNews, WhatWasSaidBeforeIsNoNews) {
+TEST(KernelNews, OmitsMessagesFromBeforeItsCreation) {
   KernelNews news;
-  // Whatever the kernel says just now, it is not its first words.
+  // The kernel logs its version first, so that message is never new.
   while (const auto text = news.next()) EXPECT_THAT(*text, testing::Not(testing::HasSubstr("Linux version")));
 }
 

@@ -36,7 +36,7 @@ TEST_F(TwoEnds, PassWholeMessagesInOrder) {
   EXPECT_FALSE(theirs.closed());
 }
 
-TEST_F(TwoEnds, PassAMessageThatIsLargerThanWhatTheKernelKeeps) {
+TEST_F(TwoEnds, PassAMessageLargerThanTheKernelsBuffer) {
   std::string large(20'000'000, ' ');
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>(i * 31 >> 3);
   std::thread sender{[&] {
@@ -50,7 +50,7 @@ TEST_F(TwoEnds, PassAMessageThatIsLargerThanWhatTheKernelKeeps) {
 }
 
 TEST_F(TwoEnds, NeverWaitForEachOther) {
-  // More than the kernel keeps, in both directions at once, by one thread.
+  // One thread sends more than the kernel buffers, in both directions at once.
   const std::string large(2'000'000, 'x');
   EXPECT_TRUE(mine.send(large));
   EXPECT_TRUE(theirs.send(large));
@@ -65,7 +65,7 @@ TEST_F(TwoEnds, NeverWaitForEachOther) {
   EXPECT_TRUE(*here == large && *there == large);
 }
 
-TEST_F(TwoEnds, GiveOutWhatWasSentBeforeTheOtherWasGone) {
+TEST_F(TwoEnds, DeliverMessagesSentBeforeTheOtherEndClosed) {
   mine.send("last words");
   mine.close();
   EXPECT_EQ(theirs.receive_wait(), "last words");
@@ -75,14 +75,14 @@ TEST_F(TwoEnds, GiveOutWhatWasSentBeforeTheOtherWasGone) {
   EXPECT_EQ(theirs.receive(), std::nullopt);
 }
 
-TEST_F(TwoEnds, SayThatTheOtherIsGoneAndSendNothing) {
+TEST_F(TwoEnds, ReportThatTheOtherEndIsGone) {
   theirs.close();
   EXPECT_FALSE(mine.send("hello"));
   EXPECT_EQ(mine.receive(), std::nullopt);
   EXPECT_TRUE(mine.closed());
 }
 
-TEST_F(TwoEnds, ForgetAMessageThatWasCutOff) {
+TEST_F(TwoEnds, DiscardAnIncompleteMessage) {
   const std::uint32_t length = 100;
   ::send(mine.fd().get(), &length, sizeof length, 0);
   ::send(mine.fd().get(), "half", 4, 0);
@@ -93,7 +93,7 @@ TEST_F(TwoEnds, ForgetAMessageThatWasCutOff) {
   EXPECT_TRUE(theirs.closed());
 }
 
-TEST_F(TwoEnds, DoNotBelieveALengthThatCannotBe) {
+TEST_F(TwoEnds, CloseAfterAnImpossibleLength) {
   const std::uint32_t length = ~0U;
   ::send(mine.fd().get(), &length, sizeof length, 0);
   EXPECT_EQ(theirs.receive_wait(), std::nullopt);

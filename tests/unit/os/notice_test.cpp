@@ -9,7 +9,7 @@
 namespace takt::os::notice_test {
 namespace {
 
-TEST(Notice, IsTakenOnceHoweverOftenItWasGiven) {
+TEST(Notice, IsTakenOnceEvenIfGivenTwice) {
   auto notice = Notice::create();
   ASSERT_TRUE(notice.ok());
   EXPECT_FALSE(wait_readable({&notice->fd()}, 0));

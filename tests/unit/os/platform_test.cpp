@@ -10,7 +10,7 @@
 namespace takt::os::platform_test {
 namespace {
 
-TEST(Platform, SaysWhatItRunsOn) {
+TEST(Platform, DescribesThisMachine) {
   const Platform platform = describe_platform();
   EXPECT_GT(platform.processors, 0);
   EXPECT_FALSE(platform.name.empty());
@@ -18,21 +18,21 @@ TEST(Platform, SaysWhatItRunsOn) {
   EXPECT_EQ(2, std::count(platform.load.begin(), platform.load.end(), ' ')) << platform.load;
 }
 
-TEST(StolenTime, NeverGoesBack) {
+TEST(StolenTime, NeverDecreases) {
   const Nanoseconds before = stolen_time();
   EXPECT_GE(before.count(), 0);
   EXPECT_GE(stolen_time(), before);
 }
 
-TEST(ThreadTime, IsSpentByComputingAndNotBySleeping) {
+TEST(ThreadTime, IncreasesWhileComputingButNotWhileSleeping) {
   const Nanoseconds before = thread_time();
   sleep_until(now() + std::chrono::milliseconds{20});
   const Nanoseconds slept = thread_time();
   EXPECT_LT(slept - before, std::chrono::milliseconds{20});
-  while (thread_time() - slept < std::chrono::milliseconds{1}) continue;  // or it would not end
+  while (thread_time() - slept < std::chrono::milliseconds{1}) continue;  // ends only if computing counts
 }
 
-TEST(MemoryOf, IsThatOfAProcessAndOfNoneNothing) {
+TEST(MemoryOf, IsZeroOnlyIfThereIsNoSuchProcess) {
   EXPECT_GT(memory_of(process_id()), 100'000U);
   EXPECT_EQ(0U, memory_of(-1));
 }

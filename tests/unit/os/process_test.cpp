@@ -35,7 +35,7 @@ std::string read_all(const Fd& fd) {
   return text;
 }
 
-TEST(Child, TellsItsExitStatus) {
+TEST(Child, ReportsItsExitStatus) {
   auto child = Child::spawn(shell("exit 3"));
   ASSERT_TRUE(child.ok());
   const ProcessEnd end = child->wait();
@@ -45,7 +45,7 @@ TEST(Child, TellsItsExitStatus) {
   EXPECT_FALSE(child->running());
 }
 
-TEST(Child, TellsTheSignalThatKilledIt) {
+TEST(Child, ReportsTheSignalThatKilledIt) {
   auto child = Child::spawn(shell("kill -SEGV $$"));
   const ProcessEnd end = child->wait();
   EXPECT_TRUE(end.signalled);
@@ -53,7 +53,7 @@ TEST(Child, TellsTheSignalThatKilledIt) {
   EXPECT_EQ(end.text(), "was killed by SIGSEGV (Segmentation fault)");
 }
 
-TEST(Child, SaysItsEndOnce) {
+TEST(Child, ReportsItsEndOnce) {
   auto child = Child::spawn({.program = "/bin/sleep", .arguments = {"100"}});
   EXPECT_EQ(child->poll(), std::nullopt);
   EXPECT_TRUE(child->running());
@@ -68,7 +68,7 @@ TEST(Child, SaysItsEndOnce) {
   EXPECT_FALSE(child->running());
 }
 
-TEST(Child, ThatCannotBeExecutedIsRefusedWithTheReason) {
+TEST(Child, RejectsAProgramThatCannotBeExecutedWithTheReason) {
   const auto missing = Child::spawn({.program = "/nowhere/program"});
   ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.problems()[0].what, "/nowhere/program: No such file or directory");
@@ -80,18 +80,18 @@ TEST(Child, ThatCannotBeExecutedIsRefusedWithTheReason) {
   EXPECT_EQ(errno, ECHILD);
 }
 
-TEST(Child, IsReadThroughPipes) {
+TEST(Child, OutputIsReadThroughPipes) {
   SpawnOptions options = shell("echo out; echo err >&2; cat; echo \"$TAKT_TEST\"");
   options.capture_output = true;
   options.environment = {{"TAKT_TEST", "told"}};
   auto child = Child::spawn(options);
   ASSERT_TRUE(child.ok());
-  EXPECT_EQ(read_all(child->output), "out\ntold\n") << "it has nothing to read";
+  EXPECT_EQ(read_all(child->output), "out\ntold\n") << "cat must find an empty input";
   EXPECT_EQ(read_all(child->error), "err\n");
   EXPECT_EQ(child->wait().code, 0);
 }
 
-TEST(Child, GetsTheDescriptorsThatItIsHandedAndNoOthers) {
+TEST(Child, InheritsOnlyTheGivenDescriptors) {
   const auto handed = SharedMemory::create("handed", 4096);
   const auto kept = SharedMemory::create("kept", 4096);
   SpawnOptions options = shell("test -e /proc/self/fd/" + std::to_string(handed->fd().get()) +
@@ -101,7 +101,7 @@ TEST(Child, GetsTheDescriptorsThatItIsHandedAndNoOthers) {
   EXPECT_EQ(child->wait().code, 0);
 }
 
-TEST(Child, IsKilledWhenItsOwnerForgetsIt) {
+TEST(Child, IsKilledByItsDestructor) {
   int pid = 0;
   {
     auto child = Child::spawn({.program = "/bin/sleep", .arguments = {"100"}});
@@ -123,7 +123,7 @@ TEST(Child, DiesWithItsParent) {
   const int pid = std::stoi(ends->first.receive_wait().value());
   ::kill(parent, SIGKILL);
   ::waitpid(parent, nullptr, 0);
-  // Whoever adopts it may be slow to reap it; a zombie is dead.
+  // The process that adopts the child may reap it late; a zombie counts as dead.
   const auto dead = [pid] {
     if (::kill(pid, 0) != 0) return true;
     std::string path = "/proc/" + std::to_string(pid) + "/stat";
@@ -139,7 +139,7 @@ TEST(Child, DiesWithItsParent) {
   EXPECT_TRUE(dead());
 }
 
-TEST(InChild, ReturnsWhatTheWorkReturned) {
+TEST(InChild, ReturnsTheResultOfTheWork) {
   EXPECT_EQ(in_child(
                 "it", [] { return std::string{"result"}; }, seconds{30})
                 .value(),
@@ -154,7 +154,7 @@ TEST(InChild, ReturnsWhatTheWorkReturned) {
             "");
 }
 
-TEST(InChild, ACrashCostsTheChildAndNotUs) {
+TEST(InChild, ACrashEndsOnlyTheChild) {
   const auto result = in_child(
       "loading it",
       []() -> std::string {
@@ -167,7 +167,7 @@ TEST(InChild, ACrashCostsTheChildAndNotUs) {
   EXPECT_EQ(result.problems()[0].what, "loading it was killed by SIGSEGV (Segmentation fault)");
 }
 
-TEST(InChild, AHangIsEnded) {
+TEST(InChild, AHangIsKilledAfterTheLimit) {
   const auto result = in_child(
       "loading it",
       []() -> std::string {
@@ -178,7 +178,7 @@ TEST(InChild, AHangIsEnded) {
   EXPECT_EQ(result.problems()[0].what, "loading it did not end within 50 ms");
 }
 
-TEST(InChild, AnExitIsNoResult) {
+TEST(InChild, ReturnsNoResultIfTheWorkExits) {
   const auto result = in_child(
       "loading it", []() -> std::string { ::_exit(0); }, seconds{30});
   EXPECT_TRUE(!result.ok() || result->empty());

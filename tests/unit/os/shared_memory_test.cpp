@@ -41,7 +41,7 @@ TEST(SharedMemory, CannotBeShrunkUnderAReader) {
   EXPECT_NE(::ftruncate(memory->fd().get(), 1 << 20), 0);
 }
 
-TEST(SharedMemory, IsNotInheritedUnlessHandedOver) {
+TEST(SharedMemory, IsNotInheritedUnlessPassed) {
   const auto memory = SharedMemory::create("test", 4096);
   EXPECT_NE(::fcntl(memory->fd().get(), F_GETFD) & FD_CLOEXEC, 0);
 }
@@ -57,7 +57,7 @@ TEST(SharedMemory, MovesWithItsMapping) {
   third.data()[0] = std::byte{1};
 }
 
-TEST(SharedMemory, OfNoDescriptorOrNoSizeIsRefused) {
+TEST(SharedMemory, RejectsAnInvalidDescriptorOrSize) {
   EXPECT_FALSE(SharedMemory::attach(Fd{}).ok());
   EXPECT_FALSE(SharedMemory::create("test", 0).ok());
   EXPECT_FALSE(SharedMemory::attach(Fd{::open("/dev/null", O_RDONLY)}).ok());

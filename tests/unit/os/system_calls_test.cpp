@@ -6,13 +6,13 @@
 namespace takt::os::system_calls_test {
 namespace {
 
-TEST(SystemCalls, HaveTheNamesOfTheirNumbers) {
+TEST(SystemCalls, HaveNames) {
   EXPECT_EQ(system_call_name(SYS_write), "write");
   EXPECT_EQ(system_call_name(SYS_clock_nanosleep), "clock_nanosleep");
   EXPECT_EQ(system_call_name(SYS_futex), "futex");
 }
 
-TEST(SystemCalls, OnesThatNobodyKnowsAreNumbers) {
+TEST(SystemCalls, UnknownOnesAreShownAsNumbers) {
   EXPECT_EQ(system_call_name(-1), "system call -1");
   EXPECT_EQ(system_call_name(123456), "system call 123456");
 }

@@ -14,7 +14,7 @@
 namespace takt::os::thread_test {
 namespace {
 
-TEST(Thread, HasItsNameCutToWhatLinuxShows) {
+TEST(Thread, CutsItsNameToTheLimitOfLinux) {
   std::array<char, 16> name{};
   auto thread = Thread::start(
       {.name = "a name of more than fifteen"},
@@ -25,7 +25,7 @@ TEST(Thread, HasItsNameCutToWhatLinuxShows) {
   EXPECT_FALSE(thread->running());
 }
 
-TEST(Thread, HasItsStack) {
+TEST(Thread, HasTheRequestedStackSize) {
   std::size_t size = 0;
   auto thread = Thread::start(
       {.name = "t", .stack_bytes = 2 * 1024 * 1024},
@@ -37,13 +37,13 @@ TEST(Thread, HasItsStack) {
       },
       nullptr);
   thread->join();
-  EXPECT_GE(size, 2U * 1024 * 1024) << "the C library may give it a larger one that another thread left";
+  EXPECT_GE(size, 2U * 1024 * 1024) << "the C library may reuse a larger stack of an ended thread";
 }
 
-// glibc takes thread-local variables out of the stack; with these, less than half of a small one is left.
+// glibc places thread-local variables on the stack. These leave less than half of a small stack.
 thread_local std::array<char, 300 * 1024> large{};
 
-TEST(Thread, RunsThoughThreadLocalVariablesTookMostOfItsStack) {
+TEST(Thread, RunsEvenIfThreadLocalVariablesFillMostOfItsStack) {
   std::atomic<bool> ran{false};
   auto thread = Thread::start(
       {.name = "t", .stack_bytes = 448 * 1024},
@@ -57,7 +57,7 @@ TEST(Thread, RunsThoughThreadLocalVariablesTookMostOfItsStack) {
   EXPECT_TRUE(ran);
 }
 
-TEST(Thread, RunsWhereItIsTold) {
+TEST(Thread, RunsOnTheGivenCpu) {
   const int cpu = allowed_cpus().back();
   Problems refused;
   cpu_set_t set;
@@ -70,20 +70,20 @@ TEST(Thread, RunsWhereItIsTold) {
   EXPECT_TRUE(CPU_ISSET(static_cast<unsigned>(cpu), &set));
 }
 
-TEST(Thread, RunsWithoutAProcessorThatTheMachineDoesNotHaveAndSaysSo) {
+TEST(Thread, ReportsAMissingCpuAndRunsWithoutIt) {
   Problems refused;
   std::atomic<bool> ran{false};
   auto thread = Thread::start(
       {.name = "t", .cpus = {1000}}, [&ran] { ran = true; }, &refused);
   ASSERT_TRUE(thread.ok());
-  ASSERT_EQ(refused.size(), 1U) << "it is known when start() returns";
+  ASSERT_EQ(refused.size(), 1U) << "the problem is reported before start() returns";
   EXPECT_EQ(refused[0].where, "thread t");
   EXPECT_NE(refused[0].what.find("CPU 1000 is denied"), std::string::npos);
   thread->join();
   EXPECT_TRUE(ran);
 }
 
-TEST(Thread, RunsWithoutAPriorityThatIsRefusedAndSaysSo) {
+TEST(Thread, ReportsADeniedPriorityAndRunsWithoutIt) {
   Problems refused;
   int policy = -1;
   auto thread = Thread::start(
@@ -96,7 +96,7 @@ TEST(Thread, RunsWithoutAPriorityThatIsRefusedAndSaysSo) {
   EXPECT_EQ(policy, SCHED_OTHER);
 }
 
-TEST(Thread, HasItsPriorityWhereTheSystemAllows) {
+TEST(Thread, HasItsPriorityIfTheSystemAllowsIt) {
   if (const auto may = may_be_real_time(); !may) GTEST_SKIP() << to_text(may.problems());
   Problems refused;
   int policy = -1;
@@ -114,7 +114,7 @@ TEST(Thread, HasItsPriorityWhereTheSystemAllows) {
   EXPECT_EQ(parameter.sched_priority, 7);
 }
 
-TEST(Thread, IsJoinedByWhoeverHoldsItLast) {
+TEST(Thread, IsJoinedByItsLastOwner) {
   std::atomic<int> ran{0};
   {
     auto first = Thread::start(
@@ -130,7 +130,7 @@ TEST(Thread, IsJoinedByWhoeverHoldsItLast) {
   EXPECT_EQ(ran, 2);
 }
 
-TEST(AllowedCpus, AreAtLeastOneAndAscend) {
+TEST(AllowedCpus, AreAscendingAndNotEmpty) {
   const auto cpus = allowed_cpus();
   ASSERT_FALSE(cpus.empty());
   EXPECT_TRUE(std::is_sorted(cpus.begin(), cpus.end()));

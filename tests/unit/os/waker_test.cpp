@@ -20,7 +20,7 @@ using std::chrono::seconds;
 
 TEST(WakeMargin, StartsAtItsCap) { EXPECT_EQ(WakeMargin{microseconds{40}}.value(), microseconds{40}); }
 
-TEST(WakeMargin, NeverPassesItsCap) {
+TEST(WakeMargin, NeverExceedsItsCap) {
   WakeMargin margin{microseconds{40}};
   for (int i = 0; i < 10'000; ++i) {
     margin.observe(milliseconds{5});
@@ -28,13 +28,13 @@ TEST(WakeMargin, NeverPassesItsCap) {
   }
 }
 
-TEST(WakeMargin, KeepsSomethingWhereEveryWakeUpIsPunctual) {
+TEST(WakeMargin, StaysAt1MicrosecondIfEveryWakeUpIsPunctual) {
   WakeMargin margin{microseconds{40}};
   for (int i = 0; i < 100'000; ++i) margin.observe(Nanoseconds{0});
   EXPECT_EQ(margin.value(), microseconds{1});
 }
 
-TEST(WakeMargin, OfNoCapIsNothing) {
+TEST(WakeMargin, IsZeroIfTheCapIsZero) {
   WakeMargin margin{Nanoseconds{0}};
   margin.observe(microseconds{5});
   margin.observe(Nanoseconds{0});
@@ -43,7 +43,7 @@ TEST(WakeMargin, OfNoCapIsNothing) {
 
 TEST(WakeMargin, SettlesAtThe99thPercentile) {
   std::mt19937_64 random{5};
-  std::lognormal_distribution<double> delay{std::log(8'000.0), 0.5};  // 8 us in the middle
+  std::lognormal_distribution<double> delay{std::log(8'000.0), 0.5};  // median 8 us
   WakeMargin margin{microseconds{100}};
   for (int i = 0; i < 200'000; ++i) margin.observe(Nanoseconds{static_cast<std::int64_t>(delay(random))});
   int beyond = 0;
@@ -58,7 +58,7 @@ TEST(WakeMargin, SettlesAtThe99thPercentile) {
   EXPECT_NEAR(static_cast<double>(margin.value().count()), exact, 0.15 * exact);
 }
 
-TEST(WakeMargin, FollowsWhenTheMachineGetsBetter) {
+TEST(WakeMargin, ShrinksWhenDelaysGetShorter) {
   WakeMargin margin{microseconds{100}};
   for (int i = 0; i < 20'000; ++i) margin.observe(microseconds{3});
   EXPECT_LT(margin.value(), microseconds{5});
@@ -94,22 +94,22 @@ TEST_P(EachWaker, ReturnsAtOnceWhenTheReleaseHasPassed) {
   EXPECT_LT(woke, before + seconds{50});
 }
 
-TEST_P(EachWaker, StopsEarlyWhenTold) {
+TEST_P(EachWaker, ReturnsEarlyWhenStopped) {
   const Instant release = now() + seconds{100};
-  std::thread teller{[this] {
+  std::thread stopper{[this] {
     sleep_until(now() + milliseconds{5});
     stop.store(1);
     futex_wake(stop, ~0U);
   }};
   EXPECT_LT(waker.wait_until(release), release - seconds{50});
-  teller.join();
-  EXPECT_LT(waker.wait_until(release), release - seconds{50}) << "and does not wait again";
+  stopper.join();
+  EXPECT_LT(waker.wait_until(release), release - seconds{50}) << "a stopped waker does not wait again";
 }
 
-TEST_P(EachWaker, SleepsOnWhenItIsWokenForNothing) {
+TEST_P(EachWaker, ContinuesToWaitAfterASpuriousWakeUp) {
   const Instant release = now() + milliseconds{20};
   std::atomic<bool> end{false};
-  std::thread knocker{[&] {
+  std::thread waking{[&] {
     while (!end) {
       futex_wake(stop, ~0U);
       std::this_thread::yield();
@@ -117,14 +117,14 @@ TEST_P(EachWaker, SleepsOnWhenItIsWokenForNothing) {
   }};
   EXPECT_GE(waker.wait_until(release), release);
   end = true;
-  knocker.join();
+  waking.join();
 }
 
 INSTANTIATE_TEST_SUITE_P(Strategies, EachWaker,
                          testing::Values(model::Wakeup::sleep, model::Wakeup::hybrid, model::Wakeup::spin),
                          [](const auto& each) { return std::string{to_text(each.param)}; });
 
-TEST(Waker, ThatOnlySleepsHasNoMargin) {
+TEST(Waker, HasNoMarginIfItOnlySleeps) {
   const std::atomic<std::uint32_t> stop{0};
   EXPECT_EQ((Waker{model::Wakeup::sleep, microseconds{70}, stop}.margin()), Nanoseconds{0});
   EXPECT_EQ((Waker{model::Wakeup::hybrid, microseconds{70}, stop}.margin()), microseconds{70});

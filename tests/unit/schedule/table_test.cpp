@@ -141,9 +141,10 @@ TEST(Table, LimitsTheRowsToTenMillion) {
 }
 
 TEST(Table, RejectsPeriodsWhoseMultipleExceeds64Bits) {
-  EXPECT_THAT(problem_of({{kLongest, 0, "a"}, {kLongest - 1ns, 0, "b"}}),
-              AllOf(HasSubstr("basic period 1 ns"), HasSubstr("macro period more than 10^18 ns"),
-                    HasSubstr("'a'"), HasSubstr("'b'"), HasSubstr("coincide only every more than 10^18 ns")));
+  EXPECT_THAT(
+      problem_of({{kLongest, 0, "a"}, {kLongest - 1ns, 0, "b"}}),
+      AllOf(HasSubstr("basic period 1 ns"), HasSubstr("macro period more than 10^18 ns"), HasSubstr("'a'"),
+            HasSubstr("'b'"), HasSubstr("coincide only once in more than 10^18 ns")));
   // Only six rows, but the macro period would exceed the largest period.
   EXPECT_THAT(problem_of({{Nanoseconds{1LL << 62}, 0}, {Nanoseconds{3LL << 61}, 0}}),
               HasSubstr("more than 10^18 ns"));
@@ -154,14 +155,14 @@ TEST(Table, RejectsPeriodsThatExceed64BitsOnlyTogether) {
   for (const int prime : {1009, 1013, 1019, 1021, 1031, 1033, 1039}) tasks.push_back({Nanoseconds{prime}, 0});
   EXPECT_THAT(problem_of(tasks),
               AllOf(HasSubstr("macro period more than 10^18 ns"), HasSubstr("task 6"), HasSubstr("task 5"),
-                    HasSubstr("coincide only every 1073.287 us"), Not(HasSubstr("every more than"))));
+                    HasSubstr("coincide only once in 1073.287 us"), Not(HasSubstr("once in more than"))));
 }
 
 TEST(Table, NamesThePairOfPeriodsThatMakesTheTableLong) {
   // 7.001 ms has little in common with the others, which are multiples of each other.
   const std::string what =
       problem_of({{1ms, 0, "servo"}, {4ms, 0, "plan"}, {7001us, 0, "camera"}, {1s, 0, "log"}});
-  EXPECT_THAT(what, HasSubstr("'camera' with 7.001 ms and 'log' with 1 s coincide only every 7001 s"));
+  EXPECT_THAT(what, HasSubstr("'camera' with 7.001 ms and 'log' with 1 s coincide only once in 7001 s"));
 }
 
 TEST(LongestPair, TakesTheShortestPeriodAmongEquals) {

@@ -75,7 +75,7 @@ bool names_somebody(const std::string& certificate) {
       {reinterpret_cast<const std::uint8_t*>(certificate.data()), certificate.size()});
 }
 
-TEST_F(AuthorityTest, NamesSomebodyRequiresASubject) {
+TEST_F(AuthorityTest, NamesSomebodyAcceptsOnlyCertificatesWithASubject) {
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/identity.cert.pem")));
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/ca.cert.pem")));
   EXPECT_FALSE(names_somebody(text_of(of_robot() + "/identity.key.pem")));

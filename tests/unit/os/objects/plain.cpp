@@ -1,5 +1,5 @@
-// A global variable, a function, and a use of the C library, so that the object depends on it; nothing of the
-// names that the C library has too.
+// A global variable and a function, both with names that the C library does not have. home() uses the C
+// library, so that the object depends on it.
 #include <cstdlib>
 
 int counter = 0;

@@ -1,3 +1,3 @@
-// A variable that the loader makes one for all copies of this object (STB_GNU_UNIQUE).
+// A variable that the loader shares between all copies of this object (STB_GNU_UNIQUE).
 inline int shared_count = 0;
 extern "C" int count_up() { return ++shared_count; }

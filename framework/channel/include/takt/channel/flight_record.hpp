@@ -32,7 +32,7 @@ class FlightRecord {
 
   [[nodiscard]] std::size_t rings() const noexcept { return places_.size(); }
   [[nodiscard]] std::uint64_t capacity(std::size_t ring) const noexcept { return places_[ring].capacity; }
-  /// A writer that continues after the entries that are there. Records nothing if the ring has no entries or
+  /// A writer that continues after the existing entries. Records nothing if the ring has no entries or
   /// does not exist.
   [[nodiscard]] FlightWriter writer(std::size_t ring) const noexcept;
   /// Copies a ring, also while it is written. For any process. Not real-time: allocates.

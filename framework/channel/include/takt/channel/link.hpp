@@ -265,7 +265,7 @@ class BasicLink {
   std::byte* safe_ = nullptr;
 };
 
-/// What a side had that is not served at present: its buffer, and the last sample that it published or
+/// The state of a side that no object serves at present: its buffer, and the last sample that it published or
 /// finished. The other side may be active meanwhile, or not be served either.
 struct LinkPlace {
   std::uint32_t buffer = 0;

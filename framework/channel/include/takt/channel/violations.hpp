@@ -55,7 +55,7 @@ struct ViolationLog {
   static constexpr std::size_t kObjects = 64;
   /// Bits of `blind`.
   static constexpr std::uint32_t kNoSystemCalls = 1;  ///< this kernel does not report system calls
-  static constexpr std::uint32_t kNoFaultPlaces = 2;  ///< page faults are counted, but without their place
+  static constexpr std::uint32_t kNoFaultPlaces = 2;  ///< page faults are counted, but not located
 
   std::array<Violation, kViolations> violations;
   std::array<LoadedObject, kObjects> objects;

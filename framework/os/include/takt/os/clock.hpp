@@ -19,8 +19,8 @@ inline Instant now() noexcept {
 
 /// Nanoseconds since 1970 (UTC), of the wall clock, which may be set.
 std::int64_t wall_ns() noexcept;
-/// The instant at which the wall clock shows this, as the two clocks stand now: read together as closely as a
-/// microsecond, also on a busy machine.
+/// The monotonic instant at which the wall clock shows this time, if it is not set meanwhile. Exact to about
+/// a microsecond, even on a busy machine.
 Instant instant_of_wall(std::int64_t wall_ns) noexcept;
 
 /// Sleeps until an absolute instant; signals do not shorten it. Returns at once if it has passed. One system

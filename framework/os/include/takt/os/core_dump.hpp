@@ -11,10 +11,11 @@ namespace takt::os {
 std::string core_glob(std::string_view pattern, int pid, int signal);
 
 struct CoreDump {
-  std::string file;  ///< empty: there is none
-  std::string why;   ///< "RLIMIT_CORE is 0": then
+  std::string file;  ///< path of the dump; empty: none was found
+  std::string why;   ///< the reason if none was found: "RLIMIT_CORE is 0"
 };
-/// Of a child of ours that has ended by this signal just now, with our limits and in our folder.
+/// Finds the dump of a child process that this signal has just ended. The child must have had the resource
+/// limits and the working folder of this process.
 CoreDump find_core_dump(int pid, int signal);
 
 }  // namespace takt::os

@@ -33,16 +33,16 @@ std::vector<std::string> program_arguments();
 /// The name of this machine.
 std::string host_name();
 int process_id();
-/// Whether this program may do everything.
+/// Whether this program runs as root.
 bool is_root();
 
-/// Lifts this process's limit on open descriptors to what it may have.
+/// Raises this process's limit on open descriptors to its hard limit.
 void raise_descriptor_limit();
-/// Fails where this process cannot open so many more.
+/// Fails if this process cannot open this many more descriptors.
 Result<void> can_open(std::size_t descriptors);
 
-/// Of this machine since it was switched on: another one after each start of its kernel, until which
-/// CLOCK_MONOTONIC goes on. Empty where the system does not say.
+/// The id of the present boot of this machine. It changes when the kernel starts again; until then
+/// CLOCK_MONOTONIC continues. Empty if the system does not provide it.
 std::string boot_id();
 
 }  // namespace takt::os

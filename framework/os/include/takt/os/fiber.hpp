@@ -1,5 +1,5 @@
-// Fibers: courses of execution with their own stacks on one thread. Each runs until it hands over to another
-// one, so nothing runs in parallel and the program decides which fiber runs next.
+// Fibers: functions with their own stacks that take turns on one thread. Each runs until it hands over to
+// another one, so nothing runs in parallel and the program decides which fiber runs next.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace takt::os {
 /// switch.
 class Fiber {
  public:
-  /// The current course of the calling thread, to which others can hand over again.
+  /// A fiber for the code that the calling thread runs now, so that other fibers can hand over to it.
   Fiber();
   /// Runs `body` at the first handover. `body` must not return and must not throw; a fiber ends when nothing
   /// hands over to it again. The stack has at least this many bytes, and a guard page at its end. Ends the

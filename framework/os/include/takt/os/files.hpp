@@ -29,13 +29,13 @@ Result<void> replace_file(const std::string& path, const std::string& content,
 /// The content of a file; none if the file does not exist. Fails if it cannot be read or has more than `most`
 /// bytes.
 Result<std::optional<std::string>> read_file(const std::string& path, std::size_t most);
-/// All of a file of /proc or /sys, which has no size before it is read, without line feeds and zeros at its
-/// end. Empty where it cannot be read, or was the file of a thread that ends meanwhile.
+/// The whole content of a file of /proc or /sys, without line feeds and zeros at its end. Empty if the file
+/// cannot be read, for example because its thread has ended. (Such a file has no size before it is read.)
 std::string text_of(const std::string& path);
-/// It is gone afterwards, also when there was none.
+/// Removes the file. Succeeds if it does not exist.
 Result<void> remove_file(const std::string& path);
 
-/// What others than its owner may do with a file or folder. None where there is none.
+/// What users other than the owner may do with a file or folder.
 struct Rights {
   bool is_folder = false;
   bool group_reads = false;
@@ -43,9 +43,10 @@ struct Rights {
   bool others_read = false;
   bool others_write = false;
 };
+/// None if there is no such file or folder.
 std::optional<Rights> rights_of(const std::string& path);
-/// A folder that its owner alone may enter, with those above it as usual. Fails where there is a file, and
-/// where somebody else may enter one that is there.
+/// Creates a folder that only its owner may enter. Folders above it get the usual rights. Fails if the path
+/// is a file, or an existing folder that other users may enter.
 Result<void> make_private_folder(const std::string& path);
 
 /// Whether standard output is a terminal.

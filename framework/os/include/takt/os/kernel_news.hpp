@@ -8,12 +8,13 @@
 
 namespace takt::os {
 
+/// The new messages of the kernel.
 class KernelNews {
  public:
-  /// From now on. Where this user may not read it, there are never any news.
+  /// Starts with the next message. If this user may not read the log, there are no messages.
   KernelNews();
 
-  /// The next line that was said; none when there is none yet. Does not wait.
+  /// The next message; none if there is no new one. Does not wait.
   std::optional<std::string> next();
 
  private:

@@ -21,22 +21,22 @@ class Library {
   Library& operator=(Library&& other) noexcept;
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
-  /// Unloads; its destructors run.
+  /// Unloads the object; the destructors of its globals run.
   ~Library();
 
-  /// Fails with the loader's reason, or, for `own`, when the object has symbols that the loader would share
-  /// between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
+  /// Fails with the loader's reason. For `own` it also fails if the object has symbols that the loader would
+  /// share between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
   static Result<Library> open(const std::string& path, Globals globals);
 
-  /// A file of this name, or this file by another name, is loaded already: `shared` would be that object,
-  /// even where another file has taken its name since.
+  /// Whether a file of this name, or this file under another name, is already loaded. Then `shared` gives
+  /// that object, even if another file has its name now.
   static bool is_loaded(const std::string& path) noexcept;
 
-  /// The address of a function or variable that this object itself defines; null when it does not. A symbol
-  /// of one of the libraries it was linked with does not count: the C library too has a function `error`.
+  /// The address of a function or variable that this object itself defines; null if it does not define it.
+  /// Symbols of the libraries that it is linked with do not count: the C library also has a function `error`.
   [[nodiscard]] void* own_symbol(const char* name) const noexcept;
 
-  /// Never unloads: for an object in which a thread may still be.
+  /// Leaves the object loaded forever, for a thread that may still run its code.
   void abandon() noexcept { handle_ = nullptr; }
 
  private:

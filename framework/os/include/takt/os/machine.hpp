@@ -56,12 +56,12 @@ struct Limit {
   std::optional<std::uint64_t> hard{};
 };
 
-/// What the processors did since the machine was started, in ticks.
+/// The time of all CPUs since the machine was started, in ticks.
 struct ProcessorTime {
   std::uint64_t all = 0;
-  std::uint64_t stolen = 0;  ///< the host of this virtual machine ran somebody else
+  std::uint64_t stolen = 0;  ///< the host of this virtual machine ran something else
 
-  /// As a share from 0 to 1: of the time since `before`, or of all.
+  /// The stolen share of the time since `before`, or of all time; 0 to 1.
   [[nodiscard]] double stolen_share(const ProcessorTime& before) const noexcept;
   [[nodiscard]] double stolen_share() const noexcept { return stolen_share({}); }
 };
@@ -99,7 +99,7 @@ struct Machine {
 /// Reads the machine below `root`: "" is this machine, anything else a tree of copied files. Never fails.
 Machine read_machine(const std::string& root = {});
 
-/// Parts of it that are also needed alone.
+/// Read single parts of the machine.
 std::optional<Throttling> read_throttling(const std::string& root = {});
 std::optional<ProcessorTime> read_processor_time(const std::string& root = {});
 std::optional<std::uint64_t> read_swap_bytes(const std::string& root = {});

@@ -6,13 +6,14 @@
 
 namespace takt::os {
 
+/// A flag that makes a descriptor readable.
 class Notice {
  public:
   static Result<Notice> create();
 
   /// Makes fd() readable until the next take(). Any thread; never waits.
   void give() const noexcept;
-  /// Whether it was given since the last take().
+  /// Whether give() was called since the last take().
   bool take() const noexcept;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
 

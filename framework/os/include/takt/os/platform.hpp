@@ -29,8 +29,8 @@ Platform describe_platform();
 /// started, usually in steps of 10 ms. Not for real-time threads.
 Nanoseconds stolen_time();
 
-/// The memory of a process in bytes, with its part of shared memory (proportional set size); 0 if it cannot
-/// be read. Not for real-time threads.
+/// The memory of a process in bytes, including its share of shared memory (proportional set size); 0 if it
+/// cannot be read. Not for real-time threads.
 std::uint64_t memory_of(int pid);
 
 /// The CPU time that the calling thread has used. At most one system call.

@@ -12,24 +12,24 @@
 
 namespace takt::os {
 
-/// The processors this process may run on, ascending.
+/// The CPUs on which this process may run, in ascending order.
 std::vector<int> allowed_cpus();
 
 /// Whether the calling thread is scheduled before all ordinary ones (SCHED_FIFO, SCHED_RR or SCHED_DEADLINE).
 bool is_real_time() noexcept;
 
-/// SCHED_FIFO for a thread of any process (0: the caller), priority 1 to 99.
+/// Gives a thread of any process (0: the caller) SCHED_FIFO with a priority of 1 to 99.
 Result<void> make_real_time(int tid, int priority);
-/// SCHED_OTHER at the lowest priority (nice 19) for a thread of any process (0: the caller).
+/// Gives a thread of any process (0: the caller) SCHED_OTHER at the lowest priority (nice 19).
 Result<void> make_background(int tid = 0);
-/// Restricts a thread (0: the caller) to these processors; an empty list changes nothing.
+/// Restricts a thread (0: the caller) to these CPUs; an empty list changes nothing.
 Result<void> pin(int tid, const std::vector<int>& cpus);
 
 /// Keeps all memory of this process, present and future, in RAM, and keeps the heap from giving pages back.
 Result<void> lock_memory();
 
-/// Holds the processors out of deep idle states while it lives (/dev/cpu_dma_latency at 0). Empty where there
-/// is no such device or it may not be opened.
+/// Keeps the CPUs out of deep idle states while this object exists (/dev/cpu_dma_latency at 0). held() is
+/// false if the device does not exist or cannot be opened.
 class NoDeepIdle {
  public:
   NoDeepIdle();
@@ -41,10 +41,10 @@ class NoDeepIdle {
 
 /// Whether a thread of this process may be SCHED_FIFO. Tries it on a thread of its own.
 Result<void> may_have_priority();
-/// Whether this process may lock all memory that it will ever have: a limit that what it has now stays below
-/// is no help.
+/// Whether this process may lock all memory that it will ever have. A limit above its present memory does not
+/// suffice.
 Result<void> may_lock_memory();
-/// Both, with the reasons and cures when not.
+/// Both of the above. Fails with the reasons and what to do.
 Result<void> may_be_real_time();
 
 /// The calling thread's id.
@@ -65,7 +65,7 @@ class Thread {
   Thread& operator=(Thread&& other) noexcept;
   Thread(const Thread&) = delete;
   Thread& operator=(const Thread&) = delete;
-  /// Joins.
+  /// Waits for the end of the thread.
   ~Thread();
 
   /// Runs `body` in a new thread. If the system denies the priority or the CPU, the thread runs without it

@@ -11,21 +11,22 @@
 
 namespace takt::os {
 
-/// Since the thread was started.
+/// The counters of a thread since it was started.
 struct ThreadUse {
-  std::uint64_t minor_faults = 0;  ///< pages that were given to it
-  std::uint64_t major_faults = 0;  ///< of these, that had to be read from a disk
-  std::uint64_t gave_way = 0;      ///< times that another thread took its processor
-  Nanoseconds waited{};  ///< for a processor while it could have run; 0 where the kernel does not count it
-  int cpu = -1;          ///< the processor that it ran on last
-  bool stopped = false;  ///< by a signal or a debugger, at present
+  std::uint64_t minor_faults = 0;  ///< page faults that needed no disk
+  std::uint64_t major_faults = 0;  ///< page faults that read from a disk
+  std::uint64_t gave_way = 0;      ///< times that another thread took its CPU
+  Nanoseconds waited{};  ///< time in which it was ready but had no CPU; 0 if the kernel does not count it
+  int cpu = -1;          ///< the CPU on which it ran last
+  bool stopped = false;  ///< a signal or a debugger has stopped it at present
 };
 
-/// Of a thread of any process; none where there is none. `root` as in read_machine().
+/// Reads the counters of a thread of any process; none if there is no such thread. `root` as in
+/// read_machine().
 std::optional<ThreadUse> read_thread_use(int tid, const std::string& root = {});
 
-/// What the hypervisor took from each processor since the machine was started, by its number; in steps of 10
-/// ms as a rule. Empty where it cannot be read.
+/// The time that the hypervisor took from each CPU since the machine was started, indexed by CPU number;
+/// usually in steps of 10 ms. Empty if it cannot be read.
 std::vector<Nanoseconds> read_stolen(const std::string& root = {});
 
 }  // namespace takt::os

@@ -10,7 +10,7 @@
 
 namespace takt::os {
 
-/// How late a thread woke that slept until an instant.
+/// How late a thread woke up after sleeping until an instant.
 struct WakeUps {
   std::size_t count = 0;
   Nanoseconds p50{};
@@ -33,11 +33,11 @@ struct Trial {
   WakeUps wake_ups;
   std::optional<double> stolen_share{};  ///< by the host of this virtual machine meanwhile, 0 to 1
 };
-/// Tries everything, each thing on a thread or in a process of its own, which is gone afterwards. Takes
-/// `moment`, most of it for the wake-ups. The caller has a single thread.
+/// Tries everything. Each trial runs on a thread or in a process of its own, which ends with the trial. Takes
+/// the time `moment`, most of it for the wake-ups. The caller must have a single thread.
 Trial try_machine(Nanoseconds moment);
 
-/// 1 ns where timers have a high resolution, else a tick of the kernel, milliseconds. Any thread.
+/// 1 ns if timers have a high resolution, else one tick of the kernel, which is milliseconds. Any thread.
 Nanoseconds timer_resolution() noexcept;
 
 }  // namespace takt::os

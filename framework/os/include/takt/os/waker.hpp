@@ -42,11 +42,11 @@ class Waker {
   Waker(model::Wakeup strategy, Nanoseconds cap, const std::atomic<std::uint32_t>& stop) noexcept
       : strategy_(strategy), stop_(stop), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : cap) {}
 
-  /// Real-time. Returns the time at which it ended, not before `release` unless stopped; at once if that has
-  /// passed. One system call at most, its sleep.
+  /// Waits until `release` or until it is stopped, and returns the time of the return. Returns at once if
+  /// `release` has passed. Real-time; at most one system call, its sleep.
   Instant wait_until(Instant release) noexcept;
 
-  /// 0 for `sleep`; for `spin` without meaning. Any thread may not call it: it belongs to the waiting thread.
+  /// The present margin: 0 for `sleep`, without meaning for `spin`. Only the waiting thread may call it.
   [[nodiscard]] Nanoseconds margin() const noexcept { return margin_.value(); }
 
  private:
