@@ -55,7 +55,7 @@ class Outgoing {
   Outgoing(std::unique_ptr<RawWriter> writer, channel::Link from) : writer_(std::move(writer)), from_(from) {}
 
   [[nodiscard]] std::int64_t news_at() const noexcept { return from_.news_at(); }
-  [[nodiscard]] FlowHealth health() const { return writer_->health(); }
+  [[nodiscard]] wire::FlowHealth health() const { return writer_->health(); }
 
   /// Moves a few samples. Returns false if there was none.
   bool move() {
@@ -86,7 +86,7 @@ class Incoming final : RawReader::Receiver {
     reader_ = std::move(*made);
     return {};
   }
-  [[nodiscard]] FlowHealth health() const { return reader_->health(); }
+  [[nodiscard]] wire::FlowHealth health() const { return reader_->health(); }
 
  private:
   struct End {
@@ -177,7 +177,7 @@ class OwnGateway final : public Gateway {
     }
   }
 
-  FlowHealth health(FlowId flow) const override {
+  wire::FlowHealth health(FlowId flow) const override {
     const std::lock_guard lock{mutex_};
     if (const auto found = outgoing_.find(flow); found != outgoing_.end()) return found->second->health();
     if (const auto found = incoming_.find(flow); found != incoming_.end()) return found->second->health();
@@ -237,7 +237,7 @@ class OwnTap final : public Tap, RawReader::Receiver {
     reader_ = std::move(*made);
     return {};
   }
-  FlowHealth health() const override { return reader_->health(); }
+  wire::FlowHealth health() const override { return reader_->health(); }
 
  private:
   void receive(const Bytes& bytes) override { bytes_.assign(bytes.data, bytes.data + bytes.size); }
@@ -254,7 +254,7 @@ class OwnFeed final : public Feed {
   bool write(const std::byte* bytes, std::size_t size, std::int64_t time_ns) override {
     return writer_->write({bytes, size}, time_ns == 0 ? Now{}.wall_ns : time_ns);
   }
-  FlowHealth health() const override { return writer_->health(); }
+  wire::FlowHealth health() const override { return writer_->health(); }
 
  private:
   std::unique_ptr<RawWriter> writer_;

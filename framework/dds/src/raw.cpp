@@ -76,7 +76,7 @@ void Health::incompatible(fast::QosPolicyId_t policy) {
   incompatible_ = policy_name(policy);
 }
 
-FlowHealth Health::read() const {
+wire::FlowHealth Health::read() const {
   constexpr auto relaxed = std::memory_order_relaxed;
   const std::lock_guard lock{mutex_};
   return {.matched = matched_.load(relaxed),

@@ -52,7 +52,7 @@ class Health {
   void lost(std::uint64_t count) { lost_.fetch_add(count, std::memory_order_relaxed); }
   void refused() { refused_.fetch_add(1, std::memory_order_relaxed); }
   void failed() { failures_.fetch_add(1, std::memory_order_relaxed); }
-  [[nodiscard]] FlowHealth read() const;
+  [[nodiscard]] wire::FlowHealth read() const;
 
  private:
   std::atomic<std::uint32_t> matched_{0};
@@ -73,7 +73,7 @@ class RawWriter final : fast::DataWriterListener, Recreatable {
 
   /// `time_ns` is since 1970. A write that DDS rejects is counted.
   bool write(const Bytes& bytes, std::int64_t time_ns);
-  [[nodiscard]] FlowHealth health() const { return health_.read(); }
+  [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
 
  private:
   RawWriter(std::shared_ptr<Participant> participant, Flow flow)
@@ -111,7 +111,7 @@ class RawReader final : fast::DataReaderListener, Taker, Recreatable {
                                                    Receiver& receiver);
   /// Waits until a current call of the receiver has ended; it is not called afterwards.
   ~RawReader() override;
-  [[nodiscard]] FlowHealth health() const { return health_.read(); }
+  [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
 
  private:
   RawReader(std::shared_ptr<Participant> participant, Flow flow, Receiver& receiver)

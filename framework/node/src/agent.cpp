@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include <takt/wire/fault.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/wire/fault.hpp>
+#include <takt/wire/words.hpp>
 #include "agent_update.hpp"
 #include "limits.hpp"
 
@@ -53,9 +53,8 @@ bool Agent::ended() const {
 }
 
 std::vector<const os::Fd*> Agent::wait_on() {
-  if (!deployment_) return {};
-  if (deployment_->inspection) return {&deployment_->inspection->fd()};
-  return deployment_->supervised->wait_on();
+  if (!deployment_ || !deployment_->inspection) return {};
+  return {&deployment_->inspection->fd()};
 }
 
 void Agent::step() {

@@ -15,7 +15,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <takt/wire/cell_state.hpp>
 #include <takt/dds/commands.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/difference.hpp>
@@ -23,11 +22,22 @@
 #include <takt/node/fault_record.hpp>
 #include <takt/node/inspection.hpp>
 #include <takt/node/kept_deployment.hpp>
-#include <takt/node/supervisor.hpp>
+#include <takt/os/fd.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include <takt/wire/cell_state.hpp>
 #include "fault_rate_limiter.hpp"
 #include "publisher.hpp"
 
 namespace takt::node {
+
+using supervision::Measures;
+using supervision::Outcome;
+using supervision::Standing;
+using supervision::Step;
+using supervision::Supervised;
+using supervision::Supervisor;
+using supervision::Tapped;
+using supervision::Verb;
 
 class Agent {
  public:

@@ -56,12 +56,12 @@ Result<dds::Flow> flow_from(const json& value) {
                                .lifespan = duration(value.at("lifespan"))}};
 }
 
-json to_json(const dds::FlowHealth& health) {
+json to_json(const wire::FlowHealth& health) {
   return {{"matched", health.matched}, {"samples", health.samples},   {"lost", health.lost},
           {"refused", health.refused}, {"failures", health.failures}, {"incompatible", health.incompatible}};
 }
 
-dds::FlowHealth health_from(const json& value) {
+wire::FlowHealth health_from(const json& value) {
   return {.matched = value.at("matched"),
           .samples = value.at("samples"),
           .lost = value.at("lost"),
@@ -196,7 +196,7 @@ void Bridge::step(Instant now) {
     // The bridge may have been asleep: writers no longer need to wake it.
     auto& wake_word = *reinterpret_cast<channel::WakeWord*>(options_.wake_word->data());
     wake_word.gateway_sleeps.fetch_and(~(1U << options_.place), std::memory_order_seq_cst);
-    for (dds::FlowHealth& health : health_) health.matched = 0;
+    for (wire::FlowHealth& health : health_) health.matched = 0;
     if (!opened_) opened_ = fail(name + " " + end->text());
     log(options_.device, "", name + " " + end->text());
   }

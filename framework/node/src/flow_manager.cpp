@@ -8,6 +8,11 @@
 
 namespace takt::node {
 
+using supervision::LinkEnd;
+using supervision::PlannedFlow;
+using supervision::PlannedLink;
+using supervision::Wiring;
+
 namespace {
 
 constexpr std::uint32_t kMostBridges = 31;  // the bits of WakeWord::gateway_sleeps, less our own gateway's
@@ -66,7 +71,7 @@ Result<void> FlowManager::open_bridge(int domain, const os::SharedMemory& wake_w
     const PlannedFlow& plan = wiring_.flows()[i];
     if (!plan.connected || plan.domain != domain) continue;
     BridgedFlow flow{.flow = flow_at(i), .outgoing = plan.outgoing, .links = {}};
-    for (const std::size_t wire : plan.links) flow.links.push_back(&wiring_.wires()[wire].memory);
+    for (const std::size_t wire : plan.links) flow.links.push_back(&wiring_.wires()[wire].memory.memory());
     options.flows.push_back(std::move(flow));
     indices.push_back(i);
   }
@@ -102,16 +107,8 @@ Result<void> FlowManager::open_flow(std::size_t index, std::optional<Instant> un
   return {};
 }
 
-const PlannedFlow* FlowManager::flow_of(std::uint32_t module, const std::string& port) const {
-  const auto found =
-      std::find_if(wiring_.flows().begin(), wiring_.flows().end(), [&](const PlannedFlow& flow) {
-        return flow.outgoing && wiring_.wires()[flow.links.front()].plan.from == LinkEnd{module, port};
-      });
-  return found == wiring_.flows().end() ? nullptr : &*found;
-}
-
 Result<void> FlowManager::tap(std::uint32_t module, const std::string& port, Instant until) {
-  const PlannedFlow* flow = flow_of(module, port);
+  const PlannedFlow* flow = wiring_.flow_of(module, port);
   if (flow == nullptr) return fail("there is no output '" + port + "'");
   return open_until(static_cast<std::size_t>(flow - wiring_.flows().data()), until);
 }
@@ -155,7 +152,7 @@ void FlowManager::enable_requests() {
       const auto replies = health(w);
       answered = answered || (replies && replies->matched > 0);
     }
-    const bool served = answered && health(flow.links.front()).value_or(dds::FlowHealth{}).matched > 0;
+    const bool served = answered && health(flow.links.front()).value_or(wire::FlowHealth{}).matched > 0;
     wire.link.block().enabled.store(served ? 1 : 0, std::memory_order_relaxed);
   }
 }
@@ -173,7 +170,7 @@ void FlowManager::step(Instant now) {
   }
 }
 
-std::optional<dds::FlowHealth> FlowManager::health(std::size_t wire) const {
+std::optional<wire::FlowHealth> FlowManager::health(std::size_t wire) const {
   for (std::size_t i = 0; i < open_.size(); ++i) {
     const std::vector<std::size_t>& wires = wiring_.flows()[i].links;
     if (!open_[i] || std::find(wires.begin(), wires.end(), wire) == wires.end()) continue;

@@ -11,11 +11,12 @@
 #include <optional>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include <takt/dds/commands.hpp>
 #include <takt/dds/topics.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/model/validate.hpp>
+#include <takt/node/device_platform.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
@@ -27,6 +28,7 @@
 #include <takt/os/trial.hpp>
 #include <takt/security/identity.hpp>
 #include <takt/security/signature.hpp>
+#include <takt/wire/words.hpp>
 #include "agent.hpp"
 #include "dds_publisher.hpp"
 
@@ -228,16 +230,20 @@ int run_node(const NodeOptions& options) {
       options.state_folder.empty() || temporary
           ? ""
           : options.state_folder + "/traces/" + options.device + "." + std::to_string(options.domain);
+  std::vector<std::weak_ptr<const DevicePlatform>> platforms;  // of the supervised devices
   Agent agent{agent_options,
               {.inspect = inspect,
                .supervise =
-                   [&participant, &wake_ups, &options, &traces](Supervisor::Options o) {
-                     o.participant = *participant;
-                     o.wake_ups = wake_ups;
-                     o.state_folder = options.state_folder;
-                     o.check_real_time = options.check_real_time;
-                     o.traces = traces;
-                     return std::make_unique<Supervisor>(std::move(o));
+                   [&](Supervisor::Options o) {
+                     auto platform = std::make_shared<DevicePlatform>(
+                         DevicePlatform::Options{.require_real_time = o.require_real_time,
+                                                 .check_real_time = options.check_real_time,
+                                                 .wake_ups = wake_ups,
+                                                 .state_folder = options.state_folder,
+                                                 .traces = traces,
+                                                 .participant = *participant});
+                     platforms.push_back(platform);
+                     return std::make_unique<Supervisor>(std::move(o), std::move(platform));
                    }},
               **dds_publisher};
 
@@ -266,9 +272,10 @@ int run_node(const NodeOptions& options) {
                             wire::WriterId) { inbox.put([key](Agent& a) { a.others().gone(key); }); },
        .lost = {}});
   if (!modules) return refuse(modules.problems());
-  auto server = dds::CommandServer::create(
-      *participant, options.device, agent_options.node,
-      [&inbox](const wire::WholeCommand& command) { inbox.put([command](Agent& a) { a.receive(command); }); });
+  auto server = dds::CommandServer::create(*participant, options.device, agent_options.node,
+                                           [&inbox](const wire::WholeCommand& command) {
+                                             inbox.put([command](Agent& a) { a.receive(command); });
+                                           });
   if (!server) return refuse(server.problems());
   (*dds_publisher)->set_reply_sender([&server](const wire::WholeReply& reply) { server->reply(reply); });
 
@@ -288,6 +295,11 @@ int run_node(const NodeOptions& options) {
     }
     (*dds_publisher)->kick();
     std::vector<const os::Fd*> fds = agent.wait_on();
+    std::erase_if(platforms, [](const auto& platform) { return platform.expired(); });
+    for (const auto& platform : platforms) {
+      const std::vector<const os::Fd*> more = platform.lock()->wait_on();
+      fds.insert(fds.end(), more.begin(), more.end());
+    }
     fds.push_back(&signals->fd());
     fds.push_back(&inbox.fd());
     if (temporary && !lifetime.closed()) fds.push_back(&lifetime.fd());

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <takt/dds/commands.hpp>
-#include <takt/node/supervised.hpp>
+#include <takt/supervision/supervised.hpp>
 
 namespace takt::node {
 
@@ -19,11 +19,11 @@ class Publisher {
   virtual void publish(const LifecycleStatus& status) = 0;
   /// The status is repeated regularly until the next one replaces it.
   virtual void publish(const DeviceStatus& status) = 0;
-  virtual void publish(const Measures& measures) = 0;
+  virtual void publish(const supervision::Measures& measures) = 0;
   /// Observers receive the events in order. A slow observer may miss some, and sees that by their numbers.
   virtual void publish(const FaultEvent& event) = 0;
   /// Withdraws the modules, executors and ports of a deployment that has ended.
-  virtual void withdraw(const std::vector<LifecycleStatus>& modules, const Measures& measures) = 0;
+  virtual void withdraw(const std::vector<LifecycleStatus>& modules, const supervision::Measures& measures) = 0;
 
  protected:
   Publisher() = default;

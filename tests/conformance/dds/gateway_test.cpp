@@ -84,7 +84,7 @@ class GatewayTest : public testing::Test {
       return line && *line == "sample 0";
     }));
   }
-  dds::FlowHealth health(dds::Gateway::FlowId flow) const { return gateway_->health(flow); }
+  wire::FlowHealth health(dds::Gateway::FlowId flow) const { return gateway_->health(flow); }
 
   channel::WakeWord wake_word_{};
   std::shared_ptr<dds::Participant> participant_;
@@ -223,7 +223,7 @@ TEST_F(GatewayTest, CountsInvalidSamplesAndKeepsThemOffTheLink) {
   good.resize(48);  // it claims 40 bytes of data but has none, so every variant is cut off
   Peer forger{{"forge", "in", "test::Sample", "plain", "500", good}};
   ASSERT_TRUE(forger.says("forged", 60s));
-  const dds::FlowHealth after = health(*flow_id);
+  const wire::FlowHealth after = health(*flow_id);
   EXPECT_EQ(after.refused + after.samples, 500U);
   EXPECT_GT(after.refused, 300U);
   EXPECT_EQ(after.lost, 0U) << "rejected samples do not count as lost";

@@ -347,7 +347,7 @@ void tap(const Participant& participant, const Arguments& arguments) {
                                    }));
   print("ready");
   while (next_line() == "health") {
-    const dds::FlowHealth health = tap->health();
+    const wire::FlowHealth health = tap->health();
     print("matched " + std::to_string(health.matched) + " samples " + std::to_string(health.samples) +
           " lost " + std::to_string(health.lost) + " refused " + std::to_string(health.refused) +
           " incompatible " + health.incompatible);
@@ -370,7 +370,7 @@ void feed(const Participant& participant, const Arguments& arguments) {
       feed->write(bytes.data(), bytes.size());
       if (data == 0) std::this_thread::sleep_for(100us);
     }
-    const dds::FlowHealth health = feed->health();
+    const wire::FlowHealth health = feed->health();
     print("written " + std::to_string(number) + " failures " + std::to_string(health.failures) + " matched " +
           std::to_string(health.matched) + " incompatible " + health.incompatible);
   }

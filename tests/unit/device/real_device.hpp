@@ -18,12 +18,19 @@
 
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/host/inspect.hpp>
+#include <takt/node/device_platform.hpp>
 #include <takt/node/log.hpp>
-#include <takt/node/supervisor.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
+#include <takt/supervision/supervisor.hpp>
 
 namespace takt::node {
+
+using supervision::Outcome;
+using supervision::Step;
+using supervision::Supervised;
+using supervision::Supervisor;
+using supervision::Verb;
 
 class RealDevice : public testing::Test {
  protected:
@@ -66,12 +73,14 @@ class RealDevice : public testing::Test {
     ASSERT_TRUE(cell.ok()) << to_text(cell.problems());
     auto components = host::check_components(*cell);
     ASSERT_TRUE(components.ok()) << to_text(components.problems());
+    platform = std::make_shared<DevicePlatform>(DevicePlatform::Options{});
     device = std::make_unique<Supervisor>(
         Supervisor::Options{.cell = *cell,
                             .device = 0,
                             .paths = components->paths[0],
                             .ports = components->ports[0],
-                            .stepped = [this](const Step& step) { steps.push_back(step); }});
+                            .stepped = [this](const Step& step) { steps.push_back(step); }},
+        platform);
     const auto prepared = device->prepare();
     ASSERT_TRUE(prepared.ok()) << to_text(prepared.problems());
     ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ready; })) << problems();
@@ -81,7 +90,7 @@ class RealDevice : public testing::Test {
     const Instant end = os::now() + limit;
     while (!holds()) {
       if (os::now() > end) return false;
-      os::wait_readable(device->wait_on(), 5);
+      os::wait_readable(platform->wait_on(), 5);
       device->step();
     }
     return true;
@@ -112,6 +121,7 @@ class RealDevice : public testing::Test {
   static inline const std::string kComponents = std::string{TAKT_BINARY_DIR} + "/tests/components";
   std::filesystem::path folder;
   std::vector<Step> steps;  ///< of all modules
+  std::shared_ptr<DevicePlatform> platform;
   std::unique_ptr<Supervisor> device;
 };
 

@@ -96,7 +96,6 @@ class FakeSupervised final : public Supervised {
   }
   void give_safe(const std::vector<model::SafeOutput>& outputs) override { work_.safe = outputs; }
   void step() override {}
-  std::vector<const os::Fd*> wait_on() override { return {}; }
   void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override {
     work_.commands.emplace_back(module, verb);
     work_.done.push_back(std::move(done));

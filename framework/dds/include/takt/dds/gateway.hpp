@@ -16,6 +16,7 @@
 #include <takt/dds/participant.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/type.hpp>
+#include <takt/wire/flow_health.hpp>
 
 namespace takt::dds {
 
@@ -32,16 +33,6 @@ struct Flow {
   std::string topic;  ///< takt/<cell>/<device>/<module>/<port>, or a name from the descriptor
   model::Type type;
   Quality quality;
-};
-
-/// The state of one flow, for operators.
-struct FlowHealth {
-  std::uint32_t matched = 0;
-  std::uint64_t samples = 0;   ///< moved
-  std::uint64_t lost = 0;      ///< according to DDS, or to gaps in the writer's numbers
-  std::uint64_t refused = 0;   ///< samples that do not fit the type
-  std::uint64_t failures = 0;  ///< writes that DDS rejected
-  std::string incompatible;    ///< the QoS policy that prevented a match, such as "reliability"; empty: none
 };
 
 /// Outgoing: one thread (not real-time) sleeps on the wake word, reads the links and writes to DDS. Incoming:
@@ -62,7 +53,7 @@ class Gateway {
   /// Afterwards nothing accesses the memory of the flow's links. Other flows continue.
   virtual void remove(FlowId flow) = 0;
   /// All 0 for a removed flow.
-  [[nodiscard]] virtual FlowHealth health(FlowId flow) const = 0;
+  [[nodiscard]] virtual wire::FlowHealth health(FlowId flow) const = 0;
 
  protected:
   Gateway() = default;
@@ -76,7 +67,7 @@ class Tap {
       std::shared_ptr<Participant> participant, const Flow& flow,
       std::function<void(const std::byte* bytes, std::size_t size, std::int64_t time_ns)> sample);
   virtual ~Tap() = default;
-  [[nodiscard]] virtual FlowHealth health() const = 0;
+  [[nodiscard]] virtual wire::FlowHealth health() const = 0;
 
  protected:
   Tap() = default;
@@ -90,7 +81,7 @@ class Feed {
   /// Writes a sample's bytes, with the time of its value (ns since 1970; 0: now). Returns false if DDS
   /// rejects it.
   virtual bool write(const std::byte* bytes, std::size_t size, std::int64_t time_ns = 0) = 0;
-  [[nodiscard]] virtual FlowHealth health() const = 0;
+  [[nodiscard]] virtual wire::FlowHealth health() const = 0;
 
  protected:
   Feed() = default;

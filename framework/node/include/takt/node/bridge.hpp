@@ -46,7 +46,7 @@ class Bridge {
   /// None until the flows are open, or opening them has failed; does not wait.
   [[nodiscard]] const std::optional<Result<void>>& opened() const noexcept { return opened_; }
   /// The health of a flow, by its index in the options; at most a quarter of a second old.
-  [[nodiscard]] const dds::FlowHealth& health(std::size_t flow) const { return health_.at(flow); }
+  [[nodiscard]] const wire::FlowHealth& health(std::size_t flow) const { return health_.at(flow); }
   [[nodiscard]] int domain() const noexcept { return options_.domain; }
 
   /// Reads the process's messages, and restarts it when it has ended. Does not wait.
@@ -62,7 +62,7 @@ class Bridge {
   os::MessageSocket socket_;
   Instant started_{};
   std::optional<Result<void>> opened_;
-  std::vector<dds::FlowHealth> health_;
+  std::vector<wire::FlowHealth> health_;
 };
 
 inline constexpr const char* kGatewayFd = "TAKT_GATEWAY_FD";

@@ -1,11 +1,12 @@
 // The supervisor's entries in the fault record other than lifecycle events: counts, ports, crashes.
 #include <algorithm>
 
-#include <takt/node/supervisor.hpp>
-#include <takt/os/process.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
 #include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using model::FaultKind;
 
@@ -45,9 +46,9 @@ void Supervisor::watch_counts() {
     note_counts(*member, FaultKind::overrun, member->noted_overruns, overruns_of(*member),
                 sporadic ? "it was not finished by its deadline" : "it was not finished by its next release");
   }
-  seen_missed_.resize(channel_.executors());
-  for (std::size_t e = 0; e < channel_.executors(); ++e) {
-    const std::uint64_t missed = channel_.executor(e).missed.load(std::memory_order_relaxed);
+  seen_missed_.resize(parts_.channel.executors());
+  for (std::size_t e = 0; e < parts_.channel.executors(); ++e) {
+    const std::uint64_t missed = parts_.channel.executor(e).missed.load(std::memory_order_relaxed);
     const std::uint64_t before = std::exchange(seen_missed_[e], missed);
     const std::string& name = device().executors[e].name;
     if (missed > before && options_.noted) {
@@ -63,7 +64,7 @@ void Supervisor::watch_ports(Instant now) {
   if (!rows_begun_ || now - ports_watched_at_ < kPortsEvery) return;
   ports_watched_at_ = now;
   for (auto& member : members_) {
-    const model::ModulePorts& ports = options_.ports.at(member->index);
+    const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports) continue;
     for (const model::Port& port : *ports) watch_port(*member, port, now);
   }
@@ -107,27 +108,4 @@ void Supervisor::watch_port(Member& member, const model::Port& port, Instant now
   }
 }
 
-Supervisor::CrashCalls Supervisor::calls_of_crash(const channel::Crash& crash, const Member& culprit) {
-  constexpr std::size_t kShown = 5;
-  const std::uint32_t depth = std::min<std::uint32_t>(crash.depth.load(std::memory_order_acquire),
-                                                      channel::Crash::kFrames);  // SYNC: crash frame
-  if (!symbols_) symbols_.emplace();
-  const std::string host = os::private_directory() + "/takt-host";
-  std::vector<std::string> calls;
-  for (std::uint32_t i = 0; i < depth; ++i) {
-    const channel::CrashFrame& frame = crash.frames[i];
-    std::string object{frame.object.view()};
-    if (object.empty()) object = host;
-    // The host loads a module from a copy of its file in memory.
-    if (object.starts_with("/proc/self/fd/")) object = options_.paths.at(culprit.index);
-    // Skip the host's calls of the module.
-    if (!calls.empty() && object == host) break;
-    calls.push_back(symbols_->name(object, frame.address));
-  }
-  const std::string text = called_by(calls, kShown);
-  if (text.empty()) return {};
-  const std::size_t end = std::min(text.find(", called by "), text.size());
-  return {.place = ", " + text.substr(0, end), .callers = text.substr(end)};
-}
-
-}  // namespace takt::node
+}  // namespace takt::supervision

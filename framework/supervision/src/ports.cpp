@@ -1,10 +1,12 @@
 // Detects stale inputs of programs, and determines the health of ports.
 #include <algorithm>
 
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
+#include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using lifecycle::State;
 
@@ -37,12 +39,12 @@ bool Supervisor::has_stale_input(const Member& member, Instant now) {
 }
 
 PortHealth Supervisor::health_of(const Member& member, const model::Port& port, Instant now) const {
-  PortHealth health = wiring_.health(member.index, port, to_ns(now), [this](std::size_t wire) {
-    return flow_manager_ ? flow_manager_->health(wire) : std::nullopt;
+  PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), [this](std::size_t wire) {
+    return flows_ ? flows_->health(wire) : std::nullopt;
   });
   const auto at_stop = matched_at_stop_.find({member.index, port.name});
   if (at_stop != matched_at_stop_.end()) health.matched = at_stop->second;
   return health;
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

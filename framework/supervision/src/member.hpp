@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -14,13 +15,11 @@
 #include <takt/lifecycle/machine.hpp>
 #include <takt/lifecycle/recovery.hpp>
 #include <takt/model/cell.hpp>
-#include <takt/node/output.hpp>
-#include <takt/node/supervised.hpp>
-#include <takt/node/wiring.hpp>
-#include <takt/os/process.hpp>
-#include <takt/os/shared_memory.hpp>
+#include <takt/supervision/platform.hpp>
+#include <takt/supervision/supervised.hpp>
+#include <takt/supervision/wiring.hpp>
 
-namespace takt::node {
+namespace takt::supervision {
 
 /// An operator's command to a module, until it is answered.
 struct PendingCommand {
@@ -57,6 +56,8 @@ struct Member {
   [[nodiscard]] bool is_process() const noexcept { return !is_thread(); }
   [[nodiscard]] bool scheduled() const noexcept { return model.operation != model::Operation::non_real; }
   [[nodiscard]] lifecycle::State state() const noexcept { return machine.state(); }
+  /// Whether its program runs.
+  [[nodiscard]] bool runs() const { return program != nullptr && program->running(); }
   [[nodiscard]] bool in_tables() const noexcept {
     return block.in_tables.load(std::memory_order_seq_cst) != 0;
   }
@@ -84,13 +85,10 @@ struct Member {
   std::optional<channel::Doing> pending;  ///< a hook that the host was asked to call
 
   // Only of a process module:
-  os::SharedMemory slot_memory;
-  channel::ReleaseSlot* slot = nullptr;
-  os::Child child;
-  Output output;
+  channel::ReleaseSlot* slot = nullptr;  ///< null: it has no releases
+  std::unique_ptr<Program> program;      ///< null: it is a thread module
   Instant spawned{};
   Instant told_to_end{};
-  int last_pid = 0;
   bool killed_for_hanging = false;
   std::vector<Wiring::Wire*> inputs;  ///< inputs with a deadline; of any module
   Instant put_in_at{};                ///< when it was put into the tables
@@ -103,4 +101,4 @@ struct Member {
   int end_signals = 0;  ///< how the program was told to end: 0 by its slot, 1 by SIGTERM, 2 by SIGKILL
 };
 
-}  // namespace takt::node
+}  // namespace takt::supervision

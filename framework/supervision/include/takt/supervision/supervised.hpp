@@ -14,9 +14,8 @@
 #include <takt/core/time.hpp>
 #include <takt/lifecycle/machine.hpp>
 #include <takt/model/safe.hpp>
-#include <takt/os/fd.hpp>
 
-namespace takt::node {
+namespace takt::supervision {
 
 /// A step of a module through its lifecycle.
 struct Step {
@@ -88,10 +87,9 @@ class Supervised {
   virtual void stop_for(Problem problem) = 0;
   /// Sets the safe values of the cell's outputs, also of those of other devices. Call it before go().
   virtual void give_safe(const std::vector<model::SafeOutput>& outputs) = 0;
-  /// Reacts to what has happened; never waits. Call it whenever one of wait_on() is readable, and every few
-  /// milliseconds.
+  /// Reacts to what has happened; never waits. Call it whenever a host or program reports something, and
+  /// every few milliseconds.
   virtual void step() = 0;
-  [[nodiscard]] virtual std::vector<const os::Fd*> wait_on() = 0;
 
   /// Carries out a command. `done` is called from step(), or at once.
   virtual void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
@@ -137,4 +135,4 @@ class Supervised {
   Supervised& operator=(const Supervised&) = default;
 };
 
-}  // namespace takt::node
+}  // namespace takt::supervision

@@ -3,11 +3,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/supervision/supervisor.hpp>
 #include <takt/wire/words.hpp>
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
+#include "hosted.hpp"
+#include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 namespace {
 
@@ -78,8 +80,8 @@ std::uint64_t Supervisor::overruns_of(const Member& member) {
 
 Standing Supervisor::standing() const {
   Standing standing{
-      .real_time = real_time_,
-      .host_pid = hosts_.empty() || !hosts_.front()->link.running() ? 0 : hosts_.front()->link.pid(),
+      .real_time = parts_.real_time,
+      .host_pid = hosts_.empty() || !hosts_.front()->process->running() ? 0 : hosts_.front()->process->pid(),
       .host_restarts = host_restarts_,
       .executing = 0,
       .faulty = {}};
@@ -95,15 +97,15 @@ Standing Supervisor::standing() const {
 Measures Supervisor::measures() const {
   constexpr auto relaxed = std::memory_order_relaxed;
   Measures measures;
-  const Instant now = os::now();
+  const Instant now = time();
   const auto name = [this](auto& entry, const std::string& part) {
-    wire::set(entry.path(), wire::path_of(options_.cell.name, device().name, part));
-    wire::set(entry.cell(), options_.cell.name);
+    wire::set(entry.path(), wire::path_of(parts_.cell.name, device().name, part));
+    wire::set(entry.cell(), parts_.cell.name);
     wire::set(entry.device(), device().name);
     wire::set(entry.name(), part);
   };
-  for (std::size_t e = 0; e < channel_.executors(); ++e) {
-    const channel::ExecutorBlock& block = channel_.executor(e);
+  for (std::size_t e = 0; e < parts_.channel.executors(); ++e) {
+    const channel::ExecutorBlock& block = parts_.channel.executor(e);
     ExecutorStatistics entry;
     name(entry, device().executors[e].name);
     entry.cycles(block.cycles.load(relaxed));
@@ -125,16 +127,16 @@ Measures Supervisor::measures() const {
     entry.recoveries(member->recoveries);
     entry.jitter_us(on_the_wire(jitter_of(*member).read()));
     entry.run_us(on_the_wire(run_of(*member).read()));
-    entry.process_id(member->is_thread() ? host_of(*member).link.pid() : member->last_pid);
+    entry.process_id(member->is_thread() ? host_of(*member).process->pid() : member->program->pid());
     measures.modules.push_back(entry);
-    const model::ModulePorts& ports = options_.ports.at(member->index);
+    const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports) continue;
     for (const model::Port& port : *ports) {
       const PortHealth health = health_of(*member, port, now);
       PortStatus status;
       wire::set(status.path(),
-               wire::path_of(options_.cell.name, device().name, member->model.name) + "/" + port.name);
-      wire::set(status.cell(), options_.cell.name);
+                wire::path_of(parts_.cell.name, device().name, member->model.name) + "/" + port.name);
+      wire::set(status.cell(), parts_.cell.name);
       wire::set(status.device(), device().name);
       wire::set(status.name(), member->model.name);
       wire::set(status.port(), port.name);
@@ -157,10 +159,10 @@ Measures Supervisor::measures() const {
 
 json Supervisor::report() const {
   constexpr auto relaxed = std::memory_order_relaxed;
-  const Instant now = os::now();
+  const Instant now = time();
   json executors = json::array();
-  for (std::size_t e = 0; e < channel_.executors(); ++e) {
-    const channel::ExecutorBlock& block = channel_.executor(e);
+  for (std::size_t e = 0; e < parts_.channel.executors(); ++e) {
+    const channel::ExecutorBlock& block = parts_.channel.executor(e);
     executors.push_back({{"name", device().executors[e].name},
                          {"cycles", block.cycles.load(relaxed)},
                          {"missed", block.missed.load(relaxed)},
@@ -173,34 +175,35 @@ json Supervisor::report() const {
   json modules = json::array();
   for (const auto& member : members_) {
     const channel::ModuleBlock& block = member->block;
-    modules.push_back({{"name", member->model.name},
-                       {"type", model::to_text(member->model.type)},
-                       {"operation", model::to_text(member->model.operation)},
-                       {"state", lifecycle::to_text(member->state())},
-                       {"cycles", releases_of(*member)},
-                       {"overruns", overruns_of(*member)},
-                       {"errors", block.errors.load(relaxed) + member->errors},
-                       {"jitter_us", in_microseconds(jitter_of(*member).read())},
-                       {"run_us", in_microseconds(run_of(*member).read())},
-                       {"pid", member->is_thread() ? host_of(*member).link.pid() : member->last_pid}});
+    modules.push_back(
+        {{"name", member->model.name},
+         {"type", model::to_text(member->model.type)},
+         {"operation", model::to_text(member->model.operation)},
+         {"state", lifecycle::to_text(member->state())},
+         {"cycles", releases_of(*member)},
+         {"overruns", overruns_of(*member)},
+         {"errors", block.errors.load(relaxed) + member->errors},
+         {"jitter_us", in_microseconds(jitter_of(*member).read())},
+         {"run_us", in_microseconds(run_of(*member).read())},
+         {"pid", member->is_thread() ? host_of(*member).process->pid() : member->program->pid()}});
     // Added only where they apply: why the module is not in its proper state, the counts for overrun
     // contracts and budgets, and the health of ports.
     if (is_faulty(*member) && !member->why.empty()) modules.back()["text"] = member->why;
     if (contracts) modules.back()["missed"] = block.missed.load(relaxed);
     if (member->model.tolerance.times || member->model.tolerance.in_a_row)
       modules.back()["over_budget"] = block.over_budget.load(relaxed);
-    const model::ModulePorts& ports = options_.ports.at(member->index);
+    const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports || ports->empty()) continue;
     json& list = modules.back()["ports"] = json::array();
     for (const model::Port& port : *ports) list.push_back(in_json(port, health_of(*member, port, now)));
   }
   json report{{"name", device().name},
               {"alive", true},
-              {"real_time", real_time_},
+              {"real_time", parts_.real_time},
               {"executors", executors},
               {"modules", modules}};
-  if (violations_) report["realtime_violations"] = violations_->report(device());
+  platform_->add_to(report);
   return report;
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

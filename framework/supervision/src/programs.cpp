@@ -2,19 +2,11 @@
 #include <algorithm>
 #include <utility>
 
-#include <takt/channel/violations.hpp>
-#include <takt/host/inspect.hpp>
-#include <takt/node/log.hpp>
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
-#include <takt/os/core_dump.hpp>
-#include <takt/os/futex.hpp>
-#include <takt/os/real_time.hpp>
-#include <takt/os/waker.hpp>
-#include <takt/schedule/plan.hpp>
+#include <takt/supervision/supervisor.hpp>
 #include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using lifecycle::Event;
 using lifecycle::State;
@@ -31,15 +23,10 @@ const char* init_function(const Member& member) {
 
 }  // namespace
 
-Result<void> Supervisor::create_slot(Member& member) {
-  auto memory = os::SharedMemory::create("takt-slot", sizeof(channel::ReleaseSlot));
-  if (!memory) return memory.problems();
-  member.slot_memory = std::move(*memory);
-  member.slot = reinterpret_cast<channel::ReleaseSlot*>(member.slot_memory.data());
+void Supervisor::fill_slot(Member& member) {
   channel::ReleaseSlot& slot = *member.slot;
 
-  const schedule::ExecutorPlan& plan = plan_.executors[executor_of(member)];
-  const model::Executor& executor = device().executors[executor_of(member)];
+  const schedule::ExecutorPlan& plan = parts_.plan.executors[executor_of(member)];
   const bool periodic = member.model.operation == model::Operation::periodic;
   const Nanoseconds period =
       periodic ? *member.model.period : plan.basic_period;  // a sporadic one is released by any row
@@ -51,67 +38,40 @@ Result<void> Supervisor::create_slot(Member& member) {
   if (periodic) slot.offset_ns = schedule::offset_of(plan, member.index).count();
   slot.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
   // Programs that spin for their release on the same CPU share the time that one program may spin.
-  slot.margin_cap_ns =
-      os::margin_cap(period, executor.spin_share).count() / schedule::programs_on_one(device(), placement_);
+  slot.margin_cap_ns = platform_->spin_limit(member.model, period).count() /
+                       schedule::programs_on_one(device(), parts_.placement);
   if (const auto contract = model::contract_of(device(), member.model);
       contract.what == model::Overrun::catch_up) {
     slot.catch_up = static_cast<std::uint32_t>(contract.limit);
   }
-  slot.lock_memory = real_time_ ? 1 : 0;
+  slot.lock_memory = parts_.real_time ? 1 : 0;
   slot.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
   slot.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
   slot.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
-  return {};
 }
 
 Result<void> Supervisor::spawn(Member& member) {
-  os::SpawnOptions options{.program = options_.paths[member.index],
-                           .arguments = host::arguments_of(member.model),
-                           .environment = {},
-                           .inherit = {},
-                           .capture_output = true};
-  if (member.slot != nullptr) {
-    channel::clear_for_new_program(*member.slot);
-    options.environment = {{"TAKT_SLOT_FD", std::to_string(member.slot_memory.fd().get())},
-                           {"TAKT_WAKE_WORD_FD", std::to_string(wake_word_memory_.fd().get())}};
-    options.inherit = {&member.slot_memory.fd(), &wake_word_memory_.fd()};
-    options.environment.emplace_back("TAKT_LINKS", wiring_.of_program(member.index));
-    wiring_.inherit(options.inherit, member.index);
-    if (violations_) {
-      for (auto& variable : violations_->environment(options.inherit))
-        options.environment.push_back(std::move(variable));
-      options.environment.emplace_back(channel::kCheckModule, std::to_string(member.index));
-    }
-  }
-  auto child = os::Child::spawn(options);
-  if (!child) return child.problems();
-  member.child = std::move(*child);
-  member.output = Output{std::move(member.child.output), std::move(member.child.error)};
-  member.last_pid = member.child.pid();
-  member.spawned = os::now();
+  if (member.slot != nullptr) channel::clear_for_new_program(*member.slot);
+  if (auto started = member.program->start(); !started) return started;
+  member.spawned = time();
   member.killed_for_hanging = false;
   member.told_to_end = {};
   member.end_signals = 0;
-  static_cast<void>(os::pin(member.child.pid(), placement_.background));
-  if (!member.scheduled()) static_cast<void>(os::make_background(member.child.pid()));
   return {};
 }
 
 // Makes the thread that waits for releases real-time. Not before, so that a long preparation starves no other
 // program.
 void Supervisor::process_ready(Member& member) {
-  if (!real_time_) return;
-  const int priority =
-      schedule::program_priority(plan_.executors[executor_of(member)].priority, member.model.operation);
-  const auto made = os::make_real_time(member.slot->thread.load(), priority);
+  if (!parts_.real_time) return;
+  const auto made = member.program->make_real_time();
   if (made) return;
-  real_time_ = false;
+  parts_.real_time = false;
   log(member, "WARNING: not real-time: " + in_words(made.problems()));
 }
 
 void Supervisor::watch_process(Member& member, Instant now) {
-  if (const auto end = member.child.poll()) {
-    forward_output();
+  if (const auto end = member.program->ended()) {
     // It may have got further than the last check showed.
     if (member.state() == State::idle &&
         member.slot->phase.load(std::memory_order_acquire) != channel::ReleaseSlotPhase::empty) {
@@ -122,7 +82,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
     process_ended(member, *end);
     return;
   }
-  if (!member.child.running() || !member.scheduled() || phase_ == Phase::stopping) return;
+  if (!member.runs() || !member.scheduled() || phase_ == Phase::stopping) return;
 
   const channel::ReleaseSlotPhase phase = member.slot->phase.load(std::memory_order_acquire);
   const bool slow = now - member.spawned > kAttachLimit;
@@ -153,7 +113,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
         process_ready(member);
         recovered(member);
       } else if (slow) {
-        member.child.signal(os::kKill);
+        member.program->kill();
       }
       break;
     case State::start:
@@ -174,7 +134,7 @@ void Supervisor::watch_body(Member& member, Instant now) {
   if (slot.in_body() &&
       now - from_ns(slot.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
     member.killed_for_hanging = true;
-    member.child.signal(os::kKill);
+    member.program->kill();
     return;
   }
   const std::uint64_t late = slot.late.load(std::memory_order_acquire);  // SYNC: late
@@ -186,14 +146,14 @@ void Supervisor::watch_body(Member& member, Instant now) {
   raise(member, ErrorType::deadline, "its body ended " + to_text(by) + " after its deadline");
 }
 
-void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
-  wake(~0U);  // it may have written samples without waking their readers
-  std::string text = "the process " + end.text();
+void Supervisor::process_ended(Member& member, const ProcessEnd& end) {
+  platform_->wake(~0U);  // it may have written samples without waking their readers
+  std::string text = "the process " + end.text;
   if (member.killed_for_hanging) {
     text = "the process did not come back to " + std::string{wait_function(member)} + " within " +
            to_text(stuck_after(member.model)) + " and was ended";
   }
-  if (const std::string words = member.output.last_words(); !words.empty())
+  if (const std::string words = member.program->last_line(); !words.empty())
     text += "; its last line was: " + words;
 
   if (member.state() == State::destruct) return;
@@ -201,12 +161,12 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
   if (phase_ == Phase::stopping || to_end) {
     take_from_tables(member);  // the last row may still come
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
-    apply(member, Event::destruct, end.text());
+    apply(member, Event::destruct, end.text);
     return;
   }
   if (member.command && member.command->begun && member.command->verb == Verb::stop && !member.scheduled() &&
       member.state() == State::executing) {
-    apply(member, Event::stop, end.text());
+    apply(member, Event::stop, end.text);
     return;
   }
   switch (member.state()) {
@@ -231,10 +191,8 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
         raise(member, ErrorType::hang, text,
               from_ns(member.slot->release_ns.load(std::memory_order_relaxed)));
       } else {
-        const os::CoreDump core =
-            end.signalled ? os::find_core_dump(member.last_pid, end.code) : os::CoreDump{};
         raise(member, ErrorType::crash, text, std::nullopt,
-              core.why.empty() ? "" : "; no core dump: " + core.why, core.file);
+              end.no_core.empty() ? "" : "; no core dump: " + end.no_core, end.core);
       }
       break;
     case State::destruct:
@@ -244,15 +202,15 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
 
 // Ends a program: first by the flag in its slot that ends its wait, then by SIGTERM, then by SIGKILL.
 void Supervisor::end_process(Member& member, Instant now) {
-  if (!member.child.running()) return;
+  if (!member.runs()) return;
   if (member.told_to_end == Instant{}) {
     member.told_to_end = now;
     if (member.slot != nullptr) {
       member.slot->end.store(1, std::memory_order_seq_cst);
-      wake(~0U);
+      platform_->wake(~0U);
     } else {
       member.end_signals = 1;
-      member.child.signal(os::kTerminate);
+      member.program->terminate();
     }
     return;
   }
@@ -260,29 +218,12 @@ void Supervisor::end_process(Member& member, Instant now) {
   if (member.end_signals < 1 && waited > kProcessEndLimit) {
     member.end_signals = 1;
     log(member, "does not return to its wait function; sending SIGTERM");
-    member.child.signal(os::kTerminate);
+    member.program->terminate();
   } else if (member.end_signals < 2 && waited > 2 * kProcessEndLimit) {
     member.end_signals = 2;
     log(member, "does not end on SIGTERM; sending SIGKILL");
-    member.child.signal(os::kKill);
+    member.program->kill();
   }
 }
 
-void Supervisor::wake(std::uint32_t bits) {
-  wake_word_->rings.fetch_add(1, std::memory_order_seq_cst);
-  os::futex_wake(wake_word_->rings, bits);
-}
-
-void Supervisor::forward_output() {
-  for (const auto& host : hosts_) {
-    const std::string name = host->share.is_own() ? "(host " + host->share.name + ")" : "(host)";
-    host->link.output().read([&](const std::string& line) { node::log(device().name, name, line); });
-  }
-  for (auto& member : members_) {
-    if (!member->is_process()) continue;
-    member->output.read(
-        [&](const std::string& line) { node::log(device().name, member->model.name, "| " + line); });
-  }
-}
-
-}  // namespace takt::node
+}  // namespace takt::supervision

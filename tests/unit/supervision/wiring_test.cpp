@@ -1,4 +1,4 @@
-#include <takt/node/wiring.hpp>
+#include <takt/supervision/wiring.hpp>
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include <takt/channel/release_slot.hpp>
 
-namespace takt::node::wiring_test {
+namespace takt::supervision::wiring_test {
 namespace {
 
 using model::Direction;
@@ -217,7 +217,7 @@ TEST_F(WiringPlanned, DoesNotCountObserversAsConnections) {
   ASSERT_TRUE(wiring.ok());
   const auto health_of = [&](std::uint32_t module, std::uint32_t readers) {
     return wiring->health(module, (*ports[module])[2], 0, [&](std::size_t) {
-      dds::FlowHealth flow;
+      wire::FlowHealth flow;
       flow.matched = readers;
       return std::optional{flow};
     });
@@ -241,7 +241,7 @@ TEST_F(WiringPlanned, CountsARequestWithoutAServiceAsUnmatched) {
   }();
   ASSERT_TRUE(wiring.ok());
   const PortHealth health =
-      wiring->health(0, (*ports[0])[2], 0, [](std::size_t) { return std::optional{dds::FlowHealth{}}; });
+      wiring->health(0, (*ports[0])[2], 0, [](std::size_t) { return std::optional{wire::FlowHealth{}}; });
   EXPECT_EQ(health.connections, 1U);
   EXPECT_EQ(health.matched, 0U);
 }
@@ -320,21 +320,6 @@ TEST_F(WiringPlanned, PlansNoLinkForUnknownPorts) {
   EXPECT_TRUE(local(plan()).empty());
 }
 
-TEST_F(WiringPlanned, PassesALinkToBothItsEnds) {
-  connect(end("here", "a", "out"), end("here", "b", "in"));
-  connect(end("here", "a", "out"), end("here", "p", "event"));
-  auto wiring = Wiring::create(plan());
-  ASSERT_TRUE(wiring.ok());
-  const auto ends = wiring->of_host(model::hosts_of(cell.devices[0]).front());
-  EXPECT_EQ(std::count_if(ends.begin(), ends.end(), [](const auto& e) { return e.typed; }), 2);
-  EXPECT_EQ(ends[0].fd, ends[1].fd);
-  const std::string program = wiring->of_program(3);
-  EXPECT_TRUE(program.starts_with("event=")) << program;
-  std::vector<const os::Fd*> fds;
-  wiring->inherit(fds, 3);
-  EXPECT_EQ(fds.size(), 2U) << "the link of its event, and that of its output to the gateway";
-}
-
 TEST_F(WiringPlanned, GivesReadersOfTheLatestValueASafeValue) {
   (*ports[0])[2].safe = R"({"x": 7})";
   connect(end("here", "a", "out"), end("here", "b", "in"));
@@ -381,4 +366,4 @@ TEST_F(WiringPlanned, AcceptsTheSafeValueOfAnotherDeviceLater) {
 }
 
 }  // namespace
-}  // namespace takt::node::wiring_test
+}  // namespace takt::supervision::wiring_test

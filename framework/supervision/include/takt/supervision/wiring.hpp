@@ -9,16 +9,15 @@
 #include <vector>
 
 #include <takt/channel/link.hpp>
+#include <takt/channel/shared.hpp>
 #include <takt/core/result.hpp>
-#include <takt/dds/gateway.hpp>
-#include <takt/host/protocol.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/hosts.hpp>
 #include <takt/model/ports.hpp>
 #include <takt/model/safe.hpp>
-#include <takt/os/shared_memory.hpp>
+#include <takt/wire/flow_health.hpp>
 
-namespace takt::node {
+namespace takt::supervision {
 
 /// A side of a link: a port of one of the device's modules, or the gateway.
 struct LinkEnd {
@@ -94,7 +93,7 @@ class Wiring {
  public:
   struct Wire {
     PlannedLink plan;
-    os::SharedMemory memory;
+    channel::Shared<std::byte> memory;
     channel::Link link;
     bool late = false;      ///< at the supervisor's last check
     bool connected = true;  ///< by a connection of the descriptor
@@ -112,21 +111,16 @@ class Wiring {
 
   /// The health of a port at this time (monotonic clock), from the links and, for links with a flow, from
   /// `on_dds`, which gets the index of the wire and returns nothing if the flow is not open.
-  using OnDds = std::function<std::optional<dds::FlowHealth>(std::size_t wire)>;
+  using OnDds = std::function<std::optional<wire::FlowHealth>(std::size_t wire)>;
   [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
                                   const OnDds& on_dds) const;
 
-  /// The links of a host's modules, for the host's setup.
-  [[nodiscard]] std::vector<host::PortLink> of_host(const model::HostShare& host) const;
-  /// The links of a program, as the value of TAKT_LINKS: "PORT=FD,PORT=FD".
-  [[nodiscard]] std::string of_program(std::uint32_t module) const;
-  /// Adds the descriptors of these links, or of a program's links, which the child process must inherit.
-  void inherit(std::vector<const os::Fd*>& into, const std::vector<host::PortLink>& links) const;
-  void inherit(std::vector<const os::Fd*>& into, std::uint32_t module) const;
+  /// The outgoing flow of a port; null if the module has no such output.
+  [[nodiscard]] const PlannedFlow* flow_of(std::uint32_t module, const std::string& port) const;
 
  private:
   std::vector<Wire> wires_;
   std::vector<PlannedFlow> flows_;
 };
 
-}  // namespace takt::node
+}  // namespace takt::supervision

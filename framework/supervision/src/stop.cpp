@@ -1,11 +1,12 @@
 // Shuts a device down: rows end, modules stop, destruct() is called, programs end, and the hosts end.
 #include <algorithm>
 
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
 #include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using channel::Doing;
 using lifecycle::Event;
@@ -15,20 +16,20 @@ void Supervisor::stop() {
   if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
   // Save the matched counts: other devices may end from now on, which would spoil the final report.
   for (const auto& member : members_) {
-    if (const model::ModulePorts& ports = options_.ports.at(member->index)) {
+    if (const model::ModulePorts& ports = parts_.ports.at(member->index)) {
       for (const model::Port& port : *ports)
-        matched_at_stop_[{member->index, port.name}] = health_of(*member, port, os::now()).matched;
+        matched_at_stop_[{member->index, port.name}] = health_of(*member, port, time()).matched;
     }
   }
   phase_ = Phase::stopping;
-  asked_at_ = os::now();
+  asked_at_ = time();
   for (auto& member : members_) {
     member->up_to = State::start;
     if (member->command) end_command(*member, REPLY_FAILED, "the device is shutting down");
   }
   // The modules stay in the tables until the last row has ended, so that no row runs without them.
   for (const auto& host : hosts_)
-    host->halted = !host->link.running() || !host->link.ask({.what = host::Request::Do::halt});
+    host->halted = !host->process->running() || !host->process->ask({.what = host::Request::Do::halt});
 }
 
 void Supervisor::stopping_step(Instant now) {
@@ -36,19 +37,19 @@ void Supervisor::stopping_step(Instant now) {
   for (const auto& host : hosts_) {
     if (host->halted) continue;
     halted = false;
-    if (now - asked_at_ <= kHaltLimit || !host->link.running() || host->hung) continue;
+    if (now - asked_at_ <= kHaltLimit || !host->process->running() || host->hung) continue;
     host->hung = never_halts(*host);
     if (!host->hung)
       log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
           "; the node kills it");
-    host->link.kill();
+    host->process->kill();
   }
   if (!halted) return;
   bool all = true;
   for (auto& member : members_) {
     take_from_tables(*member);
     destruct(*member, now);
-    all &= member->state() == State::destruct && !member->child.running();
+    all &= member->state() == State::destruct && !member->runs();
   }
   if (!all) {
     asked_at_ = now;
@@ -56,21 +57,19 @@ void Supervisor::stopping_step(Instant now) {
   }
   if (!end_asked_) {
     end_asked_ = true;
-    for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::end});
+    for (const auto& host : hosts_) host->process->ask({.what = host::Request::Do::end});
   }
   bool running = false;
   for (const auto& host : hosts_) {
-    if (host->link.running() && now - asked_at_ > kHostEndLimit) host->link.kill();
-    running |= host->link.running();
+    if (host->process->running() && now - asked_at_ > kHostEndLimit) host->process->kill();
+    running |= host->process->running();
   }
   if (running) return;
   // Writing the last files may take long, and the node's thread must not wait for it.
-  const bool recorded = !flight_ || flight_->finish();
-  const bool retained = !retained_ || retained_->finish();
-  if (!(recorded && retained) && now - asked_at_ < kHostEndLimit + kWrittenWithin) return;
-  forward_output();
-  report_violations();
-  fail_by_violations();
+  if (!platform_->finish() && now - asked_at_ < kHostEndLimit + kWrittenWithin) return;
+  platform_->step(now);
+  report_detections();
+  for (Problem& problem : platform_->final_problems()) failures_.push_back(std::move(problem));
   watch_counts();
   ports_watched_at_ = {};
   watch_ports(now);
@@ -79,7 +78,7 @@ void Supervisor::stopping_step(Instant now) {
 
 void Supervisor::destruct(Member& member, Instant now) {
   if (member.is_process()) {
-    if (member.child.running()) {
+    if (member.runs()) {
       end_process(member, now);  // the end of a program is its destruct
     } else if (member.state() != State::destruct) {
       if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
@@ -89,11 +88,11 @@ void Supervisor::destruct(Member& member, Instant now) {
   }
   if (member.state() == State::destruct || member.pending) return;
   if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
-  if (member.lost || member.reload || !host_of(member).link.running() || member.state() == State::idle) {
+  if (member.lost || member.reload || !host_of(member).process->running() || member.state() == State::idle) {
     apply(member, Event::destruct);
   } else {
     ask(member, Doing::destruct);
   }
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

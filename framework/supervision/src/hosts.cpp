@@ -2,52 +2,30 @@
 #include <algorithm>
 
 #include <takt/core/check.hpp>
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
-#include <takt/os/core_dump.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
 #include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using channel::Doing;
 using lifecycle::Event;
 using lifecycle::State;
 
-Result<void> Supervisor::start_host(Hosted& host) {
-  host::Setup setup{.device = device(),
-                    .share = host.index,
-                    .paths = options_.paths,
-                    .executor_cpus = placement_.executors,
-                    .background_cpus = placement_.background,
-                    .slot_fds = {},
-                    .wake_word_fd = wake_word_memory_.fd().get(),
-                    .saved_fd = saved_memory_.fd().get(),
-                    .links = wiring_.of_host(host.share)};
-  std::vector<const os::Fd*> inherit{&wake_word_memory_.fd(), &saved_memory_.fd()};
-  for (const auto& member : members_) {
-    const bool released = member->slot != nullptr && member->host == host.index;
-    setup.slot_fds.push_back(released ? member->slot_memory.fd().get() : -1);
-    if (released) inherit.push_back(&member->slot_memory.fd());
-  }
-  wiring_.inherit(inherit, setup.links);
-  std::vector<std::pair<std::string, std::string>> environment;
-  if (violations_) environment = violations_->environment(inherit);
-  inherit.push_back(&flight_->fd());
-  environment.emplace_back("TAKT_FLIGHT_FD", std::to_string(flight_->fd().get()));
-  return host.link.start(channel_, setup, inherit, environment);
-}
+Hosted& Supervisor::host_of(const Member& member) const { return *hosts_[member.host]; }
 
 void Supervisor::ask(Member& member, Doing hook, ErrorType type) {
   TAKT_CHECK(!member.lost);
   member.pending = hook;
-  host_of(member).link.ask({.what = host::Request::Do::call,
-                            .module = member.index,
-                            .hook = hook,
-                            .error_type = static_cast<int>(type)});
+  host_of(member).process->ask({.what = host::Request::Do::call,
+                                .module = member.index,
+                                .hook = hook,
+                                .error_type = static_cast<int>(type)});
 }
 
 void Supervisor::take_answers(Hosted& host) {
-  while (auto answer = host.link.answer()) {
+  while (auto answer = host.process->answer()) {
     switch (answer->request.what) {
       case host::Request::Do::call: {
         Member* const member = member_at(answer->request.module);
@@ -67,7 +45,7 @@ void Supervisor::take_answers(Hosted& host) {
         break;
       case host::Request::Do::begin:
         for (const std::string& warning : answer->warnings) {
-          real_time_ = false;
+          parts_.real_time = false;
           log("WARNING: not real-time: " + warning);
         }
         if (!answer->ok) fail_device(fail(answer->text));
@@ -159,12 +137,12 @@ void Supervisor::begin_rows() {
     if (member->scheduled() && member->wanted() && member->state() == State::start) put_in_tables(*member);
   }
   rows_begun_ = true;
-  for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::begin});
+  for (const auto& host : hosts_) host->process->ask({.what = host::Request::Do::begin});
 }
 
 // Detects a run() or a hook that does not return.
 void Supervisor::watch_host(Hosted& host, Instant now) {
-  if (!host.link.running() || host.hung) return;
+  if (!host.process->running() || host.hung) return;
   const auto since = [now](const channel::Activity& activity) {
     return now - from_ns(activity.since_ns.load());
   };
@@ -174,7 +152,7 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
       member != nullptr && since(hooks) > kHookLimit) {
     const Doing doing = hooks.doing.load();
     if (member->pending == doing) {
-      host.link.ask({.what = host::Request::Do::give_up, .module = member->index});
+      host.process->ask({.what = host::Request::Do::give_up, .module = member->index});
       lose(*member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
            ErrorType::hang);
     }
@@ -185,16 +163,16 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
     const channel::Activity& service = member.block.service;
     if (service.module.load(std::memory_order_acquire) == 0 || since(service) <= kHookLimit || member.lost)
       continue;
-    host.link.ask({.what = host::Request::Do::give_up, .module = index});
+    host.process->ask({.what = host::Request::Do::give_up, .module = index});
     lose(member, "the handler of a service did not return within " + to_text(kHookLimit), ErrorType::hang);
   }
   for (const std::size_t e : host.share.executors) {
-    const channel::ExecutorBlock& block = channel_.executor(e);
+    const channel::ExecutorBlock& block = parts_.channel.executor(e);
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
       const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1);
       if (busy == nullptr || since(*activity) < stuck_after(busy->model)) continue;
       host.hung = {.module = busy->index, .doing = activity->doing.load(), .limit = stuck_after(busy->model)};
-      host.link.kill();
+      host.process->kill();
       return;
     }
   }
@@ -204,8 +182,8 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
 std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
   std::vector<const channel::Activity*> activities;
   for (const std::size_t e : host.share.executors) {
-    activities.push_back(&channel_.executor(e).row);
-    activities.push_back(&channel_.executor(e).sporadic);
+    activities.push_back(&parts_.channel.executor(e).row);
+    activities.push_back(&parts_.channel.executor(e).sporadic);
   }
   for (const std::uint32_t index : host.share.modules)
     activities.push_back(&members_[index]->block.background);
@@ -232,11 +210,11 @@ void clear_after(channel::ExecutorBlock& executor) {
 }
 }  // namespace
 
-void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
+void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
   fail_property_requests(host, host.name() + " of device " + device().name + " has ended");
-  wake(~0U);  // it may have written samples without waking their readers
+  platform_->wake(~0U);  // it may have written samples without waking their readers
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
-  std::string text = host.name() + " " + end.text();
+  std::string text = host.name() + " " + end.text;
   Member* culprit = nullptr;
   const ErrorType type = host.hung ? ErrorType::hang : ErrorType::crash;
   const channel::Crash& crash = host.block.crash;
@@ -251,17 +229,17 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
   const Doing doing = host.hung ? host.hung->doing : crash.doing.load();
   const bool swapped = culprit != nullptr && by_swap(*culprit, doing);
   if (swapped) {
-    const CrashCalls calls = host.hung ? CrashCalls{} : calls_of_crash(crash, *culprit);
+    const CrashCalls calls = host.hung ? CrashCalls{} : host.process->calls_of_crash(culprit->index);
     text += " of its new instance" + calls.place + calls.callers;
     end_swap(*culprit, REPLY_FAILED, "the old instance is loaded again: " + text);
     culprit = nullptr;
   }
   const bool crashed_itself = culprit != nullptr && type == ErrorType::crash;
-  const CrashCalls calls = crashed_itself ? calls_of_crash(crash, *culprit) : CrashCalls{};
+  const CrashCalls calls = crashed_itself ? host.process->calls_of_crash(culprit->index) : CrashCalls{};
   text += calls.place;
   const std::string reason = culprit == nullptr ? text : "module " + culprit->model.name + ": " + text;
   log(reason);
-  const auto since = host.hung ? std::optional{os::now() - host.hung->limit} : std::nullopt;
+  const auto since = host.hung ? std::optional{time() - host.hung->limit} : std::nullopt;
   host.hung.reset();
 
   // It crashed in its first run, and running_step() has not seen that run yet.
@@ -269,12 +247,10 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
       culprit->state() == State::start && culprit->in_tables()) {
     apply(*culprit, Event::run);
   }
-  if (culprit == nullptr) flight_->fault(text);
+  if (culprit == nullptr) platform_->fault(text);
+  platform_->host_died(host.share);
   clear_after(host.block);
-  for (const std::size_t e : host.share.executors) {
-    flight_->host_died(e);
-    clear_after(channel_.executor(e));
-  }
+  for (const std::size_t e : host.share.executors) clear_after(parts_.channel.executor(e));
   for (const std::uint32_t index : host.share.modules) {
     Member& member = *members_[index];
     member.block.background.end();
@@ -287,8 +263,7 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
 
   if (culprit != nullptr) {
     ++culprit->errors;
-    const os::CoreDump core = end.signalled ? os::find_core_dump(host.link.pid(), end.code) : os::CoreDump{};
-    crashed(*culprit, text, type, since, calls.callers, core.file);
+    crashed(*culprit, text, type, since, calls.callers, end.core);
   } else if (phase_ == Phase::preparing) {
     fail_device({"device " + device().name, text, "read its output above"});
   }
@@ -299,7 +274,7 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
     return;
   }
   if (culprit == nullptr && !swapped) {
-    const Instant now = os::now();
+    const Instant now = time();
     std::erase_if(host.restarts, [now](Instant then) { return now - then > kRestartWindow; });
     host.restarts.push_back(now);
     if (host.restarts.size() > kHostRestarts) {
@@ -327,7 +302,7 @@ void Supervisor::end_commands_of(const Hosted& host, const Member* culprit, cons
 }
 
 void Supervisor::restart_host(Hosted& host) {
-  if (auto started = start_host(host); !started) {
+  if (auto started = host.process->start(); !started) {
     fail_device(started.problems()[0]);
     return;
   }
@@ -337,8 +312,8 @@ void Supervisor::restart_host(Hosted& host) {
     Member& member = *members_[index];
     if (!member.lost && !member.reload && member.state() != State::destruct) bring_back(member);
   }
-  if (rows_begun_) host.link.ask({.what = host::Request::Do::begin});
-  if (background_begun_) host.link.ask({.what = host::Request::Do::background});
+  if (rows_begun_) host.process->ask({.what = host::Request::Do::begin});
+  if (background_begun_) host.process->ask({.what = host::Request::Do::background});
 }
 
 // Handles a module whose crash ended its host. In the shared host it is given up, because another crash would
@@ -357,7 +332,7 @@ void Supervisor::crashed(Member& member, const std::string& text, ErrorType type
   member.why = std::string{takt::to_text(type)} + ": " + text;
   member.stale = false;
   apply(member, Event::error, member.why, type);
-  member.recovery.failed(os::now(), since);
+  member.recovery.failed(time(), since);
 }
 
 // Gives up a host that ended again and again without a module seen at fault.
@@ -374,7 +349,7 @@ void Supervisor::give_up_host(Hosted& host, const std::string& text) {
     for (const std::uint32_t index : *of) {
       Member& member = *members_[index];
       if (!member.lost && member.state() != State::destruct) lose(member, why, ErrorType::crash);
-      if (member.child.running()) member.child.signal(os::kKill);
+      if (member.runs()) member.program->kill();
     }
   }
 }
@@ -388,4 +363,4 @@ void Supervisor::bring_back(Member& member) {
   ask(member, Doing::load);
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

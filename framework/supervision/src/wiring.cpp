@@ -1,4 +1,4 @@
-#include <takt/node/wiring.hpp>
+#include <takt/supervision/wiring.hpp>
 
 #include <algorithm>
 #include <tuple>
@@ -6,7 +6,7 @@
 #include <takt/channel/release_slot.hpp>
 #include <takt/schedule/logical_time.hpp>
 
-namespace takt::node {
+namespace takt::supervision {
 
 namespace {
 
@@ -282,7 +282,8 @@ Result<Wiring> Wiring::create(WiringPlan plan) {
   Wiring wiring;
   wiring.flows_ = std::move(plan.flows);
   for (PlannedLink& planned : plan.links) {
-    auto memory = os::SharedMemory::create("takt-link", channel::Link::layout(planned.options).size());
+    auto memory =
+        channel::Shared<std::byte>::create("takt-link", channel::Link::layout(planned.options).size());
     if (!memory) return memory.problems();
     channel::Link::format(memory->data(), planned.options);
     const channel::Link link{memory->data()};
@@ -355,41 +356,11 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
   return health;
 }
 
-std::vector<host::PortLink> Wiring::of_host(const model::HostShare& host) const {
-  std::vector<host::PortLink> ends;
-  for (const Wire& wire : wires_) {
-    for (const LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
-      if (!end->module || std::count(host.modules.begin(), host.modules.end(), *end->module) == 0) continue;
-      ends.push_back({*end->module, end->port, wire.memory.fd().get(), wire.plan.typed,
-                      end == &wire.plan.to && wire.plan.stale == model::Stale::error});
-    }
-  }
-  return ends;
+const PlannedFlow* Wiring::flow_of(std::uint32_t module, const std::string& port) const {
+  const auto found = std::find_if(flows_.begin(), flows_.end(), [&](const PlannedFlow& flow) {
+    return flow.outgoing && wires_[flow.links.front()].plan.from == LinkEnd{module, port};
+  });
+  return found == flows_.end() ? nullptr : &*found;
 }
 
-std::string Wiring::of_program(std::uint32_t module) const {
-  std::string text;
-  for (const Wire& wire : wires_) {
-    for (const LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
-      if (end->module != module) continue;
-      text += (text.empty() ? "" : ",") + end->port + "=" + std::to_string(wire.memory.fd().get());
-    }
-  }
-  return text;
-}
-
-void Wiring::inherit(std::vector<const os::Fd*>& into, const std::vector<host::PortLink>& links) const {
-  for (const Wire& wire : wires_) {
-    const int fd = wire.memory.fd().get();
-    const auto is_it = [fd](const host::PortLink& link) { return link.fd == fd; };
-    if (std::any_of(links.begin(), links.end(), is_it)) into.push_back(&wire.memory.fd());
-  }
-}
-
-void Wiring::inherit(std::vector<const os::Fd*>& into, std::uint32_t module) const {
-  for (const Wire& wire : wires_) {
-    if (wire.plan.from.module == module || wire.plan.to.module == module) into.push_back(&wire.memory.fd());
-  }
-}
-
-}  // namespace takt::node
+}  // namespace takt::supervision

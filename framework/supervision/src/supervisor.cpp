@@ -1,29 +1,34 @@
-#include <takt/node/supervisor.hpp>
+#include <takt/supervision/supervisor.hpp>
 
 #include <algorithm>
 
 #include <takt/core/words.hpp>
-#include <takt/node/log.hpp>
-#include <takt/os/clock.hpp>
-#include <takt/os/environment.hpp>
-#include <takt/os/real_time.hpp>
 #include <takt/schedule/plan.hpp>
+#include "hosted.hpp"
 #include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using channel::Doing;
 using lifecycle::Event;
 using lifecycle::State;
 
-Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
+Supervisor::Supervisor(Options options, std::shared_ptr<Platform> platform)
+    : options_(std::move(options)),
+      parts_{.cell = std::move(options_.cell),
+             .device = options_.device,
+             .paths = std::move(options_.paths),
+             .ports = std::move(options_.ports)},
+      platform_(std::move(platform)) {}
+
 Supervisor::~Supervisor() = default;
 
 void Supervisor::log(const Member& member, const std::string& text) const {
-  node::log(device().name, member.model.name, text);
+  platform_->log(member.model.name, text);
 }
 
-void Supervisor::log(const std::string& text) const { node::log(device().name, "", text); }
+void Supervisor::log(const std::string& text) const { platform_->log("", text); }
 
 bool Supervisor::apply(Member& member, Event event, const std::string& text, ErrorType error) {
   const auto step = member.machine.apply(event);
@@ -34,9 +39,11 @@ bool Supervisor::apply(Member& member, Event event, const std::string& text, Err
   if (member.is_process() && !member.scheduled()) trust(member, step->to == State::executing);
   log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
                   (text.empty() ? "" : " (" + on_one_line(text) + ")"));
-  record(member, *step, text);
-  if (options_.stepped)
-    options_.stepped({.module = member.index, .transition = *step, .error = error, .text = text});
+  const Step taken{.module = member.index, .transition = *step, .error = error, .text = text};
+  platform_->stepped(taken);
+  if (event == Event::error && phase_ == Phase::running)
+    platform_->fault("module " + member.model.name + ": " + text);
+  if (options_.stepped) options_.stepped(taken);
   return true;
 }
 
@@ -48,76 +55,34 @@ void Supervisor::fail_device(Problem problem) {
 }
 
 Result<void> Supervisor::prepare() {
-  os::raise_descriptor_limit();
-  if (const auto allowed = os::may_be_real_time(); !allowed) {
-    real_time_ = false;
-    Problems problems = allowed.problems();
-    for (Problem& problem : problems) problem.where = "device " + device().name;
-    if (options_.require_real_time) return problems;
-    log("WARNING: not real-time: " + in_words(allowed.problems()));
+  if (auto created = parts_.create(); !created) return created;
+  if (auto begun = platform_->begin(parts_); !begun) return begun;
+  auto flows = platform_->open_flows();
+  if (!flows) return flows.problems();
+  flows_ = std::move(*flows);
+
+  for (std::size_t i = 0; i < parts_.shares.size(); ++i) {
+    hosts_.push_back(
+        std::make_unique<Hosted>(parts_.shares[i], i, parts_.channel.host(i), platform_->make_host(i)));
   }
-  auto plan = schedule::plan(options_.cell, device());
-  if (!plan) return plan.problems();
-  plan_ = std::move(*plan);
-  watch_conditions();
-  placement_ = schedule::place(device().executors, os::allowed_cpus());
-  for (const std::string& warning : placement_.warnings) log("warning: " + warning);
-
-  std::vector<std::string> executors;
-  std::vector<std::string> modules;
-  for (const auto& executor : device().executors) executors.push_back(executor.name);
-  for (const auto& module : device().modules) modules.push_back(module.name);
-  const std::vector<model::HostShare> shares = model::hosts_of(device());
-  auto channel = channel::Channel::create(shares.size(), executors, modules);
-  if (!channel) return channel.problems();
-  channel_ = std::move(*channel);
-  for (const model::HostShare& share : shares)
-    hosts_.push_back(std::make_unique<Hosted>(share, hosts_.size(), channel_.host(hosts_.size())));
-  auto wake_word = os::SharedMemory::create("takt-wake_word", sizeof(channel::WakeWord));
-  if (!wake_word) return wake_word.problems();
-  wake_word_memory_ = std::move(*wake_word);
-  wake_word_ = reinterpret_cast<channel::WakeWord*>(wake_word_memory_.data());
-
-  auto saved = os::SharedMemory::create(
-      "takt-saved", std::max<std::size_t>(device().modules.size(), 1) * sizeof(channel::SavedState));
-  if (!saved) return saved.problems();
-  saved_memory_ = std::move(*saved);
-
-  if (options_.check_real_time) {
-    auto violations = Violations::create(device().modules.size(), device().executors.size());
-    if (!violations) return violations.problems();
-    violations_ = std::move(*violations);
-  }
-
-  options_.ports.resize(device().modules.size());
-  if (auto recorded = start_record(); !recorded) return recorded;
-  auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
-  if (!wiring) return wiring.problems();
-  wiring_ = std::move(*wiring);
-  if (options_.participant) {
-    auto flow_manager =
-        FlowManager::open(options_.participant, wake_word_memory_, wiring_, options_.cell, device().name);
-    if (!flow_manager) return flow_manager.problems();
-    flow_manager_ = std::move(*flow_manager);
-  }
-
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
-    members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
+    members_.push_back(std::make_unique<Member>(device().modules[i], i, parts_.channel.module(i)));
     Member& member = *members_.back();
-    member.inputs = wiring_.with_deadline(i);
-    if (!member.is_process() || !member.scheduled()) continue;
-    if (auto slot = create_slot(member); !slot) return slot;
+    member.inputs = parts_.wiring.with_deadline(i);
+    if (!member.is_process()) continue;
+    member.program = platform_->make_program(i);
+    member.slot = parts_.slot_of(i);
+    if (member.slot != nullptr) fill_slot(member);
   }
-  if (auto retained = retain(); !retained) return retained;
   for (const auto& host : hosts_) {
     for (const auto* of : {&host->share.modules, &host->share.programs}) {
       for (const std::uint32_t index : *of) members_[index]->host = host->index;
     }
   }
   for (const auto& host : hosts_) {
-    if (auto started = start_host(*host); !started) return started;
+    if (auto started = host->process->start(); !started) return started;
   }
-  asked_at_ = os::now();
+  asked_at_ = time();
   for (auto& member : members_) {
     if (member->is_thread()) {
       ask(*member, Doing::load);
@@ -130,36 +95,26 @@ Result<void> Supervisor::prepare() {
   return {};
 }
 
-// Loads what modules retain, and starts to write it to disk. A file that cannot be read is only a warning:
-// its module starts without the saved state.
-Result<void> Supervisor::retain() {
-  std::vector<Retained::One> all;
-  for (const auto& member : members_) {
-    if (!member->model.retain || options_.state_folder.empty()) continue;
-    SavedFile file{options_.state_folder, options_.cell.name, device().name, member->model.name};
-    channel::SavedState& state = saved_of(*member);
-    if (const auto read = file.read_into(state); !read) log(*member, "warning: " + in_words(read.problems()));
-    all.push_back({.file = std::move(file), .state = &state, .written = state.whole.load()});
+// Writes to the log and to the fault record what the platform has detected.
+void Supervisor::report_detections() {
+  for (const Detection& detection : platform_->detections()) {
+    if (!detection.module) {
+      log(detection.text);
+      continue;
+    }
+    const Member& member = *members_.at(*detection.module);
+    log(member, detection.text);
+    if (!detection.cause.empty()) note(member, model::FaultKind::not_real_time, detection.cause);
   }
-  if (all.empty()) return {};
-  auto retained = Retained::start(
-      std::move(all), [name = device().name](const std::string& text) { node::log(name, "", text); });
-  if (!retained) return retained.problems();
-  retained_ = std::move(*retained);
-  return {};
 }
 
 void Supervisor::step() {
-  const Instant now = os::now();
-  flight_->step(now);
-  for (const std::string& text : flight_->messages()) log(text);
-  forward_output();
+  const Instant now = time();
+  platform_->step(now);
   for (const auto& host : hosts_) {
-    host->link.flush();
     take_answers(*host);
-    if (auto end = host->link.ended()) {
+    if (auto end = host->process->ended()) {
       take_answers(*host);
-      forward_output();
       host_ended(*host, *end);
     }
   }
@@ -167,11 +122,10 @@ void Supervisor::step() {
     if (member->is_process()) watch_process(*member, now);
   }
   if (phase_ == Phase::ended) return;
-  if (flow_manager_) flow_manager_->step(now);
+  if (flows_) flows_->step(now);
   watch_writers();
   for (const auto& host : hosts_) watch_host(*host, now);
-  watch_gaps();
-  report_violations();
+  report_detections();
   watch_counts();
   watch_ports(now);
   if (phase_ == Phase::preparing) prepare_step();
@@ -183,9 +137,9 @@ void Supervisor::step() {
 }
 
 Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
-  if (!flow_manager_) return fail("this device is not connected to DDS");
+  if (!flows_) return fail("this device is not connected to DDS");
   const std::string name = device().name + "." + device().modules[module].name;
-  const auto& ports = options_.ports[module];
+  const auto& ports = parts_.ports[module];
   if (!ports)
     return fail("the ports of module " + name + " are not known", "connect one of them in the descriptor");
   for (const model::Port& each : *ports) {
@@ -207,7 +161,7 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
                 known.empty() ? "it has no ports" : suggestion(port, known));
   }
   if (found->direction != model::Direction::out) {
-    for (const model::Connection& connection : options_.cell.connections) {
+    for (const model::Connection& connection : parts_.cell.connections) {
       if (connection.to.device != device().name || connection.to.module != device().modules[module].name ||
           connection.to.port != port) {
         continue;
@@ -220,8 +174,8 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
     }
     return fail("port " + name + "." + port + " is an input without a connection");
   }
-  if (auto tapped = flow_manager_->tap(module, port, until); !tapped) return tapped.problems();
-  const PlannedFlow& flow = *flow_manager_->flow_of(module, port);
+  if (auto tapped = flows_->tap(module, port, until); !tapped) return tapped.problems();
+  const PlannedFlow& flow = *parts_.wiring.flow_of(module, port);
   return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
 }
 
@@ -233,17 +187,26 @@ Result<Tapped> Supervisor::open_service(std::uint32_t module, const model::Port&
     return fail(
         "module " + name + " is in " + lifecycle::to_text(member.state()) + ", but answers only in EXECUTING",
         "start it: takt start " + name);
-  if (auto opened = flow_manager_->open_service(module, service, until); !opened) return opened.problems();
-  const auto& ports = *options_.ports[module];
+  if (auto opened = flows_->open_service(module, service, until); !opened) return opened.problems();
+  const auto& ports = *parts_.ports[module];
   const auto reply = std::find_if(ports.begin(), ports.end(), [&](const model::Port& port) {
     return port.name == service + model::kReplyPort;
   });
   if (reply == ports.end())
     return fail("service " + in_quotes(service) + " of " + name + " has no reply port");
-  return Tapped{port_topic(options_.cell.name, {device().name, device().modules[module].name, request.name}),
+  return Tapped{port_topic(parts_.cell.name, {device().name, device().modules[module].name, request.name}),
                 model::to_text(request.type), true,
-                port_topic(options_.cell.name, {device().name, device().modules[module].name, reply->name}),
+                port_topic(parts_.cell.name, {device().name, device().modules[module].name, reply->name}),
                 model::to_text(reply->type)};
+}
+
+const lifecycle::Machine& Supervisor::machine(std::uint32_t module) const {
+  return members_.at(module)->machine;
+}
+
+void Supervisor::trace(Nanoseconds last, std::size_t most,
+                       std::function<void(const Result<std::string>&)> done) {
+  platform_->trace(last, most, std::move(done));
 }
 
 // Starts each module only when all are initialised.
@@ -252,7 +215,7 @@ void Supervisor::prepare_step() {
     return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
   };
   if (all([](const Member& m) { return m.state() == State::start; })) {
-    const auto opened = flow_manager_ ? flow_manager_->opened() : Result<void>{};
+    const auto opened = flows_ ? flows_->opened() : Result<void>{};
     if (opened && !opened->ok()) return fail_device(opened->problems()[0]);
     if (opened) phase_ = Phase::ready;
     return;
@@ -275,7 +238,7 @@ void Supervisor::go(Instant t0) {
   if (phase_ != Phase::ready) return;
   phase_ = Phase::running;
   t0_ = t0;
-  if (t0 < os::now()) join_grid(t0);
+  if (t0 < time()) join_grid(t0);
   for (const auto& host : hosts_) host->block.t0_ns.store(to_ns(t0), std::memory_order_release);
   for (auto& member : members_) {
     if (member->slot != nullptr) member->slot->t0_ns.store(to_ns(t0), std::memory_order_relaxed);
@@ -285,12 +248,12 @@ void Supervisor::go(Instant t0) {
 
 // Lets a restored deployment continue on its grid. The rows between T0 and now do not count as missed.
 void Supervisor::join_grid(Instant t0) {
-  const Instant first = os::now() + kJoinGridAhead;
-  for (std::size_t e = 0; e < plan_.executors.size(); ++e) {
-    const Nanoseconds basic = plan_.executors[e].basic_period;
+  const Instant first = time() + kJoinGridAhead;
+  for (std::size_t e = 0; e < parts_.plan.executors.size(); ++e) {
+    const Nanoseconds basic = parts_.plan.executors[e].basic_period;
     if (basic == Nanoseconds{0}) continue;
     const auto rows = static_cast<std::uint64_t>((first - t0 + basic - Nanoseconds{1}) / basic);
-    channel_.executor(e).next_row.store(rows, std::memory_order_relaxed);
+    parts_.channel.executor(e).next_row.store(rows, std::memory_order_relaxed);
   }
 }
 
@@ -298,43 +261,39 @@ void Supervisor::join_grid(Instant t0) {
 // the condition of a sporadic one; for that, the rows of its executor count.
 std::uint64_t Supervisor::cycles_of(const Member& member) const {
   const bool sporadic = member.model.operation == model::Operation::sporadic;
-  const auto& cycles = sporadic ? channel_.executor(executor_of(member)).cycles : member.block.cycles;
+  const auto& cycles = sporadic ? parts_.channel.executor(executor_of(member)).cycles : member.block.cycles;
   return cycles.load(std::memory_order_relaxed);
 }
 
 channel::Place Supervisor::place_of(const Member& member) const {
   return {.index = member.index,
           .block = &member.block,
-          .executor = member.scheduled() ? &channel_.executor(executor_of(member)) : nullptr,
+          .executor = member.scheduled() ? &parts_.channel.executor(executor_of(member)) : nullptr,
           .slot = member.slot};
 }
 
 void Supervisor::put_in_tables(Member& member) {
   member.seen_cycles = cycles_of(member);
-  member.put_in_at = os::now();
+  member.put_in_at = time();
   trust(member, true);
   channel::put_in(place_of(member));
+  platform_->in_tables(member.index, true);
   // Events that came while it was out of the tables are waiting already, and will not wake it.
-  if (member.slot != nullptr && member.slot->immediate != 0) wake(member.slot->wake_bit);
+  if (member.slot != nullptr && member.slot->immediate != 0) platform_->wake(member.slot->wake_bit);
 }
 
 void Supervisor::take_from_tables(Member& member) {
   trust(member, false);
   member.removal.begin(place_of(member));
+  platform_->in_tables(member.index, false);
 }
 
 bool Supervisor::is_out(const Member& member) const {
-  if (member.is_process() && !member.scheduled()) return !member.child.running();
+  if (member.is_process() && !member.scheduled()) return !member.runs();
   return member.removal.over(place_of(member));
 }
 
-std::size_t Supervisor::executor_of(const Member& member) const {
-  const auto& executors = device().executors;
-  const auto found = std::find_if(executors.begin(), executors.end(), [&](const auto& executor) {
-    return executor.name == member.model.executor;
-  });
-  return static_cast<std::size_t>(found - executors.begin());
-}
+std::size_t Supervisor::executor_of(const Member& member) const { return parts_.executor_of(member.model); }
 
 void Supervisor::running_step(Instant now) {
   // Background modules begin when each executor that has rows has run its first one.
@@ -342,12 +301,12 @@ void Supervisor::running_step(Instant now) {
     bool walked = true;
     for (const auto& member : members_) {
       if (member->scheduled()) {
-        walked &= channel_.executor(executor_of(*member)).cycles.load(std::memory_order_relaxed) > 0;
+        walked &= parts_.channel.executor(executor_of(*member)).cycles.load(std::memory_order_relaxed) > 0;
       }
     }
     if (walked) {
       background_begun_ = true;
-      for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::background});
+      for (const auto& host : hosts_) host->process->ask({.what = host::Request::Do::background});
       for (auto& member : members_) {
         if (member->scheduled() || !member->wanted() || member->state() != State::start) continue;
         if (member->is_thread()) {
@@ -398,18 +357,18 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text, 
   note(member, model::FaultKind::error, text + more, type, attachment);
   if (!apply(member, Event::error, member.why, type)) return;
   member.stale = type == ErrorType::stale;
-  member.recovery.failed(os::now(), since);
+  member.recovery.failed(time(), since);
   if (member.is_thread()) ask(member, Doing::error, type);
 }
 
 void Supervisor::attempt_recovery(Member& member) {
-  const bool alive = member.is_process() && member.child.running();
+  const bool alive = member.is_process() && member.runs();
   // A restarted program becomes ready or ends. A program that still runs must first leave its body.
   if (alive && (member.started_again || !is_out(member))) return;
-  if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).link.running())) return;
+  if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).process->running())) return;
   // Waiting for a value from another module does not count as an attempt.
-  if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, os::now())) return;
-  switch (member.recovery.next(os::now())) {
+  if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, time())) return;
+  switch (member.recovery.next(time())) {
     case lifecycle::Recovery::Step::wait:
       return;
     case lifecycle::Recovery::Step::give_up:
@@ -420,9 +379,10 @@ void Supervisor::attempt_recovery(Member& member) {
   }
   log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
                   std::to_string(member.model.recovery.attempts));
+  platform_->recovering(member.index, member.recovery.attempts());
   // Its saved state may be the cause of the crash.
   if ((member.reload || (member.is_process() && !alive)) && member.recovery.attempts() > 1)
-    saved_of(member).clear();
+    parts_.saved_of(member.index).clear();
   if (member.is_thread()) {
     ask(member, member.reload ? Doing::load : Doing::recover);
   } else if (alive) {
@@ -434,12 +394,12 @@ void Supervisor::attempt_recovery(Member& member) {
   } else {
     member.started_again = true;
   }
-  if (member.is_process() && !alive && member.child.running())
+  if (member.is_process() && !alive && member.runs())
     note(member, model::FaultKind::program_restart, "its program was restarted");
 }
 
 void Supervisor::recovered(Member& member) {
-  member.recovery.attempted(os::now(), true);
+  member.recovery.attempted(time(), true);
   member.started_again = member.reload = false;
   if (!apply(member, Event::recover)) return;
   note(member, model::FaultKind::recovered,
@@ -453,7 +413,7 @@ void Supervisor::not_recovered(Member& member, const std::string& text) {
   member.why = text;
   log(member, "could not recover: " + text);
   note(member, model::FaultKind::not_recovered, text);
-  member.recovery.attempted(os::now(), false);
+  member.recovery.attempted(time(), false);
 }
 
 void Supervisor::give_up(Member& member) {
@@ -482,7 +442,7 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   note(member, model::FaultKind::error, text + more, type, attachment);
   note(member, model::FaultKind::given_up, text);
   if (member.swap) {
-    host_of(member).link.ask({.what = host::Request::Do::give_up_swap, .module = member.index});
+    host_of(member).process->ask({.what = host::Request::Do::give_up_swap, .module = member.index});
     end_swap(member, REPLY_FAILED, text);
   }
   take_from_tables(member);
@@ -508,20 +468,4 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   }
 }
 
-std::vector<const os::Fd*> Supervisor::wait_on() {
-  std::vector<const os::Fd*> fds;
-  for (const auto& host : hosts_) {
-    if (!host->link.running()) continue;
-    fds.push_back(&host->link.fd());
-    fds.push_back(&host->link.output().output());
-    fds.push_back(&host->link.output().error());
-  }
-  for (const auto& member : members_) {
-    if (!member->is_process()) continue;
-    fds.push_back(&member->output.output());
-    fds.push_back(&member->output.error());
-  }
-  return fds;
-}
-
-}  // namespace takt::node
+}  // namespace takt::supervision

@@ -3,11 +3,12 @@
 #include <array>
 #include <utility>
 
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
 #include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using channel::Doing;
 using lifecycle::Event;
@@ -77,8 +78,8 @@ void Supervisor::command(std::uint32_t module, Verb verb, std::function<void(con
   if (member.swap) return refuse("a swap is still in progress");
   if (!allowed(verb, member.state())) return refuse(refusal(verb, member.state()));
   log(member, std::string{"command: "} + name_of(verb));
-  member.command = PendingCommand{.verb = verb, .done = std::move(done), .since = os::now()};
-  step_command(member, os::now());
+  member.command = PendingCommand{.verb = verb, .done = std::move(done), .since = time()};
+  step_command(member, time());
 }
 
 void Supervisor::end_command(Member& member, ReplyCode code, const std::string& text) {
@@ -140,8 +141,8 @@ void Supervisor::begin_command(Member& member) {
       member.recovery = lifecycle::Recovery{
           {.attempts = member.model.recovery.attempts, .backoff = member.model.recovery.backoff}};
       member.block.error.store(0, std::memory_order_relaxed);
-      saved_of(member).clear();  // a reset module starts without its saved state
-      if (Hosted& host = host_of(member); member.scheduled() && !host.link.running()) {  // host given up
+      parts_.saved_of(member.index).clear();  // a reset module starts without its saved state
+      if (Hosted& host = host_of(member); member.scheduled() && !host.process->running()) {  // host given up
         host.restarts.clear();
         note(member, model::FaultKind::host_restart, "the host was given up, and this module is reset");
         restart_host(host);
@@ -210,10 +211,10 @@ void Supervisor::step_command(Member& member, Instant now) {
       if (state == State::destruct && !member.pending) end_command(member, REPLY_FAILED, member.why);
       return;
     case Verb::destruct:
-      if (state == State::destruct && !member.child.running()) return end_command(member, REPLY_OK);
+      if (state == State::destruct && !member.runs()) return end_command(member, REPLY_OK);
       if (member.is_process() || is_out(member)) destruct(member, now);
       return;
   }
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

@@ -2,12 +2,15 @@
 // safe value.
 #include <utility>
 
-#include <takt/node/supervisor.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
+#include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 void Supervisor::give_safe(const std::vector<model::SafeOutput>& outputs) {
-  for (const model::SafeOutput& output : outputs) wiring_.give_safe(output);
+  for (const model::SafeOutput& output : outputs) parts_.wiring.give_safe(output);
 }
 
 // Publishes stops_cell in turn, for devices that do not receive the status of the failed device.
@@ -18,7 +21,7 @@ void Supervisor::stop_for(Problem problem) {
 
 // Called before the module can write its first sample, or while it may still be writing its last one.
 void Supervisor::trust(const Member& member, bool trusted) {
-  for (const Wiring::Wire& wire : wiring_.wires()) {
+  for (const Wiring::Wire& wire : parts_.wiring.wires()) {
     if (wire.plan.from.module != member.index || !wire.plan.writer.given()) continue;
     if (trusted)
       wire.link.trust();
@@ -30,8 +33,8 @@ void Supervisor::trust(const Member& member, bool trusted) {
 // Checks the writing modules of samples that arrive over DDS, because in those links the gateway is the
 // writer.
 void Supervisor::watch_writers() {
-  for (std::size_t i = 0; i < wiring_.wires().size(); ++i) {
-    const Wiring::Wire& wire = wiring_.wires()[i];
+  for (std::size_t i = 0; i < parts_.wiring.wires().size(); ++i) {
+    const Wiring::Wire& wire = parts_.wiring.wires()[i];
     const model::Endpoint& writer = wire.plan.writer;
     if (!writer.given() || wire.plan.from.module) continue;
     bool executes = false;
@@ -42,7 +45,7 @@ void Supervisor::watch_writers() {
               member->state() == lifecycle::State::executing && (member->in_tables() || !member->scheduled());
       }
     } else {
-      const auto flow = flow_manager_ ? flow_manager_->health(i) : std::nullopt;
+      const auto flow = flows_ ? flows_->health(i) : std::nullopt;
       executes =
           flow && flow->matched > 0 && options_.executes && options_.executes(writer.device, writer.module);
     }
@@ -53,4 +56,4 @@ void Supervisor::watch_writers() {
   }
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

@@ -1,16 +1,19 @@
-// A host process under the node's supervision.
+// A host process under supervision.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <takt/channel/layout.hpp>
 #include <takt/core/time.hpp>
 #include <takt/model/hosts.hpp>
-#include <takt/node/host_link.hpp>
+#include <takt/supervision/platform.hpp>
 
-namespace takt::node {
+namespace takt::supervision {
 
 /// A call that did not return within its limit.
 struct Hang {
@@ -20,13 +23,13 @@ struct Hang {
 };
 
 struct Hosted {
-  Hosted(model::HostShare s, std::size_t i, channel::HostBlock& b)
-      : share(std::move(s)), index(i), block(b) {}
+  Hosted(model::HostShare s, std::size_t i, channel::HostBlock& b, std::unique_ptr<Host> p)
+      : share(std::move(s)), index(i), block(b), process(std::move(p)) {}
 
   const model::HostShare share;
   const std::size_t index;  ///< in model::hosts_of()
   channel::HostBlock& block;
-  HostLink link;
+  std::unique_ptr<Host> process;
   bool halted = false;              ///< its executors have ended
   std::optional<Hang> hung;         ///< the hang for which the node killed it
   std::vector<Instant> restarts{};  ///< restarts for which no module was seen at fault
@@ -37,4 +40,4 @@ struct Hosted {
   }
 };
 
-}  // namespace takt::node
+}  // namespace takt::supervision

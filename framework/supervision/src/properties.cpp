@@ -1,9 +1,12 @@
 // Reads and sets properties of modules while the device runs; the host holds those of thread modules.
 #include <utility>
 
-#include <takt/node/supervisor.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
+#include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using lifecycle::State;
 
@@ -45,7 +48,7 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
           "; its properties can be read and set once it is in INITIALIZE";
   } else if (member.swap && request.what == host::Request::Do::set) {
     why = "a swap of " + member.model.name + " is still in progress; try again later";
-  } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_of(member).link.running()) {
+  } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_of(member).process->running()) {
     why = "the host of device " + device().name + " is not running";
   }
   if (!why.empty()) {
@@ -54,7 +57,7 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
   }
   request.id = ++property_requests_made_;
   property_requests_.emplace(request.id, PropertyRequest{.module = request.module, .done = std::move(done)});
-  host_of(member).link.ask(request);  // if the host has ended, host_ended() answers
+  host_of(member).process->ask(request);  // if the host has ended, host_ended() answers
 }
 
 void Supervisor::property_answered(const host::Answer& answer) {
@@ -65,8 +68,8 @@ void Supervisor::property_answered(const host::Answer& answer) {
   if (!asked && answer.ok) {
     log(member, answer.request.property + " = " + answer.request.value);
     // Keep the value for a restart of the host, which may be another module's fault.
-    model::give_property(options_.cell.devices[options_.device].modules[member.index],
-                         answer.request.property, answer.request.value);
+    model::give_property(parts_.cell.devices[parts_.device].modules[member.index], answer.request.property,
+                         answer.request.value);
   }
   request.mapped().done({.code = answer.ok ? REPLY_OK : REPLY_REFUSED,
                          .state = member.state(),
@@ -87,4 +90,4 @@ void Supervisor::fail_property_requests(const Hosted& host, const std::string& w
   }
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

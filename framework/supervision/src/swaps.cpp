@@ -2,11 +2,12 @@
 // notice. An error of the new instance does not affect the old one, unless it ends the host.
 #include <utility>
 
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
+#include <takt/supervision/supervisor.hpp>
+#include "hosted.hpp"
 #include "limits.hpp"
+#include "member.hpp"
 
-namespace takt::node {
+namespace takt::supervision {
 
 using channel::Doing;
 using lifecycle::State;
@@ -44,10 +45,10 @@ void Supervisor::swap(std::uint32_t module, const std::string& path,
   }
   log(member, "command: swap to " + path);
   member.swap = PendingSwap{.path = path, .done = std::move(done)};
-  host_of(member).link.ask({.what = host::Request::Do::swap,
-                            .module = module,
-                            .hook = Doing::load,
-                            .value = path});  // if the host has ended, host_ended() answers
+  host_of(member).process->ask({.what = host::Request::Do::swap,
+                                .module = module,
+                                .hook = Doing::load,
+                                .value = path});  // if the host has ended, host_ended() answers
 }
 
 void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& text) {
@@ -55,7 +56,7 @@ void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& tex
   const PendingSwap swap = *std::exchange(member.swap, std::nullopt);
   if (code == REPLY_OK) {
     // A restarted host loads the new file too.
-    options_.paths.at(member.index) = swap.path;
+    parts_.paths.at(member.index) = swap.path;
     log(member, "runs " + swap.path + " " + text);
   } else {
     log(member, "swap failed: " + text);
@@ -68,7 +69,7 @@ void Supervisor::watch_swaps(Hosted& host, Instant now) {
   const channel::Activity& activity = host.block.swap;
   Member* const member = member_at(activity.module.load(std::memory_order_acquire) - 1);
   if (member == nullptr || !member->swap || now - from_ns(activity.since_ns.load()) <= kHookLimit) return;
-  host.link.ask({.what = host::Request::Do::give_up_swap, .module = member->index});
+  host.process->ask({.what = host::Request::Do::give_up_swap, .module = member->index});
   end_swap(
       *member, REPLY_FAILED,
       std::string{channel::to_text(activity.doing.load())} + " did not return within " + to_text(kHookLimit));
@@ -81,4 +82,4 @@ bool Supervisor::by_swap(const Member& member, Doing doing) {
          doing == Doing::destruct;
 }
 
-}  // namespace takt::node
+}  // namespace takt::supervision

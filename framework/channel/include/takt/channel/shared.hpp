@@ -1,0 +1,42 @@
+// An array of objects in memory that a device's processes share.
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <string>
+
+#include <takt/core/result.hpp>
+#include <takt/os/shared_memory.hpp>
+
+namespace takt::channel {
+
+/// Holds objects of a type that is valid when all its bytes are 0. It lives as long as this object, across
+/// restarts of the processes that use it.
+template <class T>
+class Shared {
+ public:
+  Shared() = default;
+  /// `name` is only for people (/proc/PID/maps).
+  static Result<Shared> create(const std::string& name, std::size_t count = 1) {
+    auto memory = os::SharedMemory::create(name, count * sizeof(T));
+    if (!memory) return memory.problems();
+    Shared shared;
+    shared.memory_ = std::move(*memory);
+    return shared;
+  }
+
+  [[nodiscard]] explicit operator bool() const noexcept { return memory_.data() != nullptr; }
+  /// Requires memory; `index` must be below the count.
+  [[nodiscard]] T& operator[](std::size_t index) const noexcept { return data()[index]; }
+  /// Null without memory.
+  [[nodiscard]] T* data() const noexcept {
+    std::byte* const bytes = memory_.data();
+    return bytes == nullptr ? nullptr : std::launder(reinterpret_cast<T*>(bytes));
+  }
+  [[nodiscard]] const os::SharedMemory& memory() const noexcept { return memory_; }
+
+ private:
+  os::SharedMemory memory_;
+};
+
+}  // namespace takt::channel

@@ -1,0 +1,134 @@
+#include "host_process.hpp"
+
+#include <algorithm>
+
+#include <takt/node/log.hpp>
+#include <takt/node/violations.hpp>
+#include <takt/os/core_dump.hpp>
+
+namespace takt::node {
+
+namespace {
+
+/// The links of a host's modules, for its setup.
+std::vector<host::PortLink> links_of(const model::HostShare& share, const supervision::Wiring& wiring,
+                                     std::vector<const os::Fd*>& inherit) {
+  std::vector<host::PortLink> ends;
+  for (const supervision::Wiring::Wire& wire : wiring.wires()) {
+    const std::size_t before = ends.size();
+    for (const supervision::LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
+      if (!end->module || std::count(share.modules.begin(), share.modules.end(), *end->module) == 0) continue;
+      ends.push_back({*end->module, end->port, wire.memory.memory().fd().get(), wire.plan.typed,
+                      end == &wire.plan.to && wire.plan.stale == model::Stale::error});
+    }
+    if (ends.size() > before) inherit.push_back(&wire.memory.memory().fd());
+  }
+  return ends;
+}
+
+}  // namespace
+
+supervision::ProcessEnd end_of(int pid, const os::ProcessEnd& end) {
+  const os::CoreDump core = end.signalled ? os::find_core_dump(pid, end.code) : os::CoreDump{};
+  return {.text = end.text(),
+          .signalled = end.signalled,
+          .code = end.code,
+          .core = core.file,
+          .no_core = core.why};
+}
+
+Result<void> HostProcess::start() {
+  auto sockets = os::MessageSocket::pair();
+  if (!sockets) return sockets.problems();
+  socket_ = std::move(sockets->first);
+  os::MessageSocket theirs = std::move(sockets->second);
+
+  Inheritance more = inheritance_();
+  std::vector<const os::Fd*>& inherit = more.descriptors;
+  const os::Fd& wake_word = parts_.wake_word.memory().fd();
+  const os::Fd& saved = parts_.saved.memory().fd();
+  inherit.insert(inherit.end(), {&wake_word, &saved, &theirs.fd(), &parts_.channel.fd()});
+  const model::HostShare& share = parts_.shares[share_];
+  host::Setup setup{.device = parts_.of_device(),
+                    .share = share_,
+                    .paths = parts_.paths,
+                    .executor_cpus = parts_.placement.executors,
+                    .background_cpus = parts_.placement.background,
+                    .slot_fds = {},
+                    .wake_word_fd = wake_word.get(),
+                    .saved_fd = saved.get(),
+                    .links = links_of(share, parts_.wiring, inherit)};
+  for (std::uint32_t i = 0; i < parts_.slots.size(); ++i) {
+    const bool released = parts_.slots[i] && std::count(share.programs.begin(), share.programs.end(), i) != 0;
+    setup.slot_fds.push_back(released ? parts_.slots[i].memory().fd().get() : -1);
+    if (released) inherit.push_back(&parts_.slots[i].memory().fd());
+  }
+
+  os::SpawnOptions options{.program = os::private_directory() + "/takt-host",
+                           .arguments = {},
+                           .environment = {{"TAKT_NODE_FD", std::to_string(theirs.fd().get())},
+                                           {"TAKT_CHANNEL_FD", std::to_string(parts_.channel.fd().get())}},
+                           .inherit = inherit,
+                           .capture_output = true,
+                           .dies_with_parent = false};  // it shuts down when its socket closes
+  options.environment.insert(options.environment.end(), more.environment.begin(), more.environment.end());
+  auto child = os::Child::spawn(options);
+  if (!child) return child.problems();
+  child_ = std::move(*child);
+  pid_ = child_.pid();
+  output_ = Output{std::move(child_.output), std::move(child_.error)};
+  static_cast<void>(socket_.send(host::encode(setup)));  // if it has already ended, ended() tells how
+  return {};
+}
+
+std::optional<host::Answer> HostProcess::answer() {
+  while (auto text = socket_.receive()) {
+    if (auto answer = host::decode_answer(*text)) return std::move(*answer);
+  }
+  return std::nullopt;
+}
+
+std::optional<supervision::ProcessEnd> HostProcess::ended() {
+  const auto end = child_.poll();
+  if (!end) return std::nullopt;
+  step(parts_.of_device().name);
+  return end_of(pid_, *end);
+}
+
+supervision::CrashCalls HostProcess::calls_of_crash(std::uint32_t module) {
+  constexpr std::size_t kShown = 5;
+  const channel::Crash& crash = parts_.channel.host(share_).crash;
+  const std::uint32_t depth = std::min<std::uint32_t>(crash.depth.load(std::memory_order_acquire),
+                                                      channel::Crash::kFrames);  // SYNC: crash frame
+  if (!symbols_) symbols_.emplace();
+  const std::string host = os::private_directory() + "/takt-host";
+  std::vector<std::string> calls;
+  for (std::uint32_t i = 0; i < depth; ++i) {
+    const channel::CrashFrame& frame = crash.frames[i];
+    std::string object{frame.object.view()};
+    if (object.empty()) object = host;
+    // The host loads a module from a copy of its file in memory.
+    if (object.starts_with("/proc/self/fd/")) object = parts_.paths.at(module);
+    // Skip the host's calls of the module.
+    if (!calls.empty() && object == host) break;
+    calls.push_back(symbols_->name(object, frame.address));
+  }
+  const std::string text = called_by(calls, kShown);
+  if (text.empty()) return {};
+  const std::size_t end = std::min(text.find(", called by "), text.size());
+  return {.place = ", " + text.substr(0, end), .callers = text.substr(end)};
+}
+
+void HostProcess::step(const std::string& device) {
+  socket_.flush();
+  const model::HostShare& share = parts_.shares[share_];
+  const std::string name = share.is_own() ? "(host " + share.name + ")" : "(host)";
+  output_.read([&](const std::string& line) { log(device, name, line); });
+}
+
+void HostProcess::wait_on(std::vector<const os::Fd*>& fds) const {
+  if (!running()) return;
+  fds.insert(fds.end(), {&socket_.fd(), &output_.output(), &output_.error()});
+}
+
+}  // namespace takt::node

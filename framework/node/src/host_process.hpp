@@ -1,0 +1,58 @@
+// A takt-host process, and the node's end of the connection to it.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <takt/node/output.hpp>
+#include <takt/node/symbols.hpp>
+#include <takt/os/message_socket.hpp>
+#include <takt/os/process.hpp>
+#include <takt/supervision/parts.hpp>
+#include <takt/supervision/platform.hpp>
+
+namespace takt::node {
+
+/// What each process of a device gets in addition to its own parts.
+struct Inheritance {
+  std::vector<const os::Fd*> descriptors;
+  std::vector<std::pair<std::string, std::string>> environment;
+};
+
+class HostProcess final : public supervision::Host {
+ public:
+  /// `inheritance` is called at each start.
+  HostProcess(const supervision::Parts& parts, std::size_t share, std::function<Inheritance()> inheritance)
+      : parts_(parts), share_(share), inheritance_(std::move(inheritance)) {}
+
+  Result<void> start() override;
+  bool ask(const host::Request& request) override { return socket_.send(host::encode(request)); }
+  std::optional<host::Answer> answer() override;
+  std::optional<supervision::ProcessEnd> ended() override;
+  void kill() override { child_.signal(os::kKill); }
+  [[nodiscard]] bool running() const override { return child_.running(); }
+  [[nodiscard]] int pid() const override { return pid_; }
+  supervision::CrashCalls calls_of_crash(std::uint32_t module) override;
+
+  /// Sends requests that did not fit into the socket, and passes on what the host printed.
+  void step(const std::string& device);
+  void wait_on(std::vector<const os::Fd*>& fds) const;
+
+ private:
+  const supervision::Parts& parts_;
+  const std::size_t share_;
+  const std::function<Inheritance()> inheritance_;
+  os::MessageSocket socket_;
+  os::Child child_;
+  Output output_;
+  int pid_ = 0;
+  std::optional<Symbols> symbols_;  // only after a crash
+};
+
+/// How a child ended, with its core dump.
+supervision::ProcessEnd end_of(int pid, const os::ProcessEnd& end);
+
+}  // namespace takt::node

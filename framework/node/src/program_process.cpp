@@ -1,0 +1,78 @@
+#include "program_process.hpp"
+
+#include <takt/host/inspect.hpp>
+#include <takt/node/log.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/schedule/placement.hpp>
+
+namespace takt::node {
+
+namespace {
+
+/// The links of a program, as the value of TAKT_LINKS: "PORT=FD,PORT=FD".
+std::string links_of(std::uint32_t module, const supervision::Wiring& wiring,
+                     std::vector<const os::Fd*>& inherit) {
+  std::string text;
+  for (const supervision::Wiring::Wire& wire : wiring.wires()) {
+    const os::Fd& fd = wire.memory.memory().fd();
+    for (const supervision::LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
+      if (end->module == module)
+        text += (text.empty() ? "" : ",") + end->port + "=" + std::to_string(fd.get());
+    }
+    if (wire.plan.from.module == module || wire.plan.to.module == module) inherit.push_back(&fd);
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<void> ProgramProcess::start() {
+  os::SpawnOptions options{.program = parts_.paths[module_],
+                           .arguments = host::arguments_of(model()),
+                           .environment = {},
+                           .inherit = {},
+                           .capture_output = true};
+  const bool released = static_cast<bool>(parts_.slots[module_]);
+  if (released) {
+    Inheritance more = inheritance_();
+    options.environment = std::move(more.environment);
+    options.inherit = std::move(more.descriptors);
+    const os::Fd& slot = parts_.slots[module_].memory().fd();
+    const os::Fd& wake_word = parts_.wake_word.memory().fd();
+    options.inherit.insert(options.inherit.end(), {&slot, &wake_word});
+    options.environment.emplace_back("TAKT_SLOT_FD", std::to_string(slot.get()));
+    options.environment.emplace_back("TAKT_WAKE_WORD_FD", std::to_string(wake_word.get()));
+    options.environment.emplace_back("TAKT_LINKS", links_of(module_, parts_.wiring, options.inherit));
+  }
+  auto child = os::Child::spawn(options);
+  if (!child) return child.problems();
+  child_ = std::move(*child);
+  output_ = Output{std::move(child_.output), std::move(child_.error)};
+  pid_ = child_.pid();
+  static_cast<void>(os::pin(pid_, parts_.placement.background));
+  if (!released) static_cast<void>(os::make_background(pid_));
+  return {};
+}
+
+std::optional<supervision::ProcessEnd> ProgramProcess::ended() {
+  const auto end = child_.poll();
+  if (!end) return std::nullopt;
+  step(parts_.of_device().name);
+  return end_of(pid_, *end);
+}
+
+Result<void> ProgramProcess::make_real_time() {
+  const int executor = parts_.plan.executors[parts_.executor_of(model())].priority;
+  return os::make_real_time(parts_.slots[module_][0].thread.load(),
+                            schedule::program_priority(executor, model().operation));
+}
+
+void ProgramProcess::step(const std::string& device) {
+  output_.read([&](const std::string& line) { log(device, model().name, "| " + line); });
+}
+
+void ProgramProcess::wait_on(std::vector<const os::Fd*>& fds) const {
+  fds.insert(fds.end(), {&output_.output(), &output_.error()});
+}
+
+}  // namespace takt::node

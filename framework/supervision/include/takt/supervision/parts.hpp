@@ -1,0 +1,55 @@
+// What a device's supervision, its hosts, programs and flows have in common: the descriptor, the table, and
+// the shared memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <takt/channel/channel.hpp>
+#include <takt/channel/release_slot.hpp>
+#include <takt/channel/saved_state.hpp>
+#include <takt/channel/shared.hpp>
+#include <takt/core/result.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/model/hosts.hpp>
+#include <takt/model/ports.hpp>
+#include <takt/schedule/placement.hpp>
+#include <takt/schedule/plan.hpp>
+#include <takt/supervision/wiring.hpp>
+
+namespace takt::supervision {
+
+struct Parts {
+  /// Plans the device's table and creates its memory. Requires cell, device, paths and ports.
+  Result<void> create();
+
+  [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
+  /// The index of the executor that a module names.
+  [[nodiscard]] std::size_t executor_of(const model::Module& module) const;
+  /// Null for a module without releases.
+  [[nodiscard]] channel::ReleaseSlot* slot_of(std::uint32_t module) const { return slots[module].data(); }
+  /// What a module saves: in its slot, or in `saved` if it has none.
+  [[nodiscard]] channel::SavedState& saved_of(std::uint32_t module) const {
+    return slots[module] ? slots[module][0].saved : saved[module];
+  }
+
+  model::Cell cell;
+  std::size_t device = 0;
+  std::vector<std::string> paths;         ///< the component of each module; a swap changes it
+  std::vector<model::ModulePorts> ports;  ///< of each module; none: not known
+
+  std::vector<model::HostShare> shares{};  ///< model::hosts_of(device)
+  schedule::DevicePlan plan{};
+  schedule::Placement placement{};  ///< the platform chooses it
+  bool real_time = true;            ///< false once the machine has denied it
+
+  channel::Channel channel{};
+  channel::Shared<channel::WakeWord> wake_word{};
+  channel::Shared<channel::SavedState> saved{};                ///< for each module
+  std::vector<channel::Shared<channel::ReleaseSlot>> slots{};  ///< for each module; empty: it has no releases
+  Wiring wiring{};
+};
+
+}  // namespace takt::supervision
