@@ -1,9 +1,12 @@
 // The strands of a simulated device, which are threads and programs on a real one: rows, sporadic modules,
 // non-real-time modules, process modules and the gateway.
 #include <algorithm>
+#include <map>
+#include <string>
 
 #include "member.hpp"
 #include "network.hpp"
+#include "virtual_platform.hpp"
 
 namespace takt::simulation {
 
@@ -25,37 +28,17 @@ Nanoseconds store_seen(Draws& draws) { return draws.between(Nanoseconds{100}, Na
 /// The time from ringing for the gateway until it has taken the samples.
 constexpr Nanoseconds kGatewayShortest = microseconds{15};
 constexpr Nanoseconds kGatewayLongest = microseconds{60};
-/// The time from the death of a host until its node knows.
-constexpr Nanoseconds kEndSeenShortest = microseconds{300};
-constexpr Nanoseconds kEndSeenLongest = microseconds{5000};
 /// The pause between runs of a non-real-time module without a period.
 constexpr Nanoseconds kBackgroundPause = std::chrono::milliseconds{5};
 
 }  // namespace
 
-void Device::begin_strands() {
-  for (auto& pointer : rows_) {
-    Row& row = *pointer;
-    if (row.plan.basic_period == Nanoseconds{0}) continue;
-    row.halted = false;
-    const model::Executor& executor = model().executors[row.index];
-    // Executors that name the same CPU share it.
-    row.rows = &world_.kernel.spawn(place_of(row.index, executor.cpu, row.index, 0),
-                                    [this, &row] { walk_rows(row); });
-    host_strands_.push_back(row.rows);
-    if (row.plan.sporadic.empty()) continue;
-    row.sporadic = &world_.kernel.spawn(place_of(row.index, executor.cpu, row.index, 1),
-                                        [this, &row] { serve_sporadic(row); });
-    host_strands_.push_back(row.sporadic);
-  }
-}
-
 void Device::walk_rows(Row& row) {
   Kernel& kernel = world_.kernel;
   executor::Executor& executor = *row.executor;
-  channel::ExecutorBlock& block = channel_.executor(row.index);
+  channel::ExecutorBlock& block = parts_->channel.executor(row.index);
   const std::uint64_t missed_before = block.missed.load();
-  executor.join_grid(t0_, now());
+  executor.join_grid(row.host.t0(), now());
   emit({.what = What::joined,
         .executor = row.index,
         .number = executor.next_row(),
@@ -63,12 +46,12 @@ void Device::walk_rows(Row& row) {
         .release = executor.next_release()});
   while (true) {
     const Instant release = executor.next_release();
-    if (!halt_asked_ && release > now()) {
+    if (!row.host.halting() && release > now()) {
       static_cast<void>(kernel.wait(release + wake_up(row.draws)));
     }
-    if (!halt_asked_ && row.oversleep > Nanoseconds{0})
+    if (!row.host.halting() && row.oversleep > Nanoseconds{0})
       static_cast<void>(kernel.wait(now() + std::exchange(row.oversleep, Nanoseconds{0})));
-    if (halt_asked_) break;
+    if (row.host.halting()) break;
     emit_table_changes(row.index);
     emit({.what = What::woke, .executor = row.index, .number = executor.next_row(), .release = release});
     const std::uint64_t missed = block.missed.load();
@@ -79,26 +62,23 @@ void Device::walk_rows(Row& row) {
           .number = executor.next_row() - 1,
           .count = block.missed.load() - missed,
           .release = executor.next_release() - executor.basic_period()});
-    ring(bits | wake_word_->take_pending());
+    ring(bits | wake_word().take_pending());
   }
-  row.rows = nullptr;
-  row.halted = row.sporadic == nullptr;
 }
 
 void Device::serve_sporadic(Row& row) {
-  while (!halt_asked_) {
-    const std::uint32_t rings = wake_word_->rings.load();
-    while (!halt_asked_ && row.executor->run_sporadic()) {
+  while (!row.host.halting()) {
+    const std::uint32_t rings = wake_word().rings.load();
+    while (!row.host.halting() && row.executor->run_sporadic()) {
       emit_table_changes(row.index);
       ring_pending();
     }
-    if (halt_asked_ || wake_word_->rings.load() != rings) continue;
+    if (row.host.halting() || wake_word().rings.load() != rings) continue;
     row.sporadic_on_wake_word = true;
     static_cast<void>(world_.kernel.wait());
     row.sporadic_on_wake_word = false;
   }
   row.sporadic = nullptr;
-  row.halted = row.rows == nullptr;
 }
 
 // Corresponds to host::Host::run_background().
@@ -106,7 +86,7 @@ void Device::run_background(Member& member) {
   channel::ModuleBlock& block = member.block;
   const Nanoseconds period = member.model.period.value_or(Nanoseconds{0});
   Cycle cycle{.number = 0, .time = now(), .period = period};
-  while (!halt_asked_) {
+  while (!member.host->halting()) {
     const Instant start = now();
     block.background.announce(member.index, channel::Doing::run, to_ns(start));
     if (block.in_tables.load() != 0) {
@@ -129,7 +109,7 @@ void Device::run_background(Member& member) {
     ring_pending();
     block.background.end();
     cycle.time = std::max(cycle.time + (period == Nanoseconds{0} ? kBackgroundPause : period), now());
-    if (!halt_asked_) static_cast<void>(world_.kernel.wait(cycle.time));
+    if (!member.host->halting()) static_cast<void>(world_.kernel.wait(cycle.time));
   }
 }
 
@@ -150,7 +130,8 @@ void Device::run_program(Member& member) {
     emit({.what = What::body, .number = taken.cycle, .release = from_ns(release)}, member);
     const executor::Outcome outcome = work(member, from_ns(release), started);
     if (!outcome.ok())
-      leave(member, "the process exited with status 1");  // a program reports a failure in this way
+      member.process->leave(
+          {.text = "ended with status 1", .code = 1});  // a program reports a failure in this way
     slot.run.record((now() - started).count());
     emit({.what = What::done, .took = now() - started}, member);
     const std::int64_t late = to_ns(now()) - release - slot.deadline_ns;
@@ -160,16 +141,7 @@ void Device::run_program(Member& member) {
     }
     ring_pending();
   }
-  leave(member, "the process exited with status 0");
-}
-
-// Ends the program; its node sees this a little later.
-void Device::leave(Member& member, const char* how) {
-  member.program = nullptr;
-  member.spins = member.on_wake_word = false;
-  world_.kernel.at(now() + draws_.between(kEndSeenShortest, kEndSeenLongest),
-                   [this, &member, how] { program_ended(member, how); });
-  world_.kernel.end();
+  member.process->leave({.text = "ended with status 0"});
 }
 
 // Returns false if the program has to end.
@@ -212,7 +184,7 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
 void Device::emit_table_changes(std::uint32_t executor) {
   const Row& row = *rows_[executor];
   const auto released = [this](Member& member) {
-    if (!member.slot || member.slot->immediate != 0) return;
+    if (member.slot == nullptr || member.slot->immediate != 0) return;
     const std::uint32_t releases = member.slot->released.load();
     if (releases != member.reported_releases) {
       member.reported_releases = releases;
@@ -242,10 +214,10 @@ void Device::emit_table_changes(std::uint32_t executor) {
 
 void Device::ring(std::uint32_t bits) {
   if (bits == 0) return;
-  wake_word_->rings.fetch_add(1);
+  wake_word().rings.fetch_add(1);
   Kernel& kernel = world_.kernel;
-  for (auto& row : rows_) {
-    if (row->sporadic_on_wake_word && (bits & channel::kSporadicBit) != 0)
+  for (Row* row : rows_) {
+    if (row != nullptr && row->sporadic_on_wake_word && (bits & channel::kSporadicBit) != 0)
       kernel.wake(*row->sporadic, futex_wake_up(row->draws));
   }
   for (auto& member : members_) {
@@ -254,7 +226,7 @@ void Device::ring(std::uint32_t bits) {
   }
   if ((bits & channel::kGatewayBit) == 0 || gateway_awake_) return;
   gateway_awake_ = true;
-  wake_word_->gateway_sleeps.store(0);
+  wake_word().gateway_sleeps.store(0);
   kernel.at(now() + draws_.between(kGatewayShortest, kGatewayLongest), [this] { forward_samples(); });
 }
 
@@ -276,12 +248,12 @@ void Device::forward_samples() {
     world_.kernel.at(from_ns(next), [this] { forward_samples(); });
     return;
   }
-  wake_word_->gateway_sleeps.store(1);
+  wake_word().gateway_sleeps.store(1);
   gateway_awake_ = false;
 }
 
 void Device::arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns) {
-  if (phase_ == Phase::ended) return;
+  if (phase() == Phase::ended) return;
   const std::int64_t stamp = wall_ns - wall_offset_.count();
   if (wire.model().lifespan && to_ns(now()) - stamp > wire.model().lifespan->count()) {
     emit({.what = What::lost,
@@ -294,37 +266,32 @@ void Device::arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns) {
   std::copy_n(sample, kSampleBytes, wire.link().payload(writer.buffer()));
   writer.publish(kSampleBytes, stamp);
   emit({.what = What::arrived, .connection = wire.connection(), .number = number_of(sample)});
-  wake_word_->note(wire.link().block().wake_bits);
+  wake_word().note(wire.link().block().wake_bits);
   ring_pending();
 }
 
-// Called by a strand of the host, which ends together with the host.
-void Device::crash_host(Member& member) {
-  end_host(member.index, ErrorType::crash, "the host was ended by signal 11 in run()");
-  world_.kernel.end();
-}
-
-void Device::end_host(std::optional<std::uint32_t> culprit, ErrorType type, const std::string& why) {
-  if (!host_runs_) return;
-  host_runs_ = false;
-  host_end_seen_ = false;
-  ++host_;  // its pending requests get no answer
-  for (Strand* strand : host_strands_) {
-    if (strand != world_.kernel.running()) world_.kernel.kill(*strand);
-  }
-  host_strands_.clear();
-  for (auto& row : rows_) {
-    row->rows = row->sporadic = nullptr;
-    row->sporadic_on_wake_word = false;
-    row->halted = true;
-  }
-  emit({.what = What::host_ended, .text = why});
-  world_.kernel.at(now() + draws_.between(kEndSeenShortest, kEndSeenLongest),
-                   [this, culprit, type, why] { host_is_seen_ended(culprit, type, why); });
+void Device::command(std::uint32_t module, const Fault& fault) {
+  using supervision::Verb;
+  static const std::map<Fault::Kind, Verb> verbs{{Fault::Kind::initialize, Verb::initialize},
+                                                 {Fault::Kind::start, Verb::start},
+                                                 {Fault::Kind::stop, Verb::stop},
+                                                 {Fault::Kind::recover, Verb::recover},
+                                                 {Fault::Kind::reset, Verb::reset},
+                                                 {Fault::Kind::destruct, Verb::destruct}};
+  const auto verb = verbs.find(fault.kind);
+  const std::string name = verb == verbs.end() ? "swap" : supervision::name_of(verb->second);
+  const auto done = [this, module, name](const supervision::Outcome& outcome) {
+    const std::string text = name + ": " + (outcome.code == REPLY_OK ? "done" : outcome.text);
+    emit({.what = What::answered, .text = text}, *members_[module]);
+  };
+  if (verb == verbs.end())
+    supervisor_->swap(module, "", done);
+  else
+    supervisor_->command(module, verb->second, done);
 }
 
 void Device::inject(const Fault& fault) {
-  const std::string text = to_text(fault, world_.cell);
+  emit({.what = What::fault, .text = to_text(fault, world_.cell)});
   switch (fault.kind) {
     case Fault::Kind::late:
       members_[fault.place]->late_by += fault.by;
@@ -356,8 +323,16 @@ void Device::inject(const Fault& fault) {
     case Fault::Kind::delay:
       world_.network->delay(fault.place, fault.by);
       break;
+    case Fault::Kind::initialize:
+    case Fault::Kind::start:
+    case Fault::Kind::stop:
+    case Fault::Kind::recover:
+    case Fault::Kind::reset:
+    case Fault::Kind::destruct:
+    case Fault::Kind::swap:
+      command(fault.place, fault);
+      break;
   }
-  emit({.what = What::fault, .text = text});
 }
 
 }  // namespace takt::simulation

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "member.hpp"
+#include "virtual_platform.hpp"
 
 namespace takt::simulation {
 
@@ -54,6 +55,16 @@ const char* Device::stale_input(Member& member, Instant start) {
   return stale;
 }
 
+// Corresponds to InPort::read(): whether the reader gets the safe value in place of the newest sample.
+template <class Input>
+bool Device::gets_safe_value(const Input& input) const {
+  const channel::Link link = input.wire->link();
+  if (link.safe().empty()) return false;
+  const channel::LinkBlock& block = link.block();
+  const bool late = block.deadline_ns > 0 && to_ns(now()) - block.newest_ns.load() > block.deadline_ns;
+  return late || block.written.load() < link.trusted_from();
+}
+
 executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
   const Instant start = member.as_of(release, begin);
   const std::int64_t valid = member.logical ? to_ns(release + *member.model.period) : 0;
@@ -66,6 +77,9 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
   }
   // Reads everything in a queue, and keeps the last sample while time passes.
   for (Member::Input& input : member.inputs) {
+    const bool safe = gets_safe_value(input);
+    if (std::exchange(input.safe, safe) != safe)
+      emit({.what = What::safe, .connection = input.wire->connection(), .count = safe ? 1U : 0U});
     const std::uint32_t depth = input.wire->link().depth();
     for (std::uint32_t i = 0; i < depth && input.reader.take(to_ns(start)); ++i) {
       const std::byte* sample = input.wire->link().payload(input.reader.buffer());
@@ -82,8 +96,9 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
   const bool crashes = std::exchange(member.to_crash, false);
   world_.kernel.work(crashes ? time / 2 : time);
   if (crashes) {
-    if (member.is_thread()) crash_host(member);
-    leave(member, "the process was ended by signal 11");
+    if (member.is_thread()) member.host->crash(member);
+    member.process->leave(
+        {.text = "was killed by SIGSEGV (Segmentation fault)", .signalled = true, .code = 11});
   }
   for (Member::Input& input : member.inputs) {
     const std::byte* sample = input.wire->link().payload(input.reader.buffer());
@@ -99,7 +114,7 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
     const std::uint64_t number = output.writer.next();
     write_second_half(sample, output.wire->connection(), number);
     output.writer.publish(kSampleBytes, to_ns(start), valid);
-    wake_word_->note(output.wire->link().block().wake_bits);
+    wake_word().note(output.wire->link().block().wake_bits);
     emit({.what = What::wrote, .connection = output.wire->connection(), .number = number});
   }
   return {};

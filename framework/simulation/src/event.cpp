@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <takt/core/words.hpp>
+#include <takt/model/hosts.hpp>
 
 namespace takt::simulation {
 
@@ -31,6 +32,9 @@ void add_who(std::string& line, const Event& event, const model::Cell& cell) {
   line += device.name;
   if (event.module != Event::kNone) line += "." + device.modules[event.module].name;
   if (event.executor != Event::kNone) line += " executor " + device.executors[event.executor].name;
+  if (event.host == Event::kNone) return;
+  const model::HostShare host = model::hosts_of(device).at(event.host);
+  line += host.is_own() ? " host of executor " + host.name : " host";
 }
 
 }  // namespace
@@ -96,11 +100,17 @@ std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
     case What::lost:
       fmt::format_to(to, " {} is lost", event.number);
       break;
+    case What::answered:
+      line += " command";
+      break;
+    case What::safe:
+      line += event.count != 0 ? " is replaced by the safe value" : " is read again";
+      break;
     case What::host_ended:
-      line += " host ended";
+      line += " ended";
       break;
     case What::host_began:
-      line += " host began";
+      line += " began";
       break;
     case What::halted:
       line += " halted";

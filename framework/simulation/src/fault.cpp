@@ -47,7 +47,18 @@ constexpr std::array kFaultWords{
          "the output's next three samples to other devices are lost"},
     Word{Kind::delay, Of::connection, "late", Amount::duration, "connection robot.arm.state late 5 ms",
          "its next sample to other devices takes 5 ms longer"},
+    Word{Kind::initialize, Of::module, "initialize", Amount::none, "robot.servo initialize",
+         "an operator commands it, as with takt initialize"},
+    Word{Kind::start, Of::module, "start", Amount::none, "robot.servo start", "likewise"},
+    Word{Kind::stop, Of::module, "stop", Amount::none, "robot.servo stop", "likewise"},
+    Word{Kind::recover, Of::module, "recover", Amount::none, "robot.servo recover", "likewise"},
+    Word{Kind::reset, Of::module, "reset", Amount::none, "robot.servo reset", "likewise"},
+    Word{Kind::destruct, Of::module, "destruct", Amount::none, "robot.servo destruct", "likewise"},
+    Word{Kind::swap, Of::module, "swap", Amount::none, "robot.servo swap",
+         "an update replaces its instance while it runs"},
 };
+/// The first words are faults; commands follow.
+constexpr std::uint64_t kFaultKinds = static_cast<std::uint64_t>(Kind::delay) + 1;
 
 const Word& word_of(Kind kind) {
   return *std::find_if(kFaultWords.begin(), kFaultWords.end(),
@@ -324,7 +335,7 @@ std::vector<Fault> draw_faults(const model::Cell& cell, Draws& draws, Nanosecond
   using std::chrono::microseconds;
   std::vector<Fault> faults;
   while (faults.size() < number) {
-    Fault fault{.kind = static_cast<Kind>(draws.below(kFaultWords.size())),
+    Fault fault{.kind = static_cast<Kind>(draws.below(kFaultKinds)),
                 .at = draws.between(Nanoseconds{0}, length),
                 .device = static_cast<std::uint32_t>(draws.below(cell.devices.size())),
                 .place = 0,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <takt/model/hosts.hpp>
+
 namespace takt::simulation {
 
 namespace {
@@ -64,9 +66,10 @@ void Invariants::on_event(const Event& event) {
   } else if (event.module != Event::kNone) {
     on_module(event, device);
   } else if (event.what == What::host_ended) {
-    for (OfExecutor& executor : device.executors) {
+    const model::HostShare host = model::hosts_of(cell_.devices[event.device])[event.host];
+    for (const std::size_t index : host.executors) {
+      OfExecutor& executor = device.executors[index];
       // The current row was cut short: it counts as missed, including the modules that it has served.
-      const auto index = static_cast<std::size_t>(&executor - device.executors.data());
       const Nanoseconds basic = plans_[event.device].executors[index].basic_period;
       for (const Served& served : executor.served) {
         if (!executor.in_row || executor.runs == served.module) continue;
@@ -77,12 +80,12 @@ void Invariants::on_event(const Event& event) {
         else
           ++device.modules[served.module].twice;
       }
+      executor.served.clear();  // it may end again before it joins its grid
       executor.runs.reset();
       executor.sporadic.reset();
     }
-    for (std::size_t i = 0; i < device.modules.size(); ++i) {
-      if (cell_.devices[event.device].modules[i].type != model::ModuleType::thread) continue;
-      OfModule& module = device.modules[i];
+    for (const std::uint32_t index : host.modules) {
+      OfModule& module = device.modules[index];
       module.failed = module.raised = false;
       module.ready_until.reset();
       module.last_ready.reset();

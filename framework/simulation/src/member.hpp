@@ -1,4 +1,4 @@
-// The parts of a simulated device: a supervised module, and an executor with its strands.
+// The parts of a simulated device: a module's work, and an executor with its strands.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <takt/executor/body.hpp>
+#include <takt/schedule/logical_time.hpp>
 #include "device.hpp"
 
 namespace takt::simulation {
@@ -26,23 +27,21 @@ class ThreadBody final : public executor::Body {
 };
 
 struct Device::Member {
-  Member(Device& device, const World& world, const model::Device& on, std::uint32_t i,
-         channel::ModuleBlock& b)
-      : model(on.modules[i]),
+  Member(Device& device, const World& world, const supervision::Parts& parts, std::uint32_t i)
+      : model(parts.of_device().modules[i]),
         index(i),
-        block(b),
-        recovery({.attempts = model.recovery.attempts, .backoff = model.recovery.backoff}),
-        draws(world.seed, on.name + "." + model.name),
-        run_time(world.cell, on, model, world.profile),
-        contract(model::contract_of(on, model)),
-        logical(model::timing_of(on, model) == model::Timing::let),
-        body(device, *this) {}
+        block(parts.channel.module(i)),
+        slot(parts.slot_of(i)),
+        draws(world.seed, parts.of_device().name + "." + model.name),
+        run_time(world.cell, parts.of_device(), model, world.profile),
+        contract(model::contract_of(parts.of_device(), model)),
+        logical(model::timing_of(parts.of_device(), model) == model::Timing::let),
+        body(device, *this) {
+    if (scheduled()) executor = static_cast<std::uint32_t>(parts.executor_of(model));
+  }
 
   [[nodiscard]] bool is_thread() const noexcept { return model.type == model::ModuleType::thread; }
-  [[nodiscard]] bool is_process() const noexcept { return !is_thread(); }
   [[nodiscard]] bool scheduled() const noexcept { return model.operation != model::Operation::non_real; }
-  [[nodiscard]] bool sporadic() const noexcept { return model.operation == model::Operation::sporadic; }
-  [[nodiscard]] lifecycle::State state() const noexcept { return machine.state(); }
   [[nodiscard]] bool in_tables() const noexcept { return block.in_tables.load() != 0; }
   /// The logical time of a run: it reads its inputs as of this instant, and stamps its outputs with it.
   [[nodiscard]] Instant as_of(Instant release, Instant start) const noexcept {
@@ -52,27 +51,15 @@ struct Device::Member {
   const model::Module& model;
   std::uint32_t index;
   std::uint32_t executor = 0;
+  VirtualHost* host = nullptr;  ///< of a thread module
   channel::ModuleBlock& block;
-  lifecycle::Machine machine;
-  lifecycle::Recovery recovery;
-  channel::Removal removal;
+  channel::ReleaseSlot* slot;
   Draws draws;
   RunTime run_time;
   model::OverrunContract contract;
   bool logical;  ///< timing="let"
   ThreadBody body;
-
-  // The supervisor's view of the module.
-  bool lost = false;    ///< none of its hooks can be called any more
-  bool failed = false;  ///< given up after an error
-  bool stale = false;   ///< it is in RECOVER because an input was stale
-  std::string why;
-  std::uint64_t errors = 0;  ///< errors that the executor did not see
-  std::uint64_t seen_cycles = 0;
-  std::uint64_t seen_late = 0;
-  std::optional<channel::Doing> pending;
   bool reported_in_tables = false;  ///< as the last event reported it
-  Instant put_in_at{};
 
   // Injected faults.
   Nanoseconds late_by{};
@@ -86,6 +73,7 @@ struct Device::Member {
     Wire* wire;
     bool event;
     bool late = false;
+    bool safe = false;  ///< it got the safe value last
     channel::LinkReader reader{};
   };
   struct Output {
@@ -98,14 +86,10 @@ struct Device::Member {
   Instant watched_since{};
 
   // Only for programs.
-  std::unique_ptr<channel::ReleaseSlot> slot;
+  VirtualProgram* process = nullptr;
   Strand* program = nullptr;
-  bool alive = false;         ///< as far as its supervisor knows
   bool on_wake_word = false;  ///< it sleeps on the wake word
   bool spins = false;         ///< it spins, so it sees its release at once
-  bool started_again = false;
-  bool killed_for_hanging = false;
-  Instant end_requested_at{};
   std::uint64_t reported_releases = 0;
   std::uint64_t reported_overruns = 0;
 };
@@ -113,12 +97,11 @@ struct Device::Member {
 struct Device::Row {
   const schedule::ExecutorPlan& plan;
   std::uint32_t index;
+  VirtualHost& host;
   Draws draws;
   std::unique_ptr<executor::Executor> executor;
-  Strand* rows = nullptr;
   Strand* sporadic = nullptr;
   bool sporadic_on_wake_word = false;
-  bool halted = true;
   Nanoseconds oversleep{};
   std::vector<std::uint32_t> in_priority{};  ///< programs, in the order in which a row releases them
 };

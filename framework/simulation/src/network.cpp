@@ -78,6 +78,11 @@ void Network::cut(std::uint32_t a, std::uint32_t b, Nanoseconds time) {
   until = std::max(until, world_.kernel.now() + time);
 }
 
+bool Network::is_cut(std::uint32_t connection) const {
+  const auto cut = cut_until_.find(ways_[connection].between);
+  return ways_[connection].to != nullptr && cut != cut_until_.end() && world_.kernel.now() < cut->second;
+}
+
 void Network::lose(std::uint32_t connection, std::uint64_t count) { ways_[connection].to_lose += count; }
 
 void Network::delay(std::uint32_t connection, Nanoseconds by) { ways_[connection].to_delay += by; }

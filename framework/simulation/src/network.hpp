@@ -23,6 +23,8 @@ class Network {
   void cut(std::uint32_t a, std::uint32_t b, Nanoseconds time);
   void lose(std::uint32_t connection, std::uint64_t count);
   void delay(std::uint32_t connection, Nanoseconds by);
+  /// Whether nothing passes between the devices of a connection now.
+  [[nodiscard]] bool is_cut(std::uint32_t connection) const;
   [[nodiscard]] std::uint64_t lost(std::uint32_t connection) const { return ways_[connection].lost; }
 
  private:

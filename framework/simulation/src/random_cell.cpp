@@ -50,6 +50,7 @@ class Maker {
       executor.rate_monotonic = draws_.chance(0.2);
       if (draws_.chance(0.3)) executor.offsets = model::Offsets::automatic;
       if (draws_.chance(0.2)) executor.timing = model::Timing::let;
+      if (draws_.chance(0.3)) executor.own_host = true;
       device.executors.push_back(executor);
     }
     const std::uint64_t modules = 1 + draws_.below(5);
@@ -159,6 +160,17 @@ RandomCell random_cell(std::uint64_t seed) {
   random.options.length = draws.between(Nanoseconds{milliseconds{20}}, Nanoseconds{milliseconds{300}});
   random.options.faults_per_second = draws.chance(0.2) ? 0 : static_cast<double>(draws.between(5, 100));
   random.options.cpus = static_cast<int>(draws.below(3));
+  for (std::uint64_t commands = draws.chance(0.5) ? draws.below(10) : 0; commands != 0; --commands) {
+    constexpr auto kFirst = static_cast<std::int64_t>(Fault::Kind::initialize);
+    constexpr auto kLast = static_cast<std::int64_t>(Fault::Kind::swap);
+    Fault command;
+    command.kind = static_cast<Fault::Kind>(draws.between(kFirst, kLast));
+    command.at = draws.between(Nanoseconds{0}, random.options.length);
+    command.device = static_cast<std::uint32_t>(draws.below(random.cell.devices.size()));
+    command.place =
+        static_cast<std::uint32_t>(draws.below(random.cell.devices[command.device].modules.size()));
+    random.options.faults.push_back(command);
+  }
   return random;
 }
 

@@ -7,6 +7,7 @@
 #include "device.hpp"
 #include "invariants.hpp"
 #include "network.hpp"
+#include "simulated_cell.hpp"
 
 namespace takt::simulation {
 
@@ -40,11 +41,11 @@ Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::Dev
   Kernel kernel{kT0 - kLead};
   Invariants invariants{cell, plans, kT0};
   Both listener{invariants, options.listener};
+  const SimulatedCell simulated = simulated_cell(cell, ports);
   World world{.kernel = kernel,
               .listener = listener,
-              .cell = cell,
-              .plans = plans,
-              .ports = ports,
+              .cell = simulated.cell,
+              .ports = simulated.ports,
               .profile = options.profile,
               .seed = options.seed,
               .cpus = options.cpus};
@@ -52,6 +53,12 @@ Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::Dev
   world.network = &network;
 
   std::vector<std::unique_ptr<Device>> devices;
+  world.executes = [&](const std::string& name, const std::string& module) {
+    for (std::uint32_t i = 0; i < devices.size(); ++i) {
+      if (cell.devices[i].name == name) return devices[i]->executes(module);
+    }
+    return false;
+  };
   for (std::uint32_t i = 0; i < cell.devices.size(); ++i) {
     devices.push_back(std::make_unique<Device>(world, i));
     if (auto prepared = devices.back()->prepare(); !prepared) return prepared.problems();

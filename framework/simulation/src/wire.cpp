@@ -1,6 +1,5 @@
 #include "wire.hpp"
 
-#include <algorithm>
 #include <cstring>
 
 namespace takt::simulation {
@@ -50,24 +49,6 @@ bool is_whole(const std::byte* sample, std::uint32_t connection) noexcept {
     if (value != word(connection, number, i)) return false;
   }
   return true;
-}
-
-Wire::Wire(const model::Connection& connection, std::uint32_t index, End writer, End reader,
-           std::uint32_t wake_bits, std::uint64_t ahead)
-    : model_(&connection), connection_(index), writer_(writer), reader_(reader) {
-  const channel::Link::Options options{
-      .depth = static_cast<std::uint32_t>(std::min<std::uint64_t>(
-          static_cast<std::uint64_t>(connection.depth) + ahead, channel::kMaxLinkDepth)),
-      .payload = kSampleBytes,
-      .is_queue = connection.kind == model::ConnectionKind::queue,
-      .wake_bits = wake_bits,
-      .deadline_ns = connection.deadline.value_or(Nanoseconds{0}).count(),
-      .enabled = true};
-  memory_ =
-      std::make_unique<Line[]>((channel::Link::layout(options).size() + sizeof(Line) - 1) / sizeof(Line));
-  auto* bytes = reinterpret_cast<std::byte*>(memory_.get());
-  channel::Link::format(bytes, options);
-  link_ = channel::Link{bytes};
 }
 
 std::uint64_t Wire::full() const noexcept {

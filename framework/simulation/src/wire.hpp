@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 
 #include <takt/channel/link.hpp>
@@ -26,9 +25,8 @@ class Wire {
   /// The owner of an end: a module of the device, or none for the gateway.
   using End = std::optional<std::uint32_t>;
 
-  /// `ahead`: places in addition to the connection's depth, see schedule::samples_ahead().
-  Wire(const model::Connection& connection, std::uint32_t index, End writer, End reader,
-       std::uint32_t wake_bits, std::uint64_t ahead);
+  Wire(const model::Connection& connection, std::uint32_t index, End writer, End reader, channel::Link link)
+      : model_(&connection), connection_(index), writer_(writer), reader_(reader), link_(link) {}
 
   [[nodiscard]] const model::Connection& model() const noexcept { return *model_; }
   [[nodiscard]] std::uint32_t connection() const noexcept { return connection_; }
@@ -44,14 +42,10 @@ class Wire {
  private:
   [[nodiscard]] std::uint64_t full() const noexcept;
 
-  struct alignas(64) Line {
-    std::byte bytes[64];
-  };
   const model::Connection* model_;
   std::uint32_t connection_;
   End writer_;
   End reader_;
-  std::unique_ptr<Line[]> memory_;
   channel::Link link_;
   std::uint64_t dropped_ = 0;
 };

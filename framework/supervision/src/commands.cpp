@@ -114,10 +114,11 @@ void Supervisor::begin_command(Member& member) {
     case Verb::start:
       member.up_to = State::executing;
       if (member.is_thread() || member.scheduled()) {
-        if (member.state() == State::start)
+        if (member.state() != State::start) {
+          if (member.is_thread()) ask(member, Doing::start);
+        } else if (!member.put_in) {
           put_in_tables(member);
-        else if (member.is_thread())
-          ask(member, Doing::start);
+        }
         break;  // otherwise watch_process() continues when the program is ready
       }
       if (member.state() == State::initialize) apply(member, Event::start);

@@ -92,6 +92,9 @@ struct Member {
   bool killed_for_hanging = false;
   std::vector<Wiring::Wire*> inputs;  ///< inputs with a deadline; of any module
   Instant put_in_at{};                ///< when it was put into the tables
+  /// It was put into the tables. If it is no longer in them, an executor took it out because of an error that
+  /// step() has yet to see.
+  bool put_in = false;
   bool stale = false;                 ///< it is in RECOVER because an input was stale
 
   bool started_again = false;        ///< a recovery attempt restarted the program, which is not ready yet

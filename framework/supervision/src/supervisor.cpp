@@ -275,6 +275,7 @@ channel::Place Supervisor::place_of(const Member& member) const {
 void Supervisor::put_in_tables(Member& member) {
   member.seen_cycles = cycles_of(member);
   member.put_in_at = time();
+  member.put_in = true;
   trust(member, true);
   channel::put_in(place_of(member));
   platform_->in_tables(member.index, true);
@@ -284,6 +285,7 @@ void Supervisor::put_in_tables(Member& member) {
 
 void Supervisor::take_from_tables(Member& member) {
   trust(member, false);
+  member.put_in = false;
   member.removal.begin(place_of(member));
   platform_->in_tables(member.index, false);
 }
@@ -310,7 +312,7 @@ void Supervisor::running_step(Instant now) {
       for (auto& member : members_) {
         if (member->scheduled() || !member->wanted() || member->state() != State::start) continue;
         if (member->is_thread()) {
-          put_in_tables(*member);
+          if (!member->put_in) put_in_tables(*member);  // a command may have done it
         } else if (auto spawned = spawn(*member); !spawned) {
           raise(*member, ErrorType::crash, in_words(spawned.problems()));
         } else {

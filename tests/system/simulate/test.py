@@ -35,7 +35,7 @@ class Simulate(takt_system.Case):
         self.assertEqual(["cell", "devices"], list(run.report))
         self.assertEqual(["name", "alive", "real_time", "executors", "modules"], list(run.report["devices"][0]))
         executor = run.executor()
-        self.assertEqual(["name", "cycles", "missed", "jitter_us"], list(executor))
+        self.assertEqual(["name", "cycles", "missed", "margin_us", "jitter_us"], list(executor))
         self.assertEqual(20000, executor["cycles"] + executor["missed"])
         modules = run.modules()
         self.assertEqual(["controller1", "control2", "control3", "control4", "emergency", "vision", "monitoring"], list(modules))

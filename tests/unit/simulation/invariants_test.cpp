@@ -358,7 +358,7 @@ TEST_F(InvariantsTest, CountARowThatACrashCutShortAsMissed) {
   row(0);
   wake(1);
   add({.what = What::run, .module = kFast, .number = 1, .release = at(due(1))});
-  add({.what = What::host_ended});
+  add({.what = What::host_ended, .host = 0});
   for (const std::uint32_t module : {kFast, kSlow, kSporadic, kUrgent})
     add({.what = What::taken_out, .module = module});
   add({.what = What::joined, .executor = 0, .number = 3, .count = 2, .release = at(due(3))},

@@ -206,7 +206,87 @@ TEST(Simulation, EndsARunThatHangs) {
   EXPECT_THAT(steps_of(run, "d.a"),
               testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
   EXPECT_THAT(run.lines, Contains(HasSubstr("hang (run() did not return")));
-  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not return")));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not come back to waitPeriod()")));
+}
+
+/// Executor `motion` in a process of its own, executor `main` in the shared one; each runs a thread module
+/// every millisecond.
+Cell two_hosts(const std::string& recovery) {
+  return Cell::of(R"(<device name="d"><executor name="main"/><executor name="motion" host="own"/>)" +
+                  thread("a", "1000000", "<executor>motion</executor>" + recovery) +
+                  thread("b", "1000000", "<executor>main</executor>") + "</device>");
+}
+
+TEST(Simulation, ACrashInAHostOfOneExecutorStopsNothingElse) {
+  const Outcome run =
+      two_hosts("<recovery attempts=\"3\" backoff=\"1000000\" then=\"destruct\"/>")
+          .run({.length = milliseconds{300}}, "at 100 ms d.a crash\nat 100 ms d.a unmended 1");
+  EXPECT_THAT(steps_of(run, "d.a"), testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER",
+                                                         "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("d.a recovery, attempt 2 of 3")));
+  EXPECT_EQ(300, module_of(run, "b")["cycles"]);
+  EXPECT_THAT(steps_of(run, "d.b"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"));
+}
+
+TEST(Simulation, AModuleThatEndsItsOwnHostAgainAndAgainIsGivenUp) {
+  std::string crashes;
+  for (int ms = 50; ms < 500; ++ms) crashes += "at " + std::to_string(ms) + " ms d.a crash\n";
+  const Outcome run = two_hosts("<recovery attempts=\"2\" backoff=\"0\" then=\"destruct\"/>")
+                          .run({.length = milliseconds{500}}, crashes);
+  EXPECT_EQ("DESTRUCT", steps_of(run, "d.a").back());
+  EXPECT_THAT(to_text(run.course.failures), HasSubstr("module d.a: error: was given up"));
+  EXPECT_EQ(500, module_of(run, "b")["cycles"]);
+}
+
+TEST(Simulation, CarriesOutCommandsAndRejectsThoseThatTheStateForbids) {
+  const Outcome run =
+      Cell::of("<device name=\"d\">" + thread("a", "1000000") + program("p", "1000000") + "</device>")
+          .run({.length = milliseconds{400}},
+               "at 50 ms d.a stop\nat 60 ms d.a reset\nat 100 ms d.a start\n"
+               "at 150 ms d.a destruct\nat 200 ms d.a reset\nat 250 ms d.a initialize\n"
+               "at 300 ms d.a start\nat 350 ms d.a swap\nat 100 ms d.p stop\nat 200 ms d.p start");
+  EXPECT_THAT(
+      steps_of(run, "d.a"),
+      testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "START", "EXECUTING", "START", "DESTRUCT",
+                           "IDLE", "INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("reset: reset is not allowed in state START")));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("d.a command (swap: done)")));
+  EXPECT_THAT(steps_of(run, "d.p"), testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "START",
+                                                         "EXECUTING", "START", "DESTRUCT"));
+}
+
+// The executor has taken the module out of the tables, and its supervision has not seen the error yet.
+TEST(Simulation, AStartCommandDoesNotPutAFailedModuleBackIntoTheTables) {
+  const Outcome run =
+      Cell::of("<device name=\"d\">" + thread("a", "100000000", "<recovery attempts=\"3\" backoff=\"0\"/>") +
+               "</device>")
+          .run({.length = milliseconds{150}}, "at 0 ms d.a fail\nat 9 ms d.a start\nat 9 ms d.a unmended 9");
+  EXPECT_THAT(steps_of(run, "d.a"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
+}
+
+TEST(Simulation, ReadersGetTheSafeValueWhileTheWriterDoesNotExecute) {
+  const auto with = [](const std::string& to) {
+    return Cell::of(
+               "<device name=\"d\">" +
+               thread("w", "1000000", R"(<safe><port name="out"><field name="x">0</field></port></safe>)") +
+               thread("r", "1000000") + "</device><device name=\"e\">" + thread("r", "1000000") +
+               "</device><connection from=\"d.w.out\" to=\"" + to + "\" kind=\"latest\"/>")
+        .run({.length = milliseconds{300}}, "at 100 ms d.w stop\nat 200 ms d.w start");
+  };
+  for (const std::string reader : {"d.r.in", "e.r.in"}) {
+    const Outcome run = with(reader);
+    std::vector<std::string> seen;
+    for (const std::string& line : run.lines) {
+      if (line.find("safe value") != std::string::npos || line.find("is read again") != std::string::npos)
+        seen.push_back(line.substr(line.find(' ') + 1));
+    }
+    const std::string safe = reader + " is replaced by the safe value";
+    const std::string again = reader + " is read again";
+    ASSERT_GE(seen.size(), 2U) << reader;
+    EXPECT_THAT(std::vector(seen.end() - 2, seen.end()), testing::ElementsAre(safe, again));
+  }
 }
 
 /// Two devices, the second with an input from the first.

@@ -30,15 +30,18 @@ enum class What : std::uint8_t {
   done,       ///< a program returned to its wait after `took`
   step,       ///< a lifecycle transition
   recovery,   ///< recovery attempt `number` of `count`
+  answered,   ///< an operator's command was carried out or rejected; the text says which
   // Events of a connection
   wrote,    ///< sample `number` was written
   read,     ///< sample `number` was read; `count` is not 0 if its bytes differ from what was written
   arrived,  ///< sample `number` arrived at the reader's device
   lost,     ///< sample `number` was lost on the way
-  // Events of a device
-  host_ended,  ///< its host crashed or was ended, and everything in it stopped
+  safe,     ///< `count` is 1: from now on its reader gets the safe value; 0: samples again
+  // Events of a host
+  host_ended,  ///< it crashed or was ended, and everything in it stopped
   host_began,
-  halted,  ///< all executors halted
+  halted,  ///< all its executors halted
+  // Events of a device
   fault,   ///< a fault was injected
 };
 
@@ -51,6 +54,7 @@ struct Event {
   std::uint32_t executor = kNone;
   std::uint32_t module = kNone;
   std::uint32_t connection = kNone;  ///< its index in the cell
+  std::uint32_t host = kNone;        ///< its index in model::hosts_of(device)
   std::uint64_t number = 0;
   std::uint64_t count = 0;
   Instant release{};

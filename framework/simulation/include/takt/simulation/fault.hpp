@@ -1,4 +1,5 @@
-// Faults to inject into a simulated cell: from an integrator's script, or drawn from the seed.
+// What happens to a simulated cell: faults and commands from an integrator's script, or faults drawn from the
+// seed.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +26,14 @@ struct Fault {
     cut,         ///< nothing passes between the two devices, in either direction, for `by`
     lose,        ///< the connection's next `count` samples are lost on the way
     delay,       ///< the connection's next sample takes `by` longer
+    // An operator's command to the module
+    initialize,
+    start,
+    stop,
+    recover,
+    reset,
+    destruct,
+    swap,  ///< replaces its instance while it runs
   };
   Kind kind = Kind::late;
   Nanoseconds at{};  ///< since T0; not negative
@@ -47,7 +56,7 @@ Result<std::vector<Fault>> parse_script(std::string_view text, const std::string
 /// The help text about scripts: an example and an explanation for each fault.
 std::string script_help();
 
-/// Draws `per_second` faults on average, of every kind that is possible in the cell.
+/// Draws `per_second` faults on average, of every kind that is possible in the cell. Draws no commands.
 std::vector<Fault> draw_faults(const model::Cell& cell, Draws& draws, Nanoseconds length, double per_second);
 
 }  // namespace takt::simulation
