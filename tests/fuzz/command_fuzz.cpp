@@ -12,12 +12,12 @@
 #include <fastcdr/Cdr.h>
 
 #include <takt/core/check.hpp>
+#include <takt/descriptor/descriptor.hpp>
 #include <takt/wire/assembly.hpp>
 #include <takt/wire/validation.hpp>
-#include <takt/descriptor/descriptor.hpp>
 
 #include "bytes.hpp"
-#include "tests/unit/node/fake_device.hpp"
+#include "tests/unit/agent/fake_device.hpp"
 
 namespace {
 
@@ -95,9 +95,9 @@ class Play {
       case 'f':
         return inspected(fail("a component is missing", "build it"));
       case 'r':
-        return phase(node::Supervised::Phase::ready);
+        return phase(agent::Supervised::Phase::ready);
       case 'e':
-        return phase(node::Supervised::Phase::ended);
+        return phase(agent::Supervised::Phase::ended);
       case 's':
         return stepped(static_cast<lifecycle::State>(bytes_.take<std::uint8_t>() % 6));
       case 'o':
@@ -137,11 +137,11 @@ class Play {
   }
 
   // The result of a real inspection: a file for each module.
-  [[nodiscard]] node::Inspected found() const {
-    node::Inspected inspected{
+  [[nodiscard]] agent::Inspected found() const {
+    agent::Inspected inspected{
         .paths = {}, .description = R"({"modules":[{"name":"servo","properties":[{"name":"gain"}]}]})"};
     if (device_.work.inspections.empty()) return inspected;
-    const node::InspectionRequest& request = device_.work.inspections.back();
+    const agent::InspectionRequest& request = device_.work.inspections.back();
     const auto cell = descriptor::parse(request.text, request.file);
     for (const model::Device& device : cell ? cell->devices : std::vector<model::Device>{}) {
       for (const model::Module& module : device.modules)
@@ -149,19 +149,19 @@ class Play {
     }
     return inspected;
   }
-  void inspected(Result<node::Inspected> result) {
+  void inspected(Result<agent::Inspected> result) {
     device_.work.inspected = std::move(result);
     device_.agent.step();
     device_.work.inspected.reset();
   }
   // Phases only move forward.
-  void phase(node::Supervised::Phase to) {
+  void phase(agent::Supervised::Phase to) {
     if (device_.work.supervised == 0 || device_.work.phase > to) return;
     // Every pending request gets an outcome.
-    while (to == node::Supervised::Phase::ended && !device_.work.done.empty()) outcomes(REPLY_FAILED);
+    while (to == agent::Supervised::Phase::ended && !device_.work.done.empty()) outcomes(REPLY_FAILED);
     device_.work.phase = to;
     device_.agent.step();
-    if (device_.work.supervised == 0) device_.work.phase = node::Supervised::Phase::preparing;
+    if (device_.work.supervised == 0) device_.work.phase = agent::Supervised::Phase::preparing;
   }
   void stepped(lifecycle::State state) {
     if (device_.work.supervised == 0 || device_.work.paths.empty()) return;
@@ -177,7 +177,7 @@ class Play {
   void end() {
     device_.agent.end(true);
     inspected(fail("it ends"));
-    phase(node::Supervised::Phase::ended);
+    phase(agent::Supervised::Phase::ended);
     outcomes(REPLY_FAILED);
     device_.agent.note_end();
   }
@@ -205,7 +205,7 @@ class Play {
 
   fuzz::Bytes bytes_;
   wire::Assembly<Command, wire::WholeCommand> assembly_;
-  node::FakeDevice device_;
+  agent::FakeDevice device_;
   DeviceStatus heard_;
   std::size_t asked_ = 0;
 };

@@ -21,12 +21,12 @@
 
 #include <takt/channel/saved_state.hpp>
 #include <takt/core/check.hpp>
-#include <takt/wire/fault.hpp>
-#include <takt/wire/validation.hpp>
 #include <takt/model/safe.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/node/kept_deployment.hpp>
 #include <takt/node/retained.hpp>
+#include <takt/wire/fault.hpp>
+#include <takt/wire/validation.hpp>
 
 #include "bytes.hpp"
 

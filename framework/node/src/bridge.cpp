@@ -1,3 +1,4 @@
+#include <takt/agent/problems_json.hpp>
 #include <takt/node/bridge.hpp>
 
 #include <utility>
@@ -11,9 +12,11 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/signals.hpp>
-#include "problems_json.hpp"
 
 namespace takt::node {
+
+using agent::problems_from;
+using agent::problems_json;
 
 namespace {
 

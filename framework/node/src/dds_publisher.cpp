@@ -110,8 +110,8 @@ struct DdsPublisher::Inside {
   }
 
   void write_measures() {
-    std::optional<Measures> news;
-    Measures over;
+    std::optional<supervision::Measures> news;
+    supervision::Measures over;
     {
       const std::lock_guard lock{mutex};
       news = std::exchange(measures, std::nullopt);
@@ -140,8 +140,8 @@ struct DdsPublisher::Inside {
   Heartbeat heartbeat;
   Outbox outbox;
   std::mutex mutex;
-  std::optional<Measures> measures;
-  Measures withdrawn;
+  std::optional<supervision::Measures> measures;
+  supervision::Measures withdrawn;
   std::deque<FaultEvent> pending_faults;
   std::atomic<bool> end{false};
   os::Thread heartbeat_thread;  // last members: joined before what they use is destroyed
@@ -206,7 +206,7 @@ void DdsPublisher::publish(const LifecycleStatus& status) { inside_->outbox.put(
 
 void DdsPublisher::publish(const DeviceStatus& status) { inside_->heartbeat.set(status); }
 
-void DdsPublisher::publish(const Measures& measures) {
+void DdsPublisher::publish(const supervision::Measures& measures) {
   {
     const std::lock_guard lock{inside_->mutex};
     inside_->measures = measures;
@@ -223,7 +223,8 @@ void DdsPublisher::publish(const FaultEvent& event) {
   inside_->outbox.wake();
 }
 
-void DdsPublisher::withdraw(const std::vector<LifecycleStatus>& modules, const Measures& measures) {
+void DdsPublisher::withdraw(const std::vector<LifecycleStatus>& modules,
+                            const supervision::Measures& measures) {
   for (const LifecycleStatus& module : modules) inside_->outbox.put_disposal(module);
   {
     const std::lock_guard lock{inside_->mutex};

@@ -4,13 +4,13 @@
 #include <functional>
 #include <memory>
 
+#include <takt/agent/publisher.hpp>
 #include <takt/core/result.hpp>
 #include <takt/dds/participant.hpp>
-#include "publisher.hpp"
 
 namespace takt::node {
 
-class DdsPublisher final : public Publisher {
+class DdsPublisher final : public agent::Publisher {
  public:
   static Result<std::unique_ptr<DdsPublisher>> create(std::shared_ptr<dds::Participant> participant);
   /// Withdraws the device's status and waits briefly until observers have received that.
@@ -24,9 +24,9 @@ class DdsPublisher final : public Publisher {
   void reply(const wire::WholeReply& reply) override;
   void publish(const LifecycleStatus& status) override;
   void publish(const DeviceStatus& status) override;
-  void publish(const Measures& measures) override;
+  void publish(const supervision::Measures& measures) override;
   void publish(const FaultEvent& event) override;
-  void withdraw(const std::vector<LifecycleStatus>& modules, const Measures& measures) override;
+  void withdraw(const std::vector<LifecycleStatus>& modules, const supervision::Measures& measures) override;
 
  private:
   struct Inside;

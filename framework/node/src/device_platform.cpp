@@ -175,8 +175,8 @@ std::vector<Detection> DevicePlatform::detections() {
           {.module = {}, .text = "WARNING: executor " + executor.name + " is not real-time: " + sentence});
     } else {
       detections.push_back({.module = violation.module,
-                          .text = "WARNING: " + violation.hook + " is not real-time: " + sentence,
-                          .cause = violation.hook + ": " + sentence});
+                            .text = "WARNING: " + violation.hook + " is not real-time: " + sentence,
+                            .cause = violation.hook + ": " + sentence});
     }
   }
   return detections;

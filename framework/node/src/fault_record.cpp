@@ -6,8 +6,8 @@
 
 #include <takt/core/fixed_text.hpp>
 #include <takt/core/words.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/os/files.hpp>
+#include <takt/wire/words.hpp>
 
 namespace takt::node {
 
@@ -245,6 +245,10 @@ bool FaultRecord::reopen() {
   if (!other.file_) return false;
   *this = std::move(other);
   return true;
+}
+
+void FaultRecord::sync() const {
+  if (file_) file_->sync();
 }
 
 void FaultRecord::append(model::Fault& fault) {

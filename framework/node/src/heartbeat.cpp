@@ -1,7 +1,7 @@
 #include "heartbeat.hpp"
 
-#include <takt/wire/words.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/wire/words.hpp>
 
 namespace takt::node {
 

@@ -5,17 +5,24 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/agent/problems_json.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/host/component_path.hpp>
+#include <takt/host/inspect.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/signals.hpp>
-#include "problems_json.hpp"
 
 namespace takt::node {
+
+using agent::Inspected;
+using agent::Inspection;
+using agent::InspectionRequest;
+using agent::problems_from;
+using agent::problems_json;
 
 namespace {
 
@@ -56,8 +63,6 @@ class InspectionProgram final : public Inspection {
     if (os::now() - begun_ > kLimit) return failed("gave no answer within " + to_text(kLimit));
     return std::nullopt;
   }
-
-  [[nodiscard]] const os::Fd& fd() const noexcept override { return socket_.fd(); }
 
  private:
   static Result<Inspected> failed(const std::string& how) {

@@ -9,10 +9,11 @@
 #include <takt/model/json.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
-#include "problems_json.hpp"
 #include "whole_file.hpp"
 
 namespace takt::node {
+
+using agent::KeptDeployment;
 
 namespace {
 

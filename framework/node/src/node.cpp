@@ -13,14 +13,19 @@
 #include <utility>
 #include <vector>
 
+#include <takt/agent/agent.hpp>
 #include <takt/dds/commands.hpp>
 #include <takt/dds/topics.hpp>
 #include <takt/model/validate.hpp>
 #include <takt/node/device_platform.hpp>
+#include <takt/node/fault_record.hpp>
+#include <takt/node/inspection.hpp>
+#include <takt/node/kept_deployment.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/fixed_file.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/notice.hpp>
 #include <takt/os/real_time.hpp>
@@ -29,10 +34,12 @@
 #include <takt/security/identity.hpp>
 #include <takt/security/signature.hpp>
 #include <takt/wire/words.hpp>
-#include "agent.hpp"
 #include "dds_publisher.hpp"
 
 namespace takt::node {
+
+using agent::Agent;
+using supervision::Supervisor;
 
 namespace {
 
@@ -211,21 +218,28 @@ int run_node(const NodeOptions& options) {
                                .require_real_time = options.require_real_time,
                                .real_time = real_time,
                                .temporary = temporary,
-                               .file = std::nullopt,
+                               .host_name = os::host_name(),
+                               .process_id = os::process_id(),
+                               .store = {},
                                .boot = os::boot_id(),
+                               .record = {},
+                               .log = [&options](const std::string& text) { log(options.device, "", text); },
                                .now = os::now,
                                .wall_ns = os::wall_ns,
                                .instant_of_wall = os::instant_of_wall};
   if (!options.state_folder.empty() && !temporary)
-    agent_options.file = DeploymentFile{options.state_folder, options.device, options.domain};
+    agent_options.store =
+        std::make_shared<DeploymentFile>(options.state_folder, options.device, options.domain);
+  std::shared_ptr<FaultRecord> record;
   if (!options.state_folder.empty() && (!temporary || options.state_folder_given)) {
-    agent_options.record = std::make_shared<FaultRecord>(
+    record = std::make_shared<FaultRecord>(
         FaultRecord::open(FaultRecord::path(options.state_folder, options.device, options.domain)));
-    for (const Problem& problem : agent_options.record->problems())
+    for (const Problem& problem : record->problems())
       log(options.device, "", "warning: the fault record: " + in_words({problem}));
   }
   std::optional<RecordKeeper> keeper;
-  if (agent_options.record) keeper.emplace(agent_options.record->disk());
+  if (record) keeper.emplace(record->disk());
+  agent_options.record = record ? record : std::make_shared<FaultRecord>();
   const std::string traces =
       options.state_folder.empty() || temporary
           ? ""
@@ -294,7 +308,7 @@ int run_node(const NodeOptions& options) {
       warn_of_expiry(*(*participant)->identity(), options);
     }
     (*dds_publisher)->kick();
-    std::vector<const os::Fd*> fds = agent.wait_on();
+    std::vector<const os::Fd*> fds;
     std::erase_if(platforms, [](const auto& platform) { return platform.expired(); });
     for (const auto& platform : platforms) {
       const std::vector<const os::Fd*> more = platform.lock()->wait_on();
@@ -322,8 +336,7 @@ int run_node(const NodeOptions& options) {
     }
     agent.step();
     // The record has lost its file, or has it again.
-    if (keeper && keeper->disk() != agent_options.record->disk())
-      keeper.emplace(agent_options.record->disk());
+    if (keeper && keeper->disk() != record->disk()) keeper.emplace(record->disk());
   }
   agent.note_end();
   return 0;

@@ -29,7 +29,7 @@ class Kept : public testing::Test {
 
   std::string folder_ = testing::TempDir() + "takt-kept-" + std::to_string(os::process_id());
   DeploymentFile file_{folder_, "robot", 7};
-  KeptDeployment deployment_{.id = "a1",
+  agent::KeptDeployment deployment_{.id = "a1",
                              .file = "cell.xml",
                              .text = "<cell name=\"\u00e9\">\n\"\\</cell>",
                              .require_real_time = true,

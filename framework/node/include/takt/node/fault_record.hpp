@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include <takt/agent/memory.hpp>
 #include <takt/core/result.hpp>
 #include <takt/model/fault.hpp>
 #include <takt/os/fixed_file.hpp>
@@ -38,7 +39,7 @@ Result<Recorded> read_record(std::string_view content);
 /// The same for a file, by its path.
 Result<Recorded> read_record_file(const std::string& path);
 
-class FaultRecord {
+class FaultRecord final : public agent::FaultMemory {
  public:
   static constexpr std::size_t kSlots = 4096;
   /// "FOLDER/DEVICE.DOMAIN.faults"
@@ -50,17 +51,17 @@ class FaultRecord {
   /// Always returns a record: problems() says why it is only in memory, or which file was renamed.
   static FaultRecord open(const std::string& path, std::size_t slots = kSlots);
 
-  /// Gives the event its number and writes it to the file's pages, which does not wait for the disk.
-  void append(model::Fault& fault);
+  /// Writes the event to the file's pages, which does not wait for the disk.
+  void append(model::Fault& fault) override;
   /// After open() or a write has failed: tries the file again. True if the file is in use again, with all
   /// events in memory. Events get new numbers if other events in the file already have theirs.
-  bool reopen();
-  [[nodiscard]] const std::vector<model::Fault>& events() const noexcept { return recorded_.events; }
-  [[nodiscard]] std::uint64_t overwritten() const noexcept { return recorded_.overwritten; }
-  [[nodiscard]] std::uint64_t damaged() const noexcept { return recorded_.damaged; }
-  [[nodiscard]] const Problems& problems() const noexcept { return problems_; }
-  /// The path of the file; empty: the record is only in memory.
-  [[nodiscard]] const std::string& file() const noexcept { return path_; }
+  bool reopen() override;
+  void sync() const override;
+  [[nodiscard]] const std::vector<model::Fault>& events() const noexcept override { return recorded_.events; }
+  [[nodiscard]] std::uint64_t overwritten() const noexcept override { return recorded_.overwritten; }
+  [[nodiscard]] std::uint64_t damaged() const noexcept override { return recorded_.damaged; }
+  [[nodiscard]] const Problems& problems() const noexcept override { return problems_; }
+  [[nodiscard]] const std::string& file() const noexcept override { return path_; }
   /// The file, for a thread that may wait for the disk: sync() writes what was appended. Null: the record is
   /// only in memory.
   [[nodiscard]] std::shared_ptr<const os::FixedFile> disk() const noexcept { return file_; }

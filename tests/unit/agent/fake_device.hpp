@@ -9,10 +9,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/node/log.hpp>
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
+#include <takt/node/fault_record.hpp>
+#include <takt/node/kept_deployment.hpp>
 
-namespace takt::node {
+namespace takt::agent {
 
 class RecordingPublisher final : public Publisher {
  public:
@@ -46,7 +47,7 @@ struct Work {
   bool stop_called = false;
   int supervised = 0;  ///< number of FakeSupervised objects that exist
   model::Cell cell;    ///< of the newest one
-  host::ComponentPaths paths;
+  std::vector<std::string> paths;
   std::function<void(const Step&)> stepped;
   std::function<void(model::Fault, const std::string&)> noted;
   std::vector<std::pair<std::uint32_t, Verb>> commands;
@@ -61,11 +62,9 @@ class FakeInspection final : public Inspection {
  public:
   explicit FakeInspection(Work& work) : work_(work) {}
   std::optional<Result<Inspected>> result() override { return work_.inspected; }
-  [[nodiscard]] const os::Fd& fd() const noexcept override { return none_; }
 
  private:
   Work& work_;
-  os::Fd none_;
 };
 
 class FakeSupervised final : public Supervised {
@@ -150,16 +149,18 @@ class FakeDevice {
   </device>
 </cell>)";
 
-  explicit FakeDevice(std::optional<DeploymentFile> file = {}, bool temporary = false,
-                      std::shared_ptr<FaultRecord> record = {}, const std::string& cell_of_identity = {})
+  explicit FakeDevice(std::optional<node::DeploymentFile> file = {}, bool temporary = false,
+                      std::shared_ptr<node::FaultRecord> record = {},
+                      const std::string& cell_of_identity = {})
       : agent({.device = "robot",
                .node = "here",
                .domain = 7,
                .cell = cell_of_identity,
                .temporary = temporary,
-               .file = std::move(file),
+               .store = file ? std::make_shared<node::DeploymentFile>(*file) : nullptr,
                .boot = "since today",
-               .record = std::move(record),
+               .record = record ? record : std::make_shared<node::FaultRecord>(),
+               .log = [](const std::string&) {},
                .now = [this] { return now; },
                .wall_ns = [this] { return wall(); },
                .instant_of_wall = [this](std::int64_t ns) { return now + Nanoseconds{ns - wall()}; }},
@@ -171,7 +172,6 @@ class FakeDevice {
                  return std::make_unique<FakeSupervised>(work, options);
                }},
               published) {
-    log_nothing();
     agent.step();
   }
 
@@ -244,4 +244,4 @@ class FakeDevice {
   Agent agent;
 };
 
-}  // namespace takt::node
+}  // namespace takt::agent

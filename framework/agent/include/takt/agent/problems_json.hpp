@@ -7,7 +7,7 @@
 
 #include <takt/core/result.hpp>
 
-namespace takt::node {
+namespace takt::agent {
 
 /// [{"where", "what", "fix"}]
 inline nlohmann::ordered_json problems_json(const Problems& problems) {
@@ -25,4 +25,4 @@ inline Problems problems_from(const nlohmann::ordered_json& list) {
   return problems;
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -3,23 +3,22 @@
 // All devices of the cell take the same steps. The client commands the next step when all devices have
 // completed the one before. Until the last step this device can undo its changes, and does so by itself if it
 // receives nothing from the client for a while.
-#include "agent_update.hpp"
+#include "update.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include <takt/agent/problems_json.hpp>
 #include <takt/core/span.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
-#include <takt/node/log.hpp>
 #include <takt/schedule/plan.hpp>
+#include <takt/wire/words.hpp>
 #include "limits.hpp"
-#include "problems_json.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 using json = nlohmann::ordered_json;
 using model::Change;
@@ -405,4 +404,4 @@ void Agent::drop_update(const std::string& why) {
   }
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -1,20 +1,19 @@
 // The agent's commands prepare, run and undeploy, and the deployment saved on disk.
-#include "agent_update.hpp"
+#include "update.hpp"
 
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
 
+#include <takt/agent/problems_json.hpp>
 #include <takt/core/span.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
-#include <takt/node/log.hpp>
 #include <takt/schedule/plan.hpp>
+#include <takt/wire/words.hpp>
 #include "limits.hpp"
-#include "problems_json.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 using json = nlohmann::ordered_json;
 using Phase = Supervised::Phase;
@@ -311,16 +310,16 @@ void Agent::go(std::int64_t t0_wall_ns) {
 }
 
 void Agent::keep_for_restart() {
-  if (!options_.file) return;
+  if (!options_.store) return;
   Deployment& d = *deployment_;
-  const auto kept = options_.file->keep({.id = d.id,
-                                         .file = d.file,
-                                         .text = d.text,
-                                         .require_real_time = d.require_real_time,
-                                         .t0_ns = *d.t0_wall_ns,
-                                         .boot = options_.boot,
-                                         .t0_monotonic_ns = to_ns(*d.t0),
-                                         .safe = d.safe});
+  const auto kept = options_.store->keep({.id = d.id,
+                                          .file = d.file,
+                                          .text = d.text,
+                                          .require_real_time = d.require_real_time,
+                                          .t0_ns = *d.t0_wall_ns,
+                                          .boot = options_.boot,
+                                          .t0_monotonic_ns = to_ns(*d.t0),
+                                          .safe = d.safe});
   const bool again = std::exchange(d.unsaved, !kept);
   if (kept && again) log("cell " + d.cell.name + " is saved for --resume again");
   if (kept || again) return;
@@ -417,8 +416,8 @@ void Agent::finish() {
 }
 
 void Agent::forget_kept() {
-  if (!options_.file) return;
-  if (const auto forgotten = options_.file->forget(); !forgotten)
+  if (!options_.store) return;
+  if (const auto forgotten = options_.store->forget(); !forgotten)
     log("warning: " + in_words(forgotten.problems()));
 }
 
@@ -431,8 +430,8 @@ void Agent::clear() {
 }
 
 void Agent::resume() {
-  if (!options_.file) return;
-  const auto kept = options_.file->kept();
+  if (!options_.store) return;
+  const auto kept = options_.store->kept();
   if (!kept) {
     log("nothing is restored: " + in_words(kept.problems()));
     last_refusal_ = to_text(kept.problems()[0]);
@@ -463,12 +462,12 @@ void Agent::resume() {
 }
 
 void Agent::report_kept() const {
-  if (!options_.file) return;
-  const auto kept = options_.file->kept();
+  if (!options_.store) return;
+  const auto kept = options_.store->kept();
   if (!kept || !*kept) return;
   const auto found = find_device((*kept)->text, (*kept)->file, options_.device);
   log((found ? "cell " + found->cell.name : "a cell") +
       " was running when this node ended and is not restored; to restore it, start the node with --resume");
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -5,12 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/words.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
-#include <takt/os/environment.hpp>
-#include "agent_deployment.hpp"
+#include <takt/wire/words.hpp>
+#include "deployment.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 using json = nlohmann::ordered_json;
 using model::FaultKind;
@@ -47,14 +46,14 @@ bool changes_something(CommandKind kind) {
 }  // namespace
 
 void Agent::note_start() {
-  const FaultRecord& record = *options_.record;
+  const FaultMemory& record = *options_.record;
   const auto& events = record.events();
   if (!events.empty() && events.back().kind != FaultKind::node_end) {
     note({.kind = FaultKind::node_restart,
           .cause = "the previous node did not shut down cleanly; its last event is number " +
                    std::to_string(events.back().sequence)});
   } else {
-    note({.kind = FaultKind::node_start, .cause = "process " + std::to_string(os::process_id())});
+    note({.kind = FaultKind::node_start, .cause = "process " + std::to_string(options_.process_id)});
   }
   for (const Problem& problem : record.problems())
     note({.kind = FaultKind::error, .cause = "the fault record: " + in_words({problem})});
@@ -63,7 +62,7 @@ void Agent::note_start() {
 void Agent::note_end() {
   filter_.flush();
   note({.kind = FaultKind::node_end, .cause = "clean shutdown"});
-  if (const auto disk = options_.record->disk()) disk->sync();
+  options_.record->sync();
 }
 
 void Agent::note(model::Fault fault, const std::string& origin) {
@@ -116,7 +115,7 @@ void Agent::send_log(const wire::WholeCommand& command) {
     answer(command.head, REPLY_REFUSED, in_words(filter.problems()));
     return;
   }
-  const FaultRecord& record = *options_.record;
+  const FaultMemory& record = *options_.record;
   json events = json::array();
   for (const model::Fault& fault : filter->of(record.events())) events.push_back(model::to_json(fault));
   std::int64_t newest_ns = 0;
@@ -135,4 +134,4 @@ void Agent::send_log(const wire::WholeCommand& command) {
                            {"events", events}}));
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -1,4 +1,4 @@
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node::agent_commands_test {
+namespace takt::agent::agent_commands_test {
 namespace {
 
 using testing::HasSubstr;
@@ -250,4 +250,4 @@ TEST(AgentCommands, AnswersADeviceCommandWhenEveryModuleHasAnswered) {
 }
 
 }  // namespace
-}  // namespace takt::node::agent_commands_test
+}  // namespace takt::agent::agent_commands_test

@@ -9,9 +9,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
 
-namespace takt::node {
+namespace takt::agent {
 
 struct Agent::Deployment {
   std::string id;
@@ -54,4 +54,4 @@ struct Agent::Deployment {
   [[nodiscard]] std::unique_ptr<Deployment> afresh() const;
 };
 
-}  // namespace takt::node
+}  // namespace takt::agent

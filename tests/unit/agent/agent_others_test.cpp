@@ -1,4 +1,4 @@
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node::agent_others_test {
+namespace takt::agent::agent_others_test {
 namespace {
 
 using testing::HasSubstr;
@@ -186,4 +186,4 @@ TEST(AgentAndOthers, StopsWithAStopCellModuleWhenAllOtherDevicesAreLost) {
 }
 
 }  // namespace
-}  // namespace takt::node::agent_others_test
+}  // namespace takt::agent::agent_others_test

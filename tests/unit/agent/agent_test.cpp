@@ -1,4 +1,4 @@
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node::agent_test {
+namespace takt::agent::agent_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -507,4 +507,4 @@ TEST(Agent, AnswersThePrepareCommandWhenItEndsDuringPreparation) {
 }
 
 }  // namespace
-}  // namespace takt::node::agent_test
+}  // namespace takt::agent::agent_test

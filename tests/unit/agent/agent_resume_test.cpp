@@ -1,4 +1,4 @@
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node::agent_resume_test {
+namespace takt::agent::agent_resume_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -23,7 +23,7 @@ class Resuming : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
-  DeploymentFile file_{folder_, "robot", 7};
+  node::DeploymentFile file_{folder_, "robot", 7};
 };
 
 TEST_F(Resuming, SavesARunningDeploymentUntilItIsUndeployed) {
@@ -183,4 +183,4 @@ TEST_F(Resuming, WaitsWithoutASavedDeployment) {
 }
 
 }  // namespace
-}  // namespace takt::node::agent_resume_test
+}  // namespace takt::agent::agent_resume_test

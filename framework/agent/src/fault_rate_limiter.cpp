@@ -1,6 +1,6 @@
-#include "fault_rate_limiter.hpp"
+#include <takt/agent/fault_rate_limiter.hpp>
 
-namespace takt::node {
+namespace takt::agent {
 
 using model::FaultKind;
 
@@ -83,4 +83,4 @@ void FaultRateLimiter::flush() {
   }
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -12,7 +12,7 @@
 #include <takt/core/time.hpp>
 #include <takt/model/fault.hpp>
 
-namespace takt::node {
+namespace takt::agent {
 
 /// Emits the first event of a module and kind at once, and then at most one a second. Its count includes all
 /// events since the last one, so no count is lost. Single actions (a deployment, a command, a restart) are
@@ -43,4 +43,4 @@ class FaultRateLimiter {
   std::map<Key, Bucket> buckets_;
 };
 
-}  // namespace takt::node
+}  // namespace takt::agent

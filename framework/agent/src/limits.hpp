@@ -3,7 +3,7 @@
 
 #include <takt/core/time.hpp>
 
-namespace takt::node {
+namespace takt::agent {
 
 /// How long a prepared deployment, or an update, waits for its client's next message before it is undone.
 inline constexpr Nanoseconds kRunAwaited = std::chrono::seconds{20};
@@ -20,4 +20,4 @@ inline constexpr Nanoseconds kDiskTriedEvery = std::chrono::seconds{5};
 /// The interval of published statistics.
 inline constexpr Nanoseconds kMeasuresEvery = std::chrono::seconds{1};
 
-}  // namespace takt::node
+}  // namespace takt::agent

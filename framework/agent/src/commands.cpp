@@ -6,16 +6,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/agent/problems_json.hpp>
 #include <takt/core/span.hpp>
 #include <takt/core/words.hpp>
+#include <takt/model/json.hpp>
 #include <takt/wire/question.hpp>
 #include <takt/wire/words.hpp>
-#include <takt/model/json.hpp>
-#include "agent_update.hpp"
 #include "limits.hpp"
-#include "problems_json.hpp"
+#include "update.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 using json = nlohmann::ordered_json;
 using Phase = Supervised::Phase;
@@ -131,7 +131,8 @@ json Agent::lost_devices() const {
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
     const auto seen = others_.devices(device.name);
-    if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; })) continue;
+    if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; }))
+      continue;
     json modules = json::array();
     for (const model::Module& module : device.modules) {
       std::string state = "UNKNOWN";
@@ -413,4 +414,4 @@ void Agent::command_module(const Command& command, Verb verb) {
   }
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

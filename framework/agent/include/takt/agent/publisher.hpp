@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include <takt/dds/commands.hpp>
 #include <takt/supervision/supervised.hpp>
+#include <takt/wire/assembly.hpp>
 
-namespace takt::node {
+namespace takt::agent {
 
 /// Implemented with DDS (dds_publisher.hpp), and by tests. Never waits.
 class Publisher {
@@ -23,7 +23,8 @@ class Publisher {
   /// Observers receive the events in order. A slow observer may miss some, and sees that by their numbers.
   virtual void publish(const FaultEvent& event) = 0;
   /// Withdraws the modules, executors and ports of a deployment that has ended.
-  virtual void withdraw(const std::vector<LifecycleStatus>& modules, const supervision::Measures& measures) = 0;
+  virtual void withdraw(const std::vector<LifecycleStatus>& modules,
+                        const supervision::Measures& measures) = 0;
 
  protected:
   Publisher() = default;
@@ -31,4 +32,4 @@ class Publisher {
   Publisher& operator=(const Publisher&) = default;
 };
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -2,10 +2,9 @@
 // or ends its deployment and brings another one up.
 #include <utility>
 
-#include <takt/node/log.hpp>
-#include "agent_update.hpp"
+#include "update.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 using model::Change;
 
@@ -123,4 +122,4 @@ void Agent::brought_up() {
     undone();
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -1,11 +1,11 @@
-#include "fault_rate_limiter.hpp"
+#include <takt/agent/fault_rate_limiter.hpp>
 
 #include <gmock/gmock.h>
 
 #include <random>
 #include <tuple>
 
-namespace takt::node::fault_rate_limiter_test {
+namespace takt::agent::fault_rate_limiter_test {
 namespace {
 
 using model::Fault;
@@ -111,4 +111,4 @@ TEST_F(FaultRateLimiterTest, LosesNoCountInAnyOrderOfEvents) {
 }
 
 }  // namespace
-}  // namespace takt::node::fault_rate_limiter_test
+}  // namespace takt::agent::fault_rate_limiter_test

@@ -1,12 +1,12 @@
 #include <gmock/gmock.h>
 
+#include <takt/model/json.hpp>
 #include <takt/wire/fault.hpp>
 #include <takt/wire/words.hpp>
-#include <takt/model/json.hpp>
 
 #include "fake_device.hpp"
 
-namespace takt::node::agent_faults_test {
+namespace takt::agent::agent_faults_test {
 namespace {
 
 using model::FaultKind;
@@ -35,7 +35,7 @@ class AgentFaultsTest : public testing::Test {
 };
 
 TEST_F(AgentFaultsTest, TellsACleanShutdownFromACrashOfThePreviousNode) {
-  const auto record = std::make_shared<FaultRecord>();
+  const auto record = std::make_shared<node::FaultRecord>();
   const auto note_start = [&record] {
     FakeDevice device{{}, false, record};
     device.agent.note_start();
@@ -177,4 +177,4 @@ TEST_F(AgentFaultsTest, RecordsTheLossAndReturnOfAnotherDevice) {
 }
 
 }  // namespace
-}  // namespace takt::node::agent_faults_test
+}  // namespace takt::agent::agent_faults_test

@@ -1,15 +1,13 @@
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
 
 #include <algorithm>
 
-#include <takt/node/log.hpp>
-#include <takt/os/environment.hpp>
 #include <takt/wire/fault.hpp>
 #include <takt/wire/words.hpp>
-#include "agent_update.hpp"
 #include "limits.hpp"
+#include "update.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 using Phase = Supervised::Phase;
 
@@ -19,19 +17,17 @@ Agent::Agent(Options options, Factories factories, Publisher& publisher)
       publisher_(publisher),
       began_(options_.now()),
       filter_([this](model::Fault fault) {
-        FaultRecord& record = *options_.record;
+        FaultMemory& record = *options_.record;
         const bool kept = !record.file().empty();
         record.append(fault);
         if (kept && record.file().empty())
           log("warning: the fault record is only in memory now: " + in_words(record.problems()));
         publisher_.publish(wire::to_wire(fault));
-      }) {
-  if (!options_.record) options_.record = std::make_shared<FaultRecord>();
-}
+      }) {}
 
 Agent::~Agent() = default;
 
-void Agent::log(const std::string& text) const { node::log(options_.device, "", text); }
+void Agent::log(const std::string& text) const { options_.log(text); }
 
 void Agent::end(bool at_once) {
   at_once_ |= at_once;
@@ -50,11 +46,6 @@ bool Agent::ended() const {
   if (deployment_ && !deployment_->over) return false;
   // takt run closes the lifetime descriptor once it has the report; until then the answer may be on its way.
   return at_once_ || !options_.temporary || !ended_at_ || options_.now() - *ended_at_ > kReportFetched;
-}
-
-std::vector<const os::Fd*> Agent::wait_on() {
-  if (!deployment_ || !deployment_->inspection) return {};
-  return {&deployment_->inspection->fd()};
 }
 
 void Agent::step() {
@@ -128,8 +119,8 @@ DeviceStatus Agent::status() const {
   wire::set(status.cell(), cell);
   wire::set(status.device(), options_.device);
   wire::set(status.node(), options_.node);
-  wire::set(status.host_name(), os::host_name());
-  status.process_id(os::process_id());
+  wire::set(status.host_name(), options_.host_name);
+  status.process_id(options_.process_id);
   status.state(DEVICE_WAITING);
   status.health(HEALTH_OK);
   status.real_time(options_.real_time);
@@ -216,4 +207,4 @@ void Agent::publish_measures() {
   publisher_.publish(measures);
 }
 
-}  // namespace takt::node
+}  // namespace takt::agent

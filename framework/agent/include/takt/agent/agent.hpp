@@ -15,20 +15,18 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <takt/dds/commands.hpp>
+#include <takt/agent/fault_rate_limiter.hpp>
+#include <takt/agent/inspection.hpp>
+#include <takt/agent/memory.hpp>
+#include <takt/agent/publisher.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/difference.hpp>
 #include <takt/model/fault.hpp>
-#include <takt/node/fault_record.hpp>
-#include <takt/node/inspection.hpp>
-#include <takt/node/kept_deployment.hpp>
-#include <takt/os/fd.hpp>
 #include <takt/supervision/supervisor.hpp>
+#include <takt/wire/assembly.hpp>
 #include <takt/wire/cell_state.hpp>
-#include "fault_rate_limiter.hpp"
-#include "publisher.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 using supervision::Measures;
 using supervision::Outcome;
@@ -51,9 +49,12 @@ class Agent {
     /// takt run started this node for one cell. It uses the paths of files as written and saves nothing on
     /// disk. Before it ends, it waits briefly for its final report to be fetched.
     bool temporary = false;
-    std::optional<DeploymentFile> file;     ///< where the deployment is saved; none: it is not saved
-    std::string boot{};                     ///< os::boot_id()
-    std::shared_ptr<FaultRecord> record{};  ///< null: a record in memory
+    std::string host_name{};
+    int process_id = 0;
+    std::shared_ptr<DeploymentStore> store{};     ///< where the deployment is saved; null: it is not saved
+    std::string boot{};                           ///< identifies this boot of the machine; empty: not known
+    std::shared_ptr<FaultMemory> record;          ///< never null
+    std::function<void(const std::string&)> log;  ///< for the person at the terminal
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
     std::function<Instant(std::int64_t)> instant_of_wall;
@@ -88,7 +89,6 @@ class Agent {
   void end(bool at_once);
 
   void step();
-  [[nodiscard]] std::vector<const os::Fd*> wait_on();
   [[nodiscard]] bool ended() const;
 
  private:
@@ -200,4 +200,4 @@ class Agent {
   std::map<std::string, bool> devices_seen_;  // the other devices of the cell: alive at the last check
 };
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -1,4 +1,4 @@
-#include "agent.hpp"
+#include <takt/agent/agent.hpp>
 
 #include <gmock/gmock.h>
 
@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include <takt/wire/words.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/wire/words.hpp>
 
 #include "fake_device.hpp"
 
-namespace takt::node::agent_update_test {
+namespace takt::agent::agent_update_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -90,7 +90,7 @@ class AgentUpdate : public testing::Test {
   }
 
   std::string folder_ = testing::TempDir() + "takt-update-" + std::to_string(os::process_id());
-  DeploymentFile file_{folder_, "robot", 7};
+  node::DeploymentFile file_{folder_, "robot", 7};
   FakeDevice device{file_};
 };
 
@@ -487,4 +487,4 @@ TEST_F(AgentUpdate, FailsTheUpdateWhenTheDeploymentEndsByItself) {
 }
 
 }  // namespace
-}  // namespace takt::node::agent_update_test
+}  // namespace takt::agent::agent_update_test

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <takt/model/difference.hpp>
-#include "agent_deployment.hpp"
+#include "deployment.hpp"
 
-namespace takt::node {
+namespace takt::agent {
 
 /// An update is checked, held, carried out, held, and then kept or undone. So either all devices of a cell
 /// carry it out or none.
@@ -43,4 +43,4 @@ struct Agent::Update {
   }
 };
 
-}  // namespace takt::node
+}  // namespace takt::agent

@@ -1,0 +1,65 @@
+// What an agent remembers beyond its own process: the deployment to restore, and the fault record.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/model/fault.hpp>
+
+namespace takt::agent {
+
+struct KeptDeployment {
+  std::string id;
+  std::string file;  ///< the descriptor's name, for messages
+  std::string text;  ///< of the descriptor
+  bool require_real_time = false;
+  std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since
+  /// Identifies the boot of the machine in which t0_monotonic_ns was read; it is valid until the next boot.
+  /// Empty: not known.
+  std::string boot{};
+  std::int64_t t0_monotonic_ns = 0;
+  std::string safe{};  ///< the safe values of the cell's outputs, in the format of model::parse_safe()
+  bool operator==(const KeptDeployment&) const = default;
+};
+
+/// Holds at most one deployment.
+class DeploymentStore {
+ public:
+  virtual ~DeploymentStore() = default;
+  virtual Result<void> keep(const KeptDeployment& deployment) const = 0;
+  /// None if there is none. Fails if it is damaged or cannot be read.
+  [[nodiscard]] virtual Result<std::optional<KeptDeployment>> kept() const = 0;
+  virtual Result<void> forget() const = 0;
+};
+
+/// The device's newest events.
+class FaultMemory {
+ public:
+  virtual ~FaultMemory() = default;
+  /// Gives the event its number and keeps it.
+  virtual void append(model::Fault& fault) = 0;
+  /// Tries again to use a file that failed. True if the file is in use again, with all events in memory.
+  virtual bool reopen() = 0;
+  /// Waits until all events are on disk.
+  virtual void sync() const = 0;
+  [[nodiscard]] virtual const std::vector<model::Fault>& events() const noexcept = 0;
+  /// Number of older events that newer ones have replaced.
+  [[nodiscard]] virtual std::uint64_t overwritten() const noexcept = 0;
+  /// Number of events that were not valid when the file was read.
+  [[nodiscard]] virtual std::uint64_t damaged() const noexcept = 0;
+  [[nodiscard]] virtual const Problems& problems() const noexcept = 0;
+  /// The path of the file; empty: the events are only in memory.
+  [[nodiscard]] virtual const std::string& file() const noexcept = 0;
+
+ protected:
+  FaultMemory() = default;
+  FaultMemory(const FaultMemory&) = default;
+  FaultMemory(FaultMemory&&) = default;
+  FaultMemory& operator=(const FaultMemory&) = default;
+  FaultMemory& operator=(FaultMemory&&) = default;
+};
+
+}  // namespace takt::agent
