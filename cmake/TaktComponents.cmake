@@ -4,10 +4,10 @@
 #   takt_add_process(vision vision.cpp ... [TYPES types ...])   builds a process module: vision.exe
 #   takt_add_component_test(servo servo_test.cpp ...)           builds its tests, with GoogleTest and <takt/testing.hpp>
 #
-# They ignore CMAKE_UNITY_BUILD, because the sources of authors may not compile as one unit.
+# The functions ignore CMAKE_UNITY_BUILD, because the sources of authors may not compile as one unit.
 #
-# Components are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. TYPES names libraries of
-# takt_add_idl() with the types of their ports.
+# Components are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. TYPES names the libraries of
+# takt_add_idl() that contain the types of the ports.
 
 set(TAKT_COMPONENT_DIR ${CMAKE_BINARY_DIR}/components CACHE PATH "Where components are built to")
 
@@ -19,7 +19,7 @@ function(takt_add_component name)
   target_link_libraries(${name} PRIVATE takt_component ${MODULE_TYPES})
   set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR}
                         UNITY_BUILD OFF)
-  if(COMMAND takt_precompile)  # in Takt's own build
+  if(COMMAND takt_precompile)  # only Takt's own build has this command
     set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "")  # otherwise each target has its own options
     takt_precompile(${name} component takt/component.hpp)
   endif()
@@ -32,8 +32,8 @@ function(takt_add_process name)
   set_target_properties(${name} PROPERTIES SUFFIX ".exe" RUNTIME_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR} UNITY_BUILD OFF)
 endfunction()
 
-# The tests are named servo.SUITE.TEST in CTest. A process module is compiled a second time for them, as a library whose main() they
-# call. Call this function after all other commands for the component. Without GoogleTest (Debian: libgtest-dev) nothing is built.
+# The tests are named servo.SUITE.TEST in CTest. A process module is compiled a second time for its tests, as a library whose main() the
+# tests call. Call this function after all other commands for the component. Without GoogleTest (Debian: libgtest-dev) nothing is built.
 function(takt_add_component_test name)
   if(NOT TARGET ${name})
     message(FATAL_ERROR "takt_add_component_test(${name}): call takt_add_component(${name}) or takt_add_process(${name}) first")
@@ -75,7 +75,7 @@ namespace { const takt::testing::detail::TestedFile file{\"$<TARGET_FILE:${teste
   set_target_properties(${name}_test PROPERTIES UNITY_BUILD OFF)
   add_dependencies(${name}_test ${tested})
   target_link_libraries(${name}_test PRIVATE takt_testing ${libraries} GTest::gmock GTest::gtest_main)
-  if(COMMAND takt_discover_tests)  # in Takt's own build
+  if(COMMAND takt_discover_tests)  # only Takt's own build has this command
     target_compile_options(${name}_test PRIVATE -O0)
     takt_discover_tests(${name}_test PREFIX ${name}. TIMEOUT 120)
   else()

@@ -3,8 +3,8 @@
 #   takt_add_idl(types motion.idl line.idl ...)     builds the library `types` of port types from IDL
 #   takt_add_component(servo servo.cpp TYPES types)
 #
-# C++ sources include <motion.hpp>: the classes that fastddsgen generates, and takt::PortType for each struct, which the ports of a
-# component need. C sources include <motion_c.h>: plain structs, each with a takt_type. Files that include one another belong in one
+# C++ sources include <motion.hpp>. It has the classes that fastddsgen generates, and takt::PortType for each struct, which the ports of a
+# component need. C sources include <motion_c.h>. It has plain structs, each with a takt_type. Files that include one another belong in one
 # library. A type that a port does not support fails the build with the file, the line and the field.
 
 include(${CMAKE_CURRENT_LIST_DIR}/TaktWire.cmake)
@@ -29,7 +29,7 @@ function(takt_add_idl name)
     list(APPEND headers ${folder}/${stem}.hpp ${folder}/${stem}_c.h)
     list(APPEND plain ${folder}/plain/${stem}.idl)
   endforeach()
-  # takt_idl.py runs first: it reports all problems, and writes the IDL that fastddsgen understands.
+  # takt_idl.py runs before fastddsgen. It reports all problems, and writes the IDL that fastddsgen understands.
   add_custom_command(OUTPUT ${ours} ${headers} ${plain}
     COMMAND Python3::Interpreter ${script} --out ${folder} ${files}
     DEPENDS ${files} ${script} ${modules} VERBATIM COMMENT "takt_idl.py ${ARGN}")
@@ -40,7 +40,7 @@ function(takt_add_idl name)
   set_source_files_properties(${classes} PROPERTIES COMPILE_OPTIONS -fno-sanitize=undefined)
 
   add_library(${name} STATIC ${classes} ${ours} ${headers})
-  # Two components may have types of the same name from different files, so no symbols are shared.
+  # Two components may have types of the same name from different files, so they must not share symbols.
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden UNITY_BUILD OFF)
   target_compile_options(${name} PRIVATE -w $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
   target_compile_features(${name} PUBLIC cxx_std_20)

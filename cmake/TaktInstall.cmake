@@ -17,7 +17,7 @@ set(private ${lib}/takt)
 set(package ${lib}/cmake/takt)
 set(share ${CMAKE_INSTALL_DATADIR}/takt)
 
-# The targets of a folder and its subfolders that a descriptor can name.
+# Sets `out` to the targets of a folder and its subfolders that a descriptor can name.
 function(takt_modules_of directory out)
   set(modules)
   get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
@@ -83,7 +83,7 @@ install(CODE "
   configure_file(\"${CMAKE_SOURCE_DIR}/config/takt-node@.service.in\"
                  \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system/takt-node@.service\" @ONLY)" COMPONENT runtime)
 
-# For the authors of components.
+# The following files are for the authors of components.
 install(TARGETS takt_core takt_lifecycle ARCHIVE COMPONENT dev)
 install(TARGETS takt_testing LIBRARY COMPONENT dev)
 takt_finds_libraries_from(${lib} takt_testing)
@@ -96,8 +96,8 @@ foreach(header activity flight layout link release_slot saved_state)  # the head
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)
 
-# find_package() also searches the top of the build tree once its bin folder is in PATH. The file there reports why it is unsuitable,
-# and find_package() continues. The real package file is therefore in a subfolder.
+# find_package() also searches the top of the build tree once its bin folder is in PATH. The file at the top therefore reports why it is
+# unsuitable, and find_package() continues. The real package file is in a subfolder.
 configure_package_config_file(cmake/takt-config.cmake.in ${CMAKE_BINARY_DIR}/package/takt-config.cmake INSTALL_DESTINATION ${package}
   PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/takt-config-version.cmake COMPATIBILITY SameMinorVersion)

@@ -7,8 +7,9 @@
 #   takt_room(schedule USES core model [PRIVATELY os] [LINKS tinyxml2] [OWNS tinyxml2]
 #             [NOT_REAL_TIME] [SHARED] [EXCEPT other.cpp ...] [PRECOMPILED large.hpp ...])
 #
-# USES: the rooms that it may include; PRIVATELY: those that only its sources include. OWNS: libraries that no other room may include.
-# EXCEPT: sources that are built elsewhere. check_includes.py rejects every other include before anything is compiled.
+# USES names the rooms that the room may include. PRIVATELY names the rooms that only its sources may include. OWNS names the libraries that
+# no other room may include. EXCEPT names the sources that are built elsewhere. check_includes.py rejects every other include before
+# anything is compiled.
 
 set(TAKT_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
 # A unity source includes the sources it combines, so GCC treats their private types as types of a header.

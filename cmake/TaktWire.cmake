@@ -3,7 +3,7 @@
 # - All files go into one call, because fastddsgen also generates the included files.
 # - Temporary files get their own folder; otherwise fastddsgen uses fixed names in /tmp.
 # - Without -replace, fastddsgen keeps an older output.
-# - It runs in the folder of the files, because it copies the path of an included file into #include as given.
+# - fastddsgen runs in the folder of the files, because it copies the given path of an included file into #include.
 
 find_package(fastcdr REQUIRED)
 find_program(FASTDDSGEN fastddsgen REQUIRED)
@@ -34,7 +34,7 @@ function(takt_generate out)
   set(scratch ${CMAKE_BINARY_DIR}/idl/${scratch})
   add_custom_command(OUTPUT ${outputs}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${scratch}
-    # The output is long, and shown only on failure.
+    # The output is long, so it is shown only on failure.
     COMMAND sh -c "\"$@\" >'${scratch}/log' 2>&1 || { cat '${scratch}/log' >&2; exit 1; }" sh
             ${FASTDDSGEN} -replace -cs -t ${scratch} -d ${ARG_DIRECTORY} ${names}
     DEPENDS ${files} WORKING_DIRECTORY ${folders} VERBATIM COMMENT "fastddsgen ${names}")

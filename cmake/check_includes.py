@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rejects wrong includes: a room may include itself, the rooms that it names under USES, and no library that another room owns.
+"""Rejects wrong includes. A room may include itself and the rooms that it names under USES, but no library that another room owns.
 
 Usage: check_includes.py SOURCE_DIRECTORY ROOMS_FILE
 
@@ -13,7 +13,7 @@ from pathlib import Path
 # The headers of a library that only its owners may include.
 LIBRARIES = {
     "tinyxml2": r"tinyxml2\.h",
-    # Generated types contain the fixed-size string, which needs nothing else of Fast DDS.
+    # Any file may include the fixed-size string: generated types contain it, and it needs nothing else of Fast DDS.
     "fastdds": r"(fastdds|fastrtps)/(?!utils/fixed_size_string\.hpp).*|takt/wire/taktPubSubTypes\.h",
     "openssl": r"openssl/.*",
     "sqlite": r"sqlite3\.h",
@@ -35,7 +35,7 @@ def listed(names):
 
 
 def room_of(included, source):
-    """The room that has the header <takt/ROOM/NAME.hpp>, or <takt/NAME.hpp> for the authors of components; None for a header of no room."""
+    """The room of the header <takt/ROOM/NAME.hpp>, or <takt/NAME.hpp> for the authors of components. None if no room has the header."""
     found = re.match(r"takt/([a-z]+)/", included)
     if found:
         return found[1]
@@ -43,7 +43,7 @@ def room_of(included, source):
 
 
 def complaint(source, room, included, rooms):
-    """What is wrong with `included` in a source of `room`, or in a source of tools/ if that is None; else None."""
+    """Says what is wrong with `included` in a source of `room`; None if it is allowed. If `room` is None, the source is in tools/."""
     uses, owns = rooms[room] if room else (list(rooms), [])
     for library, headers in LIBRARIES.items():
         if re.fullmatch(headers, included) and library not in owns:

@@ -3,7 +3,8 @@
 
 Usage: draw_rooms.py [--check] ROOMS_FILE PAGE
 
-ROOMS_FILE is written by CMake (check_includes.py says how). With --check, the page is not changed: exits with 1 if its drawing differs.
+CMake writes ROOMS_FILE; check_includes.py describes its format. With --check, leaves the page unchanged, and exits with 1 if its drawing
+differs.
 """
 import sys
 from pathlib import Path
@@ -12,7 +13,7 @@ BEGIN, END = "<!-- rooms -->\n", "<!-- end of rooms -->"
 
 
 def read_rooms(file):
-    """Of each room the rooms that it uses, and the libraries that it owns."""
+    """Returns for each room the rooms that it uses, and the libraries that it owns."""
     rooms = {}
     for line in Path(file).read_text().splitlines():
         name, used, owned = line.split(";")
@@ -21,7 +22,7 @@ def read_rooms(file):
 
 
 def reachable(uses, room):
-    """All rooms that `room` uses, also through others."""
+    """All rooms that `room` uses, directly or through other rooms."""
     found, pending = set(), list(uses[room])
     while pending:
         other = pending.pop()
@@ -32,7 +33,7 @@ def reachable(uses, room):
 
 
 def drawing(uses):
-    """Mermaid text. An arrow is left out where a longer path leads to the same room."""
+    """Returns the drawing as Mermaid text. Leaves out an arrow where a longer path leads to the same room."""
     lines = ["<!-- shown: a drawing -->", "```mermaid", "flowchart TB"]
     for room, used in uses.items():
         implied = set().union(*(reachable(uses, other) for other in used if other in uses)) if used else set()

@@ -1,4 +1,4 @@
-// What takes long has a short form in tools/test, and a full one in tools/test --full.
+// Long tests have a short form, which tools/test runs, and a full form, which tools/test --full runs.
 #pragma once
 
 #include <cstdlib>
@@ -6,7 +6,7 @@
 
 namespace takt {
 
-/// Whether tests run in their full form: TAKT_TEST_FULL=1.
+/// Returns whether tests run in their full form (TAKT_TEST_FULL=1).
 inline bool full_form() {
   const char* form = std::getenv("TAKT_TEST_FULL");
   return form != nullptr && std::string_view{form} == "1";
@@ -18,8 +18,8 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// How often something is tried. Under sanitizers it takes ten times as long, so in the short form there is a
-/// tenth of it.
+/// Returns how often a test repeats its work. Under sanitizers the work takes ten times as long, so the short
+/// form does a tenth of it there.
 inline int how_often(int all) { return kSanitized && !full_form() ? all / 10 : all; }
 
 }  // namespace takt

@@ -1,4 +1,4 @@
-"""Prints the ten slowest tests of a CTest run. Usage: slowest.py RESULTS.xml, a file of ctest --output-junit."""
+"""Prints the ten slowest tests of a CTest run. Usage: slowest.py RESULTS.xml. ctest --output-junit writes this file."""
 
 import sys
 import xml.etree.ElementTree as xml

@@ -1,4 +1,4 @@
-"""Takes the screenshots and drawings of docs/pictures. tools/pictures builds everything first and runs this."""
+"""Makes the screenshots and drawings of docs/pictures. tools/pictures builds all programs and then runs this script."""
 import os
 import re
 import subprocess
@@ -42,7 +42,7 @@ def page(folder, address):
             browser.size(width, height)
             browser.prefer(theme)
             browser.go(route)
-            time.sleep(4)  # until the page has settled
+            time.sleep(4)  # in this time, the page draws its first values
             browser.driver.save_screenshot(out(name))
     finally:
         browser.close()

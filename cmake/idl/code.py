@@ -22,7 +22,7 @@ def literal(text):
 class Code:
     """Lines of C++ that write (put) or read (get) the fields of a struct.
 
-    The language "c++" means fields behind accessor functions and sequences as vectors. "c" means the structs of C modules.
+    With the language "c++", fields have accessor functions and sequences are vectors. With "c", the code is for the structs of C modules.
     """
 
     def __init__(self, language):
@@ -171,7 +171,7 @@ class Code:
         else:
             self.line(f"{at} = from.get<{SCALARS[shape.scalar][1]}>();")
 
-    # -- Whether put() accepts the value; only for C++
+    # -- Check whether put() accepts the value; only for C++
 
     def fits(self, each):
         shape = each.shape
@@ -284,7 +284,7 @@ def c_source(file):
 
 
 def idl_declaration(declared, name):
-    """A declaration without typedefs, because fastddsgen does not initialize an array of a typedef. Sequences keep theirs."""
+    """A declaration without typedefs, because fastddsgen does not initialize an array of a typedef. Sequences keep their typedefs."""
     shape = declared.shape
     if shape.sequence:
         return f"{shape.text} {name}{sizes(declared.own)};"
@@ -293,7 +293,7 @@ def idl_declaration(declared, name):
 
 
 def plain_idl(file):
-    """The same declarations for fastddsgen, with numbers instead of constants: its code for their names does not compile."""
+    """The declarations for fastddsgen, with numbers instead of constants, because its code for names of constants does not compile."""
     guard = f"{file.stem.upper()}_PLAIN_IDL"
     lines = head(file, "For fastddsgen.") + [f"#ifndef {guard}", f"#define {guard}"]
     lines += [f'#include "{stem}.idl"' for stem in included_stems(file)]
@@ -344,7 +344,7 @@ def header(file):
 
 
 def ros2_names(file):
-    """Aliases for ROS 2 messages: std_msgs::msg::dds_::String_ is the name on the wire, std_msgs::msg::String in programs."""
+    """Aliases for ROS 2 messages: std_msgs::msg::dds_::String_ is the name on the network, and std_msgs::msg::String the name in programs."""
     lines = []
     for struct in structs_of(file):
         if is_ros2_message(struct.name):
@@ -374,7 +374,7 @@ def source(file):
                   "  CdrWriter writer{to, size};", "  put(writer, value);", "  return writer.size();", "}", ""]
         lines += [f"bool {port}::decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept {{",
                   "  CdrReader reader{from, size};"]
-        # Only a value without reserved memory for its sequences throws.
+        # Reading throws only if no memory is reserved for the sequences of the value.
         lines += (["  try {", "    get(reader, value);", "  } catch (...) {", "    return false;", "  }"] if struct.sequences
                   else ["  get(reader, value);"]) + ["  return reader.complete();", "}", ""]
     return lines + ["}  // namespace takt"]

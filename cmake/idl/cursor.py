@@ -143,7 +143,7 @@ class Cursor:
     def find(self, absolute, parts, token, where="", members=()):
         """Returns the entity that a name means here. If there is none, reports a problem and returns None.
 
-        `where` begins the message. `members` are the fields of the struct so far, which a name must not collide with.
+        The message begins with `where`. `members` are the fields of the struct so far; the name must not be one of them.
         """
         shown = where + ("::" if absolute else "") + "::".join(parts)
         for member in members if len(parts) == 1 and not absolute else ():
@@ -179,7 +179,7 @@ class Cursor:
         return entity
 
     def bound(self, name, what):
-        """Parses a size from 1. Returns 1 for a size that is not valid, which is reported."""
+        """Parses a size of at least 1. Reports a size that is not valid and returns 1 for it."""
         token = self.token
         value = self.expression(in_angles=True)
         if value is None:
@@ -194,7 +194,7 @@ class Cursor:
     LEVELS = [("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "/", "%")]
 
     def expression(self, level=0, in_angles=False):
-        """Returns an integer, or None after a problem, which is reported."""
+        """Parses an expression and returns its integer value. Reports a problem and returns None for it."""
         if level == len(self.LEVELS):
             return self.unary()
         left = self.expression(level + 1, in_angles)

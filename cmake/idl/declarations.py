@@ -13,13 +13,13 @@ MAX_NESTING = 16
 MAX_NAME = 255
 MAX_DESCRIPTION = 1024 * 1024
 
-# By IDL type: the size in bytes and the type in C and C++.
+# For each IDL type, the size in bytes and the type in C and C++.
 SCALARS = {
     "boolean": (1, "bool"), "octet": (1, "uint8_t"), "char": (1, "char"), "int8": (1, "int8_t"),
     "short": (2, "int16_t"), "unsigned short": (2, "uint16_t"), "long": (4, "int32_t"), "unsigned long": (4, "uint32_t"),
     "long long": (8, "int64_t"), "unsigned long long": (8, "uint64_t"), "float": (4, "float"), "double": (8, "double"),
 }
-# Other names of the same types.
+# Other IDL names of these types.
 SAME = {"uint8": "octet", "int16": "short", "uint16": "unsigned short", "int32": "long", "uint32": "unsigned long",
         "int64": "long long", "uint64": "unsigned long long"}
 INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
@@ -92,7 +92,7 @@ class Struct:
     def structs(self):
         return [f.shape.of for f in self.fields if f.shape.scalar == "struct"]
 
-    # Each is computed once. Otherwise the work would grow exponentially with the nesting of structs.
+    # Each of these properties is computed once. Otherwise the work would grow exponentially with the nesting of structs.
 
     @functools.cached_property
     def sequences(self):
@@ -120,7 +120,7 @@ class Struct:
 
 
 class Scope:
-    """The names of a module, by lower-case name: in IDL, `Mode` and `mode` are the same name."""
+    """The names of a module, by lower-case name, because `Mode` and `mode` are the same name in IDL."""
 
     def __init__(self, name, outer):
         self.name = name

@@ -9,7 +9,7 @@ from idl.parser import Parser
 from idl.tokens import Problems
 
 
-# System headers. motion.idl generates motion.h, which would be found as <motion.h>.
+# The names of system headers. math.idl would generate math.h, and programs would find that file instead of the system's <math.h>.
 SYSTEM_HEADERS = set("""alloca assert complex ctype dirent dlfcn elf endian errno fcntl features fenv float inttypes iso646
     limits link locale malloc math memory poll pthread sched semaphore setjmp signal spawn stdalign stdarg stdatomic stdbool
     stddef stdint stdio stdlib stdnoreturn string strings syscall termios tgmath threads time uchar unistd utime values wait
@@ -59,7 +59,7 @@ class Library:
     def check_files(self):
         """Reports the problems of whole files."""
         for file in self.files.values():
-            # Like the preprocessor: a file without an include guard is repeated by each #include.
+            # As for the preprocessor, each #include repeats a file that has no include guard.
             seen = {}
 
             def visit(by, place):

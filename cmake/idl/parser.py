@@ -16,7 +16,7 @@ INSTEAD = {
 
 
 class Parser(Cursor):
-    """Parses one file, and through the library the files that it includes."""
+    """Parses one file. The library parses the files that it includes."""
 
     def __init__(self, library, file, text):
         self.library = library
@@ -299,7 +299,7 @@ class Parser(Cursor):
         return None
 
     def declared_name(self, full, otherwise):
-        """Looks ahead for the name of the declaration that begins here, for the problems of its type."""
+        """Looks ahead for the name of the declaration that begins here, which messages about its type contain."""
         at, depth = self.at, 0
         while self.tokens[at].kind != "end":
             text = self.tokens[at].text

@@ -20,7 +20,7 @@ class Problems:
 
 
 class IdlError(Exception):
-    """The text cannot be parsed from this place to the end of the declaration."""
+    """Means that the text cannot be parsed from this place to the end of the declaration."""
 
     def __init__(self, place, text):
         super().__init__(text)

@@ -85,7 +85,7 @@ TEST(RigidArm, HoldsItsPositionUnderGravityCompensation) {
 
 TEST(RigidArm, StopsByFrictionAndFasterByItsBrakes) {
   arm::RigidArm arm{figures()};
-  arm.velocity = {2, 0, 0, 0, 0, 4};  // axes that gravity does not turn at home: the first and the last
+  arm.velocity = {2, 0, 0, 0, 0, 4};  // at home, gravity turns neither the first axis nor the last
   const Joints weight = servo::JointServo{figures()}.torque({arm.position, {}}, {arm.position, {}},
                                                             {arm.position, {}}, kPeriod);
   for (int n = 0; n < 5000; ++n) arm.step(weight, kPeriod);

@@ -45,8 +45,8 @@ class RigidArm {
     return i;
   }
 
-  /// Moves the links under this torque, clamped to the drives' limits, with the fourth-order Runge-Kutta
-  /// method.
+  /// Moves the links for `dt` seconds under this torque, with the fourth-order Runge-Kutta method. Clamps the
+  /// torque to the limits of the drives.
   void step(const Joints& torque, double dt) noexcept {
     const int pieces = static_cast<int>(std::ceil(dt / kLongestStep - 1e-6));
     for (int n = 0; n < pieces; ++n) small_step(torque, dt / pieces);

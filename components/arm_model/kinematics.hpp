@@ -46,7 +46,7 @@ class Kinematics {
   [[nodiscard]] const Matrix6& jacobian(const Joints& joints) noexcept;
 
   /// Distance from a singularity: the smallest tool motion, in m, for a joint motion of length 1 rad. A turn
-  /// of the tool by 1 rad counts as `lever` m.
+  /// of the tool by 1 rad counts as a motion of `lever` m.
   [[nodiscard]] static double dexterity(const Matrix6& jacobian, double lever = 0.5) noexcept;
 
  private:

@@ -23,8 +23,8 @@ Joints moved(const Joints& joints, const Vector6& by) noexcept {
   return result;
 }
 
-/// The i-th point of a van der Corput sequence, whose points fill the range 0 to 1 evenly for any number of
-/// points. Each `base` gives another sequence.
+/// The i-th point of a van der Corput sequence. Its points fill the range 0 to 1 evenly, whatever their
+/// number is. Each `base` gives another sequence.
 double evenly(std::size_t i, std::size_t base) noexcept {
   double result = 0;
   double share = 1;

@@ -14,7 +14,7 @@ namespace arm_model {
 enum class Reach { searching, found, out_of_reach, joint_limit };
 
 /// Uses the Levenberg-Marquardt method. It is deterministic: the same goal and start give the same answer in
-/// the same number of steps. Everything is real-time, also the constructor.
+/// the same number of steps. All functions are real-time, including the constructor.
 class Search {
  public:
   static constexpr std::size_t kStarts = 60;  ///< number of starting points
@@ -25,7 +25,7 @@ class Search {
 
   explicit Search(Kinematics& kinematics) noexcept : kinematics_(kinematics) {}
 
-  /// Prefers answers near `near`.
+  /// Begins a search for `goal`. Prefers answers near `near`.
   void begin(const KDL::Frame& goal, const Joints& near) noexcept;
   /// Rejects the answer that was found and continues from the next starting point.
   void go_on() noexcept;

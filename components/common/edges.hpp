@@ -5,7 +5,7 @@
 
 namespace common {
 
-/// R_TRIG of IEC 61131-3: the flag counts as false before its first value.
+/// Detects rising edges as R_TRIG of IEC 61131-3 does: the flag counts as false before its first value.
 class RisingEdge {
  public:
   bool step(bool value) noexcept {

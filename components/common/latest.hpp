@@ -15,8 +15,8 @@ class Latest {
   /// For the writer.
   [[nodiscard]] T& writing() noexcept { return slots_[write_]; }
   void publish() noexcept {
-    // SYNC: latest published. Release: the reader that takes the slot sees the written value. Acquire: the
-    // reader has finished with the slot that comes back.
+    // SYNC: latest published. Release, so that the reader that takes the slot sees the written value.
+    // Acquire, so that the reader has finished with the slot that comes back.
     write_ = static_cast<std::uint8_t>(
         middle_.exchange(static_cast<std::uint8_t>(write_ | kNew), std::memory_order_acq_rel) & kSlot);
   }

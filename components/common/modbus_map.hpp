@@ -72,7 +72,7 @@ struct Map {
   std::vector<Mistake> mistakes;  ///< if there is one, do not use the points
 };
 
-/// Names of the two programs' other ports, which no point may use.
+/// The names of the other ports of modbus_master and modbus_device. No point may have one of these names.
 inline constexpr std::array<std::string_view, 5> kReserved{"connected", "exchanges", "failures", "clients",
                                                            "requests"};
 
@@ -86,10 +86,10 @@ inline bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), later);
 }
 
-/// Whether it is a control character.
+/// Whether `c` is a control character.
 inline bool is_control(char c) { return (c >= 0 && c < ' ') || c == 0x7f; }
 
-/// The number, if it is the whole text.
+/// Converts the text to a number. None if the text is not exactly one number.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -98,7 +98,7 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
-/// User text in quotes, shortened and with unprintable characters replaced.
+/// Puts text of the user in quotes. Shortens it and replaces unprintable characters.
 inline std::string in_quotes(std::string_view text) {
   std::string result = "'";
   for (const char c : text.substr(0, 60)) result += c >= ' ' && c <= '~' ? c : '?';
@@ -236,7 +236,7 @@ class LineReader {
     if (key == "safe") point_.safe = *x;
   }
 
-  /// Checks that need the whole line.
+  /// Makes the checks that need the whole line.
   void check_whole() {
     if (point_.end() > 65536)
       wrong("the two registers of " + in_quotes(point_.name) + " extend beyond address 65535",

@@ -96,7 +96,7 @@ inline bool encode(const Encoding& encoding, double value, std::uint16_t* to) no
   return true;
 }
 
-/// The result is not finite if the registers hold a float32 that is not.
+/// Converts registers to a value. The value is not finite if the registers hold a float32 that is not finite.
 inline double decode(const Encoding& encoding, const std::uint16_t* from) noexcept {
   const std::uint32_t first = from[0];
   double raw = 0;

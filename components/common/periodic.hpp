@@ -18,13 +18,13 @@ inline takt::Result<void> check_period(takt::Nanoseconds period) {
 }
 
 inline double in_seconds(takt::Nanoseconds span) { return std::chrono::duration<double>(span).count(); }
-/// Rounded to six digits, for the limits of a range.
+/// Rounds a value to six digits, for the limits of a range.
 inline double rounded(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", value);
   return std::strtod(text.data(), nullptr);
 }
-/// The reason for a range that depends on the period.
+/// The words that explain a range that depends on the period.
 inline std::string at_period(takt::Nanoseconds period) { return "at a period of " + takt::to_text(period); }
 
 }  // namespace common

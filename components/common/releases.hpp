@@ -6,11 +6,12 @@
 
 namespace common {
 
-/// A missed release leaves a gap in the numbers of the grid. A block that only counted its calls would lose
-/// that time.
+/// Counts releases by their numbers in the grid, in which a missed release leaves a gap. A block that only
+/// counted its calls would lose that time.
 class Releases {
  public:
-  /// The releases from the last call to release `number`: at least 1, and 1 at the first call.
+  /// Returns the number of releases since the last call; `number` is that of the present release. Returns at
+  /// least 1, and 1 at the first call.
   std::uint64_t step(std::uint64_t number) noexcept {
     const std::uint64_t passed = known_ && number > last_ ? number - last_ : 1;
     last_ = number;
@@ -25,8 +26,8 @@ class Releases {
   bool known_ = false;
 };
 
-/// For blocks that compute step by step: one step per release that has passed, up to this number. The limit
-/// bounds the run time after a long gap.
+/// The maximum number of steps for a block that computes one step per release that has passed. It bounds the
+/// run time after a long gap.
 inline constexpr std::uint64_t kMostSteps = 32;
 inline std::uint64_t steps_for(std::uint64_t passed) noexcept { return std::min(passed, kMostSteps); }
 

@@ -14,8 +14,8 @@ struct Biquad {
   double b0 = 1, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   double s1 = 0, s2 = 0;
 
-  /// Gain 1 at 0 Hz, -3 dB at `frequency` for a quality of 0.7071. Throws if the frequency is not below half
-  /// the rate.
+  /// A low-pass with gain 1 at 0 Hz, and with -3 dB at `frequency` for a quality of 0.7071. Throws if the
+  /// frequency is not below half the rate.
   static Biquad low_pass(double frequency, double quality, double rate) {
     const auto [cosine, alpha] = warp(frequency, quality, rate);
     const double a0 = 1 + alpha;
@@ -26,7 +26,8 @@ struct Biquad {
             .a2 = (1 - alpha) / a0};
   }
 
-  /// Gain 0 at `frequency`, 1 far from it; the half-power width is frequency/quality. Throws like low_pass().
+  /// A notch with gain 0 at `frequency` and 1 far from it. The half-power width is frequency/quality. Throws
+  /// like low_pass().
   static Biquad notch(double frequency, double quality, double rate) {
     const auto [cosine, alpha] = warp(frequency, quality, rate);
     const double a0 = 1 + alpha;

@@ -23,8 +23,8 @@ struct Move {
 
   [[nodiscard]] double duration() const noexcept { return 2 * ramp() + cruise(); }
 
-  /// The set point at `time` after the beginning of the move. Before and after the move it is the respective
-  /// end.
+  /// The set point at `time` after the beginning of the move. Before the move it is the beginning of the
+  /// move, and after the move it is the end.
   [[nodiscard]] Point at(double time) const noexcept {
     const double sign = to < from ? -1.0 : 1.0;
     const double end = duration();
@@ -61,8 +61,8 @@ struct Axis {
   }
 };
 
-/// PI on the position error, with feed-forward of the profile's velocity and a limited command. While the
-/// command is at its limit, the integral does not grow further in that direction.
+/// A PI loop on the position error, with feed-forward of the profile's velocity and a limited command. While
+/// the command is at its limit, the integral does not grow further in that direction.
 struct PositionLoop {
   double gain = 60;             ///< 1/s
   double integral_gain = 800;   ///< 1/s^2
@@ -79,7 +79,7 @@ struct PositionLoop {
 };
 
 /// A move is done when the error has been inside the window for `counter` consecutive periods. A single
-/// sample inside may only be an overshoot passing through.
+/// sample inside the window may only be an overshoot that passes through it.
 struct InPosition {
   double window = 0.01;      ///< mm
   std::int64_t counter = 5;  ///< periods, at least 1

@@ -9,7 +9,7 @@
 
 namespace conveyor {
 
-/// A part on the belt. In every run, a number has the same part.
+/// A part on the belt. The part with a given number is the same in every run.
 struct Laid {
   std::uint32_t number = 0;  ///< from 1, in order of arrival at the barrier
   double x = 0;              ///< m, distance from the light barrier against the belt's direction
@@ -18,7 +18,8 @@ struct Laid {
   const char* kind = "";     ///< "bottle" for odd numbers, "box" for even ones
 };
 
-/// Parts lie `spacing` apart. A part that arrives at the barrier stops the belt until it is taken away.
+/// A belt whose parts lie `spacing` apart. A part that arrives at the barrier stops the belt until it is
+/// taken away.
 struct Belt {
   double acceleration = 1;  ///< m/s^2
   double spacing = 0.3;     ///< m
@@ -28,8 +29,8 @@ struct Belt {
   std::uint32_t parts = 0;  ///< number of parts that have arrived at the barrier
   bool holding = false;
 
-  /// True if a part has just arrived at the barrier. A speed below 0, or one that is not finite, stops the
-  /// belt.
+  /// Moves the belt by one step. True if a part has just arrived at the barrier. A speed that is below 0 or
+  /// not finite stops the belt.
   bool step(double wanted_speed, double dt) noexcept {
     const double wanted = std::isfinite(wanted_speed) ? std::max(wanted_speed, 0.0) : 0.0;
     const double target = holding ? 0 : wanted;
@@ -42,7 +43,8 @@ struct Belt {
     speed = 0;
     return true;
   }
-  /// The part `number` was taken away. The belt ignores the number of a part that is gone already.
+  /// Tells the belt that the part `number` was taken away. The belt ignores the number of a part that is
+  /// already gone.
   void taken(std::uint32_t number) noexcept {
     if (number == parts) holding = false;
   }

@@ -99,7 +99,7 @@ TEST(Belt, ReportsThePositionOfTheNextPart) {
   EXPECT_NEAR(belt.laid(2).x, 0.3, 0.5 * kPeriod);
 }
 
-// The formula in README.md, to two periods per part.
+// Checks the formula in README.md, with a tolerance of two periods per part.
 TEST(Belt, BringsPartsAtTheRateOfTheFormula) {
   struct Case {
     double spacing, speed, acceleration, held;

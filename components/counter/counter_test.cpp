@@ -20,7 +20,7 @@ double after(double seconds, double parts_per_second) {
 
 TEST(Rate, IsZeroWithoutParts) { EXPECT_EQ(after(10, 0), 0); }
 TEST(Rate, ExtrapolatesDuringTheFirstMinute) { EXPECT_NEAR(after(10, 2), 120, 6); }
-TEST(Rate, CoversTheLastMinuteAfterwards) { EXPECT_NEAR(after(300, 0.5), 30, 1); }
+TEST(Rate, CountsOnlyTheLastMinuteAfterTheFirstMinute) { EXPECT_NEAR(after(300, 0.5), 30, 1); }
 
 TEST(Rate, ForgetsPartsOlderThanAMinute) {
   counter_rate rate{};

@@ -62,7 +62,7 @@ class Dispatcher : public takt::Component {
       const line::Part& seen = part.value();
       if (!bottles && seen.kind() == "bottle") continue;
       if (asked_ == 0 || seen.number() != request_.number())
-        ++asked_;  // else it is the same part, still waiting
+        ++asked_;  // otherwise the same part is still waiting
       const dispatcher::Pallet pallet{{pallet_x, pallet_y, pallet_z}, columns, rows, pitch};
       const dispatcher::Place place = pallet.slot(asked_ - 1);
       request_.number(seen.number());

@@ -3,7 +3,7 @@
 
 namespace edge {
 
-/// R_TRIG or F_TRIG of IEC 61131-3, or both.
+/// Detects edges as R_TRIG or F_TRIG of IEC 61131-3 does, or both kinds of edges.
 struct EdgeDetector {
   bool rising = true;
   bool falling = false;
@@ -15,7 +15,7 @@ struct EdgeDetector {
     last_ = value;
     return edge;
   }
-  /// Sets the value before the next one.
+  /// Sets the value that counts as the one before the next value.
   void assume(bool value) noexcept {
     known_ = true;
     last_ = value;

@@ -48,7 +48,7 @@ class Edge : public ::testing::Test {
   }
 };
 
-TEST_F(Edge, IsTrueForOneCycle) {
+TEST_F(Edge, OutputIsTrueForOneCycleAfterAnEdge) {
   ASSERT_TRUE(module.start());
   EXPECT_FALSE(is(false));
   EXPECT_TRUE(is(true));

@@ -39,7 +39,7 @@ struct Drive {
   double hottest = 0;
   std::uint64_t trips = 0;
 
-  /// Steps the motor. True if there is an edge to serve.
+  /// Steps the motor. Returns true if there is an edge to serve.
   bool condition(double dt) noexcept {
     winding.step(limit.tripped ? 0 : current, dt);
     if (winding.temperature > hottest) hottest = winding.temperature;

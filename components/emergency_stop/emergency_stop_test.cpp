@@ -112,7 +112,7 @@ TEST_F(Stop, ReportsADiscrepancyWhenOnlyOneChannelCloses) {
   EXPECT_EQ(step(one_open(true)), State::discrepancy);
 }
 
-TEST_F(Stop, StopsWithoutASignal) {
+TEST_F(Stop, StopsWhenTheChannelsHaveNoRecentSample) {
   permit();
   TwoChannelStop::Inputs silent = kClosed;
   silent.fresh = false;
@@ -120,7 +120,7 @@ TEST_F(Stop, StopsWithoutASignal) {
   EXPECT_EQ(step(kClosed), State::wait_reset);
 }
 
-TEST_F(Stop, IgnoresAnEdgeFromAButtonThatWasSilent) {
+TEST_F(Stop, IgnoresAResetEdgeFromAButtonThatWasSilent) {
   TwoChannelStop::Inputs unheard = kClosed;
   unheard.reset_fresh = false;
   step(unheard);

@@ -36,7 +36,8 @@ class TwoChannelStop {
       state_ = fault_ ? State::discrepancy : State::no_signal;
       return state_;
     }
-    // It is not enough that a channel opened and closed again: the other one's contact may be welded.
+    // It is not enough that one channel opened and closed again, because the contact of the other channel may
+    // be welded.
     const bool agree = in.a == in.b && !(waits_ && agreed_ && in.a);
     waited_ns_ = waits_ && !agree ? waited_ns_ + passed_ns : 0;
     waits_ = !agree;
@@ -53,7 +54,7 @@ class TwoChannelStop {
     }
     return state_;
   }
-  /// Stops; then a reset is needed, as after the start. A discrepancy stays.
+  /// Stops. After that a reset is needed, as after the start. A discrepancy stays.
   void trip() noexcept {
     state_ = State::stopped;
     released_ = false;

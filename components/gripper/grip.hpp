@@ -19,8 +19,8 @@ struct Fingers {
     holding = false;
   }
 
-  /// Moves the fingers. If they are already closer together than a part is wide, they do not grip it. If a
-  /// held part is gone, they lose it and close.
+  /// Moves the fingers. Fingers that are already closer together than a part is wide do not grip the part. If
+  /// a held part is gone, the fingers lose it and close.
   void step(bool close, bool part_present, double dt) noexcept {
     const double before = width;
     const double wanted = close ? 0 : stroke;

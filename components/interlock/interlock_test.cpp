@@ -154,7 +154,7 @@ TEST_F(Interlock, PermitsNothingAfterAnError) {
   EXPECT_FALSE(permitted.value().value());
 }
 
-TEST(InterlockAlone, RejectsToStartWithoutAPermissive) {
+TEST(InterlockAlone, DoesNotStartWithoutAConnectedPermissive) {
   takt::testing::Module module;
   const auto start = module.start();
   ASSERT_FALSE(start.ok());

@@ -6,8 +6,8 @@
 
 namespace interlock {
 
-/// A set of inputs is a bit mask: bit 0 is input 1. First-out works as in an annunciator of ISA-18.1: it
-/// keeps the first input that dropped after all were true, whatever drops or returns later.
+/// A set of inputs is a bit mask: bit 0 is input 1. First-out works as in an annunciator of ISA-18.1. It
+/// keeps the number of the first input that dropped after all were true, whatever drops or returns later.
 class Permissives {
  public:
   /// `used`: the inputs that count; `given`: the inputs that are true. With `latching`, permission returns
@@ -21,7 +21,7 @@ class Permissives {
     permitted_ = all && !tripped_;
     return permitted_;
   }
-  /// 1 to 32; 0: none since the last reset.
+  /// The number of the input that dropped first, 1 to 32; 0: none has dropped since the last reset.
   [[nodiscard]] int first_out() const noexcept { return first_out_; }
   [[nodiscard]] bool permitted() const noexcept { return permitted_; }
 

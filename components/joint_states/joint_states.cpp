@@ -12,7 +12,7 @@ class JointStates : public takt::Component {
   takt::InPort<motion::JointState> measured{
       *this, "measured", {.text = "Position and velocity of the axes."}};
   takt::OutPort<sensor_msgs::msg::JointState> joint_states{
-      *this, "joint_states", {.text = "The same as a ROS 2 message, for a ROS 2 topic."}};
+      *this, "joint_states", {.text = "The measured positions as a ROS 2 message, for a ROS 2 topic."}};
   takt::Property<std::string> names{
       *this,
       "names",
@@ -43,7 +43,7 @@ class JointStates : public takt::Component {
 
   void run(const takt::Cycle&) noexcept override {
     if (!measured.read()) return;
-    // Wall-clock time, as ROS 2 expects; read without a system call.
+    // ROS 2 expects wall-clock time. Reading it takes no system call.
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
     message_.header().stamp().sec(static_cast<std::int32_t>(seconds.count()));

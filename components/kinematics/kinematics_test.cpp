@@ -55,7 +55,7 @@ TEST(Kinematics, PointsTheToolDownInFrontOfTheArmAtHome) {
 }
 
 TEST(Kinematics, AppliesRollAndYawAboutTheFixedAxesInOrder) {
-  // A quarter turn about x moves z to -y; a quarter turn about z moves that to x.
+  // A quarter turn about x moves z to -y. A quarter turn about z then moves -y to x.
   const KDL::Frame frame = arm_model::frame({.roll = kPi / 2, .yaw = kPi / 2});
   EXPECT_LT((frame.M.UnitZ() - KDL::Vector{1, 0, 0}).Norm(), 1e-12);
   const arm_model::Pose back = arm_model::pose(frame);

@@ -26,7 +26,7 @@ TEST(Bistable, HasTheTruthTableOfTheStandard) {
   }
 }
 
-TEST(Latch, HoldsASetAndLetsResetWin) {
+TEST(Latch, StaysSetAndLetsResetWinUnlessItsKindIsSR) {
   takt::testing::Module module;
   auto& set = module.in<basic::Flag>("set");
   auto& reset = module.in<basic::Flag>("reset");

@@ -58,8 +58,8 @@ class LimitMonitor : public takt::Component {
     const auto passed = static_cast<std::int64_t>(releases_.step(cycle.number)) * cycle.period.count();
     const bool acknowledge = common::count_rising(reset, reset_) > 0;
     common::read_newest(value);
-    // Limits that are set one after the other may be inconsistent in between; then the old ones stay in
-    // effect.
+    // An operator sets limits one after the other. In between they may be inconsistent; then the previous
+    // limits stay in effect.
     if (limits_are_valid()) {
       high_ = high;
       low_ = low;

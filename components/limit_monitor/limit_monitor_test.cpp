@@ -48,7 +48,7 @@ TEST(LimitAlarm, StaysLatchedUntilAcknowledgedWithinTheLimit) {
   EXPECT_FALSE(alarm.step(-1, settings, true, 10));
 }
 
-/// Compares with a slow implementation that looks back at every value.
+/// Compares the alarm with a slow implementation that looks back at every value.
 TEST(LimitAlarm, MatchesItsDefinitionForRandomValues) {
   std::mt19937 random(11);
   for (int n = 0; n < 100; ++n) {
@@ -137,7 +137,7 @@ TEST_F(LimitMonitor, IsNotOkForANonFiniteValueAndKeepsItsAlarms) {
   EXPECT_TRUE(ok.value().value());
 }
 
-TEST_F(LimitMonitor, LatchesANonFiniteValueToo) {
+TEST_F(LimitMonitor, IsNotOkAfterANonFiniteValueUntilTheResetWhenLatching) {
   ASSERT_TRUE(module.set("latching", "true"));
   ASSERT_TRUE(module.start());
   is(std::nan(""));

@@ -55,7 +55,7 @@ TEST(LogicGate, WritesNothingUntilEveryConnectedInputHasAValue) {
   EXPECT_FALSE(out.value().value());
 }
 
-TEST(LogicGate, RejectsNoInputsAndAnUnknownFunction) {
+TEST(LogicGate, DoesNotStartWithoutInputsAndRejectsAnUnknownFunction) {
   takt::testing::Module module;
   EXPECT_EQ(module.set("function", "AND").text(),
             "property 'function' cannot be 'AND'; it takes text, and, or, xor, nand, nor or not");

@@ -12,8 +12,8 @@ namespace low_pass {
 inline constexpr double kLowest = 1e-6;
 inline constexpr double kHighest = 0.49;
 
-/// Begins at its first input, as if it had always been there. Cut-off and order may change between any two
-/// steps; the output continues without a jump.
+/// The filter starts as if its first input had always been there. Cut-off and order may change between any
+/// two steps; the output continues without a jump.
 class LowPassFilter {
  public:
   /// `cutoff` in Hz, from kLowest to kHighest times the rate; `period` in s; `order` is 1 or 2.

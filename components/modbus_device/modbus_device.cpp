@@ -1,5 +1,5 @@
-// A process module in C++: a Modbus TCP device. Its ports are the points of the property `map`, the same map
-// as its master's. Input ports are the values that masters read; values that masters write appear on output
+// A process module in C++: a Modbus TCP device. Its ports are the points of the property `map`; its master
+// uses the same map. Input ports are the values that masters read; values that masters write appear on output
 // ports.
 #include <takt/process.hpp>
 
@@ -21,7 +21,7 @@ TAKT_TEXT("A Modbus TCP device (server): masters read its input ports and write 
 namespace {
 
 takt::Property<std::string> map{
-    "map", "", {.text = "The points, one per line, as in: lamp out coil 0. The same map as the master's."}};
+    "map", "", {.text = "The points, one per line, as in: lamp out coil 0. The master uses the same map."}};
 takt::Property<std::string> address{
     "bind", "127.0.0.1", {.text = "Address to listen on; 0.0.0.0: all addresses."}};
 takt::Property<std::int64_t> port{

@@ -14,7 +14,8 @@ namespace modbus {
 
 namespace {
 
-// A master must complete a request within this time, or it is disconnected. Until then the others wait.
+// A master that does not complete a request within this time is disconnected. The other masters wait until
+// then.
 constexpr std::uint32_t kRequestLimitUs = 100'000;
 
 struct Span {
@@ -106,8 +107,8 @@ void Server::accept_client() {
     ::close(client);
     return;
   }
-  // A master that does not fetch its answers delays the others no longer than one that does not complete its
-  // requests.
+  // With this limit, a master that does not fetch its answers delays the others no longer than a master that
+  // does not complete its requests.
   const timeval limit{.tv_sec = 0, .tv_usec = kRequestLimitUs};
   for (const int direction : {SO_SNDTIMEO, SO_RCVTIMEO})
     static_cast<void>(::setsockopt(client, SOL_SOCKET, direction, &limit, sizeof limit));

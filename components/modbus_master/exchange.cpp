@@ -86,7 +86,7 @@ void Exchange::exchange_all() {
   const Outputs& outputs_now = wanted_outputs();
   if (device_ == nullptr && (Clock::now() < retry_at_ || !connect())) return;
   ok_ = true;
-  // Outputs first, because they are already one cycle old.
+  // Write the outputs first, because they are already one cycle old.
   for (const Group& group : writes_) {
     if (device_ != nullptr) write(group, outputs_now);
   }
@@ -147,7 +147,8 @@ void Exchange::disconnect() {
   device_ = nullptr;
 }
 
-/// Handles a failed connection. It is opened again, because data of the old one may still be in transit.
+/// Handles a failed connection. Closes it so that a new one is opened, because data of the failed connection
+/// may still be in transit.
 void Exchange::failed(const std::string& what) {
   disconnect();
   ++now_.failures;

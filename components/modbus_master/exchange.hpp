@@ -1,5 +1,5 @@
-// Exchanges a map's values with a Modbus TCP device, on a separate thread. So a device that is off, slow or
-// sends invalid data delays only this thread.
+// Exchanges a map's values with a Modbus TCP device, on a separate thread. So a device that is off, that is
+// slow or that sends invalid data delays only this thread.
 //
 // The cyclic body puts its values into `outputs` and gets the device's values from `image`; neither side
 // waits.

@@ -13,7 +13,8 @@ inline constexpr double kHighest = 0.49;
 /// between any two steps.
 class NotchFilter {
  public:
-  /// In Hz, Hz and s; both frequencies from kLowest to kHighest times the rate.
+  /// Sets `frequency` and `width` in Hz and `period` in s. Both frequencies must be from kLowest to kHighest
+  /// times the rate.
   void design(double frequency, double width, double period) noexcept {
     const double g = common::prewarped(frequency, period);
     // At the edges, tan(pi f1 T) tan(pi f2 T) = g^2, and the difference of the two tangents is g times the

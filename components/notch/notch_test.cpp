@@ -44,7 +44,8 @@ TEST(NotchFilter, MatchesTheTheoreticalResponse) {
 }
 
 TEST(NotchFilter, HasItsWidthInTheSampledSignal) {
-  // 1000 steps a second, so frequencies are whole hertz. Searches outwards for the half-power frequencies.
+  // 1000 steps a second, so frequencies are whole hertz. The loops search outwards for the half-power
+  // frequencies.
   for (const int frequency : {100, 250, 400}) {
     constexpr int kWidth = 60;
     double low = 0;

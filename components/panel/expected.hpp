@@ -1,5 +1,5 @@
-// The mathematics of panel: predicts how many parts a cell should have placed. Times in s. For real-time
-// threads.
+// The mathematics of panel: predicts how many parts a cell should have placed so far. Times in s. For
+// real-time threads.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,9 @@ struct ArmPlan {
   double ended = 0;
 };
 
-/// Parts come one after the other. Each part is brought (belt, camera, messages) while the arm goes home from
-/// the previous one. Then the arm needs the time of its plan. All times are known before the part is placed.
-/// The time of an emergency stop does not count.
+/// Assumes that parts come one after the other. Each part is brought (belt, camera, messages) while the arm
+/// goes home from the previous one. Then the arm needs the time of its plan. All times are known before the
+/// part is placed. The time of an emergency stop does not count.
 class Expected {
  public:
   /// The time from the placing of a part, or from the start, to the next pick request. 0: no prediction.

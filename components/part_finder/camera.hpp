@@ -26,7 +26,7 @@ enum class Kind { box, bottle };
 
 /// A part on the belt. x: m from the barrier against the belt's direction. y: m across the belt from its
 /// middle, downwards in the image. angle: rad from the belt's direction to the longer side. The position is
-/// that of the centre of the area.
+/// the position of the centre of the area.
 struct PlacedPart {
   Kind kind = Kind::box;
   double x = 0;

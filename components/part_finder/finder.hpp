@@ -52,8 +52,8 @@ inline cv::Mat bright(const cv::Mat& image, double contrast) {
   return mask;
 }
 
-/// The parts that are wholly in the image, beginning with the one farthest along the belt. It ignores shapes
-/// that are neither a box nor a bottle, such as a shadow or two parts that touch.
+/// Returns the parts that are wholly in the image, beginning with the part farthest along the belt. Ignores
+/// shapes that are neither a box nor a bottle, such as a shadow or two parts that touch.
 inline std::vector<PlacedPart> find_parts(const cv::Mat& image, const FinderSettings& settings) {
   const Optics& optics = settings.optics;
   std::vector<std::vector<cv::Point>> outlines;

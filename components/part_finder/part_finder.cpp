@@ -111,7 +111,7 @@ line::Part to_part(const vision::PlacedPart& found, std::uint32_t number) {
   return result;
 }
 
-/// The part nearest to the barrier, if it is near enough to be the held one; else null.
+/// The part nearest to the barrier, if it is near enough to be the part that the belt holds; else null.
 const vision::PlacedPart* at_the_barrier(const Sight& now) {
   constexpr double kNear = 0.05;  // m
   const vision::PlacedPart* nearest = nullptr;

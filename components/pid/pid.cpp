@@ -100,8 +100,8 @@ class Pid : public takt::Component {
       fail("an input is not a finite number");
       return;
     }
-    // Values that are set one after the other may be inconsistent in between; then the old ones stay in
-    // effect.
+    // An operator sets values one after the other. In between they may be inconsistent; then the previous
+    // values stay in effect.
     const pid::Tuning wanted_tuning = tuning();
     if (inconsistency_in(wanted_tuning, cycle.seconds()) == nullptr) loop_.tune(wanted_tuning);
     output_.value(manual.value().value() ? loop_.manual(wanted, is, by_hand, dt)

@@ -28,8 +28,8 @@ struct Tuning {
 class PidLoop {
  public:
   /// Sets the tuning from now on. The integral compensates the difference: for the inputs of the last step,
-  /// both tunings give the same output. Without integral action there is no compensation, here and below, and
-  /// the output jumps.
+  /// both tunings give the same output. Without integral action there is no compensation, and the output
+  /// jumps. The same holds for the functions below.
   void tune(const Tuning& tuning) noexcept {
     if (tuning == tuning_) return;
     const double before = proportional(setpoint_, measured_) + derivative();
@@ -37,7 +37,7 @@ class PidLoop {
     if (begun_) integral_ += before - proportional(setpoint_, measured_) - derivative();
     if (tuning_.integral_time <= 0) integral_ = 0;
   }
-  /// The next step counts as the first: the output begins at `output`.
+  /// Makes the next step count as the first: the output begins at `output`.
   void reset(double output = 0) noexcept {
     begun_ = false;
     output_ = output;

@@ -121,7 +121,7 @@ int steps_at_the_limit(double tracking_time) {
   return steps;
 }
 
-TEST(PidLoop, LeavesItsLimitsWithTheTrackingTime) {
+TEST(PidLoop, LeavesItsLimitSoonerWithAShorterTrackingTime) {
   EXPECT_LE(steps_at_the_limit(1e-6), 1);  // much shorter than the period, but still stable
   // At rest at the limit the excess e has dv/dt = K error / Ti - e / Tt = 0, so e = K error Tt / Ti = 40 Tt.
   // The step of the set point removes K 10.1 = 20.2 at once. With Tt = 0.5 s, this is all of e.

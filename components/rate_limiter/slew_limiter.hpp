@@ -12,16 +12,16 @@ struct Limits {
   double jerk = 0;  ///< units/s^2, maximum change of the rate; 0: unlimited
 };
 
-/// With a jerk limit it brakes in time: it reaches a constant target as fast as the limits allow, without
-/// overshoot. If the target reverses just ahead of the value, the jerk limit has precedence and the value
-/// overshoots.
+/// With a jerk limit, the limiter brakes in time: it reaches a constant target as fast as the limits allow,
+/// without overshoot. If the target reverses just ahead of the value, the jerk limit has precedence and the
+/// value overshoots.
 class SlewLimiter {
  public:
   void jump(double value) noexcept {
     value_ = value;
     rate_ = 0;
   }
-  /// `dt` s after the last step, above 0.
+  /// Returns the limited value. `dt` is the time in s since the last step, above 0.
   double step(double wanted, const Limits& limits, double dt) noexcept {
     const double error = wanted - value_;
     if (limits.jerk <= 0) {

@@ -31,7 +31,7 @@ class RateConverter {
   /// True once there was a sample.
   [[nodiscard]] bool begun() const noexcept { return count_ > 0; }
 
-  /// Call it once per output, and only if begun().
+  /// Computes an output. Call it once per output, and only if begun().
   double output(Method method, std::int64_t now_ns) noexcept {
     if (fresh_ > 0) mean_ = sum_ / static_cast<double>(fresh_);
     fresh_ = 0;

@@ -108,7 +108,7 @@ TEST(Resampler, InterpolatesBetweenSlowSamples) {
   }
 }
 
-TEST(Resampler, ChangesItsMethodLiveAndRefusesAnUnknownOne) {
+TEST(Resampler, ChangesItsMethodLiveAndRejectsAnUnknownOne) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in", {.queue = 4});
   auto& out = module.out<basic::Number>("out");

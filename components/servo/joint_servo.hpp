@@ -38,8 +38,8 @@ class JointServo {
   static constexpr double kDryBand =
       0.05;  ///< rad/s; below this speed dry friction is only partly fed forward
 
-  /// Torques in N m, within the limits of the drives. `last` is the set point of `dt` ago. It caused the
-  /// motion that is measured now, so the measurement is compared with it.
+  /// Torques in N m, within the limits of the drives. `last` is the set point from `dt` seconds ago. It
+  /// caused the motion that is measured now, so the measurement is compared with `last`.
   [[nodiscard]] Joints torque(const Motion& wanted, const Motion& last, const Motion& is,
                               double dt) noexcept {
     const double spring = std::pow(2 * std::numbers::pi * bandwidth, 2);

@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(Waveform, HasItsShape) {
+TEST(Waveform, MatchesTheFormulaOfItsShape) {
   for (int i = 0; i < 1000; ++i) {
     const double phase = i / 1000.0;
     EXPECT_NEAR(shape_at(Shape::sine, phase), std::sin(2 * std::numbers::pi * phase), 1e-12);

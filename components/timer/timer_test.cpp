@@ -51,7 +51,7 @@ TEST(IecTimer, PulseFollowsItsDiagram) {
                  "00123000012344400123400000");
 }
 
-TEST(IecTimer, HandlesATimeOfZero) {
+TEST(IecTimer, DelaysNothingAndGivesNoPulseWithATimeOfZero) {
   for (const Kind kind : {Kind::on_delay, Kind::off_delay})
     expect_diagram(kind, 0, "0110100", "0110100", "0000000");
   expect_diagram(Kind::pulse, 0, "0110100", "0000000", "0000000");

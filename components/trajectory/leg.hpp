@@ -10,8 +10,8 @@
 
 namespace trajectory {
 
-/// A polynomial from 0 to 1 on the range 0 to 1, with zero velocity and acceleration at both ends; its first
-/// and second derivative.
+/// A polynomial from 0 to 1 on the range 0 to 1, with zero velocity and acceleration at both ends. Below are
+/// its first and second derivatives.
 constexpr double quintic(double u) noexcept { return u * u * u * (10 + u * (-15 + 6 * u)); }
 constexpr double quintic_slope(double u) noexcept { return 30 * u * u * (1 - u) * (1 - u); }
 constexpr double quintic_bend(double u) noexcept { return 60 * u * (1 - u) * (1 - 2 * u); }

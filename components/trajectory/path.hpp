@@ -1,5 +1,5 @@
-// Moves the set points along a plan, period by period. The motion can be held anywhere, and it stays on the
-// path while it comes to rest. SI units, rad. Nothing allocates.
+// Moves the set points along a plan, period by period. The motion can be stopped anywhere, and the set points
+// stay on the path while they come to rest. SI units, rad. Nothing allocates.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace trajectory {
 /// limit.
 class Path {
  public:
-  /// Fractions of the axis limits: for plans, and for plan and hold together.
+  /// The fractions of the axis limits that plans use, and that a plan and a stop on the path use together.
   static constexpr double kVelocityShare = 0.98;
   static constexpr double kPlanShare = 0.8;
   static constexpr double kHoldShare = 0.97;

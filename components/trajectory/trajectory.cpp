@@ -121,7 +121,7 @@ class Trajectory : public takt::Component {
     return false;
   }
 
-  // Called at the beginning, and when something moved or blocked the arm.
+  // Is called at the beginning, and after something has moved or blocked the arm.
   void go_home_from(const arm_model::Joints& position) noexcept {
     for (const double joint : position)
       if (!std::isfinite(joint)) return fail("a measured position is not a finite number");

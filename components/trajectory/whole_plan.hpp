@@ -1,5 +1,5 @@
-// Computes a whole plan at once instead of a piece per period: for tests, and to know the duration of a cycle
-// in advance. Not for real-time threads. SI units, rad.
+// Computes a whole plan at once instead of a piece per period. Tests use it, and programs that need the
+// duration of a cycle in advance. Not for real-time threads. SI units, rad.
 #pragma once
 
 #include <memory>

@@ -6,8 +6,8 @@
 
 namespace up_down_counter {
 
-/// CTUD. Without `down` and `load` it is CTU; without `up` and `reset` it is CTD. Saturates at the limits of
-/// 64 bits.
+/// The counter CTUD. Without `down` and `load` it is CTU; without `up` and `reset` it is CTD. It saturates at
+/// the limits of 64 bits.
 class IecCounter {
  public:
   struct Inputs {

@@ -10,10 +10,11 @@
 #include "blob.hpp"
 
 TAKT_TEXT("Measures the position of a part in an image.");
-TAKT_INTEGER(every, 100, 1, 1000000000, "releases", "From one frame to the next.");
+TAKT_INTEGER(every, 100, 1, 1000000000, "releases", "Number of releases from one frame to the next.");
 TAKT_NUMBER(radius_px, 8, 2, 20, "px", "Radius of the part.");
 TAKT_NUMBER(noise, 10, 0, 60, "grey levels", "Amplitude of the noise.");
-TAKT_INTEGER(threshold, 100, 1, 254, "grey levels", "Between the background, 40, and the part, 200.");
+TAKT_INTEGER(threshold, 100, 1, 254, "grey levels",
+             "Brightness threshold between the background (40) and the part (200).");
 TAKT_NUMBER(turn_s, 4, 0.1, 3600, "s", "Time for one turn of the part.");
 
 namespace {

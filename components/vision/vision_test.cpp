@@ -91,7 +91,7 @@ TEST(Vision, FindsThePartInEveryImage) {
   EXPECT_EQ(lost, 0U);
 }
 
-TEST(Vision, RejectsToStartAsAPeriodicModule) {
+TEST(Vision, DoesNotStartAsAPeriodicModule) {
   takt::testing::Module module;
   EXPECT_FALSE(module.start());
 }

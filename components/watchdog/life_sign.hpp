@@ -5,7 +5,7 @@
 
 namespace watchdog {
 
-/// Before the first sign it is neither alive nor dead, for at most the timeout.
+/// Before the first sign the input is neither alive nor dead, for at most the timeout.
 class LifeSign {
  public:
   /// `passed_ns`: time since the last step. `timeout_ns`: maximum time between two signs.

@@ -26,7 +26,7 @@ TEST(LifeSign, IsNeitherAliveNorDeadBeforeTheFirstSign) {
   EXPECT_TRUE(life.dead());
 }
 
-TEST(LifeSign, IsDeadAfterTheTimeoutForRandomSigns) {
+TEST(LifeSign, IsDeadExactlyWhenSilentForLongerThanTheTimeout) {
   std::mt19937 random(12);
   LifeSign life;
   std::int64_t silent = 0;

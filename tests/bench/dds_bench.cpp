@@ -1,6 +1,6 @@
 // Measures the latency between two devices: module, link, gateway, DDS, gateway, link, module. For
-// comparison, the same entities of Fast DDS are used bare, by turns in the same run. Uses two processes on
-// the loopback interface. Prints the results and asserts nothing.
+// comparison, it also measures the same Fast DDS entities without Takt, in turns within the same run. Uses
+// two processes on the loopback interface. Prints the results and asserts nothing.
 //
 //   dds_bench [ROUND TRIPS PER TURN]
 #include <fcntl.h>
@@ -92,7 +92,7 @@ void ring(channel::WakeWord& wake_word, std::uint32_t bits) {
   os::futex_wake(wake_word.rings, bits);
 }
 
-/// Writes as a module does, and rings as its caller does at the end of the cycle.
+/// Writes a sample like a module, and then wakes the readers like the executor at the end of the cycle.
 void write(channel::LinkWriter& writer, channel::WakeWord& wake_word, const std::byte* bytes) {
   std::memcpy(writer.link().payload(writer.buffer()), bytes, kBytes);
   writer.publish(kBytes, to_ns(os::now()));
@@ -197,7 +197,7 @@ struct Way {
   const char* name;
   bool reliable;
   bool bare;
-  bool thread;  // a thread at each end sleeps until a sample arrives; else the callback sends it back
+  bool thread;  // whether a thread at each end waits for the sample; otherwise the callback sends it back
 };
 constexpr std::array<Way, 8> kWays{{{"bare/listener", false, true, false},
                                     {"gateway/links", false, false, false},
@@ -245,7 +245,7 @@ int echo() {
           if (hand.take(seen)) self.write(hand.bytes());
         }
       });
-    } else if (!way.thread) {  // one link, which the gateway both fills and empties
+    } else if (!way.thread) {  // the gateway both writes and reads this link
       memory.push_back(std::make_unique<Memory>(queue(channel::kGatewayBit)));
       if (!(*gateway)->add_outgoing(flow(back(way), way.reliable), memory.back()->link())) return 1;
       if (!(*gateway)->add_incoming(flow(there(way), way.reliable), {memory.back()->link()})) return 1;
@@ -356,7 +356,7 @@ void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gate
   for (const Way& way : kWays)
     pingers.push_back(std::make_unique<Pinger>(way, participant, gateway, wake_word));
   std::array<Times, kWays.size()> times;
-  for (std::size_t way = 0; way < kWays.size(); ++way) {  // warms up until a ping returns
+  for (std::size_t way = 0; way < kWays.size(); ++way) {  // warm up until a ping returns
     double us = 0;
     for (int i = 0; i < 20 && !pingers[way]->ping(us); ++i) continue;
   }

@@ -50,7 +50,7 @@ void TableOfAMillionEntriesInOneRow(benchmark::State& state) {
 BENCHMARK(TableOfAMillionEntriesInOneRow)->Unit(benchmark::kMillisecond);
 
 void TableOfAMillionEntriesInAThousandRows(benchmark::State& state) {
-  // 999 tasks that are due in every row, and 1000 that are due once.
+  // 999 tasks are due in every row, and 1000 tasks are due once.
   std::vector<Task> tasks(999, Task{1ms, 0});
   tasks.resize(1999, Task{1s, 1});
   build(state, tasks);
@@ -62,7 +62,7 @@ void TableOfAMillionEntriesInAMillionRows(benchmark::State& state) {
 }
 BENCHMARK(TableOfAMillionEntriesInAMillionRows)->Unit(benchmark::kMillisecond);
 
-/// A rejection names the pair of periods to blame; here all ten thousand periods differ.
+/// A rejection names the pair of periods that makes the table too long. Here all ten thousand periods differ.
 void RejectionOfTenThousandPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 0; i < 10'000; ++i) tasks.push_back({1us * (100'000 + i), 0});
@@ -70,7 +70,8 @@ void RejectionOfTenThousandPeriods(benchmark::State& state) {
 }
 BENCHMARK(RejectionOfTenThousandPeriods)->Unit(benchmark::kMillisecond);
 
-/// The same with many common factors, so that products say little about common multiples.
+/// Like RejectionOfTenThousandPeriods, but the periods have many common factors. Their products then say
+/// little about their common multiples.
 void RejectionOfRoundPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 1; i <= 10'000; ++i) tasks.push_back({1us * i, 0});

@@ -3,8 +3,9 @@
 
     tests/bench/viewers.py [--modules 100] [--browsers 3] [--turns 3] [--seconds 20] [--build build/release]
 
-The modules run every millisecond. Headless browsers go through the views of the page, which shows all modules. Each turn runs without
-and with browsers. They run on the executor's own machine, unlike those of an operator. Prints the results and never fails."""
+The modules run every millisecond. Headless browsers go through the views of the page, which shows all modules. Each turn measures
+one run without and one with browsers. The browsers run on the same machine as the executor; those of an operator would not.
+Prints the results and never fails."""
 import argparse
 import json
 import os
@@ -41,7 +42,7 @@ def ticks():
 
 
 def turn(browsers):
-    """The report of a run, and the share of CPU time that the hypervisor took meanwhile."""
+    """Returns the report of a run, and the share of CPU time that the hypervisor took meanwhile."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "cell.xml")
         with open(path, "w") as file:

@@ -18,12 +18,12 @@ failures = []
 
 types = {t.get("name"): t for t in schema if t.tag in (XS + "complexType", XS + "simpleType")}
 groups = {g.get("name"): g for g in schema if g.tag == XS + "group"}
-# Types that the page explains once, not in each row.
+# The page explains these types once, not in each row.
 SAID_ABOVE = {"Name", "Time", "Endpoint"}
 
 
 def inside(node):
-    """The elements and attributes directly in one element, also those of groups and extensions."""
+    """Yields the elements and attributes directly in one element, also those of groups and extensions."""
     for child in node:
         if child.tag == XS + "element":
             yield child
@@ -47,7 +47,7 @@ def facets(node):
             return found
     for child in node.iter():
         if child.tag in (XS + "element", XS + "attribute") and child is not node:
-            break  # the rest belongs to a child
+            break  # the following nodes belong to a child
         name = child.tag.replace(XS, "")
         if name == "enumeration":
             found.append("`%s`" % child.get("value"))
@@ -105,7 +105,7 @@ for name in set(elements) & set(sections):
                 if not re.search(r"(?<![\w-])" + re.escape(word) + r"(?![\w-])", where):
                     failures.append(f"<{name}>: the row of {row} does not say {word}: {where.strip()}")
 
-# The bounds in the code.
+# The page names the bounds in the code.
 for header in ("framework/model/include/takt/model/validate.hpp", "framework/descriptor/src/well_formed.hpp", "framework/descriptor/src/include.hpp",
                "framework/descriptor/src/template.hpp"):
     code = open(os.path.join(source, header), encoding="utf-8").read()
@@ -117,7 +117,7 @@ for header in ("framework/model/include/takt/model/validate.hpp", "framework/des
             continue  # a limit of reports, not of descriptors
         value = value.replace("'", "")
         if not re.search(r"(?<!\d)" + value + r"(?!\d)", page):
-            failures.append(f"{header}: {constant} is {value}, which the page does not name")
+            failures.append(f"{header}: {constant} is {value}, but the page does not name this value")
 
 examples = re.findall(r"```xml\n(<(?:cell|root).*?)```", page, re.S)
 if not examples:
@@ -129,7 +129,7 @@ for example in examples:
         done = subprocess.run([os.path.join(build, "bin", "takt"), "check", "--remote", file.name], capture_output=True, text=True,
                               timeout=60)
         if done.returncode != 0:
-            failures.append(f"an example is refused:\n{done.stderr}")
+            failures.append(f"takt check rejects an example:\n{done.stderr}")
 
-print("\n".join(failures) or f"{sum(map(len, elements.values()))} rows are as the schema has them")
+print("\n".join(failures) or f"{sum(map(len, elements.values()))} rows agree with the schema")
 sys.exit(1 if failures else 0)

@@ -2,8 +2,8 @@
 """Checks that fastddsgen and Cyclone's idlc accept the port types that takt_idl.py accepts, that the generated code compiles, and that
 takt_idl.py rejects other types with the expected messages.
 
-Usage: idl_test.py SOURCE_DIRECTORY BUILD_DIRECTORY CXX CC FASTDDSGEN IDLC. Reads idl/ and, beside this file, idl/good and idl/bad,
-where each NAME.idl of idl/bad has a NAME.expected with the lines on stderr."""
+Usage: idl_test.py SOURCE_DIRECTORY BUILD_DIRECTORY CXX CC FASTDDSGEN IDLC. Reads idl/, and idl/good and idl/bad in the folder of
+this file. Each NAME.idl of idl/bad has a NAME.expected with the expected lines on standard error."""
 import glob
 import os
 import subprocess
@@ -99,7 +99,7 @@ def test_good(scratch):
 
 def test_bad(scratch):
     folder = os.path.join(here, "bad")
-    # Additional files of a case.
+    # These cases consist of several files.
     more = {"sees.idl": ["part_a.idl", "sees.idl"], "twins.idl": ["folder/twins.idl", "twins.idl"]}
     parts = {"part_a.idl", "part_b.idl", "part_base.idl"}
     cases = [name for name in idl_files(folder) if name not in parts]
@@ -127,5 +127,5 @@ def test_bad(scratch):
 for test in (test_ours, test_good, test_bad):
     with tempfile.TemporaryDirectory() as scratch:
         test(scratch)
-print("\n".join(failures) or f"{checked} expectations hold")
+print("\n".join(failures) or f"{checked} expectations are met")
 sys.exit(1 if failures else 0)

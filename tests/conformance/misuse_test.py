@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that the compiler reports typical mistakes of component authors.
 
-Usage: misuse_test.py BUILD_DIRECTORY. Compiles other sources with the compile command of a component in the build."""
+Usage: misuse_test.py BUILD_DIRECTORY. Compiles the sources of this test with the compile command of a component in the build."""
 import json
 import os
 import shlex
@@ -23,7 +23,7 @@ class Feeder : public takt::Component {
 };
 TAKT_COMPONENT(Feeder)
 """
-# The bodies of start() and run(), and the expected message; None: it compiles.
+# The bodies of start() and run(), and the expected message. None: the source compiles.
 CASES = [
     ('if (gain < 0) return takt::fail("no air", "open the valve");', "if (in.read()) out.write(in.value());", None),
     ('if (gain < 0) takt::fail("no air", "open the valve");', "", "return it; otherwise the failure is lost"),
@@ -48,8 +48,8 @@ for start, run, said in CASES:
         source.flush()
         done = subprocess.run([arguments[first], *keep, "-Werror", "-fsyntax-only", source.name], capture_output=True, text=True)
     if said is None and done.returncode != 0:
-        failures.append("%s %s: should compile and does not: %s" % (start, run, done.stderr))
+        failures.append("%s %s: this source should compile, but does not: %s" % (start, run, done.stderr))
     if said is not None and (done.returncode == 0 or said not in done.stderr):
-        failures.append("%s %s: '%s' should be said, not: %s" % (start, run, said, done.stderr or "nothing"))
-print("\n".join(failures) or "%d components are taken or refused as they should be" % len(CASES))
+        failures.append("%s %s: the message should contain '%s', but is: %s" % (start, run, said, done.stderr or "nothing"))
+print("\n".join(failures) or "%d components compile or are rejected as expected" % len(CASES))
 sys.exit(1 if failures else 0)

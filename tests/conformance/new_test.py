@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that what `takt new` writes builds outside the repository, passes its tests, and runs: each kind of component, and a cell.
+"""Checks the projects that `takt new` writes: each kind of component, and a cell. They build outside the repository, pass their tests, and
+run.
 
 Usage: new_test.py PREFIX      PREFIX: where Takt is installed"""
 import itertools
@@ -19,7 +20,7 @@ environment = {name: value for name, value in os.environ.items() if not name.sta
 environment.update({"PATH": os.path.join(prefix, "bin") + ":" + environment["PATH"], "CMAKE_PREFIX_PATH": prefix,
                     "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": str(takt_system.free_domain())})
 KINDS = list(itertools.product(("thread", "process"), ("periodic", "sporadic"), ("c++", "c")))
-if not takt_system.FULL:  # half of them, which still cover each pair of choices
+if not takt_system.FULL:  # half of the kinds, which still cover each pair of choices
     KINDS = [kind for kind in KINDS if (kind[0] == "thread") ^ (kind[1] == "periodic") ^ (kind[2] == "c++")]
 
 
@@ -38,7 +39,7 @@ def test_every_kind(folder):
     for kind in KINDS:
         type_, operation, language = kind
         run("takt", "new", name_of(kind), "--type", type_, "--operation", operation, "--language", language, cwd=folder)
-    # A folder written by takt new works within a project that has found Takt, and alone.
+    # A folder from takt new works alone, and as a part of a project that has found Takt.
     with open(os.path.join(folder, "CMakeLists.txt"), "w", encoding="utf-8") as file:
         file.write("cmake_minimum_required(VERSION 3.25)\nproject(all LANGUAGES C CXX)\nfind_package(takt REQUIRED)\nenable_testing()\n")
         file.writelines(f"add_subdirectory({name_of(kind)})\n" for kind in KINDS[1:])
@@ -83,10 +84,10 @@ def test_what_is_refused(folder):
     for name, words in (("Pump", "is not a valid component name"), ("2nd", "is not a valid component name"), ("test", "is reserved by the build")):
         assert words in run("takt", "new", name, cwd=folder, status=1).stderr
     run("takt", "new", "pump", "--type", "fibre", cwd=folder, status=2)
-    assert os.listdir(folder) == [], "nothing was written"
+    assert os.listdir(folder) == [], "takt new must not write anything after an error"
 
 
 for test in (test_what_is_refused, test_a_cell, test_every_kind):
     with tempfile.TemporaryDirectory(prefix="takt-new-") as scratch:
         test(scratch)
-print(f"{len(KINDS)} kinds and a cell")
+print(f"{len(KINDS)} kinds of components and a cell build and run")

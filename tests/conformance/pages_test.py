@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Follows a page as a reader would: writes every file that it shows and runs every command, in the order of the page, in an empty folder.
+"""Follows a page as a reader would, in an empty folder: writes every file and runs every command of the page, in the order of the page.
 
 Usage: pages_test.py PREFIX SOURCE PAGE.md ...      PREFIX: where Takt is installed; the folder has a link to SOURCE/deploy
 
@@ -32,7 +32,7 @@ class Wrong(Exception):
 
 
 def pattern_of(line):
-    """A regular expression that matches a printed line as the page shows it."""
+    """Returns a regular expression that matches the printed lines for which this line of the page stands."""
     parts = []
     for piece in re.split(rf"(\.\.\.|{NUMBER}|\s+)", line.strip()):
         if piece == "...":
@@ -53,7 +53,7 @@ def check_output(expected, printed):
             continue
         pattern = pattern_of(line)
         if not any(pattern.search(each) for each in lines):
-            raise Wrong(f"was not printed (or not in this order): {line}\nprinted was:\n{printed}")
+            raise Wrong(f"this line was not printed, or not in this order: {line}\nthe output was:\n{printed}")
 
 
 class Shell:
@@ -67,7 +67,7 @@ class Shell:
         os.mkdir(self.work)
         self.bash = subprocess.Popen(["bash", "--norc"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                      cwd=self.work, env=environment, text=True, start_new_session=True)
-        # The machine may stall, so a page waits twice as long as it says.
+        # The machine may stall, so sleep waits twice as long as the page says.
         self.bash.stdin.write('sleep() { command sleep "$@" "$@"; }\n')
         self.number = 0
 
@@ -82,7 +82,7 @@ class Shell:
         with open(out, encoding="utf-8", errors="replace") as stream:
             printed = stream.read()
         if not reader.stdout.strip():
-            raise Wrong(f"did not end within {limit} s; printed was:\n{printed}")
+            raise Wrong(f"the command did not end within {limit} s; the output was:\n{printed}")
         return int(reader.stdout), printed
 
     def end(self):
@@ -112,19 +112,19 @@ def session_of(pid):
 
 
 def commands_of(text):
-    """(command, expected status, expected lines) of a console block."""
+    """Returns (command, expected status, expected lines) for each command of a console block."""
     found = []
     for line in text.splitlines():
         if line.startswith("$ "):
             status = re.search(r"\s+# exit status (\d+)$", line)
             command = line[2:status.start()] if status else line[2:]
             found.append([command, int(status.group(1)) if status else 0, []])
-        elif found and line.startswith("> "):  # continues the command
+        elif found and line.startswith("> "):  # this line continues the command
             found[-1][0] += "\n" + line[2:]
         elif found:
             found[-1][2].append(line)
         else:
-            raise Wrong(f"a console block begins with what is no command: {line}")
+            raise Wrong(f"a console block does not begin with a command: {line}")
     return found
 
 
@@ -161,13 +161,13 @@ def run_block(block, shell):
             stream.write(text)
         return 0
     if kind != "console":
-        raise Wrong(f"a block of kind '{kind}' that is no file and no command: say what it is in a comment before it")
+        raise Wrong(f"this block of kind '{kind}' is neither a file nor a command; say what it is in a comment before it")
     commands = commands_of(text)
     for command, status, expected in commands:
         try:
             ended, printed = shell.run(command)
             if ended != status:
-                raise Wrong(f"ended with status {ended}, not {status}; printed was:\n{printed}")
+                raise Wrong(f"the command ended with status {ended}, not {status}; the output was:\n{printed}")
             check_output(expected, printed)
         except Wrong as wrong:
             raise Wrong(f"$ {command}\n{wrong}") from None

@@ -1,4 +1,4 @@
-// Ports without safe values.
+// Tests of ports without safe values.
 #include "ways.hpp"
 
 namespace takt::ports_test {
@@ -22,7 +22,7 @@ TYPED_TEST(Ports, HaveNoValueBeforeTheFirstSample) {
   EXPECT_EQ(reader.in.age(), Nanoseconds::max());
 }
 
-TYPED_TEST(Ports, HoldTheLatestValue) {
+TYPED_TEST(Ports, HoldTheLatestValueUntilANewSampleArrives) {
   TypeParam way{Quality{}};
   Writer writer;
   Reader reader;
@@ -39,7 +39,7 @@ TYPED_TEST(Ports, HoldTheLatestValue) {
   }
 }
 
-TYPED_TEST(Ports, ReportNewSamplesBeforeAndAfterReading) {
+TYPED_TEST(Ports, ReportWhetherThereIsANewSample) {
   TypeParam way{Quality{}};
   Writer writer;
   Reader reader;
@@ -53,7 +53,7 @@ TYPED_TEST(Ports, ReportNewSamplesBeforeAndAfterReading) {
   EXPECT_FALSE(reader.in.has_news());
 }
 
-TYPED_TEST(Ports, KeepTheOrderOfAQueue) {
+TYPED_TEST(Ports, DeliverTheSamplesOfAQueueInOrder) {
   TypeParam way{Quality{.depth = 7}};
   Writer writer;
   Reader reader;
@@ -65,7 +65,7 @@ TYPED_TEST(Ports, KeepTheOrderOfAQueue) {
   EXPECT_EQ(way.dropped(), 0U);
 }
 
-TYPED_TEST(Ports, DropAndCountTheOldestOfAFullQueue) {
+TYPED_TEST(Ports, DropAndCountTheOldestSamplesOfAFullQueue) {
   TypeParam way{Quality{.depth = 3}};
   Writer writer;
   Reader reader;
@@ -76,13 +76,13 @@ TYPED_TEST(Ports, DropAndCountTheOldestOfAFullQueue) {
   ASSERT_TRUE(reader.in.read());
   EXPECT_EQ(reader.in.value().number(), 6U);
   if (TypeParam::kAtOnce) {
-    EXPECT_EQ(reader.in.sequence(), 6U) << "the gap in the numbers shows what was dropped";
+    EXPECT_EQ(reader.in.sequence(), 6U) << "the gap in the numbers shows how many samples were dropped";
   }
   EXPECT_EQ(reader.read_all(), (Numbers{7, 8}));
   EXPECT_EQ(way.dropped(), 5U);
 }
 
-TYPED_TEST(Ports, MeasureTheAgeFromRunToRun) {
+TYPED_TEST(Ports, MeasureTheAgeOfASampleFromTheWritersRunToTheReadersRun) {
   TypeParam way{Quality{}};
   Writer writer;
   Reader reader;
@@ -113,7 +113,7 @@ TYPED_TEST(Ports, WorkWithoutAConnection) {
   EXPECT_FALSE(reader.in.read());
 }
 
-TYPED_TEST(Ports, DeliverOneWriterToAllReaders) {
+TYPED_TEST(Ports, DeliverTheSamplesOfOneWriterToAllReaders) {
   TypeParam first{Quality{}};
   TypeParam second{Quality{.depth = 4}};
   Writer writer;
@@ -130,7 +130,7 @@ TYPED_TEST(Ports, DeliverOneWriterToAllReaders) {
   EXPECT_EQ(queue.read_all(), (Numbers{1, 2, 3}));
 }
 
-TYPED_TEST(Ports, InterleaveSeveralWritersInOneQueue) {
+TYPED_TEST(Ports, InterleaveTheSamplesOfSeveralWritersInOneQueue) {
   TypeParam first{Quality{.depth = 4}};
   TypeParam second{Quality{.depth = 4}};
   Writer one;
@@ -147,7 +147,7 @@ TYPED_TEST(Ports, InterleaveSeveralWritersInOneQueue) {
   EXPECT_EQ(reader.read_all(), (Numbers{1, 11, 2, 12, 3}));
 }
 
-TYPED_TEST(Ports, ContinueWhereARestartedReaderWas) {
+TYPED_TEST(Ports, LetARestartedReaderContinueWhereItStopped) {
   TypeParam way{Quality{.depth = 8}};
   Writer writer;
   way.connect(writer.out);
@@ -166,7 +166,7 @@ TYPED_TEST(Ports, ContinueWhereARestartedReaderWas) {
   EXPECT_EQ(reader.read_all(), (Numbers{3, 4, 5}));
 }
 
-TYPED_TEST(Ports, ContinueWhenAWriterRestarts) {
+TYPED_TEST(Ports, DeliverAllSamplesOfAWriterThatRestarts) {
   TypeParam way{Quality{.depth = 8}};
   Reader reader;
   way.connect(reader.in);
@@ -178,10 +178,10 @@ TYPED_TEST(Ports, ContinueWhenAWriterRestarts) {
   }
   way.settle();
   EXPECT_EQ(reader.read_all(), (Numbers{1, 2, 11, 12, 21, 22}));
-  EXPECT_EQ(reader.in.sequence(), 6U) << "the numbers continue";
+  EXPECT_EQ(reader.in.sequence(), 6U) << "the numbers continue over the restarts";
 }
 
-TYPED_TEST(Ports, RejectAValueBeyondItsBounds) {
+TYPED_TEST(Ports, RejectASampleThatExceedsTheBoundsOfItsType) {
   TypeParam way{Quality{}};
   Writer writer;
   Reader reader;
@@ -225,7 +225,7 @@ TYPED_TEST(Ports, NeverShowATornSample) {
   }
 }
 
-// Only for links with bytes, which outlive a process.
+// This test is only for links with bytes, which outlive a process.
 TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
   for (const bool is_queue : {false, true}) {
     Ring ring{Quality{.depth = is_queue ? 4U : 1U}};
@@ -241,7 +241,7 @@ TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
     {
       Reader second;
       ring.connect(second.in);
-      EXPECT_EQ(second.read_all(), Numbers{}) << "the first instance has read it";
+      EXPECT_EQ(second.read_all(), Numbers{}) << "the first instance has read the sample";
       EXPECT_EQ(second.in.has_value(), !is_queue);
       EXPECT_EQ(second.in.sequence(), is_queue ? 0U : 1U);
       EXPECT_EQ(second.in.value().number(), is_queue ? 0U : 1U);
@@ -254,7 +254,7 @@ TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
   }
 }
 
-// Only for links with bytes: bytes from outside may be anything.
+// This test is only for links with bytes, because another process can write any bytes.
 TEST(RingPorts, SkipInvalidBytesAndKeepTheLastSample) {
   const channel::Link::Options options{
       .depth = 4, .payload = PortType<Sample>::info.max_size, .is_queue = true};

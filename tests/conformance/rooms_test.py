@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks that a wrong include fails the build with an error that names the file, both rooms and the rule.
 
-Usage: rooms_test.py SOURCE_DIRECTORY ROOMS_FILE. Adds right and wrong includes to a copy of each room and checks the copy as the build
-does.
+Usage: rooms_test.py SOURCE_DIRECTORY ROOMS_FILE. Adds allowed and wrong includes to a copy of each room, and checks the copy as the
+build does.
 """
 import os
 import re
@@ -14,7 +14,7 @@ import tempfile
 source, rooms_file = sys.argv[1:]
 CHECK = [sys.executable, "-B", os.path.join(source, "cmake", "check_includes.py")]
 
-# room: (right includes, wrong includes)
+# For each room: its allowed includes, and its wrong includes.
 CASES = {
     "core": (["takt/core/result.hpp", "mutex", "thread"],
              ["takt/model/cell.hpp", "takt/os/fd.hpp", "unistd.h", "sys/mman.h", "tinyxml2.h"]),
@@ -77,22 +77,22 @@ with tempfile.TemporaryDirectory() as copy:
     wrong["tools/added.cpp:3"] = ("", "tinyxml2.h")
 
     done = subprocess.run([*CHECK, copy, rooms_file], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    expect(done.returncode == 1, f"status {done.returncode} for wrong includes")
+    expect(done.returncode == 1, f"exit status {done.returncode} for wrong includes, not 1")
     said = dict(line.split(": error: ", 1) for line in done.stderr.splitlines())
     for place in sorted(set(wrong) ^ set(said)):
-        failures.append(f"{place}: " + (f"rejected and right: {said[place]}" if place in said else f"{wrong[place]} is not rejected"))
+        failures.append(f"{place}: " + (f"an allowed include is rejected: {said[place]}" if place in said else f"the wrong include {wrong[place]} is not rejected"))
     for place, (room, include) in wrong.items():
         other = re.match("takt/([a-z]+)/", include)
         if place in said and other and include != "takt/wire/taktPubSubTypes.h":
-            expect(f"room {room} " in said[place] and f"of room {other[1]};" in said[place], f"{place}: names not both rooms: {said[place]}")
+            expect(f"room {room} " in said[place] and f"of room {other[1]};" in said[place], f"{place}: the message does not name both rooms: {said[place]}")
         elif place in said and include != "..":
-            expect(f"<{include}>" in said[place], f"{place}: does not name the header: {said[place]}")
+            expect(f"<{include}>" in said[place], f"{place}: the message does not name the header: {said[place]}")
 
 done = subprocess.run([*CHECK, source, rooms_file], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-expect(done.returncode == 0, f"the sources as they are: {done.stderr}")
+expect(done.returncode == 0, f"the sources of the repository are rejected: {done.stderr}")
 
 rooms = {d.name for d in os.scandir(os.path.join(source, "framework")) if d.is_dir()}
-expect(rooms == set(CASES), f"rooms without a case here: {sorted(rooms ^ set(CASES))}")
+expect(rooms == set(CASES), f"rooms without a case in this test, or cases without a room: {sorted(rooms ^ set(CASES))}")
 
 print("\n".join(failures) or f"{len(wrong)} wrong includes are rejected")
 sys.exit(1 if failures else 0)

@@ -1,4 +1,4 @@
-// Ports with a safe value, which readers get while the writer is not in EXECUTING.
+// Tests of ports with a safe value, which readers get while the writer is not in EXECUTING.
 #include "ways.hpp"
 
 namespace takt::safe_ports_test {
@@ -26,13 +26,13 @@ TYPED_TEST(SafePorts, StartWithTheSafeValueWhileTheWriterDoesNotExecute) {
   EXPECT_TRUE(reader.in.is_new());
   EXPECT_TRUE(reader.in.has_value());
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
-  EXPECT_FALSE(reader.in.read()) << "it arrives once";
+  EXPECT_FALSE(reader.in.read()) << "the safe value arrives once";
   EXPECT_FALSE(reader.in.is_new());
   EXPECT_FALSE(reader.in.has_news());
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
   writer.write(1);
   way.settle();
-  EXPECT_FALSE(reader.in.read()) << "samples written meanwhile are not trusted";
+  EXPECT_FALSE(reader.in.read()) << "samples that the writer writes before EXECUTING are not trusted";
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
 }
 
@@ -137,7 +137,7 @@ TYPED_TEST(SafePorts, BehaveNormallyUntilTheSafeValueIsKnown) {
 TYPED_TEST(SafePorts, NeverShowSamplesWrittenWhileTheWriterDidNotExecute) {
   TypeParam way{Quality{.safe = true}};
   if (!TypeParam::kAtOnce)
-    GTEST_SKIP() << "it is unknown whether samples in transit are from before or after the change";
+    GTEST_SKIP() << "a sample in transit may have been written before or after the change";
   give_safe(way.at_reader());
   Writer writer;
   Reader reader;
@@ -145,7 +145,7 @@ TYPED_TEST(SafePorts, NeverShowSamplesWrittenWhileTheWriterDidNotExecute) {
   way.connect(reader.in);
   std::atomic<bool> over{false};
   std::thread thread{[&] {
-    std::uint64_t number = 0;  // odd numbers are written while the module executes
+    std::uint64_t number = 0;  // the writer writes odd numbers while it executes
     for (std::uint64_t round = 0; round < TypeParam::kMany / 10; ++round) {
       way.at_reader().trust();
       for (int i = 0; i < 5; ++i) writer.write(number += number % 2 == 0 ? 1 : 2);

@@ -47,11 +47,11 @@ inline void give_safe(const channel::Link& link) {
   link.give_safe(bytes);
 }
 
-/// One writer, one reader, and a link between them. Settles at once.
+/// One writer, one reader, and a link between them. A reader can read each sample at once.
 template <bool kObjects>
 class Link {
  public:
-  /// Whether a written sample can be read at once, with the writer's number.
+  /// True if a reader can read a written sample at once, and gets the writer's number for it.
   static constexpr bool kAtOnce = true;
   static constexpr Nanoseconds kTolerance{0};  ///< for the age of a sample
   static constexpr std::uint64_t kMany = 200'000;
@@ -88,7 +88,7 @@ class BetweenDevices {
  public:
   static constexpr bool kAtOnce = false;
   static constexpr Nanoseconds kTolerance =
-      std::chrono::milliseconds{100};  // two clocks are read one after the other
+      std::chrono::milliseconds{100};  // the two clocks are not read at the same instant
   static constexpr std::uint64_t kMany = 5'000;
 
   explicit BetweenDevices(Quality quality) {
@@ -153,7 +153,7 @@ class BetweenDevices {
   static channel::WakeWord& wake_word() {
     return *reinterpret_cast<channel::WakeWord*>(wake_word_memory().data());
   }
-  // Shared by all tests of the process, which may have only one participant.
+  // All tests share this gateway, because a process may have only one participant.
   static dds::Gateway& gateway() {
     static const auto made =
         dds::Gateway::create(
@@ -181,7 +181,7 @@ class BetweenDevices {
   std::unique_ptr<node::Bridge> bridge_;
 };
 
-/// A module with an output or an input, run at a given time.
+/// A module with an output that runs at a given time.
 struct Writer {
   Writer() { out.serve(context); }
   Written write(std::uint64_t number, std::int64_t start_ns = 1000) {
@@ -193,6 +193,7 @@ struct Writer {
   Sample sample;
   OutPort<Sample> out{"out"};
 };
+/// A module with an input that runs at a given time.
 struct Reader {
   Reader() { in.serve(context); }
   std::vector<std::uint64_t> read_all() {

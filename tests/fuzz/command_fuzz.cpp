@@ -1,7 +1,8 @@
-// Forged commands and forged states of other nodes, in parts or whole, while events happen on the device. The
-// node answers each valid command once. Everything that it publishes passes validation.hpp.
+// Sends a node forged commands and forged states of other nodes, whole or in parts, while events happen on
+// the device. The node must answer each valid command once. Everything that it publishes must pass
+// validation.hpp.
 //
-// An input is a list of steps, each with a letter: see Play.
+// An input is a list of steps. Each step begins with a letter, see Play.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -136,7 +137,7 @@ class Play {
     device_.agent.step();
   }
 
-  // The result of a real inspection: a file for each module.
+  // Returns the result that a real inspection would have: a file for each module.
   [[nodiscard]] agent::Inspected found() const {
     agent::Inspected inspected{
         .paths = {}, .description = R"({"modules":[{"name":"servo","properties":[{"name":"gain"}]}]})"};
@@ -191,7 +192,7 @@ class Play {
       TAKT_CHECK(reply.data.size() <= wire::kMaxData);
       TAKT_CHECK(reply.data.empty() || nlohmann::json::accept(reply.data) ||
                  reply.data.find(" of ") != std::string::npos ||
-                 reply.data.find("<device") != std::string::npos);  // a descriptor
+                 reply.data.find("<device") != std::string::npos);  // the reply contains a descriptor
     }
     for (const DeviceStatus& status : device_.published.devices) check_valid(status);
     for (const LifecycleStatus& step : device_.published.steps) check_valid(step);

@@ -1,5 +1,5 @@
-// Arbitrary bytes as a descriptor. The result is either a cell that satisfies every rule of the model, or
-// readable problems. tinyxml2 can read everything that the scanner accepts.
+// Reads arbitrary bytes as a descriptor. The result is either a cell that satisfies every rule of the model,
+// or readable problems. tinyxml2 can read everything that the scanner accepts.
 #include <cstddef>
 #include <cstdint>
 #include <string>

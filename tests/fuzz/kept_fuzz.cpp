@@ -1,9 +1,9 @@
-// Arbitrary bytes as a file that a node finds on its disk when it starts: its deployment, the saved state of
-// a module, or the fault record. If the node accepts a file, writing and reading it again gives the same. A
-// fault record continues after its last event.
+// Reads arbitrary bytes as a file that a node finds on its disk when it starts: its deployment, the saved
+// state of a module, or the fault record. If the node accepts a file, the content is the same after it was
+// written and read again. A fault record continues after its last event.
 //
-// The first letter of an input selects the file, see LLVMFuzzerTestOneInput. A small letter means a body with
-// a correct checksum.
+// The first letter of an input selects the file, see LLVMFuzzerTestOneInput. A small letter means that the
+// checksum of the body is correct.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -81,7 +81,7 @@ std::uint64_t checksum(std::string_view bytes) {
   return hash;
 }
 
-/// The format of node/whole_file.hpp.
+/// Returns a file in the format of node/whole_file.hpp.
 std::string whole(const std::string& format, std::string_view body) {
   std::array<char, 24> digits{};
   std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(checksum(body)));
@@ -101,7 +101,7 @@ void check_deployment(std::string_view content) {
   TAKT_CHECK(kept->has_value());
   TAKT_CHECK(file.keep(**kept));
   const auto again = file.kept();
-  // Bytes that are not UTF-8 are replaced when the file is read, and kept in that form.
+  // Reading the file replaces bytes that are not UTF-8, and keep() writes the replaced form.
   TAKT_CHECK(again && *again && **again == **kept);
   static_cast<void>(model::parse_safe((*kept)->safe));
 }
@@ -128,7 +128,7 @@ void check_record(std::string_view content) {
   const std::string path = folder() + "/robot.7.faults";
   put(path, content);
   const auto recorded = node::read_record(content);
-  constexpr std::size_t kSlots = 8;  // of a new record
+  constexpr std::size_t kSlots = 8;  // the number of slots of a new record
   node::FaultRecord record = node::FaultRecord::open(path, kSlots);
   TAKT_CHECK(record.file() == path);
   if (!recorded) {

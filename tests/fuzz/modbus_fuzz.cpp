@@ -1,7 +1,7 @@
-// Arbitrary text as a map of Modbus points, and arbitrary bytes from a master to a device with that map. A
-// map is accepted, or all its mistakes are reported. Its points satisfy what the programs rely on, and a
-// value survives conversion to registers and back. The master gets only well-formed frames, and writes only
-// outputs.
+// Reads arbitrary text as a map of Modbus points, and sends arbitrary bytes from a master to a device with
+// that map. A map is accepted, or all its mistakes are reported. Its points satisfy what the programs rely
+// on, and a value survives conversion to registers and back. The master gets only well-formed frames, and
+// writes only outputs.
 //
 // An input is the map, a zero byte, and the bytes of the master.
 #include <array>

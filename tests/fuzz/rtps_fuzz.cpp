@@ -1,6 +1,6 @@
-// Arbitrary bytes as a packet from the network. The filter reads nothing beyond the packet. An accepted
-// message is also accepted with another submessage in front of it, and cut off only at the end of a
-// submessage.
+// Gives the packet filter arbitrary bytes as a packet from the network. The filter reads nothing beyond it.
+// An accepted message is also accepted with another submessage in front of it, and cut off only at the end of
+// a submessage.
 #include <cstddef>
 #include <cstdint>
 #include <vector>

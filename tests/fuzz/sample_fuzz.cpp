@@ -1,5 +1,5 @@
-// Arbitrary bytes as a sample of a port. Three decoders must agree on whether it is valid: that of C++
-// components, that of C components, and the one that knows the type only as data (dds/raw.cpp). A valid
+// Decodes arbitrary bytes as a sample of a port. Three decoders must agree on whether it is valid: that of
+// C++ components, that of C components, and the one that knows the type only as data (dds/raw.cpp). A valid
 // sample is the same again after it is encoded.
 //
 // The first byte of an input selects the type.

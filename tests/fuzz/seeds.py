@@ -1,4 +1,4 @@
-"""Writes the inputs that fuzzers begin with: what nodes, modules and masters really send and keep, as bytes.
+"""Writes the seeds of the fuzzers: messages and files as nodes, modules and Modbus masters really send and save them.
 
 seeds.py FOLDER makes FOLDER/command_seeds, kept_seeds, modbus_seeds, rtps_seeds and sample_seeds."""
 
@@ -7,7 +7,7 @@ import os
 import struct
 import sys
 
-# ---- What command_fuzz reads. Clock and names are those of tests/unit/node/fake_device.hpp.
+# ---- Seeds of command_fuzz. Time and names are the same as in tests/unit/agent/fake_device.hpp.
 
 NOW = 1_700_000_005_000_000_000
 (REPORT, DESCRIPTOR, DESCRIBE, PREPARE, RUN, UNDEPLOY, INITIALIZE, START, STOP, RECOVER, RESET, DESTRUCT, GET, SET, TAP,
@@ -18,7 +18,7 @@ CELL = """<cell name="cell"><device name="robot">
 
 
 class Cdr:
-    """XCDR1, little or big endian, with its encapsulation."""
+    """Encodes values as XCDR1 in little or big endian, with the encapsulation."""
 
     def __init__(self, order="<"):
         self.order = order
@@ -113,7 +113,7 @@ COMMANDS = {
     "forgotten": RUNNING + update('"gain">2') + b"i" + b"t\x0f" + command(CHANGE, name="u"),
 }
 
-# ---- What kept_fuzz reads
+# ---- Seeds of kept_fuzz
 
 DEPLOYMENT = json.dumps({"id": "d1", "file": "cell.xml", "text": CELL, "require_real_time": False, "t0_ns": NOW, "safe": "[]"},
                         separators=(",", ":")).encode()
@@ -139,7 +139,7 @@ KEPT = {
     "record": b"F" + struct.pack("<QQQ", 0x74616B74666C0001, 4, 0),
 }
 
-# ---- What modbus_fuzz reads
+# ---- Seeds of modbus_fuzz
 
 MAP = b"""lamp        out coil 0 safe 0
 button      in  discrete 3
@@ -166,7 +166,7 @@ MODBUS = {
     "refused": MAP + b"\0" + frame(3, 100, 1) + frame(16, 10, 200, tail=b"\xff") + frame(99, 0, 0) + frame(17),
 }
 
-# ---- What rtps_fuzz reads
+# ---- Seeds of rtps_fuzz
 
 
 def submessage(kind, flags, body):
@@ -216,7 +216,7 @@ RTPS = {
     submessage(0x01, 0, b"") + submessage(0x80, 0, bytes(5)),
 }
 
-# ---- What sample_fuzz reads
+# ---- Seeds of sample_fuzz
 
 
 def scalars(order):
@@ -231,7 +231,7 @@ def part(order, cdr=None):
 
 
 def whole(order, n):
-    """n elements in each sequence, as far as it may have so many."""
+    """Encodes everything::Whole with n elements in each sequence, or as many as its bound allows."""
     cdr = scalars(order)
     cdr.text("label")
     part(order, cdr)

@@ -1,6 +1,6 @@
-// Arbitrary bytes as the description of a type, and as a sample of a type. A description gives either a type
-// within its limits that is the same after printing and parsing, or problems. A sample is either invalid, or
-// can be printed and made again from the text.
+// Reads arbitrary bytes as the description of a type, and as a sample of a type. A description gives either a
+// type within its limits that is the same after printing and parsing, or problems. A sample is either
+// invalid, or can be printed and made again from the text.
 //
 // An input that begins with a digit is a sample of that type of kTypes. Any other input is a description up
 // to the first line feed, followed by a sample as bytes or as JSON.

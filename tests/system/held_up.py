@@ -1,4 +1,4 @@
-"""How long threads that were ready to run waited for a CPU, as the kernel counts it. A shared machine can make them wait."""
+"""Measures how long threads that were ready to run waited for a CPU, as the kernel counts it. On a shared machine they may wait."""
 
 import os
 
@@ -14,14 +14,14 @@ def _waited(pid, task):
 
 
 def waits(pids, but=()):
-    """For each thread of these processes: the seconds since its start in which it was ready but did not run. Threads with a name in
-    `but` are left out."""
+    """Returns for each thread of these processes the time, in seconds since its start, in which it was ready but did not run. Leaves out
+    threads with a name in `but`."""
     found = {}
     for pid in pids:
         try:
             tasks = os.listdir("/proc/%d/task" % pid)
         except OSError:
-            continue  # it has ended
+            continue  # the process has ended
         for task in tasks:
             waited = _waited(pid, task)
             if waited and waited[0] not in but:
@@ -30,5 +30,5 @@ def waits(pids, but=()):
 
 
 def longest(before, after):
-    """The longest time that any thread waited between two calls of waits()."""
+    """Returns the longest time that any thread waited between two calls of waits()."""
     return max((waited - before.get(thread, 0.0) for thread, waited in after.items()), default=0.0)

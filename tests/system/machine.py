@@ -1,6 +1,6 @@
-"""Importing this module moves a test program into namespaces of its own, so that tests can run at the same time. The program then has
-only a loopback interface, with all ports and DDS domains free, its own mounts, and an empty /dev/shm. The namespaces end with the
-program and its children. This needs root. Otherwise `MISSING` says why, and the tests share the machine and differ by their domains."""
+"""Importing this module moves a test program into its own namespaces, so that tests can run at the same time. The program then has
+its own loopback interface with all ports and DDS domains free, its own mounts, and an empty /dev/shm. The namespaces end with the program
+and its children. This needs root. Otherwise `MISSING` says why, and the tests share the machine and use different DDS domains."""
 
 import ctypes
 import os

@@ -1,5 +1,5 @@
-"""Simulates several machines on one: network namespaces that a bridge connects. The bridge has a namespace of its own too, so nothing
-touches the real network. Needs root and iproute2."""
+"""Simulates several machines on one machine: network namespaces that a bridge connects. The bridge also has its own namespace, so the tests
+do not touch the real network. This needs root and iproute2."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ import takt_system
 
 
 def available():
-    """An empty text, or the reason why no namespaces can be made."""
+    """Returns an empty text, or the reason why no namespaces can be made."""
     if os.geteuid() != 0:
         return "network namespaces need root"
     if shutil.which("ip") is None:
@@ -24,7 +24,7 @@ def available():
 
 
 class Networks:
-    """The network: with Networks("robot", "line", "operator") as net. Put net.on("robot") before a command that shall run on robot."""
+    """The network of some machines: with Networks("robot", "line", "operator") as net. net.on("robot") before a command runs it on robot."""
 
     def __init__(self, *machines):
         self.mark = "t" + uuid.uuid4().hex[:6]
@@ -82,7 +82,7 @@ class Networks:
         self._port(machine, 3)
 
     def _port(self, machine, state):
-        if self._switch is None:  # kept running, so that each change takes effect at once
+        if self._switch is None:  # this process keeps running, so that each change takes effect at once
             self._switch = subprocess.Popen(["ip", "netns", "exec", self._bridge, "bridge", "-batch", "-"], stdin=subprocess.PIPE,
                                             text=True, bufsize=1)
         self._switch.stdin.write("link set dev %s state %d\n" % (self._cable(machine), state))
@@ -113,8 +113,8 @@ class Networks:
 
 
 class NetworkCase(takt_system.Case):
-    """A test whose nodes run on one machine each, and whose commands run on another one, "operator"."""
-    MACHINES = ()  # without the operator's; a test that leaves it empty calls lay() itself
+    """A test with one machine per node. The commands run on a further machine, "operator"."""
+    MACHINES = ()  # the machines except "operator"; a test that leaves this empty calls lay() itself
 
     def setUp(self):
         super().setUp()
@@ -131,22 +131,22 @@ class NetworkCase(takt_system.Case):
         self.addCleanup(self.net.__exit__)
 
     def program(self, name, *arguments, on="operator", environment=None, **options):
-        # All interfaces, not only loopback: the network belongs to this test.
+        # The program uses all interfaces, not only loopback, because the network belongs to this test.
         return super().program(name, *arguments, environment={"TAKT_INTERFACE": "", **(environment or {})},
                                before=self.net.on(on), **options)
 
     def node(self, device, *arguments, on=None, **options):
-        """Starts a takt-node on the machine of its device, with a state folder of its own."""
+        """Starts a takt-node on the machine of its device, with its own state folder."""
         environment = {"TAKT_STATE_DIR": os.path.join(self.folder, device), **(options.pop("environment", None) or {})}
         return super().node(device, *arguments, on=on or device, environment=environment, **options)
 
     def operator(self, *arguments, limit=60.0, **options):
-        """Runs a command to its end. The run is not kept in self.runs, because a long test makes thousands."""
+        """Runs a command to its end. Does not keep the run in self.runs, because a long test makes thousands of runs."""
         run = self.takt(*arguments, limit=limit, **options)
         self.runs.remove(run)
         return run
 
     def status(self):
-        """The status by device; empty if no node answers."""
+        """Returns the status by device; empty if no node answers."""
         run = self.operator("status", "--json")
         return {d["name"]: d for d in run.report["devices"]} if run.status == 0 else {}

@@ -3,9 +3,9 @@
 A test derives from Case. Each program that it starts has a unique mark in its environment, which child processes inherit. By this mark
 a test finds all processes of one run, whatever their parent is now, and never those of another run on the same machine.
 
-TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test program runs in namespaces of its own
-(machine.py). Each test takes a free DDS domain out of TAKT_TEST_DOMAINS ("1-100" unless set) and uses the loopback interface only.
-TAKT_TEST_FULL=1 runs the full form of the tests that have a short one.
+TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test program runs in its own namespaces
+(machine.py). Each test uses a free DDS domain out of TAKT_TEST_DOMAINS ("1-100" unless set), and only the loopback interface.
+TAKT_TEST_FULL=1 runs the full form of the tests that have a short form.
 """
 
 import json
@@ -25,14 +25,14 @@ import unittest
 import uuid
 from collections import namedtuple
 
-import machine  # noqa: F401, moves this process into namespaces of its own
+import machine  # noqa: F401, moves this process into its own namespaces
 
 BIN = os.environ.get("TAKT_BIN", "")
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STATES = ("IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT")
 # The states of a module that runs and ends without an error.
 LIFE = ["IDLE", "INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"]
-# The states of a module that was started on a device that then did not run.
+# The states of a module that reached START on a device that then did not run.
 NEVER_RAN = ["IDLE", "INITIALIZE", "START", "DESTRUCT"]
 MARK = "TAKT_TEST_RUN"
 os.environ.setdefault("TAKT_INTERFACE", "127.0.0.1")
@@ -42,24 +42,24 @@ FULL = os.environ.get("TAKT_TEST_FULL", "") == "1"
 
 
 def how_much(variable, short, full):
-    """How long or how often a test does something: the value of this environment variable, else `short` or `full`."""
+    """Returns how long or how often a test does something: the value of the environment variable `variable`, else `short` or `full`."""
     return type(full)(os.environ.get(variable) or (full if FULL else short))
 
 
 def timing(why):
-    """Marks a test that asserts on real time, and says why virtual time cannot show the same. CTest runs one of these at a time."""
+    """Marks a test that asserts on real time. `why` says why virtual time cannot show the same. CTest runs one such test at a time."""
     assert why
     return lambda test: test
 
 
 def alone(why):
-    """Marks a test that CTest runs alone, and says why. All tests place their executors on the last CPU. An executor that keeps this CPU
-    busy starves those of other tests; a test that counts missed rows would count rows that other tests made it miss."""
+    """Marks a test that CTest runs alone; `why` says why. All tests place their executors on the last CPU. An executor that keeps this CPU
+    busy would starve the executors of other tests. A test that counts missed rows would count rows that other tests made it miss."""
     assert why
     return lambda test: test
 
 
-Line = namedtuple("Line", "at device module text")  # `at`: as the node wrote it, in seconds of the day
+Line = namedtuple("Line", "at device module text")  # `at`: the time that the node printed, in seconds of the day
 Step = namedtuple("Step", "at source target text")
 
 LINE = re.compile(r"^(\d\d):(\d\d):(\d\d\.\d{3}) ([\w-]+)(?:\.([\w-]+|\(host(?: [\w-]+)?\)))?: (.*)$")
@@ -71,7 +71,7 @@ class Process(namedtuple("Process", "pid program arguments")):
 
     @property
     def alive(self):
-        return _read(self.pid, "cmdline") != b""  # a zombie has none
+        return _read(self.pid, "cmdline") != b""  # a zombie has no command line
 
     def parent(self):
         """The pid of the parent; 0 if this process has ended."""
@@ -85,7 +85,7 @@ class Process(namedtuple("Process", "pid program arguments")):
             return 0
 
     def memories(self):
-        """Takt's shared memories that this process has open: pairs of name and inode."""
+        """Returns the shared memories of Takt that this process has open, as pairs of name and inode."""
         found = set()
         try:
             for fd in os.listdir("/proc/%d/fd" % self.pid):
@@ -120,11 +120,11 @@ _claims = []  # one socket for each domain that the running test has claimed
 
 
 def claim_domain(domain):
-    """Claims the domain until release_domains(). False if a process is on it or another test has claimed it."""
+    """Claims the domain until release_domains(). Returns False if a process uses the domain or another test has claimed it."""
     claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            claim.bind("\0takt-test-domain-%d" % domain)  # an abstract name: the kernel frees it with the process
+            claim.bind("\0takt-test-domain-%d" % domain)  # the kernel frees an abstract name when the process ends
             probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
         except OSError:
             claim.close()
@@ -141,7 +141,7 @@ def progress(text):
 
 
 def free_domain():
-    """Claims a DDS domain that no process on this machine uses: a domain in use has its first port taken. The claim lasts until
+    """Claims a DDS domain whose first port is free, so that no process on this machine uses the domain. The claim lasts until
     release_domains(), also while no program of this test runs."""
     first, last = (int(n) for n in os.environ.get("TAKT_TEST_DOMAINS", "1-100").split("-"))
     domains = list(range(first, last + 1))
@@ -161,7 +161,7 @@ def wait_until(condition, limit=10.0, what="the condition"):
     """Returns the value of `condition` as soon as it is true. Fails after `limit` seconds."""
     end = time.monotonic() + limit
     while True:
-        late = time.monotonic() > end  # taken first, so that a stalled test still checks once more
+        late = time.monotonic() > end  # read before the check, so that a stalled test still checks once more
         value = condition()
         if value:
             return value
@@ -171,7 +171,7 @@ def wait_until(condition, limit=10.0, what="the condition"):
 
 
 class Run:
-    """One run of a program. Reads standard output and standard error while it runs."""
+    """One run of a program. Reads its standard output and standard error while it runs."""
 
     def __init__(self, arguments, folder, environment=None, before=(), become=None, terminal=None,
                  error=subprocess.PIPE):
@@ -186,15 +186,15 @@ class Run:
                                          stdout=subprocess.PIPE if terminal is None else terminal, stderr=error,
                                          start_new_session=True, preexec_fn=become)
         self.pid = self._process.pid
-        self.raw = []  # lines of standard error
-        self.out_lines = []  # of standard output, each with the time at which it was read
+        self.raw = []  # the lines of standard error
+        self.out_lines = []  # lines of standard output, each with the time at which it was read
         self._readers = [threading.Thread(target=read, daemon=True) for read in (self._read_out, self._read_err)]
         for reader in self._readers:
             reader.start()
 
     def _read_out(self):
         if self._process.stdout is None:
-            return  # it goes to a terminal
+            return  # standard output goes to a terminal
         for line in self._process.stdout:
             self.out_lines.append((time.monotonic(), line.decode(errors="replace")))
 
@@ -207,7 +207,7 @@ class Run:
     # While it runs
 
     def processes(self, program=None):
-        """All processes of this run, without zombies and without children between fork and exec (still copies of their parent)."""
+        """Returns all processes of this run, except zombies and children between fork and exec (still copies of their parent)."""
         wanted = ("%s=%s" % (MARK, self.mark)).encode()
         all_of_it = {}
         for pid in _pids():
@@ -228,7 +228,7 @@ class Run:
         return sorted(found)
 
     def one(self, program):
-        """The only process of this program. Waits a moment, because a process in exec has no name yet."""
+        """Returns the only process of this program. Waits a moment, because a process in exec has no name yet."""
         try:
             return wait_until(lambda: (lambda found: found[0] if len(found) == 1 else None)(self.processes(program)), 2)
         except AssertionError:
@@ -239,13 +239,13 @@ class Run:
         expression = re.compile(pattern)
 
         def find():
-            # Checked before the search, which could otherwise miss the last lines.
+            # This is checked before the search, which could otherwise miss the last lines.
             over = self._process.poll() is not None and not self._readers[1].is_alive()
             for text in self.raw[after:]:
                 if expression.search(text):
                     return text
             if over:
-                raise AssertionError("it ended without a line %r; standard error:\n%s" % (pattern, self.err))
+                raise AssertionError("the program ended without a line %r; standard error:\n%s" % (pattern, self.err))
             return None
 
         return wait_until(find, limit, "a line %r" % pattern)
@@ -266,9 +266,9 @@ class Run:
         except subprocess.TimeoutExpired:
             said = self.err
             self.kill_all()
-            raise AssertionError("it did not end within %g s; standard error:\n%s" % (limit, said)) from None
+            raise AssertionError("the program did not end within %g s; standard error:\n%s" % (limit, said)) from None
         for reader in self._readers:
-            reader.join(limit)  # a full limit from now on, so that the last lines of a long run are read too
+            reader.join(limit)  # waits for a full limit again, so that the last lines of a long run are read too
         if self._process.stdout is not None:
             self._process.stdout.close()
         if self._process.stderr is not None:
@@ -291,7 +291,7 @@ class Run:
 
     @property
     def status(self):
-        """The exit status, or minus the signal that ended it. None while it runs."""
+        """The exit status of the program, or minus the signal that ended it. None while the program runs."""
         return self._process.poll()
 
     @property
@@ -299,7 +299,7 @@ class Run:
         return "".join(line for _, line in self.out_lines)
 
     def wait_for_out(self, pattern, limit=15.0, after=0):
-        """Waits for a line of standard output that contains `pattern`, from index `after` on. Returns when it was read."""
+        """Waits for a line of standard output that contains `pattern`, from index `after` on. Returns the time at which it was read."""
         expression = re.compile(pattern)
 
         def find():
@@ -313,7 +313,7 @@ class Run:
 
     @property
     def report(self):
-        """The JSON object on standard output, which must hold nothing else."""
+        """The JSON object on standard output, which must contain nothing else."""
         return json.loads(self.out)
 
     def device(self, name=None):
@@ -339,7 +339,7 @@ class Run:
 
     @property
     def other_lines(self):
-        """The lines of standard error that no node wrote: the reasons that takt prints at the end."""
+        """The lines of standard error that no node wrote, such as the reasons that takt prints at the end."""
         return [text for text in list(self.raw) if not LINE.match(text)]
 
     def said(self, module, device=None):
@@ -358,7 +358,7 @@ class Run:
         return found
 
     def states(self, module, device=None):
-        """All states of the module, in order. Fails if a step does not begin in the state in which the last one ended."""
+        """Returns all states of the module, in order. Fails if a step does not begin in the state in which the last step ended."""
         states = ["IDLE"]
         for step in self.steps(module, device):
             assert step.source == states[-1], "%s: a step from %s while in state %s" % (module, step.source, states[-1])
@@ -374,7 +374,7 @@ class Watcher:
     def __init__(self, run):
         self._run = run
         self._heard = 0
-        self._modules = {}  # by device
+        self._modules = {}  # for each device, the state of each module
         self._whole = {}  # the state of each device; EXECUTING if all of its modules are
 
     def _hear(self):
@@ -387,7 +387,7 @@ class Watcher:
                 self._whole[match[1]] = "EXECUTING" if match[3] and match[3] == match[4] else match[2]
 
     def holds(self, wanted):
-        """As for Case.wait_for_states(). Modules of an earlier deployment may make it wrong."""
+        """Returns whether takt watch has shown these states (see Case.wait_for_states()). Modules of an earlier deployment may make it wrong."""
         self._hear()
         for device, states in wanted.items():
             found = self._modules.get(device, {})
@@ -404,7 +404,7 @@ class Watcher:
 
 
 class Case(unittest.TestCase):
-    """Gives each test a folder of its own, and checks that it leaves nothing behind."""
+    """The base of all test cases. Gives each test its own folder, and checks that the test leaves nothing behind."""
 
     def setUp(self):
         self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
@@ -418,7 +418,7 @@ class Case(unittest.TestCase):
     def tearDown(self):
         try:
             for run in self.runs:
-                if run.status is not None:  # else the test has failed and its programs still run
+                if run.status is not None:  # if it still runs, the test has failed
                     self.assert_nothing_left(run)
         finally:
             for run in self.runs:
@@ -426,16 +426,16 @@ class Case(unittest.TestCase):
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def beside(self, name):
-        """The path of a file beside test.py."""
+        """Returns the path of a file in the folder of test.py."""
         return os.path.join(os.path.dirname(os.path.abspath(sys.modules[type(self).__module__].__file__)), name)
 
     def start(self, *arguments, **options):
-        """Starts takt and does not wait for it. A descriptor is given by its name beside test.py."""
+        """Starts takt and does not wait for its end. A descriptor without a path is a file in the folder of test.py."""
         arguments = [self.beside(a) if a.endswith(".xml") and not os.path.isabs(a) else a for a in arguments]
         return self.program("takt", *arguments, **options)
 
     def program(self, name, *arguments, **options):
-        """Starts one of Takt's programs on the domain of the test and does not wait for it."""
+        """Starts one of Takt's programs on the domain of the test and does not wait for its end."""
         environment = {"TAKT_DOMAIN": str(self.domain), "TAKT_STATE_DIR": os.path.join(self.folder, "state")}
         environment.update(options.pop("environment", None) or {})
         run = Run([os.path.join(options.pop("programs", BIN), name)] + list(arguments), self.folder,
@@ -447,7 +447,7 @@ class Case(unittest.TestCase):
         return self.start(*arguments, **options).wait(limit)
 
     def at_once(self, *commands, limit=60.0):
-        """Runs several commands at the same time, because each mostly waits. A command is what follows `takt` on the command line."""
+        """Runs several commands at the same time, because each mostly waits. A command is the command line after the word `takt`."""
         runs = [self.start(*shlex.split(command)) for command in commands]
         return [run.wait(limit) for run in runs]
 
@@ -465,28 +465,28 @@ class Case(unittest.TestCase):
             self.assertRegex(run.err, pattern, "takt %s" % command)
 
     def nodes(self, *devices, **options):
-        """Starts a node for each device; all wait for a deployment."""
+        """Starts a node for each device. Returns when all nodes wait for a deployment."""
         return {device: self.node(device, **options) for device in devices}
 
     def end(self, nodes):
-        """Ends each node with SIGTERM and expects status 0."""
+        """Ends each node with SIGTERM and expects exit status 0."""
         for node in nodes.values():
             node.signal(signal.SIGTERM)
         for node in nodes.values():
             self.assertEqual(0, node.wait(10).status, node.err)
 
     def deploy(self, descriptor, *options):
-        """Deploys a cell, as agreed() does."""
+        """Deploys a cell, and repeats this if the machine stalled (see agreed())."""
         return self.agreed(lambda: self.takt("deploy", descriptor, *options))
 
     def agreed(self, deploy):
-        """Runs a command that deploys, and returns its run. A machine that stalls may miss two limits of takt: 3 s to find the devices, and 0.8 s
-        to agree on the instant of the start. No module has run then, and the command is repeated."""
+        """Runs a command that deploys a cell, and returns its run. If the machine stalls, takt may miss two limits: 3 s to find the devices, and
+        0.8 s to agree on the instant of the start. No module has run in this case, so this function repeats the command."""
         for _ in range(3):
             run = deploy()
             if "no answer to command run within" not in run.err and "not found on domain" not in run.err:
                 break
-            print("it is deployed again: " + run.err)
+            print("takt deploy is repeated: " + run.err)
         self.assertEqual(0, run.status, run.err)
         return run
 
@@ -525,7 +525,7 @@ class Case(unittest.TestCase):
         return run
 
     def status_of(self, device=None, **options):
-        """The JSON of takt status, or its part about one device."""
+        """Returns the JSON of takt status, or its part about one device."""
         run = self.takt("status", "--json", **options)
         self.assertEqual(0, run.status, run.err)
         return run.report if device is None else run.device(device)
@@ -534,7 +534,7 @@ class Case(unittest.TestCase):
         return {m["name"]: m["state"] for m in self.status_of(device)["modules"]}
 
     def read(self, name):
-        """The content of a file that a module wrote."""
+        """Returns the content of a file that a module wrote."""
         with open(os.path.join(self.folder, name)) as file:
             return file.read()
 
@@ -545,7 +545,7 @@ class Case(unittest.TestCase):
         return path
 
     def assert_nothing_left(self, run, limit=3.0):
-        """No process of the run is left, no process holds its shared memories, and /dev/shm has no new name."""
+        """Checks that no process of the run is left, that no process holds its shared memories, and that /dev/shm has no new file."""
         def left():
             return [p for p in run.processes() if p.alive]
         try:
@@ -564,9 +564,9 @@ class Case(unittest.TestCase):
         self.assertEqual(set(), new, "left in /dev/shm")
 
     def assert_grid(self, run, module, every=1, executor="main", device=None, broken_rows=0):
-        """Checks the counts of a periodic module that was in the tables from the first row to the last: it was called, or found busy,
-        in each of its rows that the executor did not miss. `every`: its period in rows. `broken_rows`: rows in which the host
-        ended, so that the executor did not count them."""
+        """Checks the counts of a periodic module that was in the tables from the first row to the last: the executor called it, or found it
+        busy, in each of its rows that the executor did not miss. `every` is its period in rows. `broken_rows` is the number of rows in
+        which the host ended, so that the executor did not count them."""
         rows = run.executor(executor, device)
         m = run.modules(device)[module]
         due = -(-(rows["cycles"] + rows["missed"]) // every)
@@ -576,7 +576,7 @@ class Case(unittest.TestCase):
         self.assertGreaterEqual(met, due - rows["missed"], module)
 
     def assert_refused(self, run, *patterns):
-        """Status 1, no module ran, and standard error matches each pattern."""
+        """Checks that the run exited with status 1, that no module ran, and that standard error matches each pattern."""
         self.assertEqual(1, run.status, run.err)
         self.assertNotIn("EXECUTING", run.err)
         for pattern in patterns:

@@ -1,4 +1,4 @@
-"""A small terminal emulator: a test reads the screen that a program draws, and presses keys."""
+"""A small terminal emulator, in which a test reads the screen that a program draws, and presses keys."""
 import fcntl
 import os
 import pty
@@ -41,18 +41,18 @@ class Terminal:
             fcntl.ioctl(self.slave, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
     def become(self):
-        """In the child process: makes this its terminal."""
+        """The child process calls this to make this terminal its controlling terminal."""
         fcntl.ioctl(self.slave, termios.TIOCSCTTY, 0)
 
     def press(self, keys):
         os.write(self._master, keys.encode())
 
     def restored(self):
-        """Whether the terminal is as it was before the program."""
+        """Returns whether the program has restored all settings of the terminal."""
         return not self.alternate and self.cursor and self.wrap and termios.tcgetattr(self.slave) == self.settings
 
     def close(self):
-        """Hangs up on programs that still run in it."""
+        """Closes the terminal. Programs that still run in it get SIGHUP."""
         if self._over.is_set():
             return
         self._over.set()

@@ -4,7 +4,7 @@ import os
 
 
 def taken_by(pid):
-    """The memory, threads and open files of a process."""
+    """Returns the memory, threads and open files of a process."""
     with open("/proc/%d/status" % pid) as file:
         status = dict(line.split(":", 1) for line in file if ":" in line)
     return {"rss_kib": int(status["RssAnon"].split()[0]),
@@ -13,14 +13,14 @@ def taken_by(pid):
 
 
 class Wear:
-    """Observes one program that is sometimes killed and restarted: call look() now and then, and assert_none() at the end."""
+    """Observes one program that is sometimes killed and restarted. Call look() from time to time, and assert_none() at the end."""
 
     def __init__(self, name):
         self.name = name
-        self.lives = []  # for each process, what look() saw, in order
+        self.lives = []  # for each process in order, the values that look() read
 
     def begin(self):
-        """Call this when a new process replaces the one before."""
+        """Call this when a new process starts."""
         self.lives.append([])
 
     def look(self, pid, **more):
@@ -33,9 +33,9 @@ class Wear:
         return {"first": looks[min(1, len(looks) - 1)], "last": looks[-1], "looks": len(looks), "lives": len(self.lives)} if looks else {}
 
     def assert_none(self, test, memory_from=4):
-        """`memory_from`: the memory of a process with fewer looks than this is not compared."""
-        # A process starts small and keeps the memory that it needs for its first fault trace. So the end of its life is compared with
-        # the first half.
+        """Fails if a resource grew. Does not compare the memory of a process with fewer looks than `memory_from`."""
+        # A process needs more memory after its first fault trace than at its start. So this compares the end of its life with the first
+        # half.
         for life in self.lives:
             first, second = life[1:len(life) // 2], life[len(life) // 2:]
             if not first:

@@ -21,8 +21,8 @@
 
 namespace {
 
-// The terminate handler. If the system denies memory or a thread, the standard library throws, also inside
-// Fast DDS and on its threads.
+// The terminate handler. If the system denies memory or a thread, the standard library throws. This also
+// happens inside Fast DDS and on its threads.
 [[noreturn]] void report_exhaustion() {
   const auto report = [](const char* what) {
     std::fprintf(
@@ -46,7 +46,7 @@ namespace {
 }  // namespace
 
 int main(int argc, char** argv) {
-  takt::tool::require_signatures();  // the process below that inspects components needs them too
+  takt::tool::require_signatures();  // first, because the process below that inspects components needs this
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
   if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
     const int status = takt::node::run_bridge(takt::client::interfaces());
@@ -111,7 +111,8 @@ Status: 0 clean shutdown, 1 rejected or failed (the reason is on standard error)
   }
   options.domain = *domain;
   options.state_folder_given = state_folder->count() != 0;
-  // Programs of the cell that use DDS themselves, such as the recorder, find the cell's domain here.
+  // Programs of the cell that use DDS themselves, such as the recorder, find the cell's domain in this
+  // variable.
   takt::os::set_environment("TAKT_DOMAIN", std::to_string(*domain));
   options.discovery = takt::client::discovery_of(network);
   options.interfaces = takt::client::interfaces();

@@ -1,4 +1,4 @@
-// The command line.
+// The program takt: parses the command line and runs the chosen command.
 #include <cstdio>
 #include <cstdlib>
 #include <string>

@@ -324,7 +324,7 @@ void Agent::swap(const Command& command) {
                    {{"file " + file,
                      "it has a path, but device " + options_.device +
                          " searches its component path for the file name only",
-                     "copy the file there, then: takt swap " + target + " " + file.substr(slash + 1)}});
+                     "copy the file there, then run takt swap " + target + " " + file.substr(slash + 1)}});
     return;
   }
   auto swap_inspection = factories_.inspect({.text = d.text,

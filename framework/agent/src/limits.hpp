@@ -1,4 +1,4 @@
-// The node's time limits.
+// The agent's time limits.
 #pragma once
 
 #include <takt/core/time.hpp>

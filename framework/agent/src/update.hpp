@@ -32,11 +32,11 @@ struct Agent::Update {
 
   std::optional<Command> asker;   ///< to be answered when the present stage is over
   std::optional<Command> undoer;  ///< to be answered when the update is undone
-  Instant heard{};                ///< when the updating client was last heard
-  Problems reasons;               ///< why it is undone
+  Instant heard{};                ///< when the updating client's last message arrived
+  Problems reasons;               ///< why the update is undone
   Problems left;                  ///< what could not be undone
 
-  /// It is ending a deployment or bringing one up at this moment.
+  /// Whether the update is ending a deployment or bringing one up at this moment.
   [[nodiscard]] bool in_transit() const {
     const bool moves = stage == Stage::changing || stage == Stage::undoing;
     return moves && difference.change != model::Change::none && difference.change != model::Change::in_place;

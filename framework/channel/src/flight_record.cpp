@@ -115,7 +115,8 @@ FlightCopy FlightRecord::copy(std::size_t index) const {
   const std::uint64_t now = ring(index).written.load(std::memory_order_relaxed);
   const std::uint64_t first = now + 1 > capacity ? now + 1 - capacity : 0;
   const std::uint64_t gone = first <= begin ? 0 : (first < end ? first : end) - begin;
-  // If the ring stood still, its oldest entry may or may not be in the copy. It does not count as lost.
+  // If no entry was written meanwhile, the oldest entry may be missing from the copy, but does not count as
+  // lost.
   copy.lost = now == end ? 0 : gone;
   copy.entries.assign(all.begin() + static_cast<std::ptrdiff_t>(gone), all.end());
   copy.written = end;

@@ -15,8 +15,9 @@ Result<ModuleWatch> ModuleWatch::find() {
   find(watch.leave_, "takt_check_leave");
   // The library removes the variable when it is loaded.
   if (!os::environment(kCheckFd).empty() || (watch.enter_ == nullptr) != (watch.leave_ == nullptr)) {
-    return fail("the dynamic loader did not load libtakt_check.so",
-                "put it beside takt-host, and remove the file capabilities of takt-host (setcap -r)");
+    return fail(
+        "the dynamic loader did not load libtakt_check.so",
+        "put it into the directory of takt-host, and remove the file capabilities of takt-host (setcap -r)");
   }
   return watch;
 }

@@ -15,7 +15,7 @@
 namespace takt::check {
 namespace {
 
-/// Records a call of the function if a module makes it; then pauses recording until the call ends.
+/// Records a call of the function if a module makes the call. Then pauses recording until the call ends.
 class Call {
  public:
   Call(channel::ViolationKind kind, const char* function) noexcept {
@@ -41,7 +41,7 @@ void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
 void __libc_free(void* block) noexcept;
 }
 
-// operator new and delete end up here too.
+// operator new and operator delete also call these functions.
 #pragma GCC visibility push(default)
 extern "C" {
 
@@ -88,7 +88,7 @@ void free(void* block) noexcept {
   __libc_free(block);
 }
 
-// The functions of condition variables also have an old version, which dlsym() may find first.
+// The functions of condition variables also exist in an old version, which dlsym() may find first.
 #define TAKT_IN_FRONT_OF(name, parameters, ...)                                                           \
   int name parameters noexcept(noexcept(::name(__VA_ARGS__))) {                                           \
     static std::atomic<int(*) parameters> real{nullptr};                                                  \

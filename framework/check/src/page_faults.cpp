@@ -21,7 +21,7 @@ thread_local bool only_counted = false;
 thread_local std::uint64_t counted = 0;
 
 void faulted(int signal, siginfo_t* info, void* /*context*/) {
-  if (info->si_code != kFromPerf) {  // a breakpoint without a debugger
+  if (info->si_code != kFromPerf) {  // the signal is a breakpoint without a debugger
     ::signal(signal, SIG_DFL);
     ::raise(signal);
     return;
@@ -45,7 +45,7 @@ void watch_page_faults() noexcept {
   wanted.exclude_hv = 1;
   wanted.sigtrap = 1;
   wanted.remove_on_exec = 1;
-  // Stays open until the process ends, because watched threads run until then.
+  // The descriptor stays open until the process ends, because watched threads run until then.
   const long fd = ::syscall(SYS_perf_event_open, &wanted, 0, -1, -1, PERF_FLAG_FD_CLOEXEC);
   only_counted = fd < 0;
   if (only_counted) is_blind(channel::ViolationLog::kNoFaultPlaces);

@@ -1,4 +1,4 @@
-// Detects page faults by the kernel's signals or counters.
+// Detects page faults with the kernel's signals or counters.
 #pragma once
 
 namespace takt::check {
@@ -7,8 +7,8 @@ namespace takt::check {
 void serve_page_faults() noexcept;
 /// From now on, faults of the calling thread are detected. Call it once per thread.
 void watch_page_faults() noexcept;
-/// If the kernel does not report the location of faults: counts the faults since the last call, and records
-/// their number if `these_count`; costs a system call. Otherwise does nothing.
+/// Counts the faults since the last call, if the kernel does not report their location. Records their number
+/// if `these_count` is true. This costs a system call. If the kernel reports the location, does nothing.
 void count_page_faults(bool these_count) noexcept;
 
 }  // namespace takt::check

@@ -38,7 +38,7 @@ constexpr char kBlock = 1;
 struct Mine {
   volatile char selector = kAllow;
   bool prepared = false;
-  std::uint64_t mark = 0;  ///< kInside, hook and module
+  std::uint64_t mark = 0;  ///< kInside, the hook and the module in one number
 };
 constexpr std::uint64_t kInside = std::uint64_t{1} << 63;
 
@@ -59,7 +59,7 @@ void take_log() noexcept {
   if (memory == MAP_FAILED) return;
   ::close(number);
   ::unsetenv(channel::kCheckFd);
-  ::unsetenv("LD_PRELOAD");  // programs that this one starts are not checked
+  ::unsetenv("LD_PRELOAD");  // programs that this program starts are not checked
   violation_log = static_cast<ViolationLog*>(memory);
 }
 
@@ -69,7 +69,7 @@ void take_log() noexcept {
   std::array<char, PATH_MAX> path{};
   const ssize_t length = ::readlink("/proc/self/exe", path.data(), path.size() - 1);
   program.assign({path.data(), length > 0 ? static_cast<std::size_t>(length) : 0});
-  // The first call loads a library and allocates.
+  // The first call of backtrace() loads a library and allocates, so it is made here.
   std::array<void*, 2> frames{};
   ::backtrace(frames.data(), frames.size());
   take_log();
@@ -98,7 +98,7 @@ channel::CodePlace place_of(void* address) noexcept {
   if (::_dl_find_object(address, &object) != 0) return {0, reinterpret_cast<std::uintptr_t>(address)};
   const link_map* map = object.dlfo_link_map;
   const std::string_view name = map->l_name;
-  // A return address lies behind the call.
+  // A return address is the address after the call, so the call itself is one byte earlier.
   return {object_number(name.empty() ? program.view() : name),
           reinterpret_cast<std::uintptr_t>(address) - map->l_addr - 1};
 }
@@ -108,7 +108,7 @@ bool is_in_this_library(void* address) noexcept {
   return ::_dl_find_object(address, &object) == 0 && object.dlfo_map_start == own_object;
 }
 
-// The entry with this key: either found, or claimed and still to be filled in.
+// The entry of a violation. If `claimed`, this thread has just claimed the entry and must fill it in.
 struct Found {
   Violation* entry;
   bool claimed;
@@ -116,7 +116,7 @@ struct Found {
 Found entry_of(std::uint64_t key) noexcept {
   for (Violation& entry : violation_log->violations) {
     std::uint64_t there = entry.key.load(relaxed);
-    // SYNC: violation claimed. The thread that changes 0 into its key owns the entry.
+    // SYNC: violation claimed. The thread that changes the key from 0 owns the entry.
     if (there == 0 && entry.key.compare_exchange_strong(there, key, relaxed)) return {&entry, true};
     if (there == key) return {&entry, false};
   }
@@ -134,7 +134,7 @@ Pause::~Pause() { mine.selector = before_; }
 void is_blind(std::uint32_t bit) noexcept { violation_log->blind.fetch_or(bit, relaxed); }
 
 void record(const Occurrence& occurrence) noexcept {
-  // The innermost frames belong to this library and are skipped.
+  // The innermost frames belong to this library, so they are skipped.
   constexpr int kOwn = 8;
   std::array<void*, Violation::kFrames + kOwn> frames{};
   const int all = occurrence.placed ? ::backtrace(frames.data(), static_cast<int>(frames.size())) : 0;
@@ -175,7 +175,7 @@ extern "C" {
 [[gnu::visibility("default")]] std::uint64_t takt_check_enter(std::uint32_t module, std::uint32_t hook) {
   using namespace takt::check;
   if (violation_log == nullptr) return 0;
-  mine.selector = kAllow;  // marks may be nested
+  mine.selector = kAllow;  // calls of a watched module may be nested
   if (!mine.prepared) {
     mine.prepared = true;
     watch_system_calls();

@@ -7,10 +7,11 @@
 
 namespace takt::check {
 
-/// Whether violations of the calling thread count: it is in a module, and not in this library's own code.
+/// Whether violations of the calling thread count. They count if the thread is in a module and not in this
+/// library's own code.
 bool counts() noexcept;
 
-/// While this object exists, nothing that the calling thread does counts.
+/// While this object exists, no violation of the calling thread counts.
 class Pause {
  public:
   Pause() noexcept;
@@ -30,12 +31,12 @@ struct Occurrence {
   const char* function = "";
   std::int64_t system_call = 0;
   std::uint64_t times = 1;
-  bool exact = false;  ///< the innermost address is the instruction itself, not a return address
-  bool placed = true;  ///< the present call stack is that of the violation
+  bool exact = false;  ///< the innermost address is that of the instruction, not a return address
+  bool placed = true;  ///< whether the present call stack is that of the violation
 };
 void record(const Occurrence& occurrence) noexcept;
 
-/// Notes a kind of violation that this machine cannot detect.
+/// Notes that this machine cannot detect a kind of violation.
 void is_blind(std::uint32_t bit) noexcept;
 
 /// The byte from which the kernel reads whether the calling thread's system calls count.

@@ -15,15 +15,15 @@
 
 #if defined(__x86_64__)
 
-// linux/prctl.h of Debian 12 defines these; older versions do not.
+// linux/prctl.h of Debian 12 defines these constants; older versions do not.
 #ifndef PR_SET_SYSCALL_USER_DISPATCH
 #define PR_SET_SYSCALL_USER_DISPATCH 59
 #define PR_SYS_DISPATCH_ON 1
 #endif
 
-// The gate: the only code whose system calls the kernel does not intercept. It contains the function that
-// makes the intercepted calls, and the return of the signal handlers, which the unwinder recognizes by its
-// bytes.
+// The gate is the only code whose system calls the kernel does not intercept. It contains the function that
+// makes the intercepted calls, and the code with which signal handlers return. The unwinder recognizes that
+// code by its bytes.
 extern "C" {
 extern const char takt_check_gate[];      // NOLINT(modernize-avoid-c-arrays)
 extern const char takt_check_gate_end[];  // NOLINT(modernize-avoid-c-arrays)
@@ -59,9 +59,9 @@ namespace takt::check {
 namespace {
 
 constexpr int kUserDispatch = 2;  // SYS_USER_DISPATCH
-constexpr int kInstruction = 2;   // bytes of `syscall`
+constexpr int kInstruction = 2;   // length of the instruction `syscall` in bytes
 
-// System calls that would have no effect, or a wrong one, if a signal handler made them for the thread.
+// Whether a system call would have no effect, or a wrong effect, if a signal handler made it for the thread.
 bool only_the_thread_can(int number) noexcept {
   switch (number) {
     case SYS_rt_sigreturn:

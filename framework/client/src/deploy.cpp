@@ -34,14 +34,14 @@ class Deployment {
     if (options_.progress) options_.progress(text);
   }
   Question question(CommandKind kind, const std::string& device) const;
-  // Asks all devices; returns every reason for which one did not accept.
+  // Asks all devices. Returns the problems of the devices that did not accept.
   Problems ask(const std::vector<Question>& questions, std::vector<wire::WholeReply>* replies = nullptr);
 
   Operator& asker_;
   const model::Cell& cell_;
   const DeployOptions& options_;
   std::string id_;
-  std::string safe_;  // the safe values of all outputs, as JSON; each device knows only its own components
+  std::string safe_;  // the safe values of all outputs, as JSON, because a device knows only its own
   KeepAlive keep_alive_;
 };
 
@@ -73,7 +73,7 @@ Problems Deployment::ask(const std::vector<Question>& questions, std::vector<wir
   return problems;
 }
 
-// Each device must be there exactly once, without a deployment.
+// Finds one node of each device. The node must have no deployment.
 Problems Deployment::find() {
   const auto nodes = [](const std::vector<wire::ObservedDevice>& devices, const model::Device& device) {
     std::vector<wire::ObservedDevice> found;
@@ -112,9 +112,9 @@ Problems Deployment::find() {
     const std::string where = "device " + device.name;
     const auto found = nodes(devices, device);
     if (found.empty()) {
-      problems.push_back(
-          {where, "not found on " + domain,
-           "start it: takt-node --device " + device.name + " --domain " + std::to_string(asker_.domain())});
+      problems.push_back({where, "not found on " + domain,
+                          "start it with takt-node --device " + device.name + " --domain " +
+                              std::to_string(asker_.domain())});
     } else if (found.size() > 1) {
       std::string places;
       for (const wire::ObservedDevice& seen : found) {
@@ -129,8 +129,8 @@ Problems Deployment::find() {
     } else if (found[0].status.cell() != std::string{wire::kNoCell}) {
       const std::string cell = found[0].status.cell().to_string();
       const bool over = found[0].status.state() == DEVICE_ENDED;
-      std::string fix = "undeploy it first: takt undeploy " + cell;
-      if (!over && cell == cell_.name) fix += "; or change it while it runs: takt deploy --update";
+      std::string fix = "run takt undeploy " + cell + " first";
+      if (!over && cell == cell_.name) fix += "; or run takt deploy --update to change it while it runs";
       problems.push_back(
           {where, over ? "it still holds cell " + cell + ", which has ended" : "it already runs cell " + cell,
            fix});
@@ -175,7 +175,7 @@ void Deployment::undo() {
   show_progress("undoing the deployment");
   Devices devices{.names = {}, .process_ids = options_.process_ids, .deployment = id_};
   for (const model::Device& device : cell_.devices) {
-    // A device that is not there has nothing to undo; do not wait for it.
+    // A device without a live node has nothing to undo, so it is not asked.
     const auto seen = asker_.observer().devices(device.name);
     if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; }))
       devices.names.push_back(device.name);
@@ -229,7 +229,7 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
       if (data.is_object()) {
         one.report = data.value("report", json{});
         for (const std::string& failure : data.value("failures", std::vector<std::string>{})) {
-          // Report repeated failures of one module only once.
+          // Repeated failures of one module are reported only once.
           if (std::find(one.failures.begin(), one.failures.end(), failure) == one.failures.end())
             one.failures.push_back(failure);
         }
@@ -265,7 +265,7 @@ Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
     return fail("no device on domain " + std::to_string(asker.domain()) + " runs cell " + cell,
                 list.empty() ? "no cell runs on this domain" : "cells on this domain: " + list);
   }
-  // Any device of the cell knows all others. Wait for those that are there but not discovered yet.
+  // Each device of the cell knows the other devices. Waits for those that are alive but not discovered yet.
   const auto answer = accepted(asker.ask({.kind = COMMAND_REPORT, .device = *names.begin()}));
   std::set<std::string> lost;
   if (answer) {

@@ -8,12 +8,12 @@ namespace takt::client {
 
 namespace {
 
-/// Statistics come about once a second; closer ones are skipped.
+/// Statistics come about once a second. Statistics that follow earlier than this are skipped.
 constexpr std::int64_t kApart_ms = 900;
 
 std::int64_t milliseconds_of(std::int64_t ns) { return ns / 1'000'000; }
 
-/// The mean of the measurements since the previous statistics, from both overall means and counts.
+/// Computes the mean of the measurements since the previous statistics, from both overall means and counts.
 double between(double mean, double count, double mean_before, double count_before) {
   return (mean * count - mean_before * count_before) / (count - count_before);
 }

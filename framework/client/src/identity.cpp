@@ -19,7 +19,7 @@ Result<std::string> identity_of(const Network& network) {
   if (!identity) return identity.problems();
   const security::Subject& subject = identity->subject;
   if (!chosen.passed_over.empty()) {
-    // Without the cures: a revoked operator is to stay revoked.
+    // The hints of these problems are not printed, because a revoked operator should stay revoked.
     for (const Problem& problem : chosen.passed_over)
       std::fprintf(stderr, "%s: %s\n", problem.where.c_str(), problem.what.c_str());
     std::fprintf(stderr, "using the identity of operator %s instead\n", subject.name.c_str());
@@ -28,7 +28,7 @@ Result<std::string> identity_of(const Network& network) {
   return Problem{chosen.folder,
                  std::string{"this is the identity of "} + to_text(subject.role) + " " + subject.name +
                      ", not of an operator or observer",
-                 "give the folder of one, such as DIR/operators/NAME"};
+                 "give the folder of an operator or observer, such as DIR/operators/NAME"};
 }
 
 Result<void> may_write(const dds::Participant& participant, const std::string& what) {

@@ -36,14 +36,14 @@ Problem unreadable(const std::string& device) {
           "check that it runs the same version of Takt"};
 }
 
-// Adds each problem once: that two nodes have one name comes back as the answer to every question.
+// Adds each problem once. If two nodes have one name, every question about this name gives the same problem.
 void add_new(Problems& problems, const Problems& more) {
   for (const Problem& problem : more) {
     if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
   }
 }
 
-// Adds the events that one node answered; the devices that it has lost go to `missed`.
+// Adds the events in the answer of one node. Adds the devices that the node has lost to `missed`.
 void add_events_of(Log& log, const std::string& device, const wire::WholeReply& reply,
                    std::set<std::string>* missed) {
   const json value = model::parse_json(reply.data);
@@ -71,7 +71,8 @@ void add_events_of(Log& log, const std::string& device, const wire::WholeReply& 
 }  // namespace
 
 void sort_by_time(std::vector<model::Fault>& events) {
-  // A merged event may be older than a later-numbered one that passed the rate limit: it keeps its place.
+  // An event that the node's rate limit merged may have an earlier time than the event before it. The order
+  // of the numbers is kept.
   std::stable_sort(events.begin(), events.end(),
                    [](const auto& a, const auto& b) { return a.sequence < b.sequence; });
   std::map<std::string, std::int64_t> newest;
@@ -139,15 +140,17 @@ struct LogFollower::Inside {
   struct Place {
     std::uint64_t sequence = 0;
     std::int64_t time_ns = 0;
-    std::optional<Clock::time_point> found{};  ///< when its node was found, if after this follower started
+    /// When the device's node was found, if the follower had already started.
+    std::optional<Clock::time_point> found{};
   };
 
   std::mutex mutex;
   std::condition_variable came;
   std::deque<model::Fault> news;
-  std::map<std::string, Place> places;  ///< the last event returned, by device
+  std::map<std::string, Place> places;  ///< the last returned event of each device
   std::int64_t began_ns = 0;
-  std::optional<dds::Reader<FaultEvent>> reader;  // last member: destroyed first, so that no callback comes
+  // The last member, which is destroyed first, so that no callback uses the other members.
+  std::optional<dds::Reader<FaultEvent>> reader;
 };
 
 LogFollower::LogFollower(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
@@ -194,8 +197,8 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
     Inside::Place& place = at->second;
     const auto now = Clock::now();
     if (added) place.found = now;
-    // A node that appears after this follower sends its last events at once: skip those from before. After
-    // kLastEvents every event counts, whatever the node's clock.
+    // A node that appears after this follower sends its last events at once. Events from before the start of
+    // the follower are skipped. After kLastEvents all events count, even if the node's clock is slow.
     if (place.found && now - *place.found < kLastEvents && fault.time_ns < inside_->began_ns) {
       place.sequence = fault.sequence;
       place.time_ns = std::max(place.time_ns, fault.time_ns);
@@ -206,7 +209,7 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
       continue;
     }
     if (fault.sequence <= place.sequence) {
-      // Already returned, unless the node lost its record and counts from 1 again.
+      // The event was already returned, unless the node lost its record and counts from 1 again.
       if (fault.time_ns > place.time_ns) add(place, std::move(fault));
       continue;
     }

@@ -22,13 +22,13 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
 
-/// A node must begin a command without a limit of its own within this time.
+/// A node must begin a command within this time if the question has no limit.
 constexpr std::chrono::seconds kBegun{10};
-/// The longest search for a node, without and with DDS Security.
+/// The longest search for a node, without DDS Security and with it.
 constexpr Nanoseconds kSearch = std::chrono::seconds{3};
 constexpr Nanoseconds kSecuredSearch = std::chrono::seconds{10};
-/// A node that is lost while a command waits for its answer may come back within this time: its machine may
-/// have been busy, not dead.
+/// A node that is lost while a command waits for the node's answer may come back within this time, because
+/// its machine may only have been busy.
 constexpr Nanoseconds kBack = milliseconds{700};
 
 std::string device_of(const Question& question) { return "device " + question.device; }
@@ -38,9 +38,9 @@ std::string device_of(const Question& question) { return "device " + question.de
 struct Operator::Inside {
   std::mutex mutex;
   std::condition_variable answered;
-  std::map<std::string, std::optional<wire::WholeReply>> open;  // by id of the command
+  std::map<std::string, std::optional<wire::WholeReply>> open;  // answers by the id of the command
   std::uint64_t asked = 0;
-  std::string name;  // begins every id
+  std::string name;  // the beginning of every id
   std::optional<dds::CommandClient> client;
 
   void heard(const wire::WholeReply& reply) {
@@ -82,7 +82,7 @@ Result<wire::WholeReply> Operator::ask(const Question& question) {
 
 std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>& questions,
                                                    const std::function<bool()>& give_up) {
-  // Each question goes through three stages: node found, command sent, answer received.
+  // Each question goes through three stages: the node is found, the command is sent, the answer is received.
   struct State {
     std::string id;
     std::string node;
@@ -187,7 +187,7 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
       for (State& state : states) {
         auto& reply = inside_->open.at(state.id);
         if (!reply) continue;
-        state.outcome = std::move(*reply);  // also if it came just after give_up returned true
+        state.outcome = std::move(*reply);  // even if the reply came just after give_up() returned true
         reply.reset();
         taken = true;
       }

@@ -39,7 +39,7 @@ json lost_device(const std::string& name, const json& modules) {
   return device;
 }
 
-// "a", or "a, b" if the devices run two cells; "-" if they run none.
+// Returns the names of the cells that the devices run, such as "a" or "a, b"; "-" if they run none.
 std::string names(const std::set<std::string>& cells) {
   std::string text;
   for (const std::string& cell : cells) text += (text.empty() ? "" : ", ") + cell;
@@ -52,7 +52,7 @@ Result<json> status(Operator& asker, Nanoseconds limit) {
   auto found = all_reports(asker, limit);
   if (!found) return found.problems();
   Reports& reports = *found;
-  // The cell state is incomplete if two nodes have one name, or if a node was lost before it answered.
+  // The status would be incomplete, because two nodes have one name or a node was lost before it answered.
   if (!reports.problems.empty()) return reports.problems;
   for (const auto& [name, modules] : reports.lost)
     reports.devices.try_emplace(name, lost_device(name, modules));

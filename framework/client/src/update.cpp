@@ -61,8 +61,8 @@ class Update {
   const UpdateOptions& options_;
   std::string id_;
   std::string deployment_;
-  std::vector<std::string> devices_;       // of the running cell and of the new descriptor
-  std::vector<std::string> differences_;   // one line each
+  std::vector<std::string> devices_;       // devices of the running cell and of the new descriptor
+  std::vector<std::string> differences_;   // one line for each difference
   std::vector<std::string> changing_;      // devices on which something differs
   std::set<std::string> rejecting_;        // devices that did not begin the update
   std::vector<std::string> not_restored_;  // devices that could not undo their changes
@@ -81,7 +81,7 @@ Update::Answers Update::ask(const std::vector<Question>& questions, bool may_be_
   });
 }
 
-// Each problem once: all devices report a problem of the whole cell.
+// Returns each problem once, because all devices report a problem of the whole cell.
 Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* replies) const {
   Problems problems;
   for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -91,7 +91,7 @@ Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* rep
       continue;
     }
     for (const Problem& problem : answer.problems()) {
-      // A problem with a line of the descriptor needs no device.
+      // A problem that names a line of the descriptor needs no device name.
       const bool of_file = !cell_.file.empty() && problem.where.find(':') != std::string::npos;
       const Problem placed = of_file ? problem : of_device(devices_[i], {problem})[0];
       if (std::find(problems.begin(), problems.end(), placed) == problems.end()) problems.push_back(placed);
@@ -100,7 +100,7 @@ Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* rep
   return problems;
 }
 
-// Finds the devices that run the cell now or shall run it.
+// Finds the devices that run the cell now or will run it after the update.
 Problems Update::find() {
   const auto there = devices_of(asker_, cell_.name);
   if (!there) {
@@ -124,7 +124,7 @@ Problems Update::find() {
 }
 
 Problems Update::compare(const std::string& text) {
-  show_progress("comparing on " + list_of(devices_));
+  show_progress("comparing the cell on " + list_of(devices_));
   std::vector<Question> questions;
   for (const std::string& device : devices_) {
     questions.push_back(question(COMMAND_UPDATE, device));
@@ -175,7 +175,7 @@ Problems Update::change() {
   return cancelled() ? Problems{fail("the update was cancelled")} : problems;
 }
 
-// Makes the changes permanent: no device undoes them after this.
+// Makes the changes permanent. After this, no device undoes them.
 Problems Update::keep() {
   std::vector<Question> questions;
   for (const std::string& device : devices_) questions.push_back(question(COMMAND_KEEP, device));
@@ -187,7 +187,7 @@ Updated Update::put_back(Problems problems) {
   std::vector<Question> questions;
   for (const std::string& device : devices_) {
     if (rejecting_.contains(device)) continue;
-    // A device that is not there has changed nothing; do not wait for it.
+    // A device without a live node has nothing to undo, so it is not asked.
     const auto seen = asker_.observer().devices(device);
     if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; }))
       questions.push_back(question(COMMAND_PUT_BACK, device));

@@ -75,8 +75,9 @@ bool Component::condition() {
 }
 
 namespace {
-/// The objects without an owner of the module that this thread loads; their constructors run within dlopen().
-/// Null if the thread's list is already destroyed, because ports that are global variables outlive it.
+/// The objects without a component that belong to the module that this thread loads. Their constructors run
+/// within dlopen(). Null if the thread's list is already destroyed: ports that are global variables outlive
+/// it.
 template <class T>
 std::vector<T*>* loose() {
   thread_local bool gone = false;

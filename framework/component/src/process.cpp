@@ -194,8 +194,8 @@ void Guest::connect_ports(const char* function) {
   }
 }
 
-// The time from which the first waiting event is valid, in ns of the monotonic clock; kNever if there is
-// none.
+// The time from which the first unread event is valid, in ns of the monotonic clock; kNever if there is no
+// event.
 std::int64_t Guest::event_at() {
   std::int64_t first = channel::kNever;
   for (const PortBase* port : ports()) {
@@ -215,7 +215,8 @@ void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
   os::Fd slot = os::take_fd_from_environment("TAKT_SLOT_FD");
   os::Fd wake_word = os::take_fd_from_environment("TAKT_WAKE_WORD_FD");
   if (!slot || !wake_word)
-    refuse(function, "takt-node did not start this program; name the program in a descriptor and run that");
+    refuse(function,
+           "takt-node did not start this program; name the program in a descriptor, and run the descriptor");
   auto slot_memory = os::SharedMemory::attach(std::move(slot));
   auto wake_memory = os::SharedMemory::attach(std::move(wake_word));
   if (!slot_memory || !wake_memory) refuse(function, "the memory shared with takt-node cannot be mapped");
@@ -253,8 +254,9 @@ void Guest::end_if_requested() const {
   if (slot_->end.load(std::memory_order_acquire) != 0) std::exit(0);
 }
 
-// The release is expected one period after the last one. It comes a little after its instant, because other
-// modules of the row are released or run first. So the program spins until margin_cap_ns after the instant.
+// The next release is expected one period after the last one. It arrives a little later than this, because
+// other modules of the row are released or run first. So the program spins until margin_cap_ns after the
+// expected instant.
 void Guest::spin_until_release() {
   const Instant expected = from_ns(taken_.release_ns + slot_->period_ns);
   const Instant wake = expected - margin_.value();
@@ -277,7 +279,7 @@ bool Guest::release_by_event() {
   const Instant now = os::now();
   if (to_ns(now) < std::max(event_at(), channel::not_before_ns(*slot_))) return false;
   if (channel::begin(*slot_, to_ns(now))) return true;
-  // The node took the module out of the tables meanwhile: there is no release to serve.
+  // Meanwhile the node took the module out of the tables, so there is no release to serve.
   taken_.count = slot_->released.load(std::memory_order_relaxed);
   return false;
 }

@@ -13,7 +13,7 @@ namespace takt {
 
 namespace {
 
-// The constructors of the program's global variables use it before main().
+// The properties of this program. The constructors of the program's global variables use them before main().
 struct Properties {
   std::vector<PropertyBase*> all;  // in the order of construction
   std::vector<std::pair<std::string, std::string>> given;

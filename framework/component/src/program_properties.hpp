@@ -16,7 +16,7 @@ Problems check_program_properties();
 /// The properties as JSON: a list of {"name", "type", "default", "range", "min", "max", "unit", "text"}.
 std::string program_properties_json();
 
-/// The text as a JSON string, with its quotes.
+/// The text as a JSON string, in quotes.
 std::string in_json(std::string_view text);
 
 }  // namespace takt

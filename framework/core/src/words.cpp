@@ -18,7 +18,7 @@ char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 
 /// The edit distance: the number of letters to change, insert, drop or swap with their neighbour. Returns
 /// `limit` + 1 if the distance exceeds `limit`. Cells of the table that are more than `limit` away from the
-/// diagonal exceed it anyway and are not computed.
+/// diagonal are not computed, because their values exceed `limit` anyway.
 std::size_t distance(std::string_view a, std::string_view b, std::size_t limit) {
   const std::size_t apart = a.size() > b.size() ? a.size() - b.size() : b.size() - a.size();
   if (apart > limit) return limit + 1;

@@ -31,14 +31,17 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int32_t kDepth = 32;
-constexpr std::size_t kPaced = kDepth / 2;  // parts to send before waiting for their acknowledgement
-constexpr std::size_t kRemembered = 256;    // commands: answered, being handled or waiting
-constexpr std::size_t kMostWaitingBytes = 4 * wire::kMaxData;  // of waiting commands; the same limit for answers
+constexpr std::size_t kPaced = kDepth / 2;  // number of parts to send before waiting for acknowledgements
+constexpr std::size_t kRemembered = 256;    // number of commands that are answered, being handled or waiting
+// The limit for the waiting commands, and for the kept replies.
+constexpr std::size_t kMostWaitingBytes = 4 * wire::kMaxData;
 constexpr auto kResend = milliseconds{1000};
 constexpr auto kSlowestResend = milliseconds{8000};  // for commands with many parts
 constexpr auto kAcknowledge = milliseconds{2000};
-constexpr auto kMatchWait = milliseconds{3000};  // for the client's reader; then the reply is sent anyway
-// A writer asks for missing acknowledgements, by default only after 3 s; a reader answers after 5 ms.
+// The time for the client's reader to match. After that, the reply is sent anyway.
+constexpr auto kMatchWait = milliseconds{3000};
+// A heartbeat asks for missing acknowledgements. By default, a writer sends one every 3 s, and a reader
+// answers after 5 ms.
 constexpr Nanoseconds kCommandHeartbeat = milliseconds{10};
 constexpr Nanoseconds kCommandNackDelay = milliseconds{1};
 constexpr Nanoseconds kCommandFirstAck = milliseconds{10};
@@ -61,7 +64,8 @@ void set_command_quality(Qos& qos) {
   qos.data_sharing().off();
 }
 
-/// Writes data in parts. Waits now and then for acknowledgements, because the history keeps only 32 samples.
+/// Writes data in parts. Waits for acknowledgements after every kPaced parts, because the history keeps only
+/// 32 samples.
 template <class Whole>
 bool write_parts(fast::DataWriter& writer, const Whole& whole) {
   auto head = whole.head;
@@ -79,13 +83,13 @@ bool write_parts(fast::DataWriter& writer, const Whole& whole) {
   return true;
 }
 
-/// A writer of one topic and a reader of the other.
+/// A writer of the topic `out` and a reader of the topic `in`.
 class Ends : Recreatable {
  public:
   explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
   ~Ends() override { end(); }
 
-  /// `also_in`: another topic of the type of `in`, or null.
+  /// Creates the writer and the reader. `also_in` is another topic to read, of the type of `in`, or null.
   Result<void> begin(const char* out, const fast::TypeSupport& out_type, const char* in,
                      const fast::TypeSupport& in_type, const char* also_in,
                      fast::DataWriterListener* writer_listener, fast::DataReaderListener* reader_listener,
@@ -111,7 +115,7 @@ class Ends : Recreatable {
     return {};
   }
 
-  /// Afterwards no listener is called.
+  /// Deletes the writer and the reader. Afterwards no listener is called.
   void end() {
     own(*participant_).dismiss(*this);
     unmake();
@@ -188,11 +192,11 @@ std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
 
 }  // namespace
 
-// ---- The node's side
+// ---- CommandServer, in a node
 
 struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterListener {
   struct Asked {
-    std::uint64_t client = 0;  // the client's participant
+    std::uint64_t client = 0;  // number of the client's participant
     bool answered = false;
     wire::WholeReply reply;
   };
@@ -219,7 +223,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
   std::uint64_t invalid = 0;
   std::uint64_t over_limit = 0;
   wire::RateLimit rate_limit;
-  std::multiset<std::uint64_t> matched;  // participants of reply readers
+  std::multiset<std::uint64_t> matched;  // the participants of matched reply readers
   std::thread handler;
   std::thread sender;
   Ends ends;
@@ -250,7 +254,8 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       if (command.node().size() != 0 && node != command.node().c_str()) continue;
       const rtps::GuidPrefix_t& prefix = info.sample_identity.writer_guid().guidPrefix;
       const std::uint64_t client = number_of(prefix);
-      // Only the first part of a command counts. If it is rejected, the later parts are useless.
+      // The rate limit counts only the first part of a command. Without that part, the other parts are
+      // useless.
       if (command.part() == 0 && !rate_limit.admit(client, Clock::now())) {
         ++over_limit;
         ends.participant().notices().tell(
@@ -274,7 +279,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     ends.participant().notices().tell("rejected: " + who + " asked to " + to_text(command.head.kind()) +
                                       ", which only an operator may do");
     const std::string id = command.head.id().to_string();
-    if (asked.contains(id)) return arrived(std::move(command), client);  // repeats the answer
+    if (asked.contains(id)) return arrived(std::move(command), client);  // repeats the reply
     if (!make_room(0)) return;
     asked[id].client = client;
     asked_order.push_back(id);
@@ -295,11 +300,11 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       asked_order.push_back(id);
       to_handle_bytes += command.data.size();
       to_handle.push_back(std::move(command));
-    }  // else the client sends it again
+    }  // otherwise the command is dropped, and the client sends it again
     changed.notify_all();
   }
 
-  // Makes room for one more command. Returns false if too many commands are still without an answer.
+  // Makes room for one more command. Returns false if too many commands still wait for their reply.
   bool make_room(std::size_t bytes) {
     if (to_handle_bytes + bytes > kMostWaitingBytes) return false;
     if (asked_order.size() < kRemembered) return true;
@@ -331,7 +336,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     found->second.reply = std::move(full);
     while (answer_bytes > kMostWaitingBytes && forget_an_answer()) {
     }
-    found->second.answered = true;  // from now on it may be forgotten
+    found->second.answered = true;  // from now on, this reply may be forgotten
     changed.notify_all();
   }
 
@@ -367,7 +372,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     }
   }
 
-  // Holds each reply until the client's reader has matched; an earlier reply would be lost.
+  // Holds each reply until the client's reader has matched, because a reply that is sent earlier is lost.
   void send() {
     std::unique_lock lock{mutex};
     while (!ending) {
@@ -398,7 +403,7 @@ Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> partici
   inside->device = std::move(device);
   inside->node = std::move(node);
   inside->handle = std::move(handle);
-  // Without security all clients have the same rights and use takt/command.
+  // Without security, all clients have the same rights and use takt/command, so takt/question is not read.
   const char* questions = inside->ends.participant().watch() == nullptr ? nullptr : security::kQuestionTopic;
   if (auto made =
           inside->ends.begin("takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
@@ -427,7 +432,7 @@ std::uint64_t CommandServer::refused() const {
   return inside_->invalid + inside_->over_limit + inside_->assembly.refused() + inside_->ends.not_decoded();
 }
 
-// ---- The client's side
+// ---- CommandClient, in a client
 
 struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterListener {
   struct Open {
@@ -472,7 +477,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
       wire::WholeReply whole;
       {
         const std::lock_guard lock{mutex};
-        // This reader gets the replies to all clients; only those to own commands count.
+        // This reader receives the replies to all clients. Replies to other clients' commands are ignored.
         const auto mine = open.find(reply.id().c_str());
         if (mine == open.end()) continue;
         const std::string key = std::string{reply.id().c_str()} + '/' + reply.node().c_str();
@@ -502,7 +507,8 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     while (!ending) {
       const auto now = Clock::now();
       const std::int64_t wall = wall_ns();
-      // After its deadline a command is only repeated, to get the answer of a node that already has it.
+      // After its deadline, a command that was sent is still repeated, to get the reply of a node that has
+      // it.
       const auto due = std::find_if(open.begin(), open.end(), [&](const auto& each) {
         const Open& one = each.second;
         return matched > 0 && one.again <= now && (one.sent || one.command.head.deadline_ns() >= wall);

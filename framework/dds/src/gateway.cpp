@@ -16,9 +16,9 @@ namespace takt::dds {
 
 namespace {
 
-constexpr int kAtOnce = 16;  // samples of one link before it is the other links' turn
+constexpr int kAtOnce = 16;  // samples to move from one link before the next link is served
 constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
-// If a sample is older than this, the writer's clock differs from this machine's.
+// If a sample seems to be older than this, the writer's clock must differ from this machine's.
 constexpr std::int64_t kOldest = std::int64_t{60} * 1'000'000'000;
 
 /// Both clocks, read at the same time.
@@ -91,16 +91,17 @@ class Incoming final : RawReader::Receiver {
  private:
   struct End {
     channel::LinkWriter writer;
-    std::uint32_t size = 0;  // bytes in the writer's own buffer; 0: none
+    std::uint32_t size = 0;  // bytes in the writer's buffer; 0 if there is no sample
   };
 
-  // Copies the bytes into the links' own buffers, which no reader sees before they are published.
+  // Copies the bytes into the writer's buffer of each link. No reader sees them before received() publishes
+  // them.
   void receive(const Bytes& bytes) override {
     for (End& end : to_) {
       const channel::Link& link = end.writer.link();
       end.size = 0;
       if (link.block().enabled.load(std::memory_order_relaxed) == 0) continue;
-      // Alignment bytes at the end may make a sample longer than its type.
+      // Alignment bytes at the end may make a sample longer than the largest sample of its type.
       end.size = static_cast<std::uint32_t>(std::min<std::size_t>(bytes.size, link.stride()));
       std::memcpy(link.payload(end.writer.buffer()), bytes.data, end.size);
     }
@@ -120,7 +121,8 @@ class Incoming final : RawReader::Receiver {
   channel::WakeWord& wake_word_;
   std::vector<End> to_;
   std::uint32_t to_ring_ = 0;
-  std::unique_ptr<RawReader> reader_;  // the last member: it calls this object until it is destroyed
+  // Must be the last member, because it calls this object until it is destroyed.
+  std::unique_ptr<RawReader> reader_;
 };
 
 class OwnGateway final : public Gateway {
@@ -164,7 +166,8 @@ class OwnGateway final : public Gateway {
   }
 
   void remove(FlowId flow) override {
-    // Removed under the lock, but deleted without it, because deleting waits for callbacks to end.
+    // These are declared before the lock, so the flow is deleted after unlocking. Deleting waits for
+    // callbacks.
     std::unique_ptr<Outgoing> outgoing;
     std::unique_ptr<Incoming> incoming;
     const std::lock_guard lock{mutex_};
@@ -189,13 +192,13 @@ class OwnGateway final : public Gateway {
     while (!ending_.load()) {
       const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
       if (move()) continue;
-      // SYNC: gateway sleeps. A writer publishes and then reads gateway_sleeps. So either it sees this bit
-      // and rings, or this thread sees its sample.
+      // SYNC: gateway sleeps. A writer publishes a sample and then reads gateway_sleeps. So either the writer
+      // sees this bit and rings, or this thread sees the sample.
       wake_word_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
       const Instant now = os::now();
       const std::int64_t news = news_at();
       if (news > to_ns(now) && !ending_.load()) {
-        // The limit bounds the delay of samples whose host died before it rang.
+        // kLongestSleep limits the delay of a sample if its host died before it rang the wake word.
         const Instant until = std::min(now + kLongestSleep, from_ns(news));
         os::futex_wait(wake_word_.rings, rings, channel::kGatewayBit, until);
       }
@@ -208,7 +211,7 @@ class OwnGateway final : public Gateway {
     for (auto& [id, flow] : outgoing_) moved = flow->move() || moved;
     return moved;
   }
-  /// When the first available sample may be read.
+  /// The time from which the first available sample may be read.
   std::int64_t news_at() {
     const std::lock_guard lock{mutex_};
     std::int64_t first = channel::kNever;

@@ -1,4 +1,4 @@
-// Shared by the sources of this room: the Fast DDS objects behind a Participant. Not for other rooms.
+// The Fast DDS objects behind a Participant, shared by the sources of this room. Not for other rooms.
 #pragma once
 
 #include <cstdint>
@@ -32,12 +32,13 @@ namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
-/// A reader or writer, or both, that can be recreated. In this version of Fast DDS they announce their
-/// addresses only once, when they are created.
+/// An object whose readers and writers can be recreated. This is needed when addresses change, because in
+/// this version of Fast DDS readers and writers announce their addresses only when they are created.
 class Recreatable {
  public:
   virtual ~Recreatable() = default;
-  /// Called on the thread that rescans the interfaces, while other threads use the object.
+  /// Recreates the readers and writers. Called on the thread that rescans the interfaces, while other threads
+  /// use this object.
   virtual void recreate() = 0;
 };
 
@@ -59,28 +60,28 @@ class OwnParticipant final : public Participant {
     return filter_->refused.load(std::memory_order_relaxed);
   }
 
-  /// Reports of rejected participants and packets.
+  /// Reports rejected participants and packets.
   [[nodiscard]] wire::Notices& notices() noexcept { return *notices_; }
-  /// Null without DDS Security.
+  /// Observes the other participants; null without DDS Security.
   [[nodiscard]] Watch* watch() noexcept { return watch_.get(); }
 
-  /// The topic of this name, created if needed. Fails if the topic has another type in this process, or if a
-  /// different type has the same name.
+  /// Returns the topic of this name, and creates it if needed. Fails if the topic has another type in this
+  /// process, or if a different type has the same name.
   Result<fast::Topic*> topic(const std::string& name, const fast::TypeSupport& type);
-  /// Releases a topic of topic(); its last user deletes it.
+  /// Releases a topic that topic() returned; the last release deletes the topic.
   void release(fast::Topic* topic);
 
   void enlist(Recreatable& one);
-  /// On return it is not being recreated and will not be.
+  /// On return, `one` is not being recreated and will never be.
   void dismiss(Recreatable& one);
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
   [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
-  /// Deletes a writer, which may be null. Clears its samples first: Fast DDS would free them while its
-  /// heartbeat still runs, and the heartbeat would then count for ever up to a sample that is gone.
+  /// Deletes a writer, which may be null. Removes its samples first. Otherwise Fast DDS frees the samples
+  /// while the writer's heartbeat still runs, and the heartbeat loops for ever in search of a freed sample.
   void end(fast::DataWriter*& writer);
-  /// Null if DDS created none. Readers are created and deleted only while no packet is handled, see
-  /// ReceiveLock. The caller must hold no lock that a listener waits for.
+  /// Creates a reader; returns null if DDS created none. Readers are created and deleted only while no packet
+  /// is handled, see ReceiveLock. The caller must hold no lock that a listener waits for.
   fast::DataReader* make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
                                 fast::DataReaderListener* listener, const fast::StatusMask& mask);
   /// Deletes a reader, which may be null.
@@ -98,7 +99,7 @@ class OwnParticipant final : public Participant {
     int topics = 0;
   };
   std::unique_ptr<wire::Notices> notices_;
-  std::unique_ptr<Watch> watch_;  // listens to the participant
+  std::unique_ptr<Watch> watch_;  // the listener of the participant
   std::shared_ptr<PacketFilter> filter_;
   std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
@@ -109,10 +110,10 @@ class OwnParticipant final : public Participant {
   std::map<std::string, Known> types_;
   std::mutex remaking_;
   std::vector<Recreatable*> remade_;
-  bool only_loopback_;  // when the present readers and writers were created
+  bool only_loopback_;  // whether there was only loopback when the readers and writers were created
 };
 
-/// Every Participant is an OwnParticipant.
+/// Casts a Participant, which is always an OwnParticipant.
 OwnParticipant& own(Participant& participant);
 
 eprosima::fastrtps::Duration_t duration(Nanoseconds time);
@@ -120,10 +121,10 @@ eprosima::fastrtps::Duration_t duration(Nanoseconds time);
 /// A number for the GUID of a writer or reader, for comparisons.
 std::uint64_t number_of(const rtps::GUID_t& guid);
 std::uint64_t number_of(const rtps::InstanceHandle_t& handle);
-/// The same number for everything that belongs to one participant.
+/// A number for the GUID prefix of a participant, for comparisons.
 std::uint64_t number_of(const rtps::GuidPrefix_t& prefix);
 
-/// The name of a QoS policy by its number: "reliability".
+/// The name of the QoS policy with this number, such as "reliability".
 std::string policy_name(fast::QosPolicyId_t id);
 
 }  // namespace takt::dds

@@ -28,12 +28,12 @@ bool is_taken(const std::string& message) {
 
 class ToStandardError final : public fast::LogConsumer {
  public:
-  // Called on the log's own thread, one message at a time.
+  // Fast DDS calls this on the log's own thread, one message at a time.
   void Consume(const fast::Log::Entry& entry) override {
     if (is_taken(entry.message)) return;
     const auto now = Clock::now();
     if (now - since_ > kSpan) {
-      if (held_back_ > 0) print(std::to_string(held_back_) + " more messages");
+      if (held_back_ > 0) print(std::to_string(held_back_) + " more messages were not printed");
       since_ = now;
       shown_ = held_back_ = 0;
     }

@@ -33,16 +33,16 @@ constexpr const char* kServerPrefix =
     "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the first server's prefix, according to the manual
 constexpr std::uint16_t kServerPort = 11811;
 constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
-/// The number of participants of one machine to try if only its address is known.
+/// The number of participants to look for on a machine of which only the address is known.
 constexpr std::uint32_t kPeerParticipants = 40;
-/// More file descriptors than a participant needs on a machine with a few networks. Fast DDS ends a process
-/// that has too few.
+/// The number of file descriptors that must be free, which is more than a participant needs on a machine with
+/// a few networks. If there are too few, Fast DDS ends the process.
 constexpr std::size_t kDescriptors = 48;
 
 std::atomic<bool> there_is_one{false};
 
-// Ignores settings in the environment and in files of the working directory. They are for other programs and
-// would change the discovery of Takt's participants.
+// Makes Fast DDS ignore settings in the environment and in files of the working directory. These settings are
+// for other programs and would change the discovery of Takt's participants.
 void ignore_environment() {
   ::setenv("SKIP_DEFAULT_XML", "1", 1);
   for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_DISCOVERY_SERVER", "FASTDDS_STATISTICS"})
@@ -82,8 +82,8 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = {3, 0};
-  // A newly found participant answers at once, perhaps before the other one listens. The next announcement
-  // gets through.
+  // A participant answers the announcement of a new one at once, perhaps before the new one listens. Then the
+  // next announcement, a short time later, gets through.
   config.leaseDuration_announcementperiod = {0, 250'000'000};
   // The first announcement can be lost if both participants start at the same time.
   config.initial_announcements.count = 25;
@@ -139,7 +139,7 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
   return {};
 }
 
-/// The identity in this folder. Fails if it is damaged or not for this domain.
+/// Reads the identity in the folder of the options. Fails if it is damaged or not for the options' domain.
 Result<security::Identity> identity_for(const ParticipantOptions& options) {
   if (options.discovery.kind == model::Discovery::Kind::server) {
     return fail("DDS Security and a discovery server exclude each other in this version of Fast DDS",
@@ -151,14 +151,14 @@ Result<security::Identity> identity_for(const ParticipantOptions& options) {
   if (std::find(domains.begin(), domains.end(), options.domain) != domains.end()) return identity;
   if (domains.empty()) {
     return Problem{options.security, "this identity may not read or write any topic of its cell",
-                   "a program gets the topics of connections with only one end"};
+                   "give the cell a connection that has only one end; its topic is for programs"};
   }
   std::string known;
   for (const int domain : domains) known += (known.empty() ? "" : ", ") + std::to_string(domain);
   return Problem{
       options.security,
       "this identity is for domain " + known + ", not for domain " + std::to_string(options.domain),
-      "use that domain, or takt secure update --domain " + std::to_string(options.domain)};
+      "use domain " + known + ", or run takt secure update --domain " + std::to_string(options.domain)};
 }
 
 void set_security(fast::DomainParticipantQos& qos, const security::Identity& identity) {
@@ -190,7 +190,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
         "a DDS participant cannot be created on a real-time thread: its threads would be real-time too",
         "create it before the thread becomes real-time, or on another thread");
   }
-  if (there_is_one.exchange(true)) return fail("this process has a DDS participant already", "use that one");
+  if (there_is_one.exchange(true))
+    return fail("this process has a DDS participant already", "use that participant");
   const auto refuse = [](Problems problems) {
     there_is_one = false;
     return problems;
@@ -228,7 +229,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
                         "see the message that DDS printed; each process takes ports from " +
                             std::to_string(7400 + 250 * options.domain) +
-                            " upwards, and about 120 of them fit on one machine")});
+                            " upwards, and about 120 processes fit on one machine")});
   }
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
@@ -264,7 +265,7 @@ OwnParticipant::~OwnParticipant() {
 }
 
 void OwnParticipant::rescan_interfaces() {
-  // Without a free file descriptor no address is known, and Fast DDS would report an error each time.
+  // This fails if no file descriptor is free. Then Fast DDS would report an error on each call.
   const auto addresses = os::ipv4_addresses();
   if (!addresses) return;
   fast::DomainParticipantQos qos;

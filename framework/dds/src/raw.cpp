@@ -9,10 +9,12 @@ namespace takt::dds {
 
 namespace {
 
-constexpr std::size_t kWriters = 64;  // writers whose sequence numbers are tracked
+constexpr std::size_t kWriters = 64;  // number of writers whose sequence numbers are tracked
 constexpr std::int32_t kReliableReaderDepth = 32;
-constexpr std::size_t kPreallocated = 4 * 1024 * 1024;  // most bytes to preallocate for one flow
-// A lost sample is noticed at the writer's next sample, or after a heartbeat; by default after 3 s.
+// At most this number of bytes is preallocated for one flow.
+constexpr std::size_t kPreallocated = 4 * 1024 * 1024;
+// A reader notices a lost sample at the writer's next sample or heartbeat. By default, the heartbeat period
+// is 3 s.
 constexpr Nanoseconds kFlowHeartbeat = std::chrono::milliseconds{10};
 constexpr Nanoseconds kFlowNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kFlowFirstAck = std::chrono::milliseconds{10};
@@ -128,7 +130,7 @@ void RawWriter::recreate() {
   const std::lock_guard lock{using_it_};
   unmake();
   health_.matched(0);
-  static_cast<void>(make());  // without a writer every write fails and is counted
+  static_cast<void>(make());  // without a writer, every write fails and is counted
 }
 
 bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns) {
@@ -172,11 +174,12 @@ RawReader::~RawReader() {
 
 Result<void> RawReader::make() {
   fast::DataReaderQos qos;
-  // Samples that arrive before a resent one are kept until it has arrived.
+  // Samples that arrive before a missing sample is resent must be kept until then.
   const std::int32_t depth = flow_.quality.reliable ? std::max(depth_of(flow_.quality), kReliableReaderDepth)
                                                     : depth_of(flow_.quality);
   set_flow_quality(qos, flow_.quality, depth, model::max_size(flow_.type));
-  // With a fixed size, Fast DDS would offer a sample that is too long repeatedly, and never count it.
+  // With buffers of fixed size, Fast DDS would offer a sample that is too long again and again, without
+  // counting it.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kFlowNackDelay);
   qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFlowFirstAck);

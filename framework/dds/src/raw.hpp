@@ -22,15 +22,16 @@ struct Bytes {
   std::size_t size = 0;
 };
 
-/// The receiver that a raw reader passes to Fast DDS: `take_next_sample(static_cast<Taker*>(me), &info)`.
+/// The object that a raw reader passes to Fast DDS as the destination of a sample:
+/// `take_next_sample(static_cast<Taker*>(me), &info)`.
 class Taker {
  public:
   virtual ~Taker() = default;
-  /// Gets the bytes of one sample in DDS's history; they are valid only during the call.
+  /// Receives the bytes of one sample in DDS's history; they are valid only during the call.
   virtual void take(const Bytes& bytes) = 0;
 };
 
-/// A bounded type without a key: no sample is longer than `max_size`, including the encapsulation.
+/// A bounded type without a key. No sample is longer than `max_size`, including the encapsulation.
 class RawType final : public fast::TopicDataType {
  public:
   RawType(const std::string& name, std::size_t max_size);
@@ -71,7 +72,8 @@ class RawWriter final : fast::DataWriterListener, Recreatable {
                                                    const Flow& flow);
   ~RawWriter() override;
 
-  /// `time_ns` is since 1970. A write that DDS rejects is counted.
+  /// Writes a sample. `time_ns` is since 1970. Returns false if DDS rejects the sample, which is also
+  /// counted.
   bool write(const Bytes& bytes, std::int64_t time_ns);
   [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
 
@@ -96,20 +98,20 @@ class RawWriter final : fast::DataWriterListener, Recreatable {
 /// A reader of one topic. It passes on only valid samples of the type.
 class RawReader final : fast::DataReaderListener, Taker, Recreatable {
  public:
-  /// Called on a thread of Fast DDS, one at a time.
+  /// The receiver of the samples. Threads of Fast DDS call it, one at a time.
   struct Receiver {
     virtual ~Receiver() = default;
-    /// The bytes are a valid sample of the type. They are valid only during the call.
+    /// Receives a valid sample of the type. The bytes exist only during the call.
     virtual void receive(const Bytes& bytes) = 0;
-    /// Gives the time at which the sample of the last receive() was written, ns since 1970.
+    /// Receives the time at which the sample of the last receive() was written, in ns since 1970.
     virtual void received(std::int64_t time_ns) = 0;
-    /// There are no more samples for now.
+    /// Called when there are no more samples for now.
     virtual void done() {}
   };
 
   static Result<std::unique_ptr<RawReader>> create(std::shared_ptr<Participant> participant, const Flow& flow,
                                                    Receiver& receiver);
-  /// Waits until a current call of the receiver has ended; it is not called afterwards.
+  /// Waits until a current call of the receiver has ended. The receiver is not called afterwards.
   ~RawReader() override;
   [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
 

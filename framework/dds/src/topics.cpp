@@ -21,21 +21,23 @@ namespace takt::dds {
 
 namespace {
 
-constexpr int kMaxKeys =
-    16384;  ///< modules, or ports, of all devices on a domain; by default 10, and further ones are lost
+/// The largest number of keys, such as modules of all devices on a domain. The default is 10; samples of
+/// further keys are lost.
+constexpr int kMaxKeys = 16384;
 constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
-constexpr std::int32_t kReaderDepth =
-    64;  ///< large enough that a burst is not overwritten before the listener has taken it
-constexpr std::int32_t kEventsKept = 64;  ///< per device, for later readers
-// A writer asks for missing acknowledgements, by default only after 3 s; a reader answers after 5 ms. A
-// transition must not wait that long for the previous one.
+/// Large enough that the listener takes the samples of a burst before they are overwritten.
+constexpr std::int32_t kReaderDepth = 64;
+constexpr std::int32_t kEventsKept = 64;  ///< number of events per device that later readers get
+// A heartbeat asks for missing acknowledgements. By default, a writer sends one every 3 s, and a reader
+// answers after 5 ms. A transition must not wait that long for the acknowledgement of the previous one.
 constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
-constexpr Nanoseconds kStep = std::chrono::milliseconds{20};  ///< of a wait, during which the lock is held
+/// The length of one step of a wait. The lock is held during a step.
+constexpr Nanoseconds kStep = std::chrono::milliseconds{20};
 
-/// A state is kept for later readers, and its writer's liveliness is watched. The last few events are kept.
-/// Measurements are not kept.
+/// The sorts of topics. A state is kept for later readers, and its writer's liveliness is watched. The last
+/// events are kept for later readers. Measurements are not kept.
 enum class Sort { state, measure, event };
 
 /// The definition of each topic.
@@ -103,7 +105,7 @@ fast::TypeSupport type_of() {
   return fast::TypeSupport{new CheckedType<typename TopicOf<T>::Generated>};
 }
 
-/// "robot" for "cell/robot" and "cell/robot/arm"; empty if there is no device.
+/// The device in a path, such as "robot" for "cell/robot" and "cell/robot/arm"; empty if there is none.
 std::string device_in(std::string_view path) {
   const std::size_t begin = path.find('/');
   if (begin == std::string_view::npos) return {};
@@ -111,15 +113,16 @@ std::string device_in(std::string_view path) {
   return std::string{rest.substr(0, rest.find('/'))};
 }
 
-/// With DDS Security a device may publish only about itself, although all devices write these topics.
+/// Whether the writer may publish this sample. With DDS Security, a device may publish only about itself,
+/// although all devices write these topics.
 template <class T>
 bool may_publish(OwnParticipant& participant, const rtps::GUID_t& writer, const T& sample) {
   Watch* const watch = participant.watch();
   if (watch == nullptr) return true;
   const std::string path = sample.path().to_string();
   const std::string device = device_in(path);
-  const bool named =
-      sample.device().size() == 0 || sample.device().to_string() == device;  // empty: a disposal
+  const bool named = sample.device().size() == 0 ||
+                     sample.device().to_string() == device;  // the device is empty in a disposal
   if (named && watch->is_device(writer, device)) return true;
   watch->impostor(writer, TopicOf<T>::name, path);
   return false;
@@ -139,8 +142,8 @@ struct Writer<T>::Inside final : Recreatable {
   fast::Topic* topic = nullptr;
   std::mutex using_it;
   fast::DataWriter* writer = nullptr;
-  std::map<std::string, T> states;  // by path: to publish again after recreate()
-  std::deque<T> events;             // likewise
+  std::map<std::string, T> states;  // the last sample of each path, which recreate() publishes again
+  std::deque<T> events;             // the last events, which recreate() publishes again
   std::atomic<std::uint64_t> failures{0};
 
   ~Inside() override {
@@ -164,7 +167,7 @@ struct Writer<T>::Inside final : Recreatable {
   void recreate() override {
     const std::lock_guard lock{using_it};
     own(*participant).end(writer);
-    if (!make()) return;  // then every write fails and is counted
+    if (!make()) return;  // without a writer, every write fails and is counted
     for (auto& [path, sample] : states) writer->write(&sample);
     for (T& sample : events) writer->write(&sample);
   }
@@ -225,7 +228,7 @@ void Writer<T>::assert_liveliness() {
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  // Waits in steps, so that other threads can assert the writer's liveliness meanwhile.
+  // Waits in steps, so that other threads can assert the writer's liveliness between the steps.
   const auto end = std::chrono::steady_clock::now() + limit;
   for (;;) {
     const auto left = std::max(
@@ -255,7 +258,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   std::set<wire::WriterId> living;
   Undecoded* undecoded = nullptr;
   std::atomic<std::uint64_t> refused{0};
-  // A disposal arrives without the key, only with the handle of the instance.
+  // The path of each instance. A disposal arrives without the path, only with the handle of the instance.
   std::map<rtps::InstanceHandle_t, std::string> paths;
 
   ~Inside() override {

@@ -54,7 +54,7 @@ bool Watch::is_device(const rtps::GUID_t& writer, const std::string& device) {
 
 void Watch::impostor(const rtps::GUID_t& writer, const std::string& topic, const std::string& path) {
   tell("rejected: " + who(writer.guidPrefix) + " publishes on " + topic + " for " + brief(path) +
-       ", which is not its own");
+       ", but may publish only for itself");
 }
 
 std::string Watch::who(const rtps::GuidPrefix_t& prefix) {
@@ -87,8 +87,8 @@ void Watch::on_participant_discovery(fast::DomainParticipant*, rtps::Participant
     if (property.name() == "dds.cert.sn") seen.subject = property.value();
     if (property.name() == "dds.ca.sn") seen.authority = property.value();
   }
-  // Either side may start the authentication. If the other one rejects this one, Fast DDS reports nothing, or
-  // only after 14 s.
+  // A participant with an identity of another authority is reported here. If that participant starts the
+  // authentication and rejects this one, Fast DDS reports nothing, or only after 14 s.
   const bool foreign = !seen.authority.empty() && seen.authority != mine_.authority;
   lock.unlock();
   if (foreign) report_rejected(data.m_guid.guidPrefix);

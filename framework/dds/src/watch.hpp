@@ -1,5 +1,5 @@
-// With DDS Security: observes which participants join, and reports which are rejected and why. Not for other
-// rooms.
+// Observes which participants join, and reports which are rejected and why. Used only with DDS Security. Not
+// for other rooms.
 #pragma once
 
 #include <map>
@@ -17,26 +17,27 @@
 
 namespace takt::dds {
 
-/// The identity that a participant announces, such as "/O=cell/OU=device/CN=robot". None if the text does not
-/// have this form.
+/// Parses the identity that a participant announces, such as "/O=cell/OU=device/CN=robot". Returns nothing if
+/// the text does not have this form.
 std::optional<security::Subject> announced_subject(std::string_view text);
 
 class Watch final : public fast::DomainParticipantListener {
  public:
-  /// `notices` and `unauthenticated` outlive it.
+  /// `notices` and `unauthenticated` must outlive this object.
   Watch(security::Identity mine, wire::Notices& notices, wire::UnauthenticatedParticipants& unauthenticated)
       : mine_(std::move(mine)), notices_(notices), unauthenticated_(unauthenticated) {}
 
   [[nodiscard]] const security::Identity& mine() const noexcept { return mine_; }
 
-  /// Whether the writer belongs to this device of the cell; its GUID is bound to its identity.
+  /// Whether the writer belongs to this device of the cell. Its GUID shows this, because it is bound to the
+  /// identity.
   bool is_device(const rtps::GUID_t& writer, const std::string& device);
-  /// Reports a sample on `topic` about `path` that its writer may not publish; reported once.
+  /// Reports, once, that a writer published a sample on `topic` about `path` without permission.
   void impostor(const rtps::GUID_t& writer, const std::string& topic, const std::string& path);
   /// Whether a message in the log of Fast DDS reports that a participant uses a topic without permission.
   /// Fast DDS reports this nowhere else.
   bool look(const std::string& message);
-  /// A description of a participant: "observer eve at 10.77.0.3".
+  /// A description of a participant, such as "observer eve at 10.77.0.3".
   [[nodiscard]] std::string who(const rtps::GuidPrefix_t& prefix);
   void tell(const std::string& text) { notices_.tell(text); }
 
@@ -44,7 +45,7 @@ class Watch final : public fast::DomainParticipantListener {
   struct Seen {
     std::string name;
     std::string address;
-    std::string subject;  // as announced
+    std::string subject;  // the identity as announced
     std::string authority;
   };
 
@@ -58,7 +59,7 @@ class Watch final : public fast::DomainParticipantListener {
   wire::UnauthenticatedParticipants& unauthenticated_;
   std::mutex mutex_;
   std::map<rtps::GuidPrefix_t, Seen> seen_;
-  std::map<std::string, security::Prefix> prefixes_;  // of devices
+  std::map<std::string, security::Prefix> prefixes_;  // the GUID prefixes of devices, by name
 };
 
 }  // namespace takt::dds

@@ -1,8 +1,8 @@
 // Reads one element and reports everything in it that is not allowed.
 //
-// A reader that only looks up the names it knows never sees the others: with <perod>, a module would have no
-// period, or worse, a default one. So an Element first compares each attribute, child and text with the shape
-// of the element. Only then are values read from it.
+// A reader that only looks up the names that it knows would not see a misspelled name: with <perod>, a module
+// would have no period, or worse, a default one. So an Element first compares each attribute, child and text
+// with the shape of the element. Only then are values read from it.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct Given {
   std::string what;  ///< "<period>", "attribute cpu"
   std::string text;  ///< as written, entities resolved
   model::Line line{};
-  bool unread = false;  ///< it contains elements, which were reported: no value is read from it
+  bool unread = false;  ///< it contains elements, which were reported, so no value is read from it
 
   /// The text without surrounding white space.
   [[nodiscard]] std::string trimmed() const { return descriptor::trimmed(text); }
@@ -49,7 +49,7 @@ class Element {
   [[nodiscard]] Given given_text() const;
 
   [[nodiscard]] std::optional<Given> attribute(const char* name) const;
-  /// As attribute(), but reports a missing attribute.
+  /// Like attribute(), but reports a missing attribute.
   [[nodiscard]] std::optional<Given> required_attribute(const char* name) const;
 
   [[nodiscard]] std::vector<const Node*> children(std::string_view name) const;
@@ -85,7 +85,7 @@ struct Range {
 /// numbers). Reports anything else. `unit` is for the message: " of nanoseconds".
 std::optional<std::int64_t> read_number(const Given& given, Range range, const char* unit, Report& report);
 
-/// The index of the word among the choices. Reports a word that is not among them.
+/// The index of the word in `choices`. Reports a word that is not one of the choices.
 std::optional<std::size_t> read_choice(const Given& given, const std::vector<std::string_view>& choices,
                                        Report& report);
 

@@ -18,8 +18,8 @@ const Shape kUse{.attributes = {"template", "name"}, .many = {"set"}};
 const Shape kSet{.attributes = {"name"}, .text = true};
 const Shape kExport{.attributes = {"port", "of"}};
 
-/// Joins the name of a use and the name of a module in it. Not '-', which some DDS implementations do not
-/// allow in topics.
+/// Joins the name of a use and the name of a module in it. It is not '-', because some DDS implementations do
+/// not allow that in topics.
 constexpr char kJoint = '_';
 
 std::string joined(const std::string& prefix, const std::string& name) {
@@ -190,7 +190,7 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
     if (std::find(names.begin(), names.end(), parameter) == names.end()) {
       if (used.broken) continue;  // the template may have it, but could not be read
       reject("template " + in_quotes(used.name) + " has no parameter " + in_quotes(parameter),
-             names.empty() ? "it has none" : suggestion(parameter, names));
+             names.empty() ? "it has no parameters" : suggestion(parameter, names));
     } else if (!is_new) {
       reject("parameter " + in_quotes(parameter) + " is set twice",
              "the first is " + report_.whereabouts(first->second));
@@ -214,7 +214,8 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
   return right;
 }
 
-/// Checks the size before anything is created: a few templates that use each other twice can become huge.
+/// Checks the size before anything is created, because a few templates that use each other twice can become
+/// huge.
 bool Expansion::fits(const Node& use, const Template& used) {
   if (use.line.insertion != 0 && insertions_[use.line.insertion - 1].used)
     return true;  // counted with the outer use
@@ -229,7 +230,7 @@ bool Expansion::fits(const Node& use, const Template& used) {
   return false;
 }
 
-/// A copy of the node with the values inserted and all lines in the insertion.
+/// Copies the node. In the copy, the values are inserted and all lines belong to the insertion.
 Node Expansion::copy_of(const Node& node, std::uint32_t insertion, const Values& values) {
   const Meaning meaning = [&values](std::string_view name) -> const std::string* {
     const auto found = values.find(name);
@@ -298,12 +299,12 @@ void Expansion::make(const Template& used, const Values& values, std::uint32_t i
   }
 }
 
-/// Whether a module or use of a template has this name.
+/// Whether a module or use in the template has this name. Reports an unknown name.
 bool Expansion::check_inner(const std::string& inner, const Given& given, const Template& used,
                             const Place& place) {
   const std::vector<std::string>& names = inner_[{place.device, place.prefix}];
   if (std::find(names.begin(), names.end(), inner) != names.end()) return true;
-  // A module whose name could not be read may be the right one.
+  // The name may be that of a module whose name could not be read.
   if (used.node.incomplete || !std::all_of(names.begin(), names.end(), model::is_valid_name)) return false;
   const std::vector<std::string_view> choices{names.begin(), names.end()};
   report_.add(
@@ -373,10 +374,11 @@ void Expansion::make_absolute(Node& connection, const Template& used, const Plac
     if (!check_inner(parts[0], given, used, place)) connection.incomplete = true;
     end->value = place.device + "." + joined(place.prefix, parts[0]) + "." + parts[1];
   }
-  if (!model::is_valid_name(place.device)) connection.incomplete = true;  // reported for the device
+  if (!model::is_valid_name(place.device))
+    connection.incomplete = true;  // the problem was reported for the device
 }
 
-/// Replaces an end that names a port exported by a use by the port of the module.
+/// An end may name a port that a use exports. Replaces such an end by the port of the module.
 void Expansion::resolve(Node& connection) {
   for (const char* side : {"from", "to"}) {
     Attribute* end = connection.attribute(side);

@@ -1,8 +1,8 @@
 // Replaces the uses of templates by the content of the templates.
 //
 // In the descriptor of a cell with six equal axes, the axis is written once. The expanded tree has only
-// modules and connections, as if each had been written by hand, so no other room knows about templates.
-// Problems name both the line in the template and the line of the use.
+// modules and connections, as if the author had written each of them by hand. So no other room knows about
+// templates. Problems name both the line in the template and the line of the use.
 #pragma once
 
 #include <cstddef>
@@ -30,18 +30,20 @@ class Expansion {
         report_(report),
         templates_(report) {}
 
-  /// Replaces each <use> by its modules and connections. Replaces each end of a connection that names a port
-  /// exported by a use by the port itself. If that fails, reports it and marks the parent as incomplete.
+  /// Replaces each <use> by its modules and connections. If the end of a connection names a port that a use
+  /// exports, replaces the end by the port itself. If an expansion fails, reports the problem and marks the
+  /// parent as incomplete.
   void expand(Node& root);
 
  private:
   using Values = std::map<std::string, std::string, std::less<>>;
-  /// A port on the device: "servo.setpoint" in a template becomes "axis1_servo" and "setpoint".
+  /// A port with the names that it has on the device: "servo.setpoint" in a template becomes "axis1_servo"
+  /// and "setpoint".
   struct Port {
     std::string module;
     std::string port;
   };
-  /// A use of a template, for the connections to it.
+  /// A use of a template, as the connections to the use need it.
   struct Used {
     std::string template_name;
     model::Line line;

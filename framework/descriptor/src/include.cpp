@@ -70,13 +70,13 @@ const std::string* Includes::text_of(const Node& include, const std::string& pat
   bytes_ += known->second.size();
   if (bytes_ <= kMaxBytes) return &known->second;
   report_.add(include.line,
-              "with " + in_quotes(path) + " the descriptor and what it includes are larger than " +
+              "with " + in_quotes(path) + ", the descriptor and the files that it includes are larger than " +
                   std::to_string(kMaxBytes >> 20U) + " MiB",
               "a descriptor is far smaller: are these the right files?");
   return nullptr;
 }
 
-/// Inserts the file into the parent. If that fails, reports it and returns false.
+/// Inserts the file into the parent. On failure, reports the problem and returns false.
 bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string>& chain) {
   const Element element{include, {.attributes = {"file"}}, report_};
   const auto file = element.required_attribute("file");

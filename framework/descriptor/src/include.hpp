@@ -15,12 +15,12 @@ namespace takt::descriptor {
 inline constexpr std::size_t kMaxIncludeDepth = 8;  ///< levels of includes within included files
 inline constexpr std::size_t kMaxIncludes = 1000;   ///< the number of includes in one descriptor
 
-/// Returns the content of an included file. On the command line it reads the file system. A node must not
-/// open a file that a text from the network names, so there it looks in the bundle only.
+/// Returns the content of an included file. On the command line, the function reads the file system. In a
+/// node it looks in the bundle only, because a node must not open files that a text from the network names.
 using ReadFile = std::function<Result<std::string>(const std::string& path)>;
 
-/// Replaces every <include> of a tree by the content of the <fragment> that it names. If that fails, reports
-/// it and marks the parent as incomplete.
+/// Replaces every <include> of a tree by the content of the <fragment> in the file that it names. On failure,
+/// reports the problem and marks the parent as incomplete.
 class Includes {
  public:
   Includes(std::vector<model::Insertion>& insertions, ReadFile read, Report& report)

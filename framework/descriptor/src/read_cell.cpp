@@ -11,7 +11,7 @@ namespace takt::descriptor {
 
 namespace {
 
-// <use>, <template> and <include> are allowed, but have already been expanded when a cell is read.
+// The shapes allow <use>, <template> and <include>, but these have already been expanded when a cell is read.
 const Shape kRoot{.many = {"executor", "module", "use", "template", "include"}};
 const Shape kCell{
     .attributes = {"name", "domain", "discovery", "peers", "server", "server-device", "security"},
@@ -47,7 +47,7 @@ class CellReader {
   }
 
  private:
-  /// Reads the paper's form: the modules of a single device, which is the whole cell.
+  /// Reads the form of the paper, which has the modules of a single device. This device is the whole cell.
   void read_root(const Node& xml) {
     const Element root{xml, kRoot, report_};
     reading_.cell.name = name_after(reading_.cell.file);
@@ -77,7 +77,7 @@ class CellReader {
       read_device(device, device_name ? device_name->trimmed() : stand_in());
     }
     for (const Node* child : cell.children("connection")) {
-      // One connection too many is enough for validate() to reject the cell.
+      // Stop after one connection too many, which is enough for validate() to reject the cell.
       if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
       read_connection(*child);
     }
@@ -269,7 +269,7 @@ class CellReader {
       known = choice.has_value();
       if (choice == 1U) connection.kind = model::ConnectionKind::queue;
     }
-    // If the kind could not be read, use a queue: it may have all attributes.
+    // If the kind could not be read, use a queue, because a queue may have all attributes.
     if (!known) connection.kind = model::ConnectionKind::queue;
     const bool queue = connection.kind == model::ConnectionKind::queue;
 

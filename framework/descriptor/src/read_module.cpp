@@ -165,7 +165,8 @@ class ModuleReader {
     read_budget();
     read_overrun();
     if (!operation_known_) {
-      // The allowed times are not known, so continue as for an operation type that needs none.
+      // It is not known which times the module may have, so continue as for an operation type that needs
+      // none.
       module_.operation = Operation::non_real;
       module_.period.reset();
       module_.deadline.reset();

@@ -16,8 +16,8 @@ class Report {
   /// The file and the insertions in `texts` must outlive this object; insertions may be added later.
   explicit Report(model::Texts texts) : texts_(texts) {}
 
-  /// Both texts must quote input with the functions of core/words.hpp, so that a message stays on one line.
-  /// Does nothing when full.
+  /// Adds a problem. Both texts must quote input with the functions of core/words.hpp, so that a message
+  /// stays on one line. Does nothing when full.
   void add(model::Line line, std::string what, std::string fix);
   /// Adds the problems that model::validate() found.
   void add(model::Findings& findings);

@@ -16,7 +16,7 @@ namespace {
 const Shape kTemplate{.attributes = {"name"}, .many = {"parameter", "module", "use", "connection", "export"}};
 const Shape kParameter{.attributes = {"name", "default"}};
 
-constexpr std::size_t kMostNamed = 5;  // templates of a circle in a message
+constexpr std::size_t kMostNamed = 5;  // number of templates of a circle that a message names
 
 std::size_t parts_of(const Node& node) {
   std::size_t parts = 1 + node.attributes.size() + node.texts.size();
@@ -98,7 +98,8 @@ void Templates::read(Template& one) {
       continue;
     }
     report_.add(child.line,
-                "a module without a <name> in template " + in_quotes(one.name) + ", which has several",
+                "a module in template " + in_quotes(one.name) +
+                    " has no <name>, but the template contains more than this module",
                 "give it a <name>: only the single module of a template gets the name of the use");
     one.broken = true;
   }
@@ -181,8 +182,8 @@ void Templates::check_references(Template& one) {
   }
 }
 
-/// Computes the size and depth of each template, starting from those that use no others. Templates that are
-/// left over use themselves.
+/// Computes the size and depth of each template, and begins with the templates that use no others. Templates
+/// that remain at the end use themselves.
 void Templates::count() {
   std::map<std::string_view, std::vector<Template*>> users;
   std::map<std::string_view, std::size_t> open;

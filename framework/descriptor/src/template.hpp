@@ -29,7 +29,7 @@ struct Template {
   std::vector<std::string> uses{};  ///< the templates that it uses
   std::size_t size = 0;   ///< elements, attributes and texts that one use creates, at most kUncountable
   std::size_t depth = 0;  ///< levels of templates; 1: it uses none
-  bool broken = false;    ///< it has a mistake, which was reported: its uses are not expanded
+  bool broken = false;    ///< it has a mistake, which was reported, so its uses are not expanded
   bool alone = false;     ///< it has a single module, which gets the name of the use
 };
 
@@ -46,7 +46,7 @@ class Templates {
   /// Null if there is no template of that name.
   [[nodiscard]] const Template* find(std::string_view name) const;
   [[nodiscard]] std::vector<std::string_view> names() const;
-  /// Whether a template could not be read; it may be the one that is not found.
+  /// Whether a template could not be read. If find() finds nothing, that template may be the right one.
   [[nodiscard]] bool incomplete() const { return incomplete_; }
 
  private:

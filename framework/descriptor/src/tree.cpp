@@ -8,7 +8,7 @@ namespace takt::descriptor {
 
 namespace {
 
-/// Recursive; the scanner has limited the depth to kMaxDepth.
+/// Calls itself for each child. The scanner has limited the depth to kMaxDepth.
 Node node_of(const tinyxml2::XMLElement& xml, std::uint32_t insertion) {
   Node node{.name = xml.Name(), .line = {xml.GetLineNum(), insertion}};
   for (const auto* one = xml.FirstAttribute(); one != nullptr; one = one->Next())

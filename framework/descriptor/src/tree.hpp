@@ -25,7 +25,7 @@ struct Text {
   model::Line line{};
 };
 
-/// An element.
+/// An element with its attributes, texts and children.
 struct Node {
   std::string name;
   model::Line line{};

@@ -16,7 +16,8 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
 
-// All characters beyond ASCII count as letters. No known name has them, so the name is rejected later anyway.
+// All characters beyond ASCII count as letters. No known name has such characters, so the name is rejected
+// later anyway.
 bool starts_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' ||
          (static_cast<unsigned char>(c) & 0x80U) != 0;
@@ -94,8 +95,9 @@ class Scanner {
   /// Counts one more part that tinyxml2 will store.
   bool count_part() {
     if (++parts_ <= kMaxParts) return true;
-    return fail("more than " + std::to_string(kMaxParts) + " elements, attributes, texts and comments",
-                "a descriptor has far fewer: is this the right file?");
+    return fail(
+        "the file has more than " + std::to_string(kMaxParts) + " elements, attributes, texts and comments",
+        "a descriptor has far fewer: is this the right file?");
   }
 
   [[nodiscard]] bool done() const { return at_ == xml_.size(); }
@@ -120,7 +122,7 @@ class Scanner {
     advance(length);
     return text.substr(0, length);
   }
-  /// The next character, for a message.
+  /// The next character in words, for a message.
   [[nodiscard]] std::string found() const {
     return done() ? "the end of the file"
                   : in_quotes(rest().substr(0, std::max<std::size_t>(1, utf8_length(rest()))));
@@ -156,12 +158,13 @@ std::optional<Fault> Scanner::run() {
 
 bool Scanner::scan_declared(std::string_view name, std::string_view value) {
   if (name == "version" && value != "1.0")
-    return fail("XML version " + in_quotes(value), "a descriptor is XML 1.0");
+    return fail("XML version " + in_quotes(value) + " is not supported", "a descriptor is XML 1.0");
   if (name == "encoding") {
     std::string upper{value};
     for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     if (upper != "UTF-8")
-      return fail("encoding " + in_quotes(value), "save the file as UTF-8 and write encoding=\"UTF-8\"");
+      return fail("encoding " + in_quotes(value) + " is not supported",
+                  "save the file as UTF-8 and write encoding=\"UTF-8\"");
   }
   if (name == "standalone" && value != "yes" && value != "no") {
     return fail("standalone is " + in_quotes(value), "it can be yes or no");
@@ -169,8 +172,8 @@ bool Scanner::scan_declared(std::string_view name, std::string_view value) {
   return true;
 }
 
-/// Scans <?xml version="1.0" encoding="UTF-8" standalone="yes"?>; the last two are optional, but in this
-/// order.
+/// Scans <?xml version="1.0" encoding="UTF-8" standalone="yes"?>. The last two attributes are optional, but
+/// must be in this order.
 bool Scanner::scan_declaration() {
   constexpr const char* kRight = "write <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
   advance(5);
@@ -204,11 +207,11 @@ bool Scanner::scan_markup() {
   if (next_is("<!--")) return scan_comment() && count_part();
   if (next_is("<![CDATA[")) return scan_cdata() && count_part();
   if (next_is("<!")) {
-    return fail("a document type or entity declaration (<!DOCTYPE, <!ENTITY)",
+    return fail("a document type or entity declaration (<!DOCTYPE, <!ENTITY) is not allowed",
                 "remove it: a descriptor has elements and comments only");
   }
   if (next_is("<?")) {
-    return fail("a processing instruction (<?...)",
+    return fail("a processing instruction (<?...) is not allowed",
                 "remove it: only the XML declaration is allowed, at the start of the file");
   }
   return next_is("</") ? scan_end_tag() : scan_start_tag() && count_part();

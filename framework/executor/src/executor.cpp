@@ -406,7 +406,8 @@ void Executor::make_ready(Sporadic& sporadic, Instant release, std::uint64_t cyc
   sporadic.ready.store(Ready::yes, std::memory_order_release);  // SYNC: ready
 }
 
-// Runs on the sporadic thread, which alone checks and runs such a module. Rows only check for unread events.
+// Releases modules with immediate dispatch. Only the sporadic thread checks their conditions and runs them.
+// Rows only check for unread events.
 void Executor::release_immediate() noexcept {
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& sporadic = sporadic_[i];
@@ -414,7 +415,7 @@ void Executor::release_immediate() noexcept {
     if (!unit.immediate || unit.body == nullptr || sporadic.ready.load(relaxed) != Ready::no) continue;
     const Instant now = clock_.now();
     if (!unit.body->has_news(now)) continue;
-    if (to_ns(now) < sporadic.not_before_ns.load(relaxed)) continue;  // the first row after that rings again
+    if (to_ns(now) < sporadic.not_before_ns.load(relaxed)) continue;  // a later row wakes this thread again
     block_.sporadic.announce(unit.index, channel::Doing::condition, to_ns(now));  // SYNC: in tables
     if (in_tables(unit)) {
       const std::uint64_t row = block_.next_row.load(relaxed);

@@ -13,7 +13,7 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr Nanoseconds kLeastLate = microseconds{20};
-/// The usual minimum costs of a minor page fault, and of a major one that reads from a disk.
+/// The usual minimum cost of a minor page fault, and of a major page fault, which reads from a disk.
 constexpr Nanoseconds kMinorFault = microseconds{2};
 constexpr Nanoseconds kMajorFault = microseconds{100};
 
@@ -24,7 +24,7 @@ Nanoseconds median(std::vector<Nanoseconds> values) {
   return *middle;
 }
 
-/// The greatest of the counted causes, if it accounts for half of the delay.
+/// Returns the greatest of the counted causes, if it explains at least half of the delay.
 std::optional<Cause> accounts_for(const Evidence& e, Nanoseconds delay) {
   const std::array<std::pair<Cause, Nanoseconds>, 3> weighed{
       {{Cause::preemption, e.stopped ? delay : e.waited},
@@ -65,7 +65,7 @@ class Judge {
   }
 
  private:
-  /// The run that exceeded its usual time by most.
+  /// Returns the run that exceeded its usual time by the largest amount.
   std::optional<std::size_t> longest(std::size_t first, std::size_t end) const {
     std::optional<std::size_t> worst;
     Nanoseconds most{0};
@@ -93,7 +93,7 @@ class Judge {
   void judge_row(std::size_t r) {
     const Row& row = line_.rows[r];
     const Row& before = line_.rows[r - 1];
-    if (!before.ended) return;  // the host died in it, so no executor was running
+    if (!before.ended) return;  // the host died in this row, so no executor was running afterwards
     const Nanoseconds basic = recording_.executors[executor_].basic_period;
     LateStart late{.run = std::nullopt, .row = r};
     late.due_ns = row.release_ns;
@@ -110,7 +110,7 @@ class Judge {
       const bool longer = before.took() > usual_.row + usual_.threshold;
       const LateStart* const cause_before = row_found(r - 1);
       if (!longer && cause_before != nullptr) {
-        // The previous row took no longer than usual, but began late itself.
+        // The previous row took no longer than usual, but began late. So this row has the same cause.
         const LateStart first = *cause_before;
         late.cause = first.cause;
         late.culprit = first.culprit;
@@ -136,8 +136,8 @@ class Judge {
     return last_row_ && last_row_->first == r ? &found_[last_row_->second] : nullptr;
   }
 
-  // Judges whether a run is later in its row than usual. The lateness of the row itself is reported for the
-  // row.
+  // Judges whether a run begins later in its row than usual. The lateness of the whole row is reported for
+  // the row.
   void judge_run(std::size_t r, std::size_t i) {
     const Row& row = line_.rows[r];
     const Run& run = line_.runs[i];
@@ -279,7 +279,8 @@ std::string in_words(const LateStart& late, const std::vector<Module>& modules) 
   }
   if (e.stolen > Nanoseconds{0}) add("the hypervisor took " + in_short(e.stolen));
   if (text.empty())
-    text = e.looked ? "woken late; nothing else was seen" : "there are no samples of its thread at that time";
+    text = e.looked ? "it was woken late; no other cause was seen"
+                    : "there are no samples of its thread at that time";
   return text;
 }
 

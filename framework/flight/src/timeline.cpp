@@ -20,7 +20,8 @@ class Reader {
   Timeline read() {
     for (const FlightSample& entry : thread_.copy.entries) {
       if (entry.kind == FlightKind::row) close_row(entry.time_ns);
-      // A row that began before `from_ns_` is incomplete.
+      // Skips entries until the first row that began at `from_ns_` or later, because an earlier row is
+      // incomplete.
       if (entry.time_ns < from_ns_ || (has_rows_ && !in_row_ && entry.kind != FlightKind::row)) continue;
       take(entry);
     }
@@ -54,7 +55,7 @@ class Reader {
       case FlightKind::body: {
         const Run body{entry.module, entry.time_ns - static_cast<std::int64_t>(entry.value), entry.time_ns};
         std::int64_t& before_ns = bodies_end_[entry.module];
-        if (body.end_ns <= before_ns) break;  // the next host has recorded it again
+        if (body.end_ns <= before_ns) break;  // the next host has recorded the same body again
         before_ns = body.end_ns;
         line_.bodies.push_back(body);
         break;
@@ -86,7 +87,7 @@ class Reader {
     pending_.clear();
   }
 
-  // Closes a row that never ended: its host died in it, or it is still running.
+  // Closes a row that has not ended, because its host died in it or it is still running.
   void close_row(std::optional<std::int64_t> next_ns) {
     if (!in_row_) return;
     in_row_ = false;

@@ -14,7 +14,7 @@ struct Run {
   std::uint32_t module = 0;
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
-  bool ended = true;  ///< false: it was running when the recording was made, or when its host died
+  bool ended = true;  ///< false if it was running when the recording was made or its host died
   [[nodiscard]] Nanoseconds took() const noexcept { return Nanoseconds{end_ns - start_ns}; }
 };
 
@@ -23,16 +23,16 @@ struct Row {
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
   bool ended = true;
-  std::size_t first_run = 0;  ///< index in the timeline's runs
+  std::size_t first_run = 0;  ///< index of its first run in the timeline's runs
   std::size_t end_run = 0;
   [[nodiscard]] Nanoseconds late() const noexcept { return Nanoseconds{start_ns - release_ns}; }
   [[nodiscard]] Nanoseconds took() const noexcept { return Nanoseconds{end_ns - start_ns}; }
 };
 
-/// Something without a duration: a release, a written sample, a taken event, a swap.
+/// An event without a duration: a release, a written sample, a taken event or a swap.
 struct Mark {
   channel::FlightKind kind = channel::FlightKind::nothing;
-  std::int64_t time_ns = 0;  ///< for samples and events: the beginning of the run, like the sample's own time
+  std::int64_t time_ns = 0;  ///< for a sample or event, the beginning of the run
   std::uint32_t module = 0;
   std::uint64_t value = 0;
 };
@@ -44,8 +44,8 @@ struct Timeline {
   std::vector<Mark> marks;
 };
 
-/// The timeline of everything that began at `from_ns` or later. Entries before the first complete row are
-/// omitted. Sporadic modules have runs without rows. Rows do not overlap, nor do runs.
+/// Returns the timeline of everything that began at `from_ns` or later. Entries before the first complete row
+/// are omitted. Sporadic modules have runs without rows. Rows do not overlap, and runs do not overlap.
 Timeline timeline_of(const Thread& thread, bool has_rows, std::int64_t from_ns);
 
 }  // namespace takt::flight

@@ -19,12 +19,13 @@ std::function<Result<void>(const std::string&)>& requirement() {
   return check;
 }
 
-/// Components are code: anyone who may write or replace one can run anything here.
+/// Fails if everybody may write to the file or its folder: anyone who can replace a component can run any
+/// code.
 Result<void> check_writers(const fs::path& path) {
   for (const fs::path& each : {path, path.parent_path()}) {
     const auto rights = os::rights_of(each.string());
     if (rights && rights->others_write)
-      return fail("everybody may write to " + each.string(), "chmod o-w " + each.string());
+      return fail("everybody may write to " + each.string(), "run chmod o-w " + each.string());
   }
   return {};
 }
@@ -43,7 +44,8 @@ std::vector<std::string> component_folders() {
     if (colon != 0) folders.push_back(path.substr(0, colon));
     path = colon == std::string::npos ? "" : path.substr(colon + 1);
   }
-  // Installed, the components are beside takt-host; built, they are beside the folder of the programs.
+  // In an installation, the folder `components` is in the folder of takt-host. In a build, it is next to the
+  // folder of the programs.
   const fs::path ours = os::private_directory();
   const bool built = ours == os::program_directory();
   folders.push_back(((built ? ours.parent_path() : ours) / "components").string());
@@ -72,7 +74,7 @@ Result<std::string> find_component(const std::string& filename, const std::strin
       if (requirement()) {
         if (auto checked = requirement()(found.string()); !checked) {
           Problems problems = checked.problems();
-          for (Problem& problem : problems) {  // the caller adds the line that names the file
+          for (Problem& problem : problems) {  // the caller adds the descriptor's line
             if (!problem.where.empty()) problem.what = problem.where + ": " + problem.what;
             problem.where.clear();
           }

@@ -9,7 +9,7 @@ namespace takt::host {
 using json = nlohmann::ordered_json;
 
 std::string to_json(const Description& description) {
-  // A bound as a number; null if there is none.
+  // Returns a bound as a number; null if there is no bound.
   const auto bound = [](const std::string& text) { return text.empty() ? json{} : model::parse_json(text); };
   json properties = json::array();
   for (const PropertyDescription& p : description.properties) {

@@ -16,7 +16,7 @@ channel::Crash* crash_place = nullptr;
 thread_local const channel::Activity* my_activity = nullptr;
 std::atomic_flag walking_stack;
 
-// Async-signal-safe: it only stores.
+// Async-signal-safe, because it only stores values.
 void store_culprit(int signal) noexcept {
   if (my_activity != nullptr) {
     crash_place->module.store(my_activity->module.load(std::memory_order_relaxed), std::memory_order_relaxed);
@@ -33,7 +33,7 @@ void add_frame(const os::CodeAt& place) noexcept {
   crash_place->depth.store(depth + 1, std::memory_order_release);  // SYNC: crash frame
 }
 
-// Stores the culprit first: walking a broken stack may crash again, and then this is called again.
+// Stores the culprit first, because walking a broken stack may crash and call report_crash() again.
 void report_crash(int signal, std::uintptr_t at) noexcept {
   if (crash_place == nullptr) return;
   store_culprit(signal);
@@ -113,7 +113,7 @@ void ExecutorThreads::walk_rows(Instant t0) {
   while (true) {
     const Instant now = waker.wait_until(executor_.next_release());
     if (halt_.load(std::memory_order_relaxed) != 0) return;
-    // One ring wakes both the programs that the row released and those that wait for what modules wrote.
+    // One ring wakes both the programs that the row released and the readers of what the modules wrote.
     const std::uint32_t released = watch_ ? watched_cycle(now) : executor_.run_cycle(now);
     if (const std::uint32_t bits = released | wake_word_.take_pending(); bits != 0) ring(wake_word_, bits);
     block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
@@ -131,7 +131,7 @@ void ExecutorThreads::serve_sporadic() {
   report_crashes_as(&block_.sporadic);
   block_.sporadic.thread.store(os::thread_id(), std::memory_order_relaxed);
   while (halt_.load(std::memory_order_seq_cst) == 0) {
-    // A ring after this load ends the wait below at once, so no ring is lost.
+    // If the wake word rings after this load, the wait below ends at once. So no ring is lost.
     const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
     while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
       ring_pending(wake_word_);

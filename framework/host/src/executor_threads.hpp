@@ -1,5 +1,5 @@
-// The threads of an executor: one walks its rows on absolute time, one runs its sporadic modules. The second
-// has one priority less on the same CPU, so that the next row preempts it.
+// The threads of an executor. One walks its rows on absolute time, the other runs its sporadic modules. The
+// sporadic thread runs on the same CPU with a priority lower by one, so that the next row preempts it.
 #pragma once
 
 #include <atomic>
@@ -29,18 +29,19 @@ class ExecutorThreads {
   /// Halts the threads.
   ~ExecutorThreads();
 
-  /// Also watches what the threads do between modules, under this executor index. Call it before begin().
+  /// Makes `watch` observe what the threads do between modules, too, under this executor index. Call it
+  /// before begin().
   void watch(channel::ModuleWatch watch, std::uint32_t index) noexcept {
     watch_ = watch;
     watched_as_ = channel::kOfExecutor | index;
   }
 
-  /// Starts on the grid of T0. If the system denies a priority or a CPU, this is added to `denied` and the
-  /// threads run without it. Fails if a thread cannot be created.
+  /// Starts the threads on the grid that begins at `t0`. If the system denies a priority or a CPU, a problem
+  /// is added to `denied` and the threads run without it. Fails if a thread cannot be created.
   Result<void> begin(Instant t0, const std::vector<int>& cpus, Problems* denied);
   /// Asks the threads to end after the current row or module.
   void ask_to_halt() noexcept;
-  /// For modules of this executor; see executor::Executor.
+  /// Exchanges the instance of a module of this executor; see executor::Executor.
   void exchange(executor::Exchange& exchange) noexcept { executor_.exchange(exchange); }
   bool withdraw() noexcept { return executor_.withdraw(); }
   /// Waits for the threads to end. Never returns if a module never returns.
@@ -66,13 +67,13 @@ class ExecutorThreads {
   os::Thread sporadic_;
 };
 
-/// Wakes those that wait for what was written since the last call. Real-time safe: at most one system call,
-/// and none if nobody waits.
+/// Wakes the readers that wait for samples written since the last call. Real-time safe: makes one system
+/// call, or none if nobody waits.
 void ring_pending(channel::WakeWord& wake_word) noexcept;
 
-/// Names the activity of the calling thread for crash reports.
+/// Sets the activity that crash reports of the calling thread name.
 void report_crashes_as(const channel::Activity* activity);
-/// From now on, a crash of any thread is reported there.
+/// From now on, a crash of any thread is reported in `crash`.
 void report_crashes_to(channel::Crash& crash);
 
 }  // namespace takt::host

@@ -18,7 +18,7 @@ struct HookCaller::Shared {
   std::deque<Request> queue;
   std::uint64_t generation = 0;  // only the thread of this generation may serve
   bool busy = false;
-  std::uint32_t module = 0;  // whose hook the thread is in
+  std::uint32_t module = 0;  // the module whose hook the thread is in
   bool end = false;
 
   void serve(std::uint64_t mine) {

@@ -1,6 +1,7 @@
 // The thread that calls hooks, and that gets and sets properties. A hook is foreign code and may never
-// return. Its module is then lost, but the hooks of all other modules must still be called. So the thread can
-// be given up together with the module that it is stuck in; a new thread serves the requests that wait.
+// return. Then its module is lost, but the hooks of all other modules must still be called. So the node can
+// give up the thread together with the module that the thread is stuck in; a new thread serves the waiting
+// requests.
 #pragma once
 
 #include <condition_variable>
@@ -26,12 +27,12 @@ class HookCaller {
   using Done = std::function<void(const Request&, const Result<std::string>&)>;
 
   HookCaller(channel::Activity& activity, std::vector<int> cpus, Call call, Done done);
-  /// Ends the thread if it is not stuck.
+  /// Ends the thread unless it is stuck in a hook.
   ~HookCaller();
 
   void enqueue(const Request& request);
-  /// Leaves the thread in a hook of this module; a late return is ignored. A new thread serves the next
-  /// request. Returns false if the hook has returned after all.
+  /// Gives up the thread if it is in a hook of this module; if the hook returns later, its result is ignored.
+  /// A new thread serves the next requests. Returns false if the hook has already returned.
   bool give_up(std::uint32_t module);
 
  private:

@@ -85,26 +85,26 @@ class Host {
   HostLinks links_;
   model::HostShare share_;
   std::vector<std::unique_ptr<ThreadModule>> modules_;  // this host's thread modules; null for others
-  std::vector<std::atomic<ThreadModule*>> serving_;     // these, or the new instance during a trial
-  std::vector<std::unique_ptr<WatchedBody>> watched_;   // one for each of them, while modules are watched
-  std::vector<channel::FlightWriter*> records_;         // of the executor of each module in the tables
+  std::vector<std::atomic<ThreadModule*>> serving_;     // modules_, or the new instance during a trial
+  std::vector<std::unique_ptr<WatchedBody>> watched_;   // one for each module, only if a tool watches them
+  std::vector<channel::FlightWriter*> records_;  // for each module in the tables, the writer of its executor
   channel::ModuleWatch watch_;
   std::set<std::string> c_form_;  // the loaded files of modules in C form
   std::mutex loading_;
   os::NoDeepIdle no_deep_idle_;
   Result<void> memory_locked_;
   struct Table {
-    std::size_t index;  // among the device's executors
+    std::size_t index;  // index among the device's executors
     std::unique_ptr<ExecutorThreads> threads;
   };
   std::vector<Table> executors_;
-  std::atomic<bool> halted_{false};  // the executors
+  std::atomic<bool> halted_{false};  // whether the executors have halted
   std::atomic<std::uint32_t> halt_background_{0};
   std::vector<os::Thread> background_;
   std::vector<std::unique_ptr<ServiceThread>> services_;  // for modules that have handlers
-  std::vector<ThreadModule*> handling_;  // whose handlers these threads call; changed under exclude()
+  std::vector<ThreadModule*> handling_;  // the instances that services_ call; changed under exclude()
   std::unique_ptr<HookCaller> hooks_;
-  std::unique_ptr<HookCaller> swaps_;  // one at a time
+  std::unique_ptr<HookCaller> swaps_;  // swaps run one at a time
   std::atomic<std::uint64_t> swaps_given_up_{0};
 };
 
@@ -118,7 +118,7 @@ Host::Host(os::MessageSocket node, channel::Channel channel, channel::FlightReco
 }
 
 Result<void> Host::prepare() {
-  memory_locked_ = os::lock_memory();  // also locks what is loaded later
+  memory_locked_ = os::lock_memory();  // also locks memory that is mapped later
   const auto watch = channel::ModuleWatch::find();
   if (!watch) return watch.problems();
   watch_ = *watch;
@@ -131,7 +131,8 @@ Result<void> Host::prepare() {
   if (!saved) return saved.problems();
   saved_memory_ = std::move(*saved);
   if (saved_memory_.size() < setup_.device.modules.size() * sizeof(channel::SavedState))
-    return fail("the memory for saved state is too small", "install takt-node and takt-host of one version");
+    return fail("the memory for saved state is too small",
+                "install takt-node and takt-host of the same version");
 
   if (auto attached = links_.attach(setup_.links); !attached) return attached;
   std::vector<executor::Unit> units;
@@ -199,7 +200,7 @@ Result<void> Host::prepare() {
   report_crashes_to(block().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   const auto done = [this](const Request& request, const Result<std::string>& result) {
-    ring_pending(*wake_word_);  // wake the readers of what the hook wrote
+    ring_pending(*wake_word_);  // wakes the readers of what the hook wrote
     answer({.request = request,
             .ok = result.ok(),
             .text = result ? *result : in_words(result.problems()),
@@ -234,7 +235,7 @@ void Host::answer(const Answer& answer) {
   node_.send_wait(encode(answer));
 }
 
-// Runs on the hook thread, as do the functions that it calls.
+// Runs on the hook thread, and so do get(), set() and call().
 Result<std::string> Host::serve_request(const Request& request) {
   if (request.what == Request::Do::get) return get(request);
   const Result<void> done = request.what == Request::Do::set ? set(request) : call(request);
@@ -245,7 +246,7 @@ Result<std::string> Host::serve_request(const Request& request) {
 Result<std::string> Host::get(const Request& request) const {
   const ThreadModule& asked = instance(request.module);
   if (asked.declares_properties()) return asked.get(request.property);
-  // Such a module saw the properties of the descriptor.
+  // A module without declared properties reads those of the descriptor.
   return model::given_property(module(request.module), request.property);
 }
 
@@ -256,13 +257,13 @@ Result<void> Host::set(const Request& request) {
                     " is written in C and declares no properties: it reads them in initialize()",
                 "undeploy the cell, change the descriptor and deploy it again");
   }
-  // The value also holds for the next time the module is loaded.
+  // When the module is loaded again, it gets this value, too.
   auto done = asked.set({{request.property, request.value}});
   if (done) model::give_property(setup_.device.modules[request.module], request.property, request.value);
   return done;
 }
 
-// A handler never runs at the same time as a hook of its module: the later one waits.
+// A handler never runs at the same time as a hook of its module; the one that is called later waits.
 Result<void> Host::call(const Request& request) {
   const auto& service = services_[request.module];
   if (!service) {
@@ -297,8 +298,8 @@ Result<void> Host::call_hook(const Request& request) {
     case Doing::load: {
       const std::string& path = setup_.paths[request.module];
       const bool sporadic = m.operation == model::Operation::sporadic;
-      // Objects of a C++ component share only what its author made static. A C module's variables are its
-      // state, so each further C module of the same file gets its own copy of the globals.
+      // Two modules of one C++ component share only its static variables. A C module keeps its state in
+      // global variables, so each further module of the same C file gets its own copy of the globals.
       os::Library::Globals globals = os::Library::Globals::shared;
       {
         const std::lock_guard lock{loading_};
@@ -334,8 +335,8 @@ Result<void> Host::call_hook(const Request& request) {
   return fail("the host does not call this hook on request");
 }
 
-// Runs on its own thread, beside the hooks of the running instance. Success is answered here, before the old
-// instance's destruct(), because the node need not wait for that.
+// Runs on its own thread, at the same time as hooks of the running instance. A successful swap is answered
+// here, before the old instance's destruct(), because the node need not wait for destruct().
 Result<std::string> Host::swap(const Request& request) {
   const std::uint32_t index = request.module;
   const model::Module& m = module(index);
@@ -379,7 +380,7 @@ Result<std::string> Host::swap(const Request& request) {
                      },
                  .handle_by = [this, index](ThreadModule& by) { handling_[index] = &by; },
                  .ends = [this, is_given_up] { return halted_ || is_given_up(); }});
-  if (is_given_up()) {  // the hook returned after all; the new instance's state is unknown
+  if (is_given_up()) {  // a hook of the new instance returned too late; its state is unknown
     next->abandon();
     static_cast<void>(next.release());
     return fail("the swap was abandoned");
@@ -431,7 +432,7 @@ void Host::run_background(std::uint32_t index) {
   while (halt_background_.load(relaxed) == 0) {
     const Instant start = os::now();
     block.background.announce(index, Doing::run,
-                              to_ns(start));  // before in_tables is read: SYNC: in tables
+                              to_ns(start));  // must be stored before in_tables is read. SYNC: in tables
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
       cycle.start = start;
@@ -470,7 +471,7 @@ void Host::halt() {
 }
 
 void Host::give_up(std::uint32_t index) {
-  // A hook may wait for a handler that never returns.
+  // The hook may be waiting for a handler that never returns.
   const bool handler = services_[index] && services_[index]->give_up();
   const bool hook = hooks_->give_up(index);
   if (!handler && !hook) return;
@@ -478,7 +479,7 @@ void Host::give_up(std::uint32_t index) {
   services_[index].reset();
 }
 
-// The node is gone: destructs the modules and ends, within a second.
+// Called when the node is gone. Calls destruct() of all modules and ends, all within a second.
 void Host::end_without_node() {
   std::atomic<bool> done{false};
   auto watch = os::Thread::start(
@@ -528,7 +529,8 @@ void Host::serve() {
         answer({.request = *request, .ok = true, .text = {}, .warnings = {}});
         break;
       case Request::Do::give_up:
-        // The module's memory stays allocated; a reload makes a separate instance.
+        // The module's memory stays allocated, because its hook may still use it. A reload makes a new
+        // instance.
         give_up(request->module);
         break;
       case Request::Do::give_up_swap:
@@ -536,7 +538,7 @@ void Host::serve() {
         static_cast<void>(swaps_->give_up(request->module));
         break;
       case Request::Do::end:
-        // Runs no destructors: a hook that was given up may still use what they would destroy.
+        // Runs no destructors, because a hook that was given up may still use the objects.
         std::fflush(nullptr);
         std::_Exit(0);
     }
@@ -548,8 +550,8 @@ void Host::serve() {
 }  // namespace
 
 int run_host() {
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // output of modules appears line by line
-  os::survive_broken_pipes();                // hooks that print are still called after the node has died
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // so that the output of modules appears line by line
+  os::survive_broken_pipes();  // after the node's death, hooks that print must not kill the host
   os::MessageSocket node{os::take_fd_from_environment("TAKT_NODE_FD")};
   os::Fd memory = os::take_fd_from_environment("TAKT_CHANNEL_FD");
   os::Fd record_memory = os::take_fd_from_environment("TAKT_FLIGHT_FD");

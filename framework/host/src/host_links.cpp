@@ -12,12 +12,12 @@ Result<void> HostLinks::attach(const std::vector<PortLink>& links) {
     if (!memory) return memory.problems();
     if (!channel::Link::is_link(memory->data(), memory->size())) {
       return fail("the memory of port '" + end.port + "' was laid out by another version",
-                  "install takt-node and takt-host of one version");
+                  "install takt-node and takt-host of the same version");
     }
     Memory& mine = memories_[end.fd];
     mine.memory = std::move(*memory);
     mine.link = channel::Link{mine.memory.data()};
-    // Values were in the memory of the former host, so they ended with it.
+    // The former host's values were in its own memory, so they were lost with it.
     if (end.typed) channel::drop_samples(mine.link);
   }
   return {};
@@ -28,7 +28,7 @@ Result<void> HostLinks::connect(std::uint32_t index, ThreadModule& module) {
     if (end.module != index) continue;
     PortBase* port = module.port(end.port);
     if (port == nullptr)
-      return fail("its port '" + end.port + "' is gone since it was described", "deploy the cell again");
+      return fail("the component no longer has the port '" + end.port + "'", "deploy the cell again");
     Memory& memory = memories_.at(end.fd);
     if (end.typed && memory.values == nullptr) {
       memory.values = port->make_values(memory.link.buffers());

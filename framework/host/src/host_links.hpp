@@ -16,10 +16,10 @@ namespace takt::host {
 
 class HostLinks {
  public:
-  /// Maps the memory that the node made. Call it once, before any module is loaded.
+  /// Maps the links' memory, which the node made. Call it once, before any module is loaded.
   Result<void> attach(const std::vector<PortLink>& links);
-  /// Ties the ports of a newly loaded module to its links. A reloaded module continues where its former
-  /// instance was. Fails if a port is missing or has changed since it was described.
+  /// Connects the ports of a newly loaded module to its links. A reloaded module continues at the link
+  /// positions of its former instance. Fails if a port is missing or has changed since it was described.
   Result<void> connect(std::uint32_t index, ThreadModule& module);
 
  private:
@@ -27,7 +27,7 @@ class HostLinks {
     os::SharedMemory memory;
     channel::Link link;
     void* values = nullptr;      // never freed: a reader may be using one at any time
-    std::size_t value_size = 0;  // at the end that made the values
+    std::size_t value_size = 0;  // of the port that made the values
   };
   std::map<int, Memory> memories_;  // by descriptor
   std::vector<PortLink> links_;

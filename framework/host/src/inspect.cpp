@@ -39,7 +39,7 @@ Problems problems_from(const json& list) {
   return problems;
 }
 
-/// In the form that model::parse_ports() reads.
+/// The module's ports in the form that model::parse_ports() reads.
 std::string ports_of(const ThreadModule& module) {
   json list = json::array();
   for (const PortBase* port : module.ports()) {
@@ -54,7 +54,7 @@ std::string ports_of(const ThreadModule& module) {
   return model::json_text({{"ports", list}});
 }
 
-/// The problems that a program printed on standard error before it ended: one per line, "what; fix".
+/// The problems that a program printed on standard error before it ended. Each is one line, "what; fix".
 Problems printed_problems(const std::string& text) {
   Problems problems;
   std::istringstream lines{text};
@@ -71,7 +71,7 @@ struct ProgramAnswer {
   std::string operation;
   std::vector<model::Port> ports;
   std::vector<PropertyDescription> properties;
-  Problems problems;  ///< of its properties and of the values given to them
+  Problems problems;  ///< problems of its properties and of the values given to them
   std::optional<SavedDescription> saved{};
 };
 
@@ -96,15 +96,15 @@ constexpr const char* kProcessLibrary = "libtakt_process.so";
 /// The names of a file's dynamic symbols and libraries; empty if it is not an ELF file.
 std::string dynamic_names(const std::string& path) { return os::read_section(path, ".dynstr").value_or(""); }
 
-/// Whether to start a program to ask for its description. A script may start any program, so it is asked. A
-/// program without libtakt_process cannot answer, so it is not started.
+/// Whether to start a program to ask for its description. A script is started, because it may start any
+/// program. A program that is not linked with libtakt_process cannot answer, so it is not started.
 bool may_answer(const std::string& path) {
   const std::string names = dynamic_names(path);
   return names.empty() || names.find(kProcessLibrary) != std::string::npos;
 }
 
-/// Starts a program with these arguments and asks it to describe itself and end. `rejected`: the program
-/// ended with its own message about the arguments, which becomes the problems.
+/// Starts a program with these arguments and asks it to describe itself and end. Sets `rejected` if the
+/// program ended with an error message about its arguments; the result is then that message.
 Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& arguments,
                                   bool* rejected = nullptr) {
   auto sockets = os::MessageSocket::pair();
@@ -122,7 +122,7 @@ Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& argu
   const auto read_output = [&] {
     bool end = false;
     printed += os::read_available(child->error, &end);
-    os::read_available(child->output, &end);  // so that a program that prints does not block
+    os::read_available(child->output, &end);  // otherwise a program that prints much would block
   };
   std::optional<os::ProcessEnd> ended;
   for (const Instant limit = os::now() + kLimit; !ended && os::now() < limit;) {
@@ -166,7 +166,7 @@ json describe_loaded(const ThreadModule& module, const std::string& path) {
   return answer;
 }
 
-// A module that uses a component file. The file is loaded once for all its uses.
+// A module that uses a component file. One child process checks the file for all its uses.
 struct Use {
   std::size_t device;
   std::size_t module;
@@ -178,7 +178,7 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
   for (const Use& use : uses) {
     const model::Module& wanted = cell.devices[use.device].modules[use.module];
     ThreadModule module;
-    const bool again = loaded.count(use.device) != 0;  // the host will do the same
+    const bool again = loaded.count(use.device) != 0;  // then the host gives it its own globals, too
     Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
                                       wanted.operation == model::Operation::sporadic);
     const bool is_loaded = result.ok();  // without loading, the ports are unknown
@@ -329,7 +329,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   Components found;
   std::vector<ComponentPaths>& paths = found.paths;
   std::map<std::string, std::vector<Use>> thread_modules;
-  // Programs that connections name or that have properties: a program's ports may depend on its properties.
+  // The programs that are asked for their ports, by path and arguments, because ports may depend on
+  // properties.
   std::map<std::pair<std::string, Arguments>, std::vector<Use>> programs;
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     const model::Device& device = cell.devices[d];
@@ -344,7 +345,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
       } else if (module.type == model::ModuleType::process) {
         if (!os::is_executable(*path)) {
           add_at(cell, module,
-                 {fail(*path + " is not a program that this user may execute", "build it, or chmod +x")},
+                 {fail(*path + " is not a program that this user may execute",
+                       "build it, or run chmod +x on it")},
                  problems);
         } else if (os::is_shared_object(*path)) {
           add_at(

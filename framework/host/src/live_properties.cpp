@@ -59,11 +59,12 @@ Result<void> LiveProperties::set(const Values& values) {
   return {};
 }
 
-// Afterwards the setting thread owns the values. Values that still wait stay in waiting_.
+// Makes the setting thread the owner of the values. Values that the other thread has not taken over stay in
+// waiting_.
 void LiveProperties::withdraw() {
   State state = State::waiting;
   if (state_.compare_exchange_strong(state, State::none, std::memory_order_acquire)) return;
-  // The other thread makes a few swaps at most, but may be interrupted in the middle.
+  // The other thread is taking the values over. This takes it only a few swaps, unless it is preempted.
   while (state_.load(std::memory_order_acquire) != State::none)
     std::this_thread::sleep_for(std::chrono::microseconds{50});
   waiting_.clear();

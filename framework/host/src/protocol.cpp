@@ -118,7 +118,7 @@ Result<T> decoded(const std::string& text, Read&& read) {
     return T{read(model::parse_json(text))};
   } catch (const json::exception& exception) {
     return fail(std::string{"a message between node and host cannot be read: "} + exception.what(),
-                "install takt-node and takt-host of one version");
+                "install takt-node and takt-host of the same version");
   }
 }
 

@@ -12,7 +12,7 @@
 namespace takt::host {
 
 namespace {
-// Bounds the delay of a request whose host died before it rang.
+// Limits the delay of a request if the host that sent it died before it rang the wake word.
 constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
 }  // namespace
 
@@ -36,7 +36,7 @@ struct ServiceThread::Shared {
   void serve() {
     report_crashes_as(&activity);
     while (!end.load()) {
-      // A ring after this load ends the wait below at once, so no ring is lost.
+      // If the wake word rings after this load, the wait below ends at once. So no ring is lost.
       const std::uint32_t rings = wake_word.rings.load(std::memory_order_seq_cst);
       if (serve_next()) {
         ring_pending(wake_word);
@@ -52,7 +52,7 @@ struct ServiceThread::Shared {
     activity.begin(index, channel::Doing::serve, to_ns(os::now()));
     serving.store(true);
     const bool served = serve_one();
-    // This thread was given up in the meantime: the activity no longer belongs to it.
+    // If this thread was given up in the meantime, the activity no longer belongs to it.
     if (end.load()) return false;
     serving.store(false);
     activity.end();
@@ -74,7 +74,7 @@ ServiceThread::~ServiceThread() {
   shared_->end.store(true);
   shared_->wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
   os::futex_wake(shared_->wake_word.rings, channel::kServiceBit);
-  // If the mutex is held, its holder never returns: a handler, or a hook that the thread waits for.
+  // If the mutex is held, a handler or hook holds it and never returns. Then this thread cannot be joined.
   if (const std::unique_lock in_none{shared_->in_module, std::try_to_lock}; !in_none) thread_.detach();
 }
 

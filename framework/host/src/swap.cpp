@@ -13,7 +13,7 @@ using channel::Doing;
 using State = executor::Exchange::State;
 using std::chrono::microseconds;
 
-/// How often to translate a state that changes during the translation.
+/// How many attempts restore() gets to translate the state before the next run() changes it.
 constexpr int kMostAttempts = 1000;
 
 class Work {
@@ -41,7 +41,7 @@ class Work {
       }
       if (attempt == kMostAttempts)
         return undone("restore() did not finish before the module's next run() in any of " +
-                      std::to_string(attempt) + " attempts; make it shorter");
+                      std::to_string(attempt) + " attempts; make restore() faster");
       wait_for_run();
       if (auto followed = follow(); !followed) return undone(in_words(followed.problems()));
     }
@@ -62,7 +62,7 @@ class Work {
   }
 
   Result<void> prepare() {
-    // Loading a loaded object again would give the old code, even if its file has changed since.
+    // Loading an object again while it is loaded gives the old code, even if its file has changed since.
     const auto globals =
         os::Library::is_loaded(swap_.path) ? os::Library::Globals::own : os::Library::Globals::shared;
     auto done = in(Doing::load, [&] {
@@ -85,8 +85,8 @@ class Work {
   [[nodiscard]] bool out() const {
     return swap_.block.in_tables.load(std::memory_order_relaxed) == 0 || swap_.ends();
   }
-  // Handlers run on a different thread from rows. None is called during the exchange, so no handler works for
-  // an instance that has been replaced.
+  // Handlers and rows run on different threads. No handler is called during the exchange, so no handler works
+  // for an instance that has been replaced.
   State carry_out(executor::Exchange& exchange) {
     State state = State::waiting;
     {
@@ -107,8 +107,8 @@ class Work {
     to.take_over_handlers(from);
     swap_.handle_by(to);
   }
-  // Returns the new state. If it returns `state` itself: with `waiting`, the exchange was withdrawn; with
-  // `on_trial`, the device is ending.
+  // Waits until the exchange leaves `state`, and returns the new state. The result `waiting` means that the
+  // exchange was withdrawn; `on_trial` means that the device is ending or the node abandoned the swap.
   State wait_while(State state, const executor::Exchange& exchange) {
     while (exchange.state.load(std::memory_order_acquire) == state) {  // SYNC: exchange
       if (state == State::waiting ? out() && swap_.threads.withdraw() : swap_.ends()) return state;
@@ -116,8 +116,8 @@ class Work {
     }
     return exchange.state.load(std::memory_order_acquire);
   }
-  // During the trial the new instance saved nothing, so the old instance's state was still there if needed.
-  // From now on the new instance saves. This waits until its first state has replaced the old one.
+  // Lets the new instance save its state from now on, and waits until its first state has replaced the old
+  // one. During the trial it saved nothing, so that the old instance could have continued with its own state.
   void begin_to_save() {
     const std::uint64_t number = swap_.place.whole.load(std::memory_order_relaxed);
     swap_.next.save_in(swap_.place);
@@ -125,7 +125,7 @@ class Work {
            !out())
       os::sleep_until(os::now() + microseconds{500});
   }
-  // Waits for the end of a run: then the time until the next one is longest.
+  // Waits for the end of a run, because then the time until the next run is longest.
   void wait_for_run() const {
     const std::uint64_t cycles = swap_.block.cycles.load(std::memory_order_relaxed);
     while (swap_.block.cycles.load(std::memory_order_relaxed) == cycles && !out())

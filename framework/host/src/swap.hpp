@@ -1,13 +1,13 @@
 // Replaces a running module by a new instance without a missed release: `takt swap`.
 //
-// Everything slow or fallible happens first, beside the rows: loading, comparing, initialize(), restore() and
-// start(). Then one exchange happens between two rows (executor/exchange.hpp). During the exchange,
-// the executor's thread hands over the state that was saved last. So the new instance misses no update of the
-// old one.
+// All steps that are slow or can fail happen first, while the rows go on: loading, comparing, initialize(),
+// restore() and start(). Then one exchange happens between two rows (executor/exchange.hpp). During the
+// exchange, the executor's thread hands over the state that was saved last. So the new instance misses no
+// update of the old instance.
 //
 // The component itself must translate the state of another version, and a real-time thread cannot wait for
-// that. So the state is translated right after a run(). The result is used if nothing was saved since;
-// otherwise it is translated again.
+// that. So the state is translated right after a run(). The result is used if nothing was saved in the
+// meantime; otherwise the state is translated again.
 #pragma once
 
 #include <cstdint>
@@ -32,12 +32,12 @@ struct Swap {
   ThreadModule& before;                   ///< the running instance
   ThreadModule& next;                     ///< the new instance: attached, not loaded
   executor::Body& body;                   ///< the body through which the executor calls `next`
-  ExecutorThreads& threads;               ///< of the module's executor
+  ExecutorThreads& threads;               ///< the threads of the module's executor
   channel::SavedState& place;             ///< where the module saves
-  channel::Activity& activity;            ///< of the calling thread, which is not real-time
+  channel::Activity& activity;            ///< the activity of the calling thread, which is not real-time
   std::string path;                       ///< the file of `next`
-  irp::Property::Values properties;       ///< the current values
-  std::function<Result<void>()> connect;  ///< ties the ports of `next` to its links
+  irp::Property::Values properties;       ///< the current values of the module's properties
+  std::function<Result<void>()> connect;  ///< connects the ports of `next` to its links
   std::function<std::unique_lock<std::mutex>()> exclude;  ///< no handler is called while the lock is held
   std::function<void(ThreadModule&)> handle_by;           ///< sets the instance whose handlers are called
   std::function<bool()> ends;  ///< true once the executors have halted or the node has abandoned the swap
@@ -45,11 +45,11 @@ struct Swap {
 
 struct Swapped {
   bool kept = false;
-  std::string text;  ///< since when the new instance runs, or why it was not kept
+  std::string text;  ///< the first row of the new instance, or why it was not kept
 };
 
-/// Waits for the exchange and the trial. If `next` is not kept, `before` continues with the state that it
-/// saved itself.
+/// Carries out the swap, and waits for the exchange and the trial. If `next` is not kept, `before` continues
+/// with the state that it saved itself.
 Swapped carry_out(const Swap& swap);
 
 }  // namespace takt::host

@@ -15,7 +15,7 @@ namespace takt::host {
 
 namespace {
 
-/// A hook has no release, but samples that it writes to a port carry the time of its call.
+/// Gives the samples that a hook writes the time of the hook's call, because a hook has no release.
 class InHook {
  public:
   InHook(Instant now, Nanoseconds period) noexcept
@@ -34,7 +34,7 @@ class InHook {
 
 Instant ThreadModule::now() const noexcept { return clock_ == nullptr ? os::now() : clock_->now(); }
 
-// Calls a hook of foreign code: an exception or a takt_fail() becomes its Result.
+// Calls a hook, which is foreign code. An exception or a takt_fail() in the hook becomes the Result.
 template <class Call>
 Result<void> ThreadModule::guarded(Call&& call) {
   static_cast<void>(take_failure());
@@ -68,7 +68,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   auto library = os::Library::open(path, globals);
   if (!library) return library.problems();
   library_ = std::move(*library);
-  ports_ = take_loose_ports();  // open() has just run their constructors
+  ports_ = take_loose_ports();  // os::Library::open() has just run their constructors
   properties_ = take_loose_properties();
 
   if (void* get_factory = library_.own_symbol("takt_component_factory"); get_factory != nullptr) {
@@ -97,7 +97,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   const auto find = [this](auto& hook, const char* name) {
     hook = reinterpret_cast<std::remove_reference_t<decltype(hook)>>(library_.own_symbol(name));
   };
-  // A module may define `void initialize(void)` (Figure 10): under the C calling conventions of Linux the
+  // A module may define `void initialize(void)` (Figure 10). With the C calling convention of Linux, the
   // extra argument does no harm.
   find(initialize_, "initialize");
   find(start_, "start");
@@ -152,13 +152,14 @@ Result<void> ThreadModule::take_saved(const std::string& path) {
     if (saved_.data == nullptr || saved_.size == 0 || saved_.size > channel::kMostSaved) {
       saved_ = {};
       return fail(path + " saves a variable that is too large",
-                  "at most " + std::to_string(channel::kMostSaved) + " bytes are saved");
+                  "save at most " + std::to_string(channel::kMostSaved) + " bytes");
     }
   }
   return {};
 }
 
-// Only the component understands the state that another version saved.
+// A state that another version saved goes to the component's restore(), because only the component
+// understands it.
 void ThreadModule::restore() {
   restored_.clear();
   channel::SavedState* const place = place_.load(std::memory_order_relaxed);
@@ -266,7 +267,7 @@ Result<void> ThreadModule::follow(const ThreadModule& before) {
 
 bool ThreadModule::take_over(executor::Body& body) noexcept {
   auto& before = static_cast<ThreadModule&>(body);
-  if (stands_by_) {  // else it is being put back, and continues with its own state
+  if (stands_by_) {  // otherwise this instance is being put back, with its own state
     if (translated_) {
       const auto& place = *before.place_.load(std::memory_order_relaxed);
       if (place.whole.load(std::memory_order_relaxed) != *translated_) return false;
@@ -301,7 +302,7 @@ Result<void> ThreadModule::take_ports(const std::string& path) {
   }
   for (auto port = ports_.begin(); port != ports_.end(); ++port) {
     const bool plain = (*port)->role() == PortRole::plain;
-    // NAME, for the ports NAME/request and NAME/reply.
+    // Returns NAME for the ports NAME/request and NAME/reply.
     const auto name_of = [](const PortBase& one) {
       return one.role() == PortRole::plain ? one.name() : one.name().substr(0, one.name().rfind('/'));
     };

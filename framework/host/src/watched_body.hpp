@@ -8,8 +8,8 @@
 
 namespace takt::host {
 
-/// Stands between an executor and a module only while modules are watched; otherwise the executor calls the
-/// module itself.
+/// Stands between an executor and a module, only if a tool watches the modules. Without a tool, the executor
+/// calls the module directly.
 class WatchedBody final : public executor::Body {
  public:
   WatchedBody(executor::Body& body, std::uint32_t module, channel::ModuleWatch watch)

@@ -167,7 +167,7 @@ Result<std::string> given_property(const Module& module, const std::string& name
     given += (given.empty() ? "" : ", ") + property.name;
   }
   return fail("the descriptor sets no property " + in_quotes(name) + " of " + module.name,
-              given.empty() ? "it sets none" : "it sets " + given);
+              given.empty() ? "it sets no property of this module" : "it sets " + given);
 }
 
 void give_property(Module& module, const std::string& name, const std::string& value) {

@@ -89,7 +89,7 @@ Part part_of(const Executor& executor) {
            {"own host", words(own_host)}}};
 }
 
-// Without the file and the properties of the module; compare_contents() compares these.
+// Leaves out the file and the properties of the module; compare_contents() compares these.
 Part part_of(const Module& module) {
   const auto& [name, filename, type, operation, period, offset, deadline, miss, dispatch, interarrival,
                priority, executor, budget, tolerance, overrun, recovery, retain, properties, safe, line,
@@ -185,7 +185,8 @@ void compare(const std::vector<Part>& before, const std::vector<Part>& after,
   }
 }
 
-// The order in the descriptor decides between modules of equal priority, and which CPU an executor gets.
+// The order in the descriptor matters: it decides which of two modules of equal priority runs first, and
+// which CPU an executor gets.
 void compare_order(const std::vector<Part>& before, const std::vector<Part>& after, const char* what,
                    std::vector<std::string>& reasons) {
   const auto same = [](const Part& one, const Part& other) { return one.name == other.name; };
@@ -194,8 +195,8 @@ void compare_order(const std::vector<Part>& before, const std::vector<Part>& aft
     reasons.push_back(std::string{"the order of the "} + what + " has changed");
 }
 
-// Sorts the changes of files and properties into those that a running module can take and those that it
-// cannot.
+// Sorts the changes of files and properties into two groups: those that a running module can take, and the
+// others.
 void compare_contents(const Module& before, const Module& after, DeviceDifference& difference) {
   const bool thread = after.type == ModuleType::thread;
   const auto reason = [&](const std::string& words) {

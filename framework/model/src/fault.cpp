@@ -67,7 +67,7 @@ std::vector<std::string_view> fault_words() {
 }
 
 namespace {
-/// All words; a suggestion() would name only the first 20.
+/// Lists all words, because suggestion() would name only the first 20.
 std::string all_words() {
   std::string list;
   for (const std::string_view word : fault_words()) list += (list.empty() ? "" : ", ") + std::string{word};
@@ -183,7 +183,8 @@ Result<FaultFilter> filter_from(std::string_view text) {
             return fail("unknown event kind " + in_quotes(word.get<std::string>()),
                         suggestion(word.get<std::string>(), fault_words()));
           }
-          // Each kind once: the list may come from any participant, and every event is compared with it.
+          // Keep each kind only once, because the list may come from any participant, and every event is
+          // compared with it.
           if (std::find(filter.kinds.begin(), filter.kinds.end(), *kind) == filter.kinds.end())
             filter.kinds.push_back(*kind);
         }

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The text as JSON. Strings, characters and enumerators may also be written without quotes.
+/// Converts the text to a JSON value. Strings, characters and enumerators may also be written without quotes.
 Json value_of(const Field& field, const std::string& text) {
   const bool quoted = field.scalar == Scalar::text || field.scalar == Scalar::enumeration ||
                       field.scalar == Scalar::character;

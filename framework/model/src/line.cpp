@@ -27,7 +27,7 @@ std::string history(const Texts& texts, Line line) {
   std::string text;
   int steps = 0;
   for (const Insertion* step = insertion_of(texts, line); step != nullptr && steps < kMostSteps; ++steps) {
-    // An insertion refers only to an earlier one, so that the loop ends.
+    // An insertion refers only to an earlier insertion, so the loop ends.
     const Insertion* before = step->at.insertion < line.insertion ? insertion_of(texts, step->at) : nullptr;
     text += (text.empty() ? "" : ", ") + std::string{step->used ? "used at " : "included at "} +
             place(texts, step->at);

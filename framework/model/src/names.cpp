@@ -5,7 +5,7 @@
 namespace takt::model {
 
 bool is_valid_name(std::string_view name) {
-  // Not isalpha(), which depends on the locale.
+  // Does not use isalpha(), because that depends on the locale.
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto later = [letter](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; };
   return !name.empty() && name.size() <= kMaxNameLength && letter(name[0]) &&
@@ -30,7 +30,8 @@ bool is_number_up_to(std::string_view text, int most) {
   return number <= most;
 }
 
-/// The number of parts between dots; 0 if a part is not valid. A text without a dot is one part.
+/// The number of parts of a text that dots separate; 0 if a part is not valid. A text without a dot is one
+/// part.
 template <class IsPart>
 std::size_t count_parts(std::string_view text, IsPart is_part) {
   std::size_t parts = 0;
@@ -54,7 +55,7 @@ bool is_valid_host(std::string_view host) {
     return !label.empty() && label.size() <= kMaxNameLength && label.front() != '-' && label.back() != '-' &&
            std::all_of(label.begin(), label.end(), allowed);
   };
-  // Text of digits and dots is meant as an address, and must be a complete one: 10.0.1 is not valid.
+  // A text of digits and dots is meant as an address, so it must be a complete address: 10.0.1 is not valid.
   const bool address = std::all_of(host.begin(), host.end(), [](char c) { return is_digit(c) || c == '.'; });
   if (!address) return count_parts(host, is_label) > 0;
   return count_parts(host, [](std::string_view part) { return is_number_up_to(part, 255); }) == 4;

@@ -28,7 +28,7 @@ std::string fields_differ(const std::vector<Field>& first, const std::vector<Fie
     if (a.name != b.name) return "where the first has " + name + ", the second has " + prefix + b.name;
     if (spelled(a) != spelled(b))
       return name + " is " + spelled(a) + " in the first and " + spelled(b) + " in the second";
-    if (a.enumerators != b.enumerators) return name + " has other enumerators in the second";
+    if (a.enumerators != b.enumerators) return name + " has different enumerators in the second";
     if (std::string inner = fields_differ(a.fields, b.fields, name + "."); !inner.empty()) return inner;
   }
   return {};
@@ -147,8 +147,8 @@ class Check {
     }
   }
 
-  /// The request port and the reply port of an end; null if it has no such service or client, or if its ports
-  /// are not known.
+  /// The request port and the reply port of an end. Both are null if the module has no such service or
+  /// client, or if its ports are not known.
   struct Halves {
     const Port* request = nullptr;
     const Port* reply = nullptr;
@@ -184,7 +184,8 @@ class Check {
           "connect it with <connection from=\"...\" to=\"...\"/>");
     } else {
       add(line, "module " + module + " has no " + kind + " " + in_quotes(end.port),
-          names.empty() ? std::string{"it has none"} : suggestion(end.port, {names.begin(), names.end()}));
+          names.empty() ? std::string{"it has no "} + kind
+                        : suggestion(end.port, {names.begin(), names.end()}));
     }
     return {};
   }
@@ -379,7 +380,7 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
     const auto role = role_of(string_of("role"));
     auto type = parse_type(string_of("description"));
     if (port.name.empty() || !direction || !role) {
-      problems.push_back(fail("a port has no name, direction or role"));
+      problems.push_back(fail("a port lacks a name, a direction or a role"));
     } else if (!type) {
       for (const Problem& problem : type.problems())
         problems.push_back(fail("port " + port.name + ": " + problem.what, problem.fix));
@@ -387,7 +388,7 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
       port.direction = *direction;
       port.role = *role;
       port.type = std::move(*type);
-      // A component writes it in hex, ports_json() as an object.
+      // A component writes the safe value in hex; ports_json() writes it as an object.
       if (const auto safe = each.find("safe"); safe != each.end() && safe->is_object())
         port.safe = json_text(*safe);
       else

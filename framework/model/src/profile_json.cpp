@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The times of a module in ascending order.
+/// A time of a module. kTimes has all of them in ascending order.
 struct Time {
   const char* key;
   Nanoseconds RunTimes::*of;

@@ -26,7 +26,7 @@ std::size_t product(const std::vector<std::size_t>& dimensions) noexcept {
   return result;
 }
 
-/// Calls f with a zero of the C++ type of a number; returns false if the scalar is not a number.
+/// Calls `f` with the value 0 in the C++ type of the scalar. Returns false if the scalar is not a number.
 template <class F>
 bool with_number(Scalar scalar, F f) {
   switch (scalar) {
@@ -154,7 +154,7 @@ class Printer {
         text += from_.get_boolean() ? "true" : "false";
         break;
       case Scalar::character: {
-        // The byte as Latin-1, in which every byte is a character.
+        // Read the byte as Latin-1, in which every byte is a character.
         const auto byte = from_.get<unsigned char>();
         quoted(byte < 0x80 ? std::string(1, static_cast<char>(byte))
                            : std::string{static_cast<char>(0xC0 | byte >> 6),

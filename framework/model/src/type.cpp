@@ -25,11 +25,11 @@ constexpr std::array<const char*, 15> kWords{
 
 // ---- Sizes
 
-/// The number of bytes that a value adds, indexed by its start offset modulo 8. Padding depends on nothing
-/// else.
+/// The number of bytes that a value adds, indexed by the offset modulo 8 at which it starts. Padding depends
+/// on nothing but this offset.
 using Span = std::array<std::size_t, 8>;
 
-/// Saturated sizes: larger than every limit, and small enough that sums do not overflow.
+/// Replaces every larger size. It exceeds every limit, and is small enough that sums do not overflow.
 constexpr std::size_t kTooMany = 4 * kMaxSampleSize;
 
 Span both(const Span& first, const Span& second) {

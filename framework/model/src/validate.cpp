@@ -205,7 +205,7 @@ void Validation::check_release(const Module& module) {
     add(or_module(module.lines.interarrival), kind + " has an <interarrival>",
         "remove the <interarrival>, or make the module sporadic" + reason);
   }
-  // If there is a deadline, check_times() has already rejected that.
+  // If the module has a deadline, check_times() has already rejected it.
   if (module.miss != Miss::count && !module.deadline) {
     add(module.line, kind + " has a reaction to a missed deadline, but no deadline",
         "leave miss at count, or make the module sporadic");
@@ -276,7 +276,7 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
   too_many(device.executors.size(), kMaxExecutors, "executors");
   too_many(device.modules.size(), kMaxModules, "modules");
   if (device.executors.empty() && !gaps.executors) {
-    add(device.line, "device " + in_quotes(device.name) + " has no executor", "add one, as in main");
+    add(device.line, "device " + in_quotes(device.name) + " has no executor", "add an <executor>");
   }
   if (device.modules.empty() && !gaps.modules) {
     add(device.line, "device " + in_quotes(device.name) + " has no module", "give it at least one <module>");
@@ -285,7 +285,7 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
     gaps.executors = true;
   check_module_names(device, gaps);
   if (device.executors.size() > kMaxExecutors)
-    gaps.executors = true;  // comparing every module with all of them would take hours
+    gaps.executors = true;  // comparing every module with so many executors would take hours
   for (const Executor& executor : device.executors) check_executor(executor);
   for (const Module& module : device.modules) {
     if (findings_.full()) return;

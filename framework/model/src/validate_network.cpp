@@ -47,7 +47,7 @@ class Network {
 
   void check_discovery();
   void check_connections();
-  /// Call it after check_connections().
+  /// Must be called after check_connections().
   void check_services();
 
  private:
@@ -341,8 +341,8 @@ void Network::check_shared_topics(const Connections& connections) {
   }
 }
 
-/// Finds circles of connections with stale="error". A module in error writes nothing, so modules that are in
-/// error without each other's values would never recover.
+/// Finds circles of connections with stale="error". A module in error writes nothing. So modules that are in
+/// error because each waits for a value of the next would never recover.
 void Network::check_waiting(const Connections& connections) {
   using Name = std::pair<std::string_view, std::string_view>;
   struct Reader {
@@ -409,7 +409,8 @@ void Network::check_connections() {
   Connections comparable;
   for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
     const Connection& connection = cell_.connections[index];
-    if (connection.carries != Carries::samples) continue;  // of a service; check_services() checks these
+    if (connection.carries != Carries::samples)
+      continue;  // a connection of a service; check_services() checks it
     check_connection(connection);
     if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
     if (check_ends(connection)) comparable.push_back(&connection);
@@ -456,7 +457,7 @@ void Network::check_services() {
           "remove one; the first is " + findings_.whereabouts(other->second->line));
       continue;
     }
-    // The longer of the two topics; the topic of the replies is named after the client, too.
+    // Check the longer of the two topics. The topic of the replies is named after the client, too.
     Endpoint request = service.client;
     request.port += kRequestPort;
     const Connection requests{

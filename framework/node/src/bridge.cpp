@@ -34,7 +34,7 @@ json duration(const std::optional<Nanoseconds>& value) {
   return value ? json(value->count()) : json(nullptr);
 }
 
-// A type is sent as a port of that type.
+// The type of a flow is sent as a port of this type.
 json to_json(const dds::Flow& flow) {
   model::Port port;
   port.name = "port";
@@ -73,7 +73,7 @@ wire::FlowHealth health_from(const json& value) {
           .incompatible = value.at("incompatible")};
 }
 
-/// The bridge process's side: the memory of the links, and the gateway that uses it.
+/// The part in the bridge process: the memory of the links, and the gateway that uses it.
 class BridgeProgram {
  public:
   Result<void> open(const json& request, const std::vector<std::string>& interfaces) {
@@ -132,7 +132,7 @@ class BridgeProgram {
 
   std::vector<os::SharedMemory> memories_;
   std::shared_ptr<dds::Participant> participant_;
-  std::unique_ptr<dds::Gateway> gateway_;  // declared after the memory that it uses
+  std::unique_ptr<dds::Gateway> gateway_;  // must be declared after the memory that it uses
   std::vector<dds::Gateway::FlowId> flows_;
 };
 
@@ -196,7 +196,7 @@ void Bridge::step(Instant now) {
   while (const auto text = socket_.receive()) handle(*text);
   const std::string name = "the bridge to domain " + std::to_string(options_.domain);
   if (const auto end = child_.poll()) {
-    // The bridge may have been asleep: writers no longer need to wake it.
+    // The bridge may have been asleep when it ended. Its bit is cleared, so that writers no longer wake it.
     auto& wake_word = *reinterpret_cast<channel::WakeWord*>(options_.wake_word->data());
     wake_word.gateway_sleeps.fetch_and(~(1U << options_.place), std::memory_order_seq_cst);
     for (wire::FlowHealth& health : health_) health.matched = 0;

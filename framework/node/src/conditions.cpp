@@ -8,7 +8,7 @@ namespace takt::node {
 
 namespace {
 
-// The longest delay between a release and its row that costs no part of the period.
+// Returns the longest delay between a release and its row that costs no part of the period.
 Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_period) {
   switch (executor.wakeup) {
     case model::Wakeup::hybrid:
@@ -21,7 +21,7 @@ Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_per
   return Nanoseconds::max();
 }
 
-// With a shorter period, no row could end before the next is due.
+// With a shorter period, no row could end before the next row is due.
 constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
 
 std::string kept_of(const os::Throttling& throttling) {
@@ -30,7 +30,7 @@ std::string kept_of(const os::Throttling& throttling) {
   return to_text(throttling.kept) + " of " + of;
 }
 
-// A measured time with its first three digits.
+// Formats a measured time with three digits.
 std::string about(Nanoseconds time) {
   Nanoseconds unit{1};
   while (time / unit >= 1000) unit *= 10;
@@ -60,7 +60,7 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
                          kept_of(*throttling) +
                          (throttling->fair_server ? " when an ordinary thread waits for its CPU"
                                                   : " (real-time throttling)") +
-                         "; use wakeup=\"hybrid\", or: " + throttling_cure(*throttling));
+                         "; use wakeup=\"hybrid\", or run " + throttling_cure(*throttling));
     }
     if (executor.wakeup == model::Wakeup::spin) continue;
     if (basic < kShortest) {
@@ -88,16 +88,17 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
 
 std::optional<std::string> throttled(const model::Executor& executor, Nanoseconds gap,
                                      const os::Throttling& throttling) {
-  // The gap may be measured a little shorter, and other threads may run first after it.
+  // The measured gap may be a little shorter. It may be longer, because other threads may run first.
   const bool about_as_long = gap >= throttling.kept * 9 / 10 && gap <= throttling.kept * 3 / 2;
   if (!throttling.on() || !about_as_long) return std::nullopt;
   const bool spins = executor.wakeup == model::Wakeup::spin;
-  // An executor that sleeps may have lost the CPU to something else: the host of a virtual machine, firmware.
+  // An executor that sleeps may have lost the CPU to something else, such as a virtual machine's host or
+  // firmware.
   return "executor " + executor.name + " lost its CPU for " + about(gap) + ": " +
          (spins ? "the kernel keeps " : "about as long as the kernel keeps it (") + kept_of(throttling) +
          (spins ? " from" : ") from") + " real-time threads that leave others no time" +
          (throttling.fair_server ? ", by its fair server" : ", by real-time throttling") + "; " +
-         (spins ? "use wakeup=\"hybrid\", or: " : "give its modules less work, run takt doctor, or: ") +
+         (spins ? "use wakeup=\"hybrid\", or run " : "give its modules less work, run takt doctor, or run ") +
          throttling_cure(throttling);
 }
 

@@ -19,13 +19,14 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// The interval of liveliness assertions; short enough for the lease of takt/lifecycle.
+/// The interval of liveliness assertions. It must be shorter than the lease of takt/lifecycle.
 constexpr milliseconds kAssertEvery{100};
 /// The interval of searches for new network interfaces.
 constexpr Nanoseconds kRescanEvery = std::chrono::seconds{2};
-/// The most events that wait to be published; beyond that the oldest stay only in the fault record.
+/// The largest number of events that wait to be published. If there are more, the oldest are not published
+/// and stay only in the fault record.
 constexpr std::size_t kMostFaults = 1024;
-/// The time at the end for observers to learn that this node leaves.
+/// How long the node waits at its end, so that observers learn that it leaves.
 constexpr milliseconds kFarewell{200};
 
 class DeviceWriter final : public DeviceSink {
@@ -72,7 +73,7 @@ struct DdsPublisher::Inside {
     device.farewell();
   }
 
-  // Runs on the publisher thread: transitions first, then everything else.
+  // Runs on the publisher thread. Publishes transitions first, then everything else.
   void run_publisher() {
     Instant asserted{};
     Instant scanned = os::now();
@@ -144,7 +145,8 @@ struct DdsPublisher::Inside {
   supervision::Measures withdrawn;
   std::deque<FaultEvent> pending_faults;
   std::atomic<bool> end{false};
-  os::Thread heartbeat_thread;  // last members: joined before what they use is destroyed
+  // The last members, so that the threads are joined before the other members are destroyed.
+  os::Thread heartbeat_thread;
   os::Thread publisher_thread;
 };
 

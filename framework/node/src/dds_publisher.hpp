@@ -1,4 +1,4 @@
-// Publishes an agent's output on DDS, on threads of its own.
+// Publishes an agent's output on DDS, on its own threads.
 #pragma once
 
 #include <functional>
@@ -13,12 +13,12 @@ namespace takt::node {
 class DdsPublisher final : public agent::Publisher {
  public:
   static Result<std::unique_ptr<DdsPublisher>> create(std::shared_ptr<dds::Participant> participant);
-  /// Withdraws the device's status and waits briefly until observers have received that.
+  /// Withdraws the device's status, and waits briefly until observers have received the withdrawal.
   ~DdsPublisher() override;
 
   /// Sets the function that sends replies. Call it before the first command can arrive.
   void set_reply_sender(std::function<void(const wire::WholeReply&)> replies);
-  /// The main loop calls this in each turn: see Heartbeat::kick().
+  /// The main loop calls this in each turn, see Heartbeat::kick().
   void kick();
 
   void reply(const wire::WholeReply& reply) override;

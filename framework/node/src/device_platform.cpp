@@ -88,8 +88,8 @@ Result<void> DevicePlatform::start_record() {
   return {};
 }
 
-// Loads what modules retain, and starts to write it to disk. A file that cannot be read is only a warning:
-// its module starts without the saved state.
+// Loads the state that modules retain, and starts to write it to disk. If a file cannot be read, the node
+// prints a warning and the module starts without the saved state.
 Result<void> DevicePlatform::retain() {
   const model::Device& device = parts_->of_device();
   std::vector<Retained::One> all;
@@ -182,8 +182,8 @@ std::vector<Detection> DevicePlatform::detections() {
   return detections;
 }
 
-// Detects that the kernel kept an executor from its CPU: its next row is late by that time. The kernel
-// itself reports throttling only once, up to Linux 6.11, and without a name.
+// Detects that the kernel kept an executor from its CPU. Then the executor's next row is late by this time.
+// The kernel reports throttling only once, only up to Linux 6.11, and without naming the thread.
 void DevicePlatform::watch_gaps(std::vector<Detection>& detections) {
   while (const auto text = kernel_news_.next()) {
     if (text->find("RT throttling activated") != std::string::npos)
@@ -207,7 +207,7 @@ bool DevicePlatform::finish() {
   return recorded && retained;
 }
 
-// The violations.
+// Returns the real-time violations of each module and executor.
 Problems DevicePlatform::final_problems() {
   Problems problems;
   if (!violations_) return problems;

@@ -50,7 +50,8 @@ bool has(const std::vector<int>& cpus, int cpu) {
   return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
 }
 
-// The CPUs of executors: the isolated ones, else the highest, which an executor without `cpu` gets first.
+// Returns the CPUs of executors. These are the isolated CPUs, or else the highest CPU, because an executor
+// without `cpu` gets that first.
 std::vector<int> executor_cpus(const Machine& machine) {
   if (!machine.isolated.empty()) return machine.isolated;
   return machine.online.size() < 2 ? std::vector<int>{} : std::vector<int>{machine.online.back()};
@@ -63,12 +64,13 @@ Finding preemption(const Machine& machine, const Trial&) {
                   .why =
                       "a kernel that works for another thread delays a real-time thread until it can be "
                       "preempted, which may take milliseconds"};
-  const char* const install = "apt-get install linux-image-rt-amd64, and reboot";
-  const char* const boot = "boot with preempt=full, or better: apt-get install linux-image-rt-amd64";
+  const char* const install = "run apt-get install linux-image-rt-amd64, and reboot";
+  const char* const boot =
+      "boot with preempt=full, or better, run apt-get install linux-image-rt-amd64 and reboot";
   if (!machine.preemption) {
     finding.severity = Severity::note;
     finding.found += " selects its preemption mode at boot, and the mode cannot be read here";
-    finding.cure = "mount -t debugfs none /sys/kernel/debug, and run takt doctor again as root";
+    finding.cure = "run mount -t debugfs none /sys/kernel/debug as root, and then takt doctor";
     return finding;
   }
   switch (*machine.preemption) {
@@ -99,14 +101,14 @@ Finding preemption(const Machine& machine, const Trial&) {
 Finding priority(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "priority",
                   .found = "SCHED_FIFO is granted",
-                  .why = "without it any busy program delays control loops by milliseconds and more"};
+                  .why = "without SCHED_FIFO, any busy program delays control loops by milliseconds or more"};
   if (trial.priority) return finding;
   finding.severity = Severity::spoils;
   finding.found = in_words(trial.priority.problems());
   if (machine.priority) finding.found += " (rtprio limit " + limit_text(machine.priority->hard) + ")";
-  finding.cure = "run as root, or: setcap cap_sys_nice,cap_ipc_lock+ep " + os::program_directory() +
+  finding.cure = "run Takt as root, or run setcap cap_sys_nice,cap_ipc_lock+ep " + os::program_directory() +
                  "/takt-node " + os::private_directory() +
-                 "/takt-host, or: echo '* - rtprio 98' >> /etc/security/limits.conf";
+                 "/takt-host, or run echo '* - rtprio 98' >> /etc/security/limits.conf";
   return finding;
 }
 
@@ -121,42 +123,42 @@ Finding memory(const Machine& machine, const Trial& trial) {
   finding.found = in_words(trial.locking.problems());
   if (machine.locked && machine.locked->hard)
     finding.found += " (hard limit " + amount(*machine.locked->hard) + ")";
-  finding.cure = "run as root, or: echo '* - memlock unlimited' >> /etc/security/limits.conf";
+  finding.cure = "run Takt as root, or run echo '* - memlock unlimited' >> /etc/security/limits.conf";
   return finding;
 }
 
 Finding swap(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "swap",
-                  .found = "none",
+                  .found = "no swap space is enabled",
                   .why =
                       "a program that was swapped out waits for the disk; locked memory is never swapped "
                       "out, but the programs that a cell communicates with may be"};
   if (!machine.swap_bytes || *machine.swap_bytes == 0) return finding;
   finding.severity = trial.locking ? Severity::note : Severity::spoils;
   finding.found = amount(*machine.swap_bytes) + " of swap space is enabled";
-  finding.cure = "swapoff -a, and remove it from /etc/fstab";
+  finding.cure = "run swapoff -a, and remove the swap space from /etc/fstab";
   return finding;
 }
 
 Finding throttling(const Machine& machine, const Trial&) {
   Finding finding{
       .name = "throttling",
-      .found = "off",
+      .found = "the kernel does not throttle real-time threads",
       .why =
-          "an executor that never sleeps (wakeup=\"spin\") is interrupted for that long; an executor that "
-          "sleeps is not"};
+          "the kernel interrupts an executor that never sleeps (wakeup=\"spin\") for this time; it does not "
+          "interrupt an executor that sleeps"};
   if (!machine.throttling) {
-    finding.found = "the setting of this kernel cannot be read";
+    finding.found = "the kernel's setting of throttling cannot be read";
     return finding;
   }
   const os::Throttling& t = *machine.throttling;
   if (!t.on()) return finding;
   finding.severity = Severity::note;
-  finding.found = "the kernel keeps " + to_text(t.kept) + " of each " + to_text(t.period) +
-                  " from real-time threads" +
-                  (t.fair_server ? " while ordinary threads wait for their CPU (the fair server)" : "") +
-                  (t.seen ? "" : "; these are the kernel's defaults, the present values cannot be read here");
-  finding.cure = throttling_cure(t);
+  finding.found =
+      "the kernel keeps " + to_text(t.kept) + " of each " + to_text(t.period) + " from real-time threads" +
+      (t.fair_server ? " while ordinary threads wait for their CPU (the fair server)" : "") +
+      (t.seen ? "" : "; these are the kernel's defaults, because the present values cannot be read");
+  finding.cure = "run " + throttling_cure(t);
   return finding;
 }
 
@@ -192,7 +194,7 @@ Finding isolation(const Machine& machine, const Trial&) {
 
 Finding interrupts(const Machine& machine, const Trial&) {
   Finding finding{.name = "interrupts",
-                  .found = "none arrives on the CPUs of executors",
+                  .found = "no interrupt arrives on the CPUs of executors",
                   .why = "an interrupt is served before any thread, whatever its priority"};
   const std::vector<int> mine = executor_cpus(machine);
   std::vector<std::string> there;
@@ -201,7 +203,7 @@ Finding interrupts(const Machine& machine, const Trial&) {
         std::any_of(mine.begin(), mine.end(), [&](int cpu) { return has(interrupt.cpus, cpu); });
     if (comes) there.push_back(std::to_string(interrupt.number) + " (" + interrupt.name + ")");
   }
-  if (machine.online.size() < 2) finding.found = "all arrive on the only CPU";
+  if (machine.online.size() < 2) finding.found = "all interrupts arrive on the only CPU";
   if (there.empty() && !machine.irqbalance) return finding;
   finding.severity = Severity::note;
   if (!there.empty()) {
@@ -214,13 +216,13 @@ Finding interrupts(const Machine& machine, const Trial&) {
     for (const int cpu : machine.online) {
       if (!has(mine, cpu)) others.push_back(cpu);
     }
-    finding.cure =
-        "for irq in /proc/irq/[0-9]*; do echo " + os::cpus_text(others) + " > $irq/smp_affinity_list; done";
+    finding.cure = "run for irq in /proc/irq/[0-9]*; do echo " + os::cpus_text(others) +
+                   " > $irq/smp_affinity_list; done";
   }
   if (machine.irqbalance) {
     finding.found += there.empty() ? ", but irqbalance may move them" : "; irqbalance may move them";
-    finding.cure =
-        "systemctl disable --now irqbalance" + std::string{there.empty() ? "" : "; "} + finding.cure;
+    finding.cure = "run systemctl disable --now irqbalance" +
+                   std::string{there.empty() ? "" : ", and then "} + finding.cure;
   }
   return finding;
 }
@@ -240,14 +242,14 @@ Finding frequency(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   finding.found = "the governor is " + slow;
   finding.cure =
-      "for cpu in /sys/devices/system/cpu/cpu[0-9]*; do echo performance > "
+      "run for cpu in /sys/devices/system/cpu/cpu[0-9]*; do echo performance > "
       "$cpu/cpufreq/scaling_governor; done";
   return finding;
 }
 
 Finding idle(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "idle states",
-                  .found = "none is deep",
+                  .found = "no deep idle state is enabled",
                   .why = "the deeper a CPU sleeps, the later it wakes up"};
   const os::IdleState* deepest = nullptr;
   for (const os::Processor& processor : machine.processors) {
@@ -259,53 +261,56 @@ Finding idle(const Machine& machine, const Trial& trial) {
   if (deepest == nullptr) return finding;
   finding.found = deepest->name + " takes " + to_text(deepest->exit_latency) + " to wake up from";
   if (trial.idle_held) {
-    finding.found += "; Takt prevents it while a cell runs";
+    finding.found += "; Takt prevents this idle state while a cell runs";
     return finding;
   }
   finding.severity = Severity::note;
   finding.found += ", and " + in_words(trial.idle_held.problems());
-  finding.cure = "run as root, or: chmod a+w /dev/cpu_dma_latency, or boot with cpuidle.off=1";
+  finding.cure = "run Takt as root, or run chmod a+w /dev/cpu_dma_latency, or boot with cpuidle.off=1";
   return finding;
 }
 
 Finding clock(const Machine& machine, const Trial&) {
-  Finding finding{
-      .name = "clock",
-      .found =
-          machine.clock.empty() ? "the clock source cannot be read" : "the clock source is " + machine.clock,
-      .why =
-          "the time is read several times in each row; that takes 20 ns with a fast source, and a "
-          "microsecond and a system call with a slow one"};
+  Finding finding{.name = "clock",
+                  .found = machine.clock.empty() ? "the clock source cannot be read"
+                                                 : "the clock source is " + machine.clock,
+                  .why =
+                      "the time is read several times in each row; one reading takes 20 ns with a fast "
+                      "source, but 1 us and "
+                      "a system call with a slow source"};
   constexpr const char* kSlow[] = {"hpet", "acpi_pm", "jiffies", "refined-jiffies", "pit", "xen"};
   if (std::none_of(std::begin(kSlow), std::end(kSlow),
                    [&](const char* slow) { return machine.clock == slow; }))
     return finding;
   finding.severity = Severity::spoils;
   const bool tsc = std::find(machine.clocks.begin(), machine.clocks.end(), "tsc") != machine.clocks.end();
-  finding.cure = tsc ? "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource"
+  finding.cure = tsc ? "run echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource"
                      : "boot with tsc=reliable if the CPU has a constant TSC";
   return finding;
 }
 
 Finding timers(const Machine& machine, const Trial& trial) {
-  Finding finding{.name = "timers",
-                  .found = "high resolution",
-                  .why = "timers wake sleeping threads; without high resolution, only at the next tick"};
+  Finding finding{
+      .name = "timers",
+      .found = "timers have a high resolution",
+      .why =
+          "timers wake sleeping threads; without a high resolution, a thread is woken only at the next tick"};
   if (trial.timer_resolution >= std::chrono::microseconds{100}) {
     finding.severity = Severity::spoils;
-    finding.found = "only a tick of " + to_text(trial.timer_resolution);
+    finding.found = "timers have only the resolution of a tick, " + to_text(trial.timer_resolution);
     finding.cure = "boot a kernel with CONFIG_HIGH_RES_TIMERS and without highres=off";
     return finding;
   }
   if (machine.timer_slack) {
-    finding.found += "; a slack of " + to_text(*machine.timer_slack) + ", but not for real-time threads";
+    finding.found +=
+        "; their slack of " + to_text(*machine.timer_slack) + " does not affect real-time threads";
   }
   return finding;
 }
 
 Finding hyper_threads(const Machine& machine, const Trial&) {
   Finding finding{.name = "hyper-threads",
-                  .found = "each CPU has a core of its own",
+                  .found = "each CPU has its own core",
                   .why = "two CPUs of one core compete for its units and caches"};
   const bool shared =
       std::any_of(machine.processors.begin(), machine.processors.end(),
@@ -316,18 +321,18 @@ Finding hyper_threads(const Machine& machine, const Trial&) {
     if (processor.siblings.size() < 2 || processor.siblings.back() != processor.number) continue;
     finding.found = "CPUs share cores, such as CPUs " + os::cpus_text(processor.siblings);
   }
-  finding.cure = "echo off > /sys/devices/system/cpu/smt/control";
+  finding.cure = "run echo off > /sys/devices/system/cpu/smt/control";
   return finding;
 }
 
 Finding virtual_machine(const Machine& machine, const Trial&) {
   Finding finding{.name = "virtual machine",
-                  .found = "none",
+                  .found = "this is not a virtual machine",
                   .why = "the host may take a CPU away at any instant, for any length of time"};
   if (machine.hypervisor.empty()) return finding;
   finding.severity = Severity::note;
   finding.found = "this machine runs on " + machine.hypervisor;
-  finding.cure = "pin each of its virtual CPUs to a dedicated CPU, with real-time priority";
+  finding.cure = "pin each virtual CPU of this machine to a dedicated CPU, with real-time priority";
   finding.mend_on = kHost;
   return finding;
 }
@@ -335,15 +340,15 @@ Finding virtual_machine(const Machine& machine, const Trial&) {
 Finding stolen(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "stolen time",
                   .found = "",
-                  .why = "during stolen time the host runs other machines, and this one stands still"};
+                  .why = "during stolen time, the host runs other machines and this machine stands still"};
   if (!machine.time) {
-    finding.found = "not counted by this kernel";
+    finding.found = "this kernel does not count stolen time";
     return finding;
   }
   const double ever = machine.time->stolen_share();
   const double now = trial.stolen_share.value_or(0);
-  finding.found = percent(ever) + " since the machine was booted, " + percent(now) + " now";
-  // The present share changes every second, so it alone gives no more than a note.
+  finding.found = percent(ever) + " of the time since the machine was booted, " + percent(now) + " now";
+  // The present share changes every second. So it alone causes a note at most.
   if (ever >= kStolenSpoils)
     finding.severity = Severity::spoils;
   else if (now >= kStolenNote || ever >= kStolenNote)
@@ -355,45 +360,50 @@ Finding stolen(const Machine& machine, const Trial& trial) {
 }
 
 Finding huge_pages(const Machine& machine, const Trial&) {
-  Finding finding{.name = "huge pages",
-                  .found = machine.huge_pages.empty() ? "none" : machine.huge_pages,
-                  .why = "with \"always\" the kernel rearranges a program's pages while it runs"};
+  Finding finding{
+      .name = "huge pages",
+      .found = machine.huge_pages.empty() ? "this kernel has no transparent huge pages"
+                                          : "transparent huge pages are set to " + machine.huge_pages,
+      .why = "with the setting always, the kernel rearranges a program's pages while the program runs"};
   if (machine.huge_pages == "always") {
     finding.severity = Severity::note;
-    finding.cure = "echo madvise > /sys/kernel/mm/transparent_hugepage/enabled";
+    finding.cure = "run echo madvise > /sys/kernel/mm/transparent_hugepage/enabled";
   }
   if (machine.numa_balancing.value_or(false)) {
     finding.severity = Severity::note;
     finding.found += "; the kernel moves pages between memory nodes (numa_balancing)";
-    finding.cure += (finding.cure.empty() ? "" : "; ") + std::string{"sysctl -w kernel.numa_balancing=0"};
+    finding.cure +=
+        (finding.cure.empty() ? "" : ", and ") + std::string{"run sysctl -w kernel.numa_balancing=0"};
   }
   return finding;
 }
 
 Finding sockets(const Machine& machine, const Trial&) {
-  Finding finding{.name = "sockets",
-                  .found = "",
-                  .why = "samples of a burst that do not fit in the buffer are lost, or sent again later"};
+  Finding finding{
+      .name = "sockets",
+      .found = "",
+      .why = "if the samples of a burst do not fit into the buffer, some are lost, or sent again later"};
   const std::uint64_t receive = machine.receive_buffer_bytes.value_or(0);
   const std::uint64_t send = machine.send_buffer_bytes.value_or(0);
-  finding.found = "buffers of up to " + amount(receive) + " to receive and " + amount(send) + " to send";
+  finding.found =
+      "a socket may have " + amount(receive) + " of receive buffer and " + amount(send) + " of send buffer";
   if (!machine.receive_buffer_bytes || !machine.send_buffer_bytes)
-    finding.found = "their limits cannot be read";
+    finding.found = "the limits of socket buffers cannot be read";
   if (!machine.receive_buffer_bytes || (receive >= kSocketBuffer && send >= kSocketBuffer)) return finding;
   finding.severity = Severity::note;
-  finding.cure = "sysctl -w net.core.rmem_max=4194304 net.core.wmem_max=4194304";
+  finding.cure = "run sysctl -w net.core.rmem_max=4194304 net.core.wmem_max=4194304";
   return finding;
 }
 
 Finding files(const Machine& machine, const Trial&) {
   Finding finding{.name = "files",
                   .found = "no limit on open files is known",
-                  .why = "each program of a cell and each of its connections needs some"};
+                  .why = "each program of a cell and each of its connections needs some open files"};
   if (!machine.files) return finding;
-  finding.found = "up to " + limit_text(machine.files->hard) + " may be open in a process";
+  finding.found = "the limit of open files in a process is " + limit_text(machine.files->hard);
   if (!machine.files->hard || *machine.files->hard >= kFiles) return finding;
   finding.severity = Severity::note;
-  finding.cure = "echo '* - nofile 65536' >> /etc/security/limits.conf";
+  finding.cure = "run echo '* - nofile 65536' >> /etc/security/limits.conf";
   return finding;
 }
 
@@ -408,32 +418,33 @@ Finding shared_memory(const Machine& machine, const Trial&) {
                                               : "there is no /dev/shm";
   if (machine.shared_memory_bytes.value_or(0) >= 64 * kMiB) return finding;
   finding.severity = Severity::note;
-  finding.cure = "mount -o remount,size=256M /dev/shm";
+  finding.cure = "run mount -o remount,size=256M /dev/shm";
   return finding;
 }
 
 Finding wake_up(const Machine&, const Trial& trial) {
   const os::WakeUps& w = trial.wake_ups;
   Finding finding{.name = "wake-up",
-                  .found = "p50 " + microseconds(w.p50) + ", p99 " + microseconds(w.p99) + ", max " +
-                           microseconds(w.max) + " late, of " + std::to_string(w.count) +
-                           (trial.priority ? " under SCHED_FIFO" : " without SCHED_FIFO"),
-                  .why = "the sum of everything above: how late a sleeping thread is woken"};
+                  .found = std::to_string(w.count) + " wake-ups " +
+                           (trial.priority ? "under SCHED_FIFO" : "without SCHED_FIFO") +
+                           " were late by p50 " + microseconds(w.p50) + ", p99 " + microseconds(w.p99) +
+                           ", max " + microseconds(w.max),
+                  .why = "this is the effect of all other findings: how late a sleeping thread is woken"};
   if (w.count == 0) {
     finding.severity = Severity::spoils;
-    finding.found = "could not be measured: no thread could be started";
+    finding.found = "wake-ups could not be measured, because no thread could be started";
     finding.cure = "free memory, or raise the limit on threads";
   } else if (w.p99 > kLateSpoils) {
     finding.severity = Severity::spoils;
-    finding.cure = "correct what is listed above, and measure again";
+    finding.cure = "correct the other findings, and run takt doctor again";
   } else if (w.p99 > kLateNote || w.max > kLateSpoils) {
     finding.severity = Severity::note;
-    finding.cure = "correct what is listed above, and measure again";
+    finding.cure = "correct the other findings, and run takt doctor again";
   }
   return finding;
 }
 
-// Whether the finding is about the kernel, which a container cannot change.
+// Whether the finding is about the kernel, whose settings a container cannot change.
 bool is_of_the_kernel(const Finding& finding) {
   return finding.name != "priority" && finding.name != "memory" && finding.name != "files" &&
          finding.name != "shared memory" && finding.name != "wake-up";
@@ -459,7 +470,7 @@ std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
        {preemption, priority, memory, swap, throttling, isolation, interrupts, frequency, idle, clock, timers,
         hyper_threads, virtual_machine, stolen, huge_pages, sockets, files, shared_memory, wake_up}) {
     Finding finding = check(machine, trial);
-    // A sealed container cannot change the kernel's settings.
+    // A sealed container cannot change the kernel's settings, so the cure must be applied outside it.
     if (!machine.container.empty() && machine.sealed && !finding.cure.empty() && finding.mend_on.empty() &&
         is_of_the_kernel(finding)) {
       finding.mend_on = "the machine that this container runs on";

@@ -13,7 +13,7 @@ namespace takt::node {
 
 namespace {
 
-/// The size of the header: a whole page, so that no slot crosses a page boundary.
+/// The size of the header. It is a whole page, so that no slot crosses a page boundary.
 constexpr std::size_t kHeaderBytes = 4096;
 constexpr std::size_t kMostSlots = 65536;
 constexpr std::size_t kMostRecordBytes = kHeaderBytes + kMostSlots * kSlotBytes;
@@ -26,7 +26,7 @@ struct Header {
 constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;  // "taktfl", layout 1
 
 struct Slot {
-  std::uint64_t checksum;  ///< of everything that follows
+  std::uint64_t checksum;  ///< checksum of all following members
   std::uint64_t sequence;
   std::int64_t time_ns;
   std::uint64_t cycle;
@@ -42,7 +42,7 @@ struct Slot {
 };
 static_assert(sizeof(Slot) == kSlotBytes && std::is_trivially_copyable_v<Slot>);
 
-// FNV-1a: a change of any single byte changes the checksum.
+// Computes FNV-1a. A change of any single byte changes the checksum.
 std::uint64_t record_checksum(std::string_view bytes) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -72,7 +72,7 @@ Result<std::size_t> decode_header(std::string_view content) {
   return static_cast<std::size_t>(header.slots);
 }
 
-/// An overwritten event may still be there, if the event that replaced it is damaged.
+/// Removes overwritten events. Such an event may still be there if the event that replaced it is damaged.
 void forget_overwritten(Recorded& recorded) {
   const auto first =
       std::find_if(recorded.events.begin(), recorded.events.end(),
@@ -84,7 +84,8 @@ bool is_zero(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) { return c == 0; });
 }
 
-/// No device has so many events. A higher number is forged, and would leave no number for the next event.
+/// The highest valid number of an event. No device has so many events. A higher number is forged, and would
+/// leave no number for the next event.
 constexpr std::uint64_t kMostEvents = std::uint64_t{1} << 62U;
 
 std::size_t at_of(std::uint64_t sequence, std::size_t slots) {
@@ -193,7 +194,7 @@ Result<void> FaultRecord::attach(const std::string& path) {
   if (!file) return file.problems();
   auto content = file->read(kMostRecordBytes);
   if (!content) return content.problems();
-  // If a node died while it created the file, the file has no header yet.
+  // The file has no header if a node died while it created the file.
   const bool empty = is_zero(*content);
   auto recorded = empty ? Result<Recorded>{Recorded{}} : read_record(*content);
   if (!recorded) {
@@ -214,7 +215,7 @@ Result<void> FaultRecord::attach(const std::string& path) {
   file->sync();
   recorded_ = std::move(*recorded);
   if (!recorded_.events.empty()) next_ = recorded_.events.back().sequence + 1;
-  // Do not reuse the number of a torn event, so that it shows as missing.
+  // The number of a torn event is not used again, so that the event shows as missing.
   const std::size_t next_at = at_of(next_, slots_);
   if (next_at < content->size()) {
     const std::string_view slot = std::string_view{*content}.substr(next_at, kSlotBytes);
@@ -254,7 +255,8 @@ void FaultRecord::sync() const {
 void FaultRecord::append(model::Fault& fault) {
   fault.sequence = next_++;
   const std::string slot = encode_slot(fault);
-  recorded_.events.push_back(*decode_slot(slot));  // exactly as readers of the file get it
+  recorded_.events.push_back(
+      *decode_slot(slot));  // decoded, so that it is exactly as readers of the file get it
   if (fault.sequence > slots_) recorded_.overwritten = fault.sequence - slots_;
   forget_overwritten(recorded_);
   if (!file_) return;

@@ -23,10 +23,10 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Nanoseconds kSampleEvery = milliseconds{50};
-/// How long samples, and what was running when a host died, are kept.
+/// How long the recorder keeps samples, and what was running when a host died.
 constexpr Nanoseconds kHistory = seconds{30};
 constexpr std::size_t kMostChanges = 4096;
-/// The delay between a fault and its trace, so that the trace shows the consequences too.
+/// The delay between a fault and its trace. It lets the trace also show the consequences of the fault.
 constexpr Nanoseconds kAftermath = milliseconds{200};
 constexpr Nanoseconds kTraceEvery = seconds{5};
 /// The shortest interval between traces of missed rows, which recur when a cell overloads its machine.
@@ -197,7 +197,7 @@ void FlightRecorder::enqueue(Job job) {
 void FlightRecorder::write_fault() {
   if (fault_.empty()) return;
   std::string why = std::exchange(fault_, {});
-  if (faults_ > 1) why += fmt::format("; {} more", faults_ - 1);
+  if (faults_ > 1) why += fmt::format("; {} more fault{}", faults_ - 1, faults_ == 2 ? "" : "s");
   faults_ = 0;
   written_at_ = os::now();
   if (options_.files.empty()) return;
@@ -205,12 +205,12 @@ void FlightRecorder::write_fault() {
   enqueue({.recording = gather(why, flight::kKept), .most = kMostFileBytes});
 }
 
-// The worker has the same priority as the rest of the node, with which it shares locks and the heap. On a
-// busy machine, a background thread could hold a lock for seconds that the node's thread waits for.
+// The worker has the same priority as the rest of the node, because it shares locks and the heap with it. On
+// a busy machine, a thread of lower priority could hold for seconds a lock that the node's thread waits for.
 //
-// It reads what a thread is doing before the thread's ring: a run that ends in between is in both, and counts
-// as ended. The time of the trace is taken before both. Copying seconds of entries takes a while on a busy
-// machine, and the end of the trace must not lie after the copied entries.
+// The worker reads first what a thread is doing, and then the thread's ring. A run that ends in between is in
+// both and counts as ended. The time of the trace is taken before both. Copying the entries takes a while on
+// a busy machine, and the end of the trace must not be later than the copied entries.
 void FlightRecorder::work() {
   std::unique_lock lock{mutex_};
   while (true) {
@@ -249,7 +249,7 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
   namespace fs = std::filesystem;
   const std::string path = options_.files + "." + utc(wall_ns) + kSuffix;
   const auto written = os::replace_file(path, text);
-  // Sorted by name, the files are in the order of their times.
+  // The names contain the times, so sorting by name gives the order of the times.
   std::vector<fs::path> all;
   std::error_code ignored;
   const std::string begin = fs::path{options_.files}.filename().string() + ".";
@@ -258,13 +258,13 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
     if (name.starts_with(begin) && name.ends_with(kSuffix)) all.push_back(entry.path());
   }
   std::sort(all.begin(), all.end());
-  // Files with a later time than this one are older: the clock was set back.
+  // A file with a later time than this file is older, because the clock was set back.
   std::rotate(all.begin(), std::upper_bound(all.begin(), all.end(), fs::path{path}), all.end());
   for (std::size_t i = 0; i + kMostFiles < all.size(); ++i) fs::remove(all[i], ignored);
   const bool reported = std::exchange(write_failed_, !written) && !written;
   if (reported) return;
   const std::lock_guard lock{mutex_};
-  messages_.push_back(written ? "a trace of the last seconds was written: takt trace " + path
+  messages_.push_back(written ? "a trace of the last seconds was written; show it with takt trace " + path
                               : "warning: no trace was written: " + in_words(written.problems()));
 }
 

@@ -15,7 +15,8 @@ using supervision::Wiring;
 
 namespace {
 
-constexpr std::uint32_t kMostBridges = 31;  // the bits of WakeWord::gateway_sleeps, less our own gateway's
+// The number of bits of WakeWord::gateway_sleeps, without the bit of this node's gateway.
+constexpr std::uint32_t kMostBridges = 31;
 
 }  // namespace
 
@@ -136,8 +137,8 @@ Result<void> FlowManager::open_service(std::uint32_t module, const std::string& 
   return {};
 }
 
-// Enables the links of requests whose service is there. Requests on a disabled link are not sent, and their
-// client learns at once that no service is there.
+// Enables the links of requests whose service was found. Requests on a disabled link are not sent, and their
+// client learns at once that there is no service.
 void FlowManager::enable_requests() {
   for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
     const PlannedFlow& flow = wiring_.flows()[i];

@@ -51,7 +51,8 @@ void Heartbeat::beat(DeviceSink& sink, Instant now, std::int64_t wall_ns) {
   status.sequence_number(++sequence_);
   status.time_ns(wall_ns);
   sink.write(status);
-  // Publish the new key before withdrawing the old one, so that no observer sees the device leave in between.
+  // The new key is published before the old key is withdrawn, so that no observer sees the device leave in
+  // between.
   if (published_ && !(published_->path() == status.path())) sink.dispose(*published_);
   published_ = status;
 }

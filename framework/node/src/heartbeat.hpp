@@ -1,8 +1,9 @@
 // Publishes the device's status ten times a second and at each change.
 //
 // Observers regard a device as lost when they have received nothing from it for 300 ms. So the heartbeat has
-// a thread of its own, which nothing in the node may delay. But a node whose main loop hangs must not look
-// healthy: the loop calls kick() in each turn, and the heartbeat reports it if two seconds pass without one.
+// its own thread, which nothing in the node may delay. But a node whose main loop hangs must not look
+// healthy. So the main loop calls kick() in each turn. If two seconds pass without a call, the heartbeat
+// reports that the loop hangs.
 #pragma once
 
 #include <chrono>
@@ -16,7 +17,7 @@
 
 namespace takt::node {
 
-/// The destination of status samples: a dds::Writer, or a fake in tests. Used by one thread.
+/// The destination of status samples. This is a dds::Writer, or a fake in tests. Only one thread uses it.
 class DeviceSink {
  public:
   virtual ~DeviceSink() = default;
@@ -34,19 +35,19 @@ class Heartbeat {
   static constexpr std::chrono::milliseconds kEvery{100};
   static constexpr Nanoseconds kHangs = std::chrono::seconds{2};
 
-  /// Sets the status, which is published at once and with each beat. Any thread.
+  /// Sets the status, which is published at once and with each beat. Any thread may call this.
   void set(const DeviceStatus& status);
   /// The main loop calls this in each turn to show that it does not hang.
   void kick(Instant now);
 
-  /// Ends a wait of serve().
+  /// Makes serve() return if it is waiting.
   void wake();
 
   /// Runs on the heartbeat thread: waits for a change or the next beat, then publishes the status.
   void serve(DeviceSink& sink);
   /// Publishes the status without waiting.
   void beat(DeviceSink& sink, Instant now, std::int64_t wall_ns);
-  /// Withdraws the last key.
+  /// Withdraws the last published status, because the device leaves.
   void leave(DeviceSink& sink);
 
  private:
@@ -56,7 +57,7 @@ class Heartbeat {
   bool news_ = false;
   Instant kicked_at_{};
   std::uint64_t sequence_ = 0;
-  std::optional<DeviceStatus> published_;  // the last one; only the heartbeat thread uses it
+  std::optional<DeviceStatus> published_;  // the last published status; only the heartbeat thread uses it
 };
 
 }  // namespace takt::node

@@ -10,7 +10,7 @@ namespace takt::node {
 
 namespace {
 
-/// The links of a host's modules, for its setup.
+/// Returns the links of a host's modules, for the host's setup.
 std::vector<host::PortLink> links_of(const model::HostShare& share, const supervision::Wiring& wiring,
                                      std::vector<const os::Fd*>& inherit) {
   std::vector<host::PortLink> ends;
@@ -70,14 +70,15 @@ Result<void> HostProcess::start() {
                                            {"TAKT_CHANNEL_FD", std::to_string(parts_.channel.fd().get())}},
                            .inherit = inherit,
                            .capture_output = true,
-                           .dies_with_parent = false};  // it shuts down when its socket closes
+                           .dies_with_parent = false};  // the host shuts down when its socket closes
   options.environment.insert(options.environment.end(), more.environment.begin(), more.environment.end());
   auto child = os::Child::spawn(options);
   if (!child) return child.problems();
   child_ = std::move(*child);
   pid_ = child_.pid();
   output_ = Output{std::move(child_.output), std::move(child_.error)};
-  static_cast<void>(socket_.send(host::encode(setup)));  // if it has already ended, ended() tells how
+  static_cast<void>(
+      socket_.send(host::encode(setup)));  // if this fails because the host has ended, ended() reports it
   return {};
 }
 
@@ -107,9 +108,9 @@ supervision::CrashCalls HostProcess::calls_of_crash(std::uint32_t module) {
     const channel::CrashFrame& frame = crash.frames[i];
     std::string object{frame.object.view()};
     if (object.empty()) object = host;
-    // The host loads a module from a copy of its file in memory.
+    // The host may have loaded the module from a copy of its file in memory.
     if (object.starts_with("/proc/self/fd/")) object = parts_.paths.at(module);
-    // Skip the host's calls of the module.
+    // The host's calls of the module are left out.
     if (!calls.empty() && object == host) break;
     calls.push_back(symbols_->name(object, frame.address));
   }

@@ -16,7 +16,7 @@
 
 namespace takt::node {
 
-/// What each process of a device gets in addition to its own parts.
+/// What each process of a device inherits from the node in addition to its own parts.
 struct Inheritance {
   std::vector<const os::Fd*> descriptors;
   std::vector<std::pair<std::string, std::string>> environment;
@@ -24,7 +24,7 @@ struct Inheritance {
 
 class HostProcess final : public supervision::Host {
  public:
-  /// `inheritance` is called at each start.
+  /// `inheritance` is called at each start of the host.
   HostProcess(const supervision::Parts& parts, std::size_t share, std::function<Inheritance()> inheritance)
       : parts_(parts), share_(share), inheritance_(std::move(inheritance)) {}
 
@@ -37,7 +37,7 @@ class HostProcess final : public supervision::Host {
   [[nodiscard]] int pid() const override { return pid_; }
   supervision::CrashCalls calls_of_crash(std::uint32_t module) override;
 
-  /// Sends requests that did not fit into the socket, and passes on what the host printed.
+  /// Sends requests that did not fit into the socket before, and logs what the host printed.
   void step(const std::string& device);
   void wait_on(std::vector<const os::Fd*>& fds) const;
 
@@ -49,10 +49,10 @@ class HostProcess final : public supervision::Host {
   os::Child child_;
   Output output_;
   int pid_ = 0;
-  std::optional<Symbols> symbols_;  // only after a crash
+  std::optional<Symbols> symbols_;  // created after a crash
 };
 
-/// How a child ended, with its core dump.
+/// Describes how a child process ended, with its core dump if there is one.
 supervision::ProcessEnd end_of(int pid, const os::ProcessEnd& end);
 
 }  // namespace takt::node

@@ -29,7 +29,7 @@ namespace {
 using json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-/// The limit for all components of a device; each component also has a limit of its own.
+/// The time limit for all components of a device. Each component also has its own limit.
 constexpr Nanoseconds kLimit = std::chrono::seconds{60};
 
 class InspectionProgram final : public Inspection {
@@ -91,8 +91,8 @@ class InspectionProgram final : public Inspection {
   Instant begun_{};
 };
 
-// Describes a component with the ports that the check has found: those of a program may depend on its
-// properties. A program that the check did not query may not be able to answer, so it is not queried here.
+// Describes a component with the ports that the check found, because the ports of a program may depend on its
+// properties. A program that the check did not query is not queried here, because it may be unable to answer.
 json describe(const model::Module& module, const std::string& path, const model::ModulePorts& ports) {
   json entry{{"name", module.name}, {"path", path}};
   entry["ports"] = ports ? model::parse_json(model::ports_json(*ports)) : json(nullptr);
@@ -132,7 +132,7 @@ json inspect_here(const InspectionRequest& request) {
                                    [&](const model::Device& d) { return d.name == request.device; });
   if (device == cell->devices.end()) return refuse({fail("there is no device " + request.device)});
 
-  // Check only this device; modules whose file is missing are left out.
+  // Only this device is checked. Modules whose file is missing are left out.
   model::Cell mine = *cell;
   mine.devices = {*device};
   if (!request.only.empty()) {

@@ -20,7 +20,7 @@ namespace {
 using json = nlohmann::ordered_json;
 
 constexpr const char* kDeploymentFormat = "takt deployment 2";
-/// A descriptor in JSON takes at most six bytes for each of its bytes; the rest is small.
+/// The limit of the file's size. A descriptor takes at most six bytes of JSON per byte; the rest is small.
 constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
 
 }  // namespace
@@ -64,8 +64,8 @@ Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
     const auto t0_ns = model::whole_number(value.at("t0_ns"));
     if (!t0_ns || *t0_ns > std::numeric_limits<std::int64_t>::max()) return wrong;
     kept.t0_ns = static_cast<std::int64_t>(*t0_ns);
-    if (!kept.boot.empty()) {                               // an earlier version did not save it
-      const json& monotonic = value.at("t0_monotonic_ns");  // negative: before the machine was booted
+    if (!kept.boot.empty()) {                               // an earlier version did not save the boot id
+      const json& monotonic = value.at("t0_monotonic_ns");  // negative if T0 was before the boot
       const auto positive = model::whole_number(monotonic);
       if (!monotonic.is_number_integer() ||
           (positive && *positive > std::numeric_limits<std::int64_t>::max()))

@@ -22,7 +22,7 @@ void log(std::string_view device, std::string_view module, std::string_view text
   const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
   std::tm local{};
   ::localtime_r(&seconds, &local);
-  // One write for each line, so that the lines of several nodes do not mix.
+  // Each line is printed by one write, so that the lines of several nodes do not mix.
   const std::string line = fmt::format("{:02}:{:02}:{:02}.{:03} {}{}{}: {}\n", local.tm_hour, local.tm_min,
                                        local.tm_sec, ms, device, module.empty() ? "" : ".", module, text);
   std::fwrite(line.data(), 1, line.size(), stderr);

@@ -45,11 +45,11 @@ namespace {
 
 /// The interval at which the node reads what its executors publish.
 constexpr int kPollEveryMs = 5;
-/// A power failure costs the fault record at most this much time.
+/// The interval at which the fault record is written to disk. A power failure loses at most this time.
 constexpr int kSyncEveryMs = 1000;
 /// The interval of warnings about an identity that expires soon.
 constexpr Nanoseconds kWarnEvery = std::chrono::hours{24};
-/// Enough to measure how late this machine usually wakes a thread.
+/// The number of trials that shows how late this machine usually wakes a thread.
 constexpr std::size_t kWakeUpsTried = 20;
 constexpr std::chrono::microseconds kWakeUpPause{500};
 
@@ -82,7 +82,7 @@ class Inbox {
   std::deque<std::function<void(Agent&)>> news_;
 };
 
-/// Writes the fault record to disk on a thread of its own, because the main loop must not wait for the disk.
+/// Writes the fault record to disk on a separate thread, because the main loop must not wait for the disk.
 class RecordKeeper {
  public:
   explicit RecordKeeper(std::shared_ptr<const os::FixedFile> disk) : disk_(std::move(disk)) {
@@ -111,7 +111,7 @@ class RecordKeeper {
   os::Thread thread_;
 };
 
-// An id that is unique, also among earlier nodes with the same process id.
+// Returns an id that is unique, even among earlier nodes with the same process id.
 std::string new_node_id() {
   std::random_device random;
   std::array<char, 9> digits{};
@@ -130,7 +130,8 @@ void warn_of_expiry(const security::Identity& identity, const NodeOptions& optio
     log(options.device, "", "warning: its identity must be renewed: " + warning + "; run takt secure renew");
 }
 
-/// Fails if the identity is not that of this device, because no other participant would accept it.
+/// Fails if the identity is not that of this device, because no other participant would accept such an
+/// identity.
 Result<void> check_identity(const dds::Participant& participant, const NodeOptions& options) {
   const auto& identity = participant.identity();
   if (!identity) {
@@ -155,10 +156,11 @@ Result<void> check_identity(const dds::Participant& participant, const NodeOptio
 
 int run_node(const NodeOptions& options) {
   if (options.quiet) log_nothing();
-  os::survive_broken_pipes();  // the reader of the node's output may end; the device goes on
+  os::survive_broken_pipes();  // the device goes on even if the reader of the node's output ends
   os::MessageSocket lifetime{os::take_fd_from_environment(kLifetimeFd)};
   const bool temporary = static_cast<bool>(lifetime.fd());
-  const auto signals = os::SignalQueue::of_requests_to_end();  // before starting threads, which inherit it
+  // Called before threads are started, because they inherit the signal mask.
+  const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
   if (!model::is_valid_name(options.device)) {
     return refuse({{"takt-node", "'" + options.device + "' is not a valid device name",
@@ -177,10 +179,10 @@ int run_node(const NodeOptions& options) {
     identity = std::filesystem::absolute(
                    security::folder_of(options.security, security::Role::device, options.device), error)
                    .string();
-    // Bridges to other domains and programs of the cell that use DDS themselves share this identity.
+    // Bridges to other domains use this identity, and so do programs of the cell that use DDS.
     os::set_environment("TAKT_SECURITY", identity);
   }
-  // For the processes that inspect components before anything is started.
+  // The processes that inspect components before anything is started need this setting.
   std::string signed_by = options.signed_by;
   const std::string granted = identity + "/" + security::kComponents;
   if (signed_by.empty() && !identity.empty() && os::rights_of(granted)) signed_by = granted;
@@ -244,7 +246,7 @@ int run_node(const NodeOptions& options) {
       options.state_folder.empty() || temporary
           ? ""
           : options.state_folder + "/traces/" + options.device + "." + std::to_string(options.domain);
-  std::vector<std::weak_ptr<const DevicePlatform>> platforms;  // of the supervised devices
+  std::vector<std::weak_ptr<const DevicePlatform>> platforms;  // the platforms of the supervised devices
   Agent agent{agent_options,
               {.inspect = inspect,
                .supervise =
@@ -261,7 +263,7 @@ int run_node(const NodeOptions& options) {
                    }},
               **dds_publisher};
 
-  // Read the state of other nodes before accepting commands.
+  // The state of other nodes is read before commands are accepted.
   auto devices = dds::Reader<DeviceStatus>::create(
       *participant,
       {.sample =
@@ -335,7 +337,7 @@ int run_node(const NodeOptions& options) {
                   .count = now_refused - before});
     }
     agent.step();
-    // The record has lost its file, or has it again.
+    // The record has lost its file or has opened it again.
     if (keeper && keeper->disk() != record->disk()) keeper.emplace(record->disk());
   }
   agent.note_end();

@@ -1,10 +1,10 @@
-// Sends lifecycle transitions so that none overwrites the one before it.
+// Sends lifecycle transitions so that no transition overwrites the previous one.
 //
-// The topic keeps only the last sample of each module, so that late joiners get just the present state. But
+// The topic keeps only the last sample of each module, so that late readers get only the present state. But
 // if a module takes two steps at once, the second sample could overwrite the first before a reader on a busy
-// machine has received it. So a second sample of a module waits until the first is acknowledged; samples of
+// machine has received it. So the second sample of a module waits until the first is acknowledged. Samples of
 // other modules do not wait. A dead reader whose lease still runs acknowledges nothing. So the wait is
-// bounded, and short after a wait that has failed.
+// limited, and it is short after a wait that failed.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@
 
 namespace takt::node {
 
-/// The destination of transitions: a dds::Writer, or a fake in tests. Used by one thread.
+/// The destination of transitions. This is a dds::Writer, or a fake in tests. Only one thread uses it.
 class LifecycleSink {
  public:
   virtual ~LifecycleSink() = default;
@@ -38,14 +38,14 @@ class Outbox {
   static constexpr std::chrono::milliseconds kPatient{250};
   static constexpr std::chrono::milliseconds kImpatient{10};
 
-  /// Any thread; never waits for the sink.
+  /// Adds a transition. Any thread may call this; it never waits for the sink.
   void put(const LifecycleStatus& status);
   void put_disposal(const LifecycleStatus& key);
 
-  /// Sends the next entry; waits at most `limit` for one. False if there was none. Only on the thread that
-  /// serves the sink.
+  /// Sends the next transition; waits at most `limit` for one. Returns false if there was none. Only the
+  /// thread that serves the sink may call this.
   bool serve(LifecycleSink& sink, std::chrono::milliseconds limit);
-  /// Ends a wait of serve().
+  /// Makes serve() return if it is waiting.
   void wake();
 
  private:
@@ -59,7 +59,7 @@ class Outbox {
   std::condition_variable wanted_;
   std::deque<Entry> entries_;
   bool woken_ = false;
-  std::set<std::string> unacknowledged_;  // keys; only the serving thread uses them
+  std::set<std::string> unacknowledged_;  // keys of samples; only the serving thread uses them
   bool last_wait_failed_ = false;
 };
 

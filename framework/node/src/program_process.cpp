@@ -9,7 +9,7 @@ namespace takt::node {
 
 namespace {
 
-/// The links of a program, as the value of TAKT_LINKS: "PORT=FD,PORT=FD".
+/// Returns the links of a program as the value of TAKT_LINKS, "PORT=FD,PORT=FD".
 std::string links_of(std::uint32_t module, const supervision::Wiring& wiring,
                      std::vector<const os::Fd*>& inherit) {
   std::string text;

@@ -30,7 +30,7 @@ class ProgramProcess final : public supervision::Program {
   [[nodiscard]] int pid() const override { return pid_; }
   [[nodiscard]] std::string last_line() const override { return output_.last_words(); }
 
-  /// Passes on what the program printed.
+  /// Logs what the program printed.
   void step(const std::string& device);
   void wait_on(std::vector<const os::Fd*>& fds) const;
 

@@ -63,7 +63,7 @@ Result<std::unique_ptr<Retained>> Retained::start(std::vector<One> all,
   auto thread = os::Thread::start(
       {.name = "takt-retain"},
       [mine = retained.get(), every] {
-        do {  // at least once, so that the last state is written even if the end comes at once
+        do {  // runs at least once, so that the last state is always written
           os::futex_wait(mine->end_, 0, ~0U, os::now() + every);
           mine->write_changes();
         } while (mine->end_.load() == 0);
@@ -98,7 +98,7 @@ void Retained::write_changes() {
       written = one.file.write(*saved);
       if (written) one.written = saved->number;
     } else {
-      continue;  // the module is saving it right now
+      continue;  // the module is saving this state right now
     }
     if (!written && !one.failed)
       report_("warning: the state that modules retain is not on disk: " + in_words(written.problems()));

@@ -12,7 +12,8 @@ namespace takt::node {
 
 namespace {
 
-// The symbols in the file itself are enough; a search elsewhere may use the network.
+// Prevents a search for symbols in other files. It may use the network, and the symbols in the file are
+// enough.
 int no_other_file(Dwfl_Module*, void**, const char*, Dwarf_Addr, const char*, const char*, GElf_Word,
                   char**) {
   return -1;

@@ -62,10 +62,10 @@ SeenViolation Violations::in_words(const channel::Violation& violation,
     std::string object;
     if (place.object > 0 && place.object <= log().objects.size())
       object = log().objects[place.object - 1].path.view();
-    // The host loads a module from a copy of its file in memory.
+    // The host may have loaded the module from a copy of its file in memory.
     if (object.starts_with("/proc/self/fd/") && violation.module < paths.size())
       object = paths[violation.module];
-    // Skip the host's calls of the module, unless the host itself is at fault.
+    // The host's calls of the module are left out, unless the host caused the violation.
     if (!seen.calls.empty() && object == os::private_directory() + "/takt-host") break;
     seen.calls.push_back(symbols_.name(object, place.address));
     if (seen.calls.back().starts_with("main ")) break;
@@ -77,7 +77,8 @@ std::vector<SeenViolation> Violations::news(const std::vector<std::string>& path
   std::vector<SeenViolation> news;
   for (std::size_t i = 0; i < log().violations.size(); ++i) {
     const channel::Violation& violation = log().violations[i];
-    if (violation.key.load(std::memory_order_relaxed) == 0) break;  // entries are allocated in order
+    if (violation.key.load(std::memory_order_relaxed) == 0)
+      break;  // entries are claimed in order, so there are no more
     if (reported_[i] || violation.ready.load(std::memory_order_acquire) == 0) continue;  // SYNC: violation
     reported_[i] = true;
     const std::uint32_t number = violation.module & ~channel::kOfExecutor;
@@ -134,7 +135,7 @@ std::string sentence_of(const SeenViolation& violation) {
   constexpr std::size_t kShown = 4;
   std::string text = (violation.what.empty() ? "" : violation.what + ", ") + std::string{"a"} +
                      (violation.kind == "allocation" ? "n " : " ") + violation.kind;
-  // The calls inside the libraries are only in the report.
+  // The calls inside the C and C++ libraries are left out; the report has them.
   const std::string calls = called_by(violation.calls, kShown);
   return text + (calls.empty() ? "" : ", " + calls);
 }

@@ -9,7 +9,7 @@
 namespace takt::node {
 
 namespace {
-// FNV-1a. It detects accidental changes, not deliberate ones.
+// Computes FNV-1a, which detects accidental but not deliberate changes.
 std::string checksum_text(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;

@@ -1,5 +1,5 @@
-// Writes files so that a power failure leaves the old content or the new one, and reads them with a check for
-// damage. A file has a line with the format and a checksum, and then the body.
+// Writes files so that a power failure leaves the old or the new content, and checks for damage when it reads
+// them. A file consists of a line with the format and a checksum, and the body.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,9 @@
 namespace takt::node {
 
 Result<void> write_whole(const std::string& path, const std::string& format, const std::string& body);
-/// The body; none if there is no file. Fails if the file cannot be read, has more than `most` bytes, or is
-/// not as it was written. In the last case the problem is `damaged`, with the reason added.
+/// Returns the body of a file, or nothing if there is no file. Fails if the file cannot be read, has more
+/// than `most` bytes, or is not as it was written. In the last case the problem is `damaged` with the reason
+/// added.
 Result<std::optional<std::string>> read_whole(const std::string& path, const std::string& format,
                                               std::size_t most, const Problem& damaged);
 

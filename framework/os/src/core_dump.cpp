@@ -38,7 +38,7 @@ std::string newest_of(const std::string& pattern) {
     }
   }
   ::globfree(&found);
-  // An older file is not from this crash.
+  // A file that is older than this (s) is not from this crash.
   constexpr std::time_t kJustNow = 10;
   return newest.empty() || ::time(nullptr) - time.tv_sec > kJustNow ? "" : newest;
 }

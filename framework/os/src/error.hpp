@@ -7,10 +7,10 @@
 
 namespace takt::os {
 
-/// The problem of errno: "CALL: No such file or directory".
+/// The problem for errno: "CALL: No such file or directory".
 Problem errno_problem(std::string call, std::string fix = {});
-/// The same for an error number. If the process has too many open files, `fix` is replaced by the remedy for
-/// that.
+/// The problem for an error number. If the process has too many open files, the remedy for that replaces
+/// `fix`.
 Problem error_problem(std::string call, int error, std::string fix = {});
 
 }  // namespace takt::os

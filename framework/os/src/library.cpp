@@ -34,9 +34,9 @@ Result<Fd> copy_of(const std::string& path) {
   return to;
 }
 
-// The name of a symbol that the loader would share between copies; empty if there is none. The loader binds a
-// GNU_UNIQUE symbol to one address in the whole process. Those of the C++ library (guards and tags of its
-// templates) hold no state of the module and do not count.
+// Returns the name of a symbol that the loader would share between copies; empty if there is none. The loader
+// binds a GNU_UNIQUE symbol to one address in the whole process. Symbols of the C++ library (guards and tags
+// of its templates) hold no state of the module and do not count.
 std::string shared_variable(const Fd& fd) {
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0) return {};
@@ -77,8 +77,8 @@ std::string shared_variable(const Fd& fd) {
   return found;
 }
 
-// A path of the copy that no loaded object has. The loader takes an object with the same path for the same
-// object, and descriptor numbers are reused.
+// Returns a path of the copy under which no object is loaded. Such a path is needed because the loader takes
+// an object with the same path for the same object, and because descriptor numbers are reused.
 Result<std::string> unused_path(Fd& copy) {
   std::vector<Fd> taken;
   while (true) {

@@ -71,7 +71,7 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   };
   if (text_of(root / "sys/kernel/realtime") == "1" || says("PREEMPT_RT")) return Preemption::real_time;
   if (says("PREEMPT_DYNAMIC")) {
-    // Chosen at run time, at boot, or by the configuration of the kernel.
+    // Preemption can be chosen at run time, at boot, or by the configuration of the kernel.
     const std::string now = chosen_of(text_of(root / "sys/kernel/debug/sched/preempt"), '(', ')');
     if (!now.empty()) return preemption_named(now);
     std::optional<Preemption> found;
@@ -91,7 +91,7 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   }
   if (says("PREEMPT_LAZY")) return Preemption::lazy;
   if (says("PREEMPT")) return Preemption::full;
-  // The version is the same for kernels without preemption and with voluntary preemption.
+  // The version does not distinguish kernels without preemption from kernels with voluntary preemption.
   return machine.version.empty() ? std::optional<Preemption>{} : Preemption::voluntary;
 }
 

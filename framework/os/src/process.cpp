@@ -94,7 +94,7 @@ Child::~Child() {
 }
 
 Result<Child> Child::spawn(const SpawnOptions& options) {
-  auto failure = make_pipe();  // closed by a successful exec, else carries the error number
+  auto failure = make_pipe();  // a successful exec closes it; otherwise it carries the error number
   if (!failure) return failure.problems();
   Pipe output;
   Pipe error;
@@ -187,7 +187,7 @@ void Child::signal(int number) const noexcept {
 std::string read_available(const Fd& fd, bool* end) {
   std::string text;
   std::array<char, 4096> buffer{};
-  // Bounded, so that a child that writes without pause cannot block this thread.
+  // The loop is bounded, so that a child that writes without pause cannot block this thread.
   while (text.size() < 16 * buffer.size()) {
     const ssize_t n = ::read(fd.get(), buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;

@@ -139,8 +139,8 @@ Result<void> may_have_priority() {
   return {};
 }
 
-// A limit does not suffice even if the present memory is below it: future memory is locked, too, and the
-// first thread or allocation beyond the limit would fail.
+// A limit does not suffice even if the present memory is below it. Future memory is locked, too, so the first
+// thread or allocation beyond the limit would fail.
 Result<void> may_lock_memory() {
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);

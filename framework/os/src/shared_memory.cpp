@@ -32,7 +32,7 @@ Result<SharedMemory> SharedMemory::create(const std::string& name, std::size_t s
   if (!fd) return errno_problem("memfd_create " + name, "free memory or file descriptors");
   if (::ftruncate(fd.get(), static_cast<off_t>(size)) != 0)
     return errno_problem("ftruncate " + name, "free memory");
-  // Sealed, so that no holder of the descriptor can remove pages under a reader.
+  // Seal the memory, so that no holder of the descriptor can remove pages that a reader uses.
   ::fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
   return attach(std::move(fd));
 }

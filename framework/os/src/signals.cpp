@@ -98,7 +98,7 @@ void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&
   void* const* const end = frames.data() + all;
   void* const* frame = std::find(frames.data(), frames.data() + all, reinterpret_cast<void*>(at));
   if (frame == end) return;
-  // A return address is after the call, so 1 is subtracted.
+  // A return address is after the call, so subtract 1.
   for (std::size_t reported = 1; ++frame != end && reported < most; ++reported)
     report(reinterpret_cast<std::uintptr_t>(*frame), 1);
 }

@@ -19,7 +19,7 @@ constexpr Nanoseconds kPause = std::chrono::milliseconds{1};
 // The default priority of an executor.
 constexpr int kPriority = 80;
 
-// Tries it in a separate process, because locked memory stays locked.
+// Tries to lock memory in a separate process, because locked memory stays locked.
 Result<void> try_locking() {
   if (auto allowed = may_lock_memory(); !allowed) return allowed;
   const auto tried = in_child(

@@ -8,8 +8,8 @@
 namespace takt::os {
 
 namespace {
-// One step up, for a delay beyond the margin, is as large as 99 steps down. So the margin settles where one
-// wake-up in a hundred is later.
+// A delay beyond the margin raises the margin by one step up, which is as large as 99 steps down. So the
+// margin settles where one wake-up in a hundred is later than the margin.
 constexpr std::int64_t kUp = 990;
 constexpr std::int64_t kDown = 10;
 constexpr std::int64_t kLeast = 1'000;

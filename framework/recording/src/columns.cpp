@@ -27,7 +27,7 @@ std::size_t width(const std::vector<Field>& fields);
 /// The number of columns of one value.
 std::size_t unit(const Field& field) { return field.scalar == Scalar::structure ? width(field.fields) : 1; }
 
-/// The number of columns of one value or sequence.
+/// The number of columns of one value, or of one sequence if the field is a sequence.
 std::size_t span(const Field& field) {
   return field.sequence == 0 ? unit(field) : field.sequence * product(field.elements) * unit(field);
 }

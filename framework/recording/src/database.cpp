@@ -10,7 +10,7 @@ namespace takt::recording {
 
 namespace {
 
-constexpr int kBusy_ms = 2000;  // time to wait while another program writes the file
+constexpr int kBusy_ms = 2000;  // how long to wait while another program writes the file
 
 Problem problem_of(sqlite3* database, const std::string& file) {
   const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);
@@ -30,7 +30,7 @@ Problem problem_of(sqlite3* database, const std::string& file) {
     case SQLITE_NOTADB:
       return {where, "is not a recording", "make one with takt record"};
     case SQLITE_CORRUPT:
-      return {where, "is damaged: " + words, "sqlite3 FILE .recover saves what can be read"};
+      return {where, "is damaged: " + words, "run sqlite3 FILE .recover to save what can be read"};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return {where, "is locked by another program: " + words, "end that program first"};

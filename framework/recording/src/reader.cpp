@@ -33,7 +33,7 @@ Result<Recording> Recording::open(const std::string& file) {
   if (*id != kRecordingId) return Problem{place, "is not a recording", "make one with takt record"};
   if (*version != kRecordingVersion)
     return Problem{place, "is a recording of version " + std::to_string(*version),
-                   "this is version " + std::to_string(kRecordingVersion)};
+                   "this program uses version " + std::to_string(kRecordingVersion)};
   Recording recording{std::move(*database)};
   if (auto loaded = recording.load(); !loaded) return loaded.problems();
   return recording;

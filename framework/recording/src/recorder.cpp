@@ -32,12 +32,12 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Nanoseconds kTappedFor = seconds{30};     // time for which a device publishes a port on request
-constexpr Nanoseconds kAskAgain = seconds{5};       // while all ports are present
-constexpr Nanoseconds kLookAgain = seconds{1};      // while some ports are missing
-constexpr Nanoseconds kAtOnce = milliseconds{100};  // after a change of a device
+constexpr Nanoseconds kAskAgain = seconds{5};       // time between requests while all ports are present
+constexpr Nanoseconds kLookAgain = seconds{1};      // time between requests while some ports are missing
+constexpr Nanoseconds kAtOnce = milliseconds{100};  // time to the next request after a device changed
 constexpr Nanoseconds kAnswered = seconds{2};
 constexpr Nanoseconds kExpandAgain = seconds{10};
-constexpr std::uint32_t kDepth = 256;  // samples that DDS keeps for the recorder
+constexpr std::uint32_t kDepth = 256;  // number of samples that DDS keeps for the recorder
 
 std::uint64_t lost_by(const dds::Tap& tap) { return tap.health().lost; }
 
@@ -92,7 +92,7 @@ class Recorder {
 
  private:
   struct Source {
-    bool tapped = false;  ///< its device confirmed this at the last request
+    bool tapped = false;  ///< whether its device has accepted a request
     std::string topic;
     std::string type;
     bool reliable = false;
@@ -133,7 +133,7 @@ class Recorder {
     if (ended_) return;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       Source& source = sources_.at(asked[i]);
-      // A busy device continues to publish for the requested time.
+      // A device that does not answer is busy, and still publishes for the time of the last request.
       if (!answers[i] && source.tapped) continue;
       const auto answer = client::accepted(std::move(answers[i]));
       if (!answer) {
@@ -146,8 +146,8 @@ class Recorder {
     }
   }
 
-  /// Expands patterns, again for each deployment of a device, and now and then, because an update keeps the
-  /// deployment's name.
+  /// Expands the patterns for each new deployment of a device. Expands them again now and then, because an
+  /// update adds ports without changing the deployment's id.
   void expand(const std::map<std::string, wire::ObservedDevice>& devices) {
     std::vector<client::Question> questions;
     for (const auto& [name, device] : devices) {
@@ -263,13 +263,13 @@ class Recorder {
   const os::SignalQueue& signals_;
   const client::Connection& client_;
   std::atomic<bool>& news_;
-  std::map<std::string, Source> sources_;  // by path
+  std::map<std::string, Source> sources_;  // the sources by path
   struct Expanded {
     std::string deployment;
     Instant at{};
   };
-  std::map<std::string, Expanded> expanded_;   // by device
-  std::map<std::int64_t, Recorded> recorded_;  // by port number in the file
+  std::map<std::string, Expanded> expanded_;   // the last expansion of each device
+  std::map<std::int64_t, Recorded> recorded_;  // the recorded ports by port number in the file
   std::uint64_t lost_ = 0;                     // samples lost by former taps
   bool ended_ = false;
   Instant last_progress_{};
@@ -320,7 +320,7 @@ int record(const RecordOptions& options) {
   }
   if (!finished) return refuse(finished.problems());
   if (!recorder.recorded().empty()) return 0;
-  if (!options.recording.append) {  // an empty file would only block the next attempt
+  if (!options.recording.append) {  // otherwise the empty file would block the next attempt
     writer->reset();
     if (const auto removed = os::remove_file(file); !removed) return refuse(removed.problems());
   }

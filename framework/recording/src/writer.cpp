@@ -11,8 +11,8 @@ namespace takt::recording {
 
 namespace {
 
-constexpr Nanoseconds kTryAgain = std::chrono::seconds{1};  // after the disk failed
-constexpr std::uint64_t kOverhead = 24;                     // bytes of a sample's row besides the sample
+constexpr Nanoseconds kTryAgain = std::chrono::seconds{1};  // time to the next attempt after the disk failed
+constexpr std::uint64_t kOverhead = 24;                     // bytes of a row in addition to the sample
 constexpr std::uint64_t kLargestLog = 16'000'000;
 
 std::uint64_t size_of(const std::string& file) {
@@ -30,7 +30,7 @@ Result<void> check_version(Database& database) {
   if (*id != kRecordingId) return Problem{where, "is not a recording", "make one with takt record"};
   if (*version != kRecordingVersion)
     return Problem{where, "is a recording of version " + std::to_string(*version),
-                   "this is version " + std::to_string(kRecordingVersion)};
+                   "this program uses version " + std::to_string(kRecordingVersion)};
   return {};
 }
 
@@ -53,7 +53,7 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const Recording
   std::unique_ptr<RecordingWriter> writer{new RecordingWriter{options, std::move(*database)}};
   const auto tables = writer->database_.number("SELECT count(*) FROM sqlite_master");
   if (!tables) return tables.problems();
-  // A recorder that is killed at its start leaves an empty file.
+  // The file may be empty, because a recorder that is killed at its start leaves an empty file.
   if (*tables != 0) {
     if (auto right = check_version(writer->database_); !right) return right.problems();
   }
@@ -72,7 +72,7 @@ Result<void> RecordingWriter::prepare() {
   const auto tables = database_.number("SELECT count(*) FROM sqlite_master");
   if (!tables) return tables.problems();
   if (*tables == 0) {
-    // auto_vacuum must be set while the file is empty; otherwise the file could not shrink later.
+    // auto_vacuum must be set while the file is empty. Otherwise the file could not shrink later.
     auto made = database_.run("PRAGMA auto_vacuum=INCREMENTAL; PRAGMA journal_mode=WAL; BEGIN IMMEDIATE;" +
                               std::string{kSchema} + "PRAGMA application_id=" + std::to_string(kRecordingId) +
                               "; PRAGMA user_version=" + std::to_string(kRecordingVersion) +
@@ -83,8 +83,8 @@ Result<void> RecordingWriter::prepare() {
       return made;
     }
   }
-  // Does not wait for the disk at every commit. After a power failure the last commits may be missing, but
-  // the rest is intact.
+  // With these settings, SQLite does not wait for the disk at every commit. After a power failure, the last
+  // commits may be missing, but the rest is intact.
   if (auto set = database_.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL"); !set) return set;
   const auto page = database_.number("PRAGMA page_size");
   if (!page) return page.problems();
@@ -181,7 +181,7 @@ Result<void> RecordingWriter::write(Batch& batch) {
     batch.ports.clear();
     batch.cell.clear();
   }
-  // Later samples might fit, but would leave a gap.
+  // Once the file is full, later and smaller samples are not written either, because they would follow a gap.
   if (health().full) batch.samples.clear();
   std::size_t first = 0;
   std::size_t offset = 0;
@@ -193,7 +193,7 @@ Result<void> RecordingWriter::write(Batch& batch) {
       outcome = next.problems();
       break;
     }
-    if (*next == first) {  // it is full
+    if (*next == first) {  // the file is full
       const std::lock_guard lock{mutex_};
       health_.full = true;
       first = batch.samples.size();
@@ -244,7 +244,8 @@ Result<void> RecordingWriter::write_ports(const Batch& batch) {
 
 Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size_t first,
                                                    std::size_t offset) {
-  // The log must hold a whole transaction before it goes into the file. One sample is always written.
+  // SQLite's log must hold a whole transaction, so a transaction is limited to a quarter of the log. It
+  // contains at least one sample.
   std::size_t next = first;
   std::uint64_t bytes = 0;
   do bytes += batch.samples[next++].size + kOverhead;
@@ -265,7 +266,8 @@ Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size
     offset += sample.size;
   }
   if (auto done = database_.run("COMMIT"); !done) return done.problems();
-  // The log belongs to the recording; what cannot move to the file now moves later.
+  // An error of the checkpoint is ignored: the log belongs to the recording, and its content can move to the
+  // file later.
   static_cast<void>(checkpoint());
   return next;
 }
@@ -281,7 +283,7 @@ Result<std::uint64_t> RecordingWriter::used() {
 Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
   if (options_.max_bytes == 0) return true;
   const std::uint64_t bound = options_.max_bytes - log_room_;
-  // A log that cannot move to the file because another program reads it counts too.
+  // The log may be too large because another program reads it, so that its content cannot move to the file.
   if (size_of(options_.file + "-wal") > log_room_) {
     if (auto done = database_.run("PRAGMA wal_checkpoint(TRUNCATE)"); !done) return done.problems();
     if (size_of(options_.file + "-wal") > log_room_)
@@ -298,8 +300,8 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     const auto newest = database_.number("SELECT max(id) FROM sample");
     if (!newest) return newest.problems();
     if (*newest == 0) return false;  // one sample is larger than the limit
-    // Drops a little more than needed, so that this does not happen for every batch, in parts for which the
-    // log has room.
+    // Deletes a little more than needed, so that this is not necessary for every batch. Deletes in parts that
+    // fit into the log.
     const std::uint64_t all = static_cast<std::uint64_t>(*newest - *oldest + 1);
     const std::uint64_t each = std::max<std::uint64_t>(1, *now / all);
     const std::uint64_t excess = std::min(*now + bytes - bound + bound / 16, log_room_ / 4);
@@ -313,8 +315,8 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     }
     if (auto done = checkpoint(); !done) return done.problems();
   }
-  // Pages of dropped samples are reused. Pages beyond the limit, in a file that had a larger limit before,
-  // are returned to the disk.
+  // The pages of deleted samples are reused. If the file had a larger limit before, the pages beyond the
+  // limit are returned to the disk.
   const auto pages = database_.number("PRAGMA page_count");
   if (!pages) return pages.problems();
   if (static_cast<std::uint64_t>(*pages) * page_ > bound) {
@@ -346,7 +348,7 @@ Result<void> RecordingWriter::finish() {
   news_.notify_one();
   if (thread_.running()) thread_.join();
   insert_.reset();
-  // This fails if another program has the file open; then the log stays beside it.
+  // This fails if another program has the file open. Then the log file stays.
   if (!health_.trouble) static_cast<void>(database_.run("PRAGMA journal_mode=DELETE"));
   measure();
   if (health_.trouble) return *health_.trouble;

@@ -21,7 +21,8 @@ using model::Wakeup;
 
 // A search for a bound that needs more steps is given up; then there is no bound.
 constexpr int kMaxIterations = 100'000;
-/// Rounds of bounding the threads below the rows. Each round uses the bounds of the previous one.
+/// The number of rounds that compute bounds for the threads below the rows. Each round uses the bounds of the
+/// previous round.
 constexpr int kRounds = 3;
 /// The maximum number of table entries to visit for an executor that others interrupt.
 constexpr std::size_t kMaxVisited = 5'000'000;
@@ -40,9 +41,9 @@ Nanoseconds longest_spin(Nanoseconds period, double share) {
                                                           : kLongestSpin;
 }
 
-/// The length of a window at whose end `own` work and all work that goes before it in the window is done.
-/// This is the shortest window of at least `least`. With `coarse`, the steps are larger and it may be a
-/// thousandth longer.
+/// Returns the length of the shortest window of at least `least` at whose end all work is done: the work
+/// `own`, and the work `before` it in the window. Returns none if there is no bound. With `coarse`, the
+/// search takes larger steps, and the window may be a thousandth longer.
 template <class Before>
 std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coarse = false) {
   Wide window = std::max(own, least);
@@ -105,8 +106,7 @@ class Analyst {
   [[nodiscard]] bool is_thread(std::uint32_t index) const { return module(index).type == ModuleType::thread; }
 
   [[nodiscard]] Wide apart(const ExecutorPlan& plan, const Module& module) const;
-  /// The executor that never sleeps and so leaves no time on this CPU to a thread of this priority; null:
-  /// none.
+  /// Returns an executor that never sleeps and so leaves `self` no time on this CPU. Null if there is none.
   [[nodiscard]] const Contender* starves(const Contender& self, int cpu) const;
   [[nodiscard]] bool is_alone(const Contender& self) const;
   [[nodiscard]] Wide taken_by_others(const Contender& self, Wide window) const;
@@ -114,7 +114,7 @@ class Analyst {
   [[nodiscard]] Wide taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const;
 
   void set(std::uint32_t module, Wide response);
-  /// Records a response; the largest one counts.
+  /// Records a response of the module. Only the largest one is kept.
   void note(std::uint32_t module, Wide response);
   void note(std::uint32_t module, const std::string& why);
   void give_up(Served& served, const std::string& why);
@@ -152,7 +152,7 @@ void Analyst::add_rows(const ExecutorPlan& plan) {
   served_.push_back({.plan = &plan, .rows = &contenders_.back()});
 }
 
-/// The minimum time between two releases. A module that the rows release is released at most once in each
+/// The minimum time between two releases of the module. If the rows release it, they do so at most once per
 /// row.
 Wide Analyst::apart(const ExecutorPlan& plan, const Module& module) const {
   const Wide interarrival = module.interarrival.value_or(Nanoseconds{}).count();
@@ -243,11 +243,11 @@ bool Analyst::is_alone(const Contender& self) const {
   });
 }
 
-// The time that others take on the CPU that `self` stays on. The window begins when no higher thread that
-// stays on this CPU was waiting, so only their new work in the window counts. Threads that move between CPUs
-// may also bring work left over from an earlier release, and so may threads of equal priority that came
-// first. For rows, threads of equal priority count as higher, because the window begins when none of these
-// was waiting either.
+// The time that other threads take on the CPU on which `self` stays. When the window begins, no thread of
+// higher priority that stays on this CPU is waiting. So only the new work of these threads in the window
+// counts. Two kinds of threads may also bring work left over from an earlier release: threads that move
+// between CPUs, and threads of equal priority that came first. For rows, threads of equal priority count as
+// higher, because none of them is waiting either when the window begins.
 Wide Analyst::taken_by_others(const Contender& self, Wide window) const {
   Wide taken = 0;
   for (const Contender& other : contenders_) {
@@ -260,8 +260,8 @@ Wide Analyst::taken_by_others(const Contender& self, Wide window) const {
   return taken;
 }
 
-// A program that may run on any of these CPUs waits only while threads that are not below it occupy all of
-// them.
+// A program that may run on any of these CPUs waits only while threads of equal or higher priority occupy all
+// of these CPUs.
 Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus, Wide window) const {
   const Contender& self = *program.self;
   Wide taken = 0;
@@ -274,8 +274,9 @@ Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus,
 }
 
 // Sporadic modules of one executor do not interrupt each other. A module waits for one release of each peer
-// that is ready or running, and for later releases with an earlier deadline. Peers that always finish before
-// their deadline could be the earlier one count only if they run already, and only one of them can.
+// that is ready or running, and for later releases with an earlier deadline. Some peers always finish before
+// their deadline could become the earlier of the two. Such a peer counts only if it is already running, and
+// only one of them can be.
 Wide Analyst::taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const {
   const Module& self = module(sporadic);
   Wide taken = 0;
@@ -481,7 +482,7 @@ std::vector<WorstCase> Analyst::solve() {
     add_sporadic(served);
     add_programs(served);
   }
-  // The first round assumes only that deadlines are kept; later rounds use the bounds found so far.
+  // The first round assumes only that all deadlines are kept. Later rounds use the bounds found so far.
   for (int round = 0; round < kRounds; ++round) {
     for (const Served& served : served_) {
       std::size_t job = 0;

@@ -1,8 +1,8 @@
 // A thread that competes for a CPU: bounds the CPU time that it may take from other threads in any window of
 // a given length.
 //
-// There are two bounds. `fresh` counts the work that arrives in the window; it holds if none of the thread's
-// work was waiting when the window began. `carried` also counts unfinished work that arrived before.
+// There are two bounds. `fresh` counts only the work that arrives in the window. It is valid if none of the
+// thread's work was waiting when the window began. `carried` also counts unfinished work that arrived before.
 #pragma once
 
 #include <cstdint>
@@ -57,11 +57,11 @@ struct Contender {
   Kind kind = Kind::rows;
   int priority = 0;
   std::vector<int> cpus{};        ///< the CPUs on which it may run
-  bool never_sleeps = false;      ///< it leaves no time to threads that are not above it
+  bool never_sleeps = false;      ///< it leaves no time to threads of equal or lower priority
   RowDemand rows{};               ///< for kind rows
   Wide rows_response = 0;         ///< the latest end of a row after its release
   std::vector<Recurring> jobs{};  ///< for the other kinds: each sporadic module, or the program
-  /// For a program: it sleeps after each body, and then waits behind threads of equal priority.
+  /// For a program: it sleeps after each run of its body, and then waits behind threads of equal priority.
   bool sleeps_between = false;
 
   [[nodiscard]] bool may_run_on(int cpu) const;

@@ -35,10 +35,10 @@ Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* 
   TAKT_CHECK(factor >= 1);
   Problems problems;
   if (profile != nullptr && profile->cell != cell.name) {
-    problems.push_back(model::problem_at(
-        cell.texts(), cell.line,
-        "the profile is of cell " + in_quotes(profile->cell) + ", but this cell is " + in_quotes(cell.name),
-        "use a profile of this cell, written by takt run --profile"));
+    problems.push_back(model::problem_at(cell.texts(), cell.line,
+                                         "the profile belongs to cell " + in_quotes(profile->cell) +
+                                             ", but this cell is " + in_quotes(cell.name),
+                                         "use a profile of this cell, written by takt run --profile"));
   }
   LongestRuns all;
   for (const model::Device& device : cell.devices) {

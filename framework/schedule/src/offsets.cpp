@@ -94,7 +94,7 @@ class Search {
     std::int64_t load;
     std::uint64_t first;
   };
-  /// The places of one module that are still to be tried, with the modules before it in place.
+  /// The places that the search still has to try for one module. All modules before it are in place.
   struct Level {
     std::vector<Place> places;
     std::size_t next = 0;
@@ -114,8 +114,8 @@ class Search {
     return result;
   }
 
-  // Depth first with the lightest places first, so that the first result is already good. Branches that
-  // cannot beat the best result so far are dropped.
+  // Searches depth first and tries the lightest places first, so that the first result is already good. Drops
+  // branches that cannot beat the best result so far.
   void place_all() {
     std::vector<Level> levels;
     if (!free_.empty()) levels.push_back(level(0, heaviest()));

@@ -19,10 +19,10 @@ struct Shiftable {
 
 /// The offsets of all modules, in their order. Fixed offsets stay; the others are multiples of the greatest
 /// common divisor of all periods and fixed offsets, so that the table keeps its basic period. A search makes
-/// the heaviest row as light as possible: exactly for small tables, else as far as its steps reach. The
-/// result is never worse than without shifts; if it is no better, all free offsets are 0. Of equally good
-/// results it takes the earliest offsets, module by module. The same input gives the same result. Allocates;
-/// takes at most some tens of milliseconds.
+/// the heaviest row as light as possible. For small tables it finds the optimum; for large tables it stops
+/// after a fixed number of steps. The result is never worse than without shifts. If it is no better, all free
+/// offsets are 0. Of equally good results, the search takes the one with the earliest offsets, module by
+/// module. The same input gives the same result. Allocates; takes at most some tens of milliseconds.
 std::vector<Nanoseconds> flatten(std::span<const Shiftable> modules);
 
 }  // namespace takt::schedule

@@ -107,8 +107,8 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
                  "reduce the budgets, lengthen the periods, or move modules to another executor"));
 }
 
-/// If all thread modules have a budget, balances the budgets, and a program counts as almost nothing.
-/// Otherwise balances the number of modules.
+/// Chooses the missing offsets. If all thread modules have a budget, the budgets of the rows are balanced,
+/// and a program counts as almost nothing. Otherwise the number of modules per row is balanced.
 std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& plan) {
   constexpr Nanoseconds kHeaviest{std::int64_t{1} << 40};
   std::vector<Nanoseconds> given;

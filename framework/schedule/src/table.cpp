@@ -176,7 +176,7 @@ Result<Table> Table::build(std::span<const Task> tasks) {
     return static_cast<std::size_t>(static_cast<std::uint64_t>(task.offset.count()) / extent.basic);
   };
 
-  // First the number of entries of each row, then the index of its first entry.
+  // `offsets` first holds the number of entries of each row, then the index of the first entry of each row.
   std::vector<Index>& offsets = table.offsets_;
   offsets.assign(rows + 1, 0);
   for (const Task& task : tasks) {
@@ -185,8 +185,8 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   }
   std::exclusive_scan(offsets.begin(), offsets.end(), offsets.begin(), Index{0});
 
-  // Tasks in the order of priority, so that each row fills in that order. The offset of a row moves to its
-  // end, which is the beginning of the next row.
+  // Walks the tasks in the order of priority, so that each row is filled in that order. The offset of a row
+  // moves to its end, which is the beginning of the next row.
   std::vector<Index> order(tasks.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(),

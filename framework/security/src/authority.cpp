@@ -28,7 +28,7 @@ constexpr const char* kDomain = "domain";
 constexpr std::size_t kMostAuthorityBytes = std::size_t{32} << 20;
 
 constexpr std::int64_t kDay = 24 * 3600;
-/// A certificate is valid from this time before it is issued, because the clocks of machines differ.
+/// A certificate becomes valid this long before it is issued, because the clocks of machines differ.
 constexpr std::int64_t kBefore = 3600;  // s
 constexpr std::int64_t kAuthorityDays = 3650;
 
@@ -93,7 +93,8 @@ struct Authority::Inside {
 
   void write_documents(Files& files, const Subject& subject, const Plan& plan, std::int64_t now,
                        std::int64_t until) const {
-    // One day more on each side, so that time zones do not matter. The certificate limits the validity.
+    // The documents are valid one day longer on each side, so that time zones do not matter. The certificate
+    // limits the validity.
     const Validity validity{now - kDay, until + kDay};
     const std::vector<Access> access_rules = access_of(plan.cell, plan.domain, subject);
     files
@@ -198,7 +199,7 @@ Result<void> Authority::issue(const Subject& subject, const Plan& plan, int days
   std::error_code error;
   if (!again && fs::exists(folder, error)) {
     return Problem{folder.string(), "this identity already exists",
-                   "takt secure renew " + inside_->folder.string() + " " + subject.name + " renews it"};
+                   "use takt secure renew " + inside_->folder.string() + " " + subject.name + " to renew it"};
   }
   const std::int64_t until = std::min(now + days * kDay, valid_until(*inside_->identity));
   const Key key = make_key();

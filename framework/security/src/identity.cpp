@@ -103,7 +103,7 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
   if (certificate != nullptr && key != nullptr && !belong_together(*certificate, *key))
     folder.add(kPrivateKey, std::string{"it is not the key of "} + kCertificate, kCopyAgain);
   if (crl != nullptr && authority != nullptr && !is_signed_by(*crl, *authority))
-    folder.add(kRevoked, "its signature is not from the authority", kCopyAgain);
+    folder.add(kRevoked, "its signature was not made by the authority", kCopyAgain);
   if (crl != nullptr && certificate != nullptr && is_revoked(*crl, *certificate))
     folder.add(kCertificate, "it was revoked", "to make it valid again, run takt secure renew");
 

@@ -32,7 +32,7 @@ constexpr int kSerialBytes = 16;
 constexpr std::size_t kLargestCertificate = 65536;  // bytes, as PEM
 
 void add_part(X509_NAME& name, const char* part, const std::string& value) {
-  // Always the same encoding, because the GUID of a participant on DDS contains a hash of these bytes.
+  // The encoding is always the same, because the GUID of a participant on DDS contains a hash of these bytes.
   TAKT_CHECK(X509_NAME_add_entry_by_txt(&name, part, V_ASN1_UTF8STRING,
                                         reinterpret_cast<const unsigned char*>(value.data()),
                                         static_cast<int>(value.size()), -1, 0) == 1);
@@ -92,7 +92,7 @@ Key make_key() {
 }
 
 Key key_from(std::string_view pem) {
-  // Without a password: Takt does not create keys with one.
+  // Gives OpenSSL no password, because Takt does not create keys with one.
   const auto no_password = [](char*, int, int, void*) { return 0; };
   Key key{PEM_read_bio_PrivateKey(bytes_of(pem).get(), nullptr, no_password, nullptr)};
   ERR_clear_error();
@@ -273,7 +273,7 @@ Result<std::string> open_document(const std::string& smime, X509& certificate) {
   sk_X509_free(signers);
   ERR_clear_error();
   if (!good)
-    return fail("its signature is not from the authority",
+    return fail("its signature was not made by the authority",
                 "copy the whole folder again, as takt secure made it");
   return text_of(*out);
 }

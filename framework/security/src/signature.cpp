@@ -80,8 +80,9 @@ Result<void> check_signature(const std::string& file, const std::string& certifi
                                      content->size()) == 1;
   ERR_clear_error();
   if (good) return {};
-  return Problem{file, "its signature is not of this file, or not by " + certificate_file,
-                 "use the file that was signed, or sign it again"};
+  return Problem{
+      file, "its signature does not match its contents, or was not made with the key of " + certificate_file,
+      "use the file that was signed, or sign it again"};
 }
 
 }  // namespace takt::security

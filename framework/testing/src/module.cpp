@@ -29,7 +29,7 @@ std::string file_of(const Options& options) {
     throw Error("no component to test; build the test with takt_add_component_test(), or set Options::file");
   if (file.ends_with(".exe"))
     throw Error(file + " is a program and cannot be loaded; use the " + std::string{kProgramSuffix} +
-                " that takt_add_component_test() makes of it");
+                " that takt_add_component_test() builds from it");
   if (options.period <= Nanoseconds{0})
     throw Error("the period is " + to_text(options.period) + "; it must be positive");
   return file;

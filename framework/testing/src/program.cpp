@@ -1,5 +1,5 @@
-// Tests a process module that was built as a library: its main() runs on a stack of its own, and hands
-// control back to the test when it waits for a release.
+// Tests a process module that was built as a library: its main() runs on its own stack, and returns control
+// to the test when it waits for a release.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -28,7 +28,7 @@
 
 namespace takt::testing {
 
-/// While it lives, allocations belong to the program and are not leaks of the test.
+/// While this object lives, allocations belong to the program and do not count as leaks of the test.
 class ProgramAllocations {
  public:
 #if defined(__SANITIZE_ADDRESS__)
@@ -79,7 +79,7 @@ class ProgramRun {
 
   [[nodiscard]] bool begun() const { return begun_; }
   [[nodiscard]] bool ended() const { return ended_; }
-  /// Why it ended: "the program called exit(1) before it called initPeriodExe()".
+  /// Why the run ended: "the program called exit(1) before it called initPeriodExe()".
   [[nodiscard]] const std::string& end() const { return end_; }
   [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
   std::vector<std::string> arguments;
@@ -237,7 +237,7 @@ void ProgramRun::give(const std::vector<PropertyBase*>& made) {
   }
 }
 
-// The same checks as in libtakt_process.
+// Makes the same checks as libtakt_process.
 void ProgramRun::check_properties(const char* function) {
   Problems problems = check_declared(properties_, "this program");
   problems.insert(problems.end(), rejected_.begin(), rejected_.end());
@@ -251,7 +251,7 @@ void ProgramRun::check_properties(const char* function) {
   if (!problems.empty()) refuse(function, in_words(problems).c_str());
 }
 
-// The same checks as in libtakt_process.
+// Makes the same checks as libtakt_process.
 void ProgramRun::find_saved(const char* function) {
   for (SavedBase* one : take_loose_saved()) saved_by_.push_back(one);  // those that main() constructed
   if (saved_by_.size() + (saved_.data != nullptr ? 1 : 0) > 1)
@@ -388,7 +388,7 @@ class ProgramSubject final : public Subject {
     ProgramRun& run = life_->run;
     run.go_on();
     if (!run.ended()) return {};
-    return fail(run.end(), "see its output for the reason");
+    return fail(run.end(), "see the output of the program for the reason");
   }
 
   std::string path_;
@@ -416,8 +416,8 @@ void initSporadicExe(void) { ProgramRun::of_caller("initSporadicExe").attach(tru
 void waitPeriod(void) { ProgramRun::of_caller("waitPeriod").wait("waitPeriod"); }
 void waitSporadic(void) { ProgramRun::of_caller("waitSporadic").wait("waitSporadic"); }
 
-// The program calls these functions in place of those of the C library; takt_add_component_test() arranges
-// that.
+// The program calls these functions instead of those of the C library, because takt_add_component_test()
+// links it with --wrap.
 [[noreturn]] void __wrap_exit(int status);
 [[noreturn]] void __wrap_exit(int status) {
   if (ProgramRun::running == nullptr) std::exit(status);  // called by another thread of the program

@@ -1,4 +1,4 @@
-// The interface to the tested module, the same for a thread module and a program.
+// The interface to the tested module. It is the same for a thread module and a program.
 #pragma once
 
 #include <memory>
@@ -52,7 +52,7 @@ class Subject {
   /// Before initialize(): whether the module accepts the property.
   virtual Result<void> check(const std::string& name, const std::string& text) = 0;
   virtual Result<void> set(const std::string& name, const std::string& text) = 0;
-  /// The value of a property. Empty if the module cannot tell, and the caller must look among the set values.
+  /// The value of a property. Empty if the module cannot tell; the caller then looks among the set values.
   [[nodiscard]] virtual std::optional<Result<std::string>> get(const std::string& name) const = 0;
 
   [[nodiscard]] virtual const std::vector<PortBase*>& ports() const = 0;
@@ -75,7 +75,7 @@ std::unique_ptr<Subject> make_program_subject(std::string path, bool sporadic, N
                                               VirtualClock& clock);
 
 /// Marks a file as loaded, while the object lives. A second module of the same file is loaded as a copy, with
-/// variables of its own.
+/// its own variables.
 class LoadedFile {
  public:
   LoadedFile() = default;

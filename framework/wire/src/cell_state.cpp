@@ -13,7 +13,7 @@ std::string device_path(const Status& status) {
   return path_of(status.cell().to_string(), status.device().to_string());
 }
 
-// CELL/DEVICE from CELL/DEVICE/MODULE.
+// Returns CELL/DEVICE for CELL/DEVICE/MODULE.
 std::string parent(const std::string& path) { return path.substr(0, path.rfind('/')); }
 std::string last(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
@@ -21,11 +21,11 @@ std::string last(const std::string& path) { return path.substr(path.rfind('/') +
 
 void CellState::heard(const DeviceStatus& status, WriterId writer) {
   const std::string id = status.node().to_string();
-  // A node that returns under its device's name replaces the lost one.
+  // A new node of a device replaces the lost node of this device.
   std::erase_if(nodes_, [&](const auto& entry) {
     const Node& other = entry.second;
     if (entry.first == id || other.alive || other.status.device() != status.device()) return false;
-    // If it has resumed the same cell, its modules may have been received already.
+    // If the new node has resumed the same cell, the states of its modules may already be here, so they stay.
     if (other.status.cell() != status.cell()) deployments_.erase(device_path(other.status));
     return true;
   });
@@ -53,7 +53,8 @@ void CellState::heard(const PortStatus& status) {
 }
 
 void CellState::gone(const DeviceStatus& key, WriterId writer) {
-  // A node publishes its new key before it disposes of the old one. Only a node without another key has left.
+  // A node that changes its key publishes the new key before it disposes of the old one. So the node has left
+  // only if its last status has the disposed key.
   std::erase_if(nodes_, [&](const auto& entry) {
     return entry.second.writer == writer && entry.second.status.path() == key.path();
   });

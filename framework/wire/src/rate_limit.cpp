@@ -18,7 +18,7 @@ void RateLimit::Allowance::fill(Clock::time_point now) {
 
 bool RateLimit::admit(std::uint64_t client, Clock::time_point now) {
   if (clients_.size() >= kMostClients && !clients_.contains(client)) {
-    // The client that was quiet for longest has most of its allowance back.
+    // Forgets the client that was quiet for the longest time, because its allowance has refilled most.
     clients_.erase(std::min_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
       return a.second.since < b.second.since;
     }));

@@ -9,10 +9,10 @@ namespace takt::wire {
 namespace {
 
 constexpr std::size_t kHeader = 20;
-constexpr std::uint32_t kMostBits = 256;  // in a set of sequence numbers or fragments
+constexpr std::uint32_t kMostBits = 256;  // largest number of bits in a set of sequence or fragment numbers
 constexpr std::int64_t kMostNumber = std::int64_t{1} << 62;
 
-/// Reads bytes from start to end in one byte order. After the first missing byte, every value is 0.
+/// Reads bytes from start to end in one byte order. If a byte is missing, this and all later values are 0.
 class Cursor {
  public:
   Cursor(std::span<const std::uint8_t> bytes, bool little) noexcept : left_(bytes), little_(little) {}
@@ -36,13 +36,13 @@ class Cursor {
   void skip(std::size_t n) noexcept { static_cast<void>(bytes(n)); }
   std::uint32_t u16() noexcept { return number(2); }
   std::uint32_t u32() noexcept { return number(4); }
-  /// An entity id: always big endian.
+  /// Reads an entity id, which is always big endian.
   std::uint32_t id() noexcept {
     std::uint32_t value = 0;
     for (const std::uint8_t byte : bytes(4)) value = value << 8U | byte;
     return value;
   }
-  /// A sequence number; fails if it is less than `least`.
+  /// Reads a sequence number; fails if it is less than `least`.
   std::int64_t sequence(std::int64_t least) noexcept {
     const auto high = static_cast<std::int32_t>(u32());
     const std::int64_t value = static_cast<std::int64_t>(high) * (std::int64_t{1} << 32) + u32();
@@ -50,13 +50,13 @@ class Cursor {
     fail();
     return least;
   }
-  /// The bits of a set, after its base.
+  /// Reads the bits of a set, which follow its base.
   void bits() noexcept {
     const std::uint32_t n = u32();
     if (n > kMostBits) return fail();
     skip((n + 31) / 32 * 4);
   }
-  /// A CDR string: a length, and a zero at the end.
+  /// Reads a CDR string, which has a length and ends with a zero.
   std::string_view text() noexcept {
     const std::uint32_t size = u32();
     const auto characters = bytes(size);
@@ -73,7 +73,7 @@ class Cursor {
     align();
     return content;
   }
-  /// Skips padding, which may be missing at the very end.
+  /// Skips padding, which may be missing at the end of the data.
   void align() noexcept { skip(std::min<std::size_t>((4 - taken_ % 4) % 4, left_.size())); }
   [[nodiscard]] bool little() const noexcept { return little_; }
   [[nodiscard]] Cursor part(std::size_t n) noexcept { return {bytes(n), little_}; }
@@ -153,7 +153,8 @@ void check_properties(Cursor& value) noexcept {
   }
 }
 
-/// A "data holder" of Fast DDS. `each` gets the names and values of the properties with binary values.
+/// Checks a token, which Fast DDS calls a data holder. `each` gets the name and value of each property with a
+/// binary value, and returns whether it is valid.
 template <class Each>
 void check_token(Cursor& value, Each&& each) noexcept {
   value.text();
@@ -194,7 +195,7 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
   return value.ok();
 }
 
-/// Checks a list including its end mark. `each` gets the valid parameters.
+/// Checks a list of parameters including its end mark. `each` gets the valid parameters.
 template <class Each>
 void check_parameters(Cursor& list, Each&& each) noexcept {
   constexpr std::uint32_t kPad = 0;
@@ -215,10 +216,11 @@ void check_parameters(Cursor& list) noexcept {
 
 // ---- Submessages
 
-constexpr std::uint32_t kParticipants = 0x000100c2;  // writer of participant announcements
-constexpr std::uint32_t kProofs = 0x000201c3;        // writer of authentication messages
+constexpr std::uint32_t kParticipants = 0x000100c2;  // the writer of participant announcements
+constexpr std::uint32_t kProofs = 0x000201c3;        // the writer of authentication messages
 
-/// Whether this writer announces participants, readers or writers; its content is a list of parameters.
+/// Whether this writer announces participants, readers or writers. The content of its samples is a list of
+/// parameters.
 bool discovers(std::uint32_t writer) noexcept {
   return writer == kParticipants || writer == 0x000002c2 || writer == 0x000003c2 || writer == 0x000004c2;
 }
@@ -226,13 +228,14 @@ bool discovers(std::uint32_t writer) noexcept {
 constexpr std::uint8_t kLittle = 1;
 constexpr std::uint8_t kInlineQos = 2;
 constexpr std::uint8_t kData = 4;
-constexpr std::uint32_t kBeforeData =
-    16;  // bytes in DATA from behind octetsToInlineQos to the end of the number
+// The number of bytes in DATA after octetsToInlineQos, up to and including the sequence number.
+constexpr std::uint32_t kBeforeData = 16;
 
-/// Checks the two lengths, two ids and the number with which DATA and DATA_FRAG begin. Returns the writer.
+/// Checks the fields with which DATA and DATA_FRAG begin: flags, octetsToInlineQos, reader, writer and
+/// sequence number. Returns the writer.
 std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
   body.skip(2);
-  const std::uint32_t to_qos = body.u16();  // counted from here
+  const std::uint32_t to_qos = body.u16();  // counted from the end of this field
   body.skip(4);
   const std::uint32_t writer = body.id();
   static_cast<void>(body.sequence(1));
@@ -240,7 +243,7 @@ std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
   return writer;
 }
 
-/// An authentication message of DDS Security (1.1, 7.4.4): sender, receiver, class and tokens.
+/// Checks an authentication message of DDS Security 1.1, section 7.4.4: sender, receiver, class and tokens.
 void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
   message.skip(24 + 24 + 16 + 16 + 16);
   message.text();
@@ -263,7 +266,7 @@ void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) 
   if ((flags & (kData | kKey)) == 0) return;
   const auto encapsulation = body.bytes(4);
   if (!body.ok() || (!discovers(writer) && writer != kProofs)) return;
-  // CDR or PL_CDR, in either byte order.
+  // The encapsulation must be PL_CDR for a list of parameters, else CDR. Both byte orders are valid.
   const int plain = encapsulation[1] - (discovers(writer) ? 2 : 0);
   if (encapsulation[0] != 0 || (plain != 0 && plain != 1)) return body.fail();
   Cursor content{body.bytes(body.left()), plain == 1};
@@ -280,7 +283,8 @@ void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
   copy.skip(2);
   const std::uint32_t to_qos = copy.u16();
   const std::uint32_t writer = check_head(body, 16);
-  // Fast DDS would read these once they are complete, and they could not be checked before.
+  // Discovery and authentication in fragments are rejected. Fast DDS reads them as soon as they are complete,
+  // so they could not be checked first.
   if (discovers(writer) || writer == kProofs) return body.fail();
   const std::uint64_t first = body.u32();
   const std::uint64_t count = body.u16();
@@ -344,7 +348,7 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
       if (body.u32() == 0) body.fail();
       body.skip(4);
       break;
-    case 0x09:  // INFO_TS, where the time may be missing
+    case 0x09:  // INFO_TS, in which the time may be missing
       if ((flags & 2) == 0) body.skip(8);
       break;
     case 0x0c:  // INFO_SRC
@@ -360,16 +364,16 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
     case 0x0d:  // INFO_REPLY_IP4
       body.skip((flags & 2) != 0 ? 16 : 8);
       break;
-    case 0x30: {  // SEC_BODY: its length is always big endian
+    case 0x30: {  // SEC_BODY, whose length is always big endian
       const std::uint32_t size = body.id();
       body.skip(size);
       break;
     }
-    case 0x31:  // SEC_PREFIX, SRTPS_PREFIX: kind, key, session, vector
+    case 0x31:  // SEC_PREFIX and SRTPS_PREFIX contain kind, key, session and vector
     case 0x33:
       body.skip(20);
       break;
-    case 0x32:  // SEC_POSTFIX, SRTPS_POSTFIX: the common authentication code, and those for single readers
+    case 0x32:  // SEC_POSTFIX and SRTPS_POSTFIX contain a common code and codes for single readers
     case 0x34: {
       body.skip(16);
       const std::uint32_t n = body.id();
@@ -382,8 +386,8 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
   return body.ok();
 }
 
-/// Iterates over submessages as Fast DDS does: each begins at a multiple of four, whatever length the
-/// previous one claims.
+/// Iterates over submessages as Fast DDS does: each begins at a multiple of four bytes, whatever length the
+/// previous submessage claims.
 class Submessages {
  public:
   explicit Submessages(std::span<const std::uint8_t> message) noexcept : left_(message.subspan(kHeader)) {}
@@ -391,13 +395,13 @@ class Submessages {
   struct One {
     std::uint8_t kind = 0;
     std::uint8_t flags = 0;
-    bool last = false;  // its length is 0: it extends to the end of the message
+    bool last = false;  // its length field is 0, so it extends to the end of the message
     std::span<const std::uint8_t> body;
     [[nodiscard]] bool little() const noexcept { return (flags & kLittle) != 0; }
   };
   [[nodiscard]] bool empty() const noexcept { return left_.empty(); }
   [[nodiscard]] std::size_t left() const noexcept { return left_.size(); }
-  /// Returns kind 0, which does not exist, if the submessage exceeds the message.
+  /// Returns the next submessage. If it exceeds the message, returns kind 0, which does not exist.
   One next() noexcept {
     if (left_.size() < 4) return {};
     One one{.kind = left_[0], .flags = left_[1], .last = false, .body = {}};
@@ -422,8 +426,8 @@ bool is_header(std::span<const std::uint8_t> message) noexcept {
   return message.size() >= kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
 }
 
-/// Whether a SEC_PREFIX or SRTPS_PREFIX is followed by an encrypted body and an authentication code, each as
-/// long as its content.
+/// Whether a SEC_PREFIX or SRTPS_PREFIX is followed by an encrypted body and an authentication code, and
+/// whether the length of each matches its content.
 bool is_protected(const Submessages::One& prefix, Submessages& rest) noexcept {
   const auto postfix_kind = static_cast<std::uint8_t>(prefix.kind + 1);
   if (prefix.last || prefix.body.size() != 20) return false;
@@ -465,7 +469,7 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
       case kSubmessagePrefix:
         if (!is_protected(one, rest)) return false;
         break;
-      case 0x01:  // PAD, INFO_TS, INFO_DST
+      case 0x01:  // PAD, INFO_TS and INFO_DST may be unencrypted
       case 0x09:
       case 0x0e:
         break;
@@ -499,7 +503,7 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
     const std::uint32_t to_qos = copy.u16();
     if (check_head(body, kBeforeData) != kParticipants) continue;
     body.skip(to_qos - kBeforeData);
-    // The inline QoS can say that the participant leaves; Fast DDS evaluates that.
+    // The inline QoS is skipped. It can say that the participant leaves, which Fast DDS evaluates.
     if ((one.flags & kInlineQos) != 0) check_parameters(body);
     const auto encapsulation = body.bytes(4);
     if (!body.ok()) continue;

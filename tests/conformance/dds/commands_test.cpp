@@ -1,4 +1,4 @@
-// Commands and their replies, between processes.
+// Tests of commands and their replies between processes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -68,7 +68,7 @@ class TestClient {
   dds::CommandClient client_;
 };
 
-TEST(Commands, DoNotLoseTheFirstReplyToTwoHundredNewClients) {
+TEST(Commands, OfTwoHundredNewClientsAreAllAnswered) {
   Peer server{{"server", "d", "10"}};
   ASSERT_TRUE(server.says("ready"));
   std::atomic<int> next{0};
@@ -115,7 +115,7 @@ void add_parts(model::Type& type) {
   type.fields.push_back({.name = "data", .scalar = model::Scalar::octet, .sequence = 32768});
 }
 
-TEST(Commands, ReplyOnlyWhenTheClientsReaderHasMatched) {
+TEST(Commands, AreAnsweredOnlyOnceTheReaderOfTheClientHasMatched) {
   const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
   model::Type command = wire_type("takt::Command", {"id", "device", "node", "module_name"},
                                   {enumeration("kind", {"COMMAND_REPORT"})},
@@ -137,12 +137,12 @@ TEST(Commands, ReplyOnlyWhenTheClientsReaderHasMatched) {
       dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = reliable});
   ASSERT_TRUE(writer.ok());
   ASSERT_TRUE(soon([&] { return (*writer)->health().matched == 1; }));
-  std::this_thread::sleep_for(300ms);  // until the server's reader has matched too
+  std::this_thread::sleep_for(300ms);  // waits until the server's reader has matched too
   const auto bytes = model::sample_bytes(command, R"({"id": "raw", "device": "d", "parts": 1})");
   ASSERT_TRUE(bytes.ok());
   ASSERT_TRUE((*writer)->write(bytes->data(), bytes->size()));
   ASSERT_TRUE(server.says("handled raw 0"));
-  std::this_thread::sleep_for(500ms);  // long enough for the answer to be sent
+  std::this_thread::sleep_for(500ms);  // in this time, the server could send a reply too early
   std::mutex mutex;
   std::string heard;
   auto reader = dds::Tap::create(participant, {.topic = "takt/reply", .type = reply, .quality = reliable},
@@ -190,7 +190,7 @@ TEST(Commands, WithARepeatedIdAreAnsweredAgainButNotHandledAgain) {
   EXPECT_EQ(server.line(), "handled end 0");
 }
 
-TEST(Commands, AreSentAgainToALaterServer) {
+TEST(Commands, AreSentAgainToAServerThatStartsLater) {
   TestClient client{participate()};
   client.send("early");
   Peer other{{"server", "other", "0"}};
@@ -212,21 +212,21 @@ TEST(Commands, AreNotSentAfterTheirDeadline) {
   EXPECT_EQ(server.line(), "handled punctual 0");
 }
 
-TEST(Commands, AreAnsweredEvenLateIfBegunInTime) {
+TEST(Commands, ThatBeganBeforeTheirDeadlineAreAnsweredAfterIt) {
   Peer server{{"server", "d", "3", "1500"}};
   ASSERT_TRUE(server.says("ready"));
   TestClient client{participate()};
   client.send("slow", {}, 500ms);
   const auto reply = client.next();
-  ASSERT_TRUE(reply.has_value()) << "the deadline is for the beginning of the command";
+  ASSERT_TRUE(reply.has_value()) << "a command must only begin before its deadline";
   EXPECT_EQ(reply->head.value().to_string(), "for slow");
   client.send("end");
   ASSERT_TRUE(client.next().has_value());
   EXPECT_EQ(server.line(), "handled slow 0");
-  EXPECT_EQ(server.line(), "handled end 0") << "it was handled once";
+  EXPECT_EQ(server.line(), "handled end 0") << "the slow command was handled once";
 }
 
-TEST(Commands, AStuckClientDoesNotDelayOthers) {
+TEST(Commands, OfAStuckClientDoNotDelayOtherClients) {
   Peer server{{"server", "d", "2000000"}};
   ASSERT_TRUE(server.says("ready"));
   TestClient client{participate()};
@@ -270,14 +270,14 @@ TEST(Commands, AboveTheRateLimitAreDroppedAndCountedAndOtherClientsAreServed) {
   EXPECT_TRUE(counted);
 }
 
-TEST(Commands, RejectAndCountForgedSamplesAndContinue) {
+TEST(Commands, ThatAreForgedAreRejectedAndCountedAndDoNotBlockValidOnes) {
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.says("ready"));
   Command good;
   good.id("forged");
   good.device("d");
   good.kind(COMMAND_STOP);
-  good.parts(2);  // never complete, however it is damaged
+  good.parts(2);  // with two parts, the command is never complete, however it is damaged
   good.data(std::vector<std::uint8_t>(100, 7));
   CommandPubSubType type;
   dds::rtps::SerializedPayload_t payload{type.m_typeSize};

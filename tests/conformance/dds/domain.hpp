@@ -1,5 +1,5 @@
-// The interface and domain of the tests: loopback, and a domain that another build tree most likely does not
-// use.
+// The interface and the domain of the tests: loopback, and a domain that tests of another build tree most
+// likely do not use.
 #pragma once
 
 #include <cstdlib>

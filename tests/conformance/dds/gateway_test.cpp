@@ -1,4 +1,5 @@
-// Moves samples between the links of a device and DDS, with another process at the other end.
+// Tests of the gateway, which moves samples between the links of a device and DDS. Another process is at the
+// other end.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -30,7 +31,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// The memory of a link, made as the node makes it.
+/// The memory of a link, formatted as the node formats it.
 class Memory {
  public:
   explicit Memory(channel::Link::Options options) : size_(channel::Link::layout(options).size()) {
@@ -65,7 +66,7 @@ class GatewayTest : public testing::Test {
     gateway_ = std::move(*gateway);
   }
 
-  /// Writes a sample as a module does, and rings as its caller does at the end of the cycle.
+  /// Writes a sample as a module does, and wakes its readers as the executor does at the end of the cycle.
   void write(channel::LinkWriter& writer, const std::vector<std::byte>& bytes,
              std::int64_t stamp = to_ns(os::now())) {
     std::memcpy(writer.link().payload(writer.buffer()), bytes.data(), bytes.size());
@@ -94,7 +95,7 @@ class GatewayTest : public testing::Test {
 constexpr std::uint32_t kWake = channel::kGatewayBit;
 const dds::Quality kReliable{.reliable = true, .depth = 64, .deadline = {}, .lifespan = {}};
 
-TEST_F(GatewayTest, SendsSamplesWholeAndInOrder) {
+TEST_F(GatewayTest, SendsCompleteSamplesInOrder) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("out", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -112,7 +113,7 @@ TEST_F(GatewayTest, SendsSamplesWholeAndInOrder) {
   EXPECT_EQ(memory.link().block().overwritten.load(), 0U);
 }
 
-TEST_F(GatewayTest, ReceivesSamplesWholeAndInOrderWithTheirTime) {
+TEST_F(GatewayTest, ReceivesCompleteSamplesInOrderWithTheirTimeStamps) {
   const Memory memory{queue(256)};
   const Memory latest{{.depth = 1, .payload = kPayload}};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link(), latest.link()});
@@ -120,7 +121,7 @@ TEST_F(GatewayTest, ReceivesSamplesWholeAndInOrderWithTheirTime) {
   Peer feed{{"feed", "in", "reliable", "64"}};
   ASSERT_TRUE(feed.says("ready"));
   ASSERT_TRUE(soon([&] { return health(*flow_id).matched == 1; }));
-  std::this_thread::sleep_for(300ms);  // until the writer has matched too
+  std::this_thread::sleep_for(300ms);  // waits until the writer has matched too
   const std::int64_t begin = to_ns(os::now());
   feed.say("200");
   ASSERT_TRUE(soon([&] { return health(*flow_id).samples == 200; }));
@@ -134,7 +135,7 @@ TEST_F(GatewayTest, ReceivesSamplesWholeAndInOrderWithTheirTime) {
     EXPECT_EQ(number_in(bytes), number);
     EXPECT_GE(reader.info().stamp_ns, last);
     EXPECT_LE(reader.info().stamp_ns, end);
-    last = reader.info().stamp_ns - 100'000;  // two clocks are read one after the other
+    last = reader.info().stamp_ns - 100'000;  // the two clocks are not read at the same instant
   }
   channel::LinkReader newest{latest.link()};
   ASSERT_TRUE(newest.take());
@@ -142,7 +143,7 @@ TEST_F(GatewayTest, ReceivesSamplesWholeAndInOrderWithTheirTime) {
   EXPECT_EQ(health(*flow_id).lost, 0U);
 }
 
-TEST_F(GatewayTest, KeepsTheTimeStampOfTheModule) {
+TEST_F(GatewayTest, KeepsTheTimeStampOfTheModuleUnlessItsClockIsWrong) {
   const Memory out{queue(4, kWake)};
   const Memory in{queue(4)};
   const auto going = gateway_->add_outgoing(flow("stamp", kReliable), out.link());
@@ -152,16 +153,16 @@ TEST_F(GatewayTest, KeepsTheTimeStampOfTheModule) {
   channel::LinkWriter writer{out.link()};
   const std::int64_t now = to_ns(os::now());
   write(writer, bytes_of(1), now - 7'000'000'000);
-  write(writer, bytes_of(2), now - 100'000'000'000);  // from a clock that differs
+  write(writer, bytes_of(2), now - 100'000'000'000);  // as from a module whose clock is wrong
   ASSERT_TRUE(soon([&] { return health(*coming).samples == 2; }));
   channel::LinkReader reader{in.link()};
   ASSERT_TRUE(reader.take());
   EXPECT_NEAR(static_cast<double>(reader.info().stamp_ns), static_cast<double>(now - 7'000'000'000), 5e6);
   ASSERT_TRUE(reader.take());
-  EXPECT_GE(reader.info().stamp_ns, now) << "the time of arrival";
+  EXPECT_GE(reader.info().stamp_ns, now) << "the gateway uses the time of arrival instead";
 }
 
-TEST_F(GatewayTest, ARingWakesTheGateway) {
+TEST_F(GatewayTest, IsWokenAtOnceByAWrittenSample) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("out"), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -176,10 +177,10 @@ TEST_F(GatewayTest, ARingWakesTheGateway) {
     waited.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
   }
   std::nth_element(waited.begin(), waited.begin() + 20, waited.end());
-  EXPECT_LT(waited[20], 0.02) << "without a ring it checks only every 100 ms";
+  EXPECT_LT(waited[20], 0.02) << "a gateway that is not woken checks only every 100 ms";
 }
 
-TEST_F(GatewayTest, RingsForReadersThatWaitForASample) {
+TEST_F(GatewayTest, WakesAThreadThatWaitsForASample) {
   const Memory memory{queue(64, channel::kSporadicBit)};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link()});
   ASSERT_TRUE(flow_id.ok());
@@ -210,7 +211,7 @@ TEST_F(GatewayTest, RingsForReadersThatWaitForASample) {
   sporadic.join();
 }
 
-TEST_F(GatewayTest, CountsInvalidSamplesAndKeepsThemOffTheLink) {
+TEST_F(GatewayTest, CountsInvalidSamplesAndDoesNotWriteThemToTheLink) {
   const Memory memory{queue(64)};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link()});
   ASSERT_TRUE(flow_id.ok());
@@ -220,7 +221,7 @@ TEST_F(GatewayTest, CountsInvalidSamplesAndKeepsThemOffTheLink) {
     std::snprintf(digits.data(), digits.size(), "%02x", static_cast<unsigned>(each));
     good += digits.data();
   }
-  good.resize(48);  // it claims 40 bytes of data but has none, so every variant is cut off
+  good.resize(48);  // the sample claims 40 bytes of data but has none, so every variant is too short
   Peer forger{{"forge", "in", "test::Sample", "plain", "500", good}};
   ASSERT_TRUE(forger.says("forged", 60s));
   const wire::FlowHealth after = health(*flow_id);
@@ -255,7 +256,7 @@ TEST_F(GatewayTest, RejectsALinkThatIsTooSmallForTheType) {
   EXPECT_FALSE(gateway_->add_outgoing(flow("out"), memory.link()).ok());
 }
 
-TEST_F(GatewayTest, SendsNothingToADisabledLink) {
+TEST_F(GatewayTest, WritesNothingToADisabledLink) {
   const Memory wanted{queue(8)};
   const Memory unwanted{{.depth = 8, .payload = kPayload, .enabled = false}};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {wanted.link(), unwanted.link()});
@@ -269,7 +270,7 @@ TEST_F(GatewayTest, SendsNothingToADisabledLink) {
   EXPECT_EQ(unwanted.link().block().written.load(), 0U);
 }
 
-TEST_F(GatewayTest, AReaderThatHangsDoesNotDelayOthers) {
+TEST_F(GatewayTest, AReaderThatHangsDoesNotDelayOtherReaders) {
   const Memory to_stuck{queue(64, kWake)};
   const Memory to_live{queue(64, kWake)};
   const auto stuck_id = gateway_->add_outgoing(flow("stuck", kReliable), to_stuck.link());
@@ -294,7 +295,7 @@ TEST_F(GatewayTest, AReaderThatHangsDoesNotDelayOthers) {
   EXPECT_EQ(health(*stuck_id).failures, 0U);
 }
 
-TEST_F(GatewayTest, AddsAndRemovesFlowsWithoutDisturbingOthers) {
+TEST_F(GatewayTest, AddsAndRemovesFlowsWithoutDisturbingOtherFlows) {
   const Memory memory{queue(256, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("steady", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -330,7 +331,7 @@ TEST_F(GatewayTest, AddsAndRemovesFlowsWithoutDisturbingOthers) {
     ASSERT_EQ(tap.line(), "sample " + std::to_string(number));
 }
 
-TEST_F(GatewayTest, ReportsWhyAnEndDoesNotMatch) {
+TEST_F(GatewayTest, ReportsTheQualityOfServiceThatPreventsAMatch) {
   const Memory out{queue(8, kWake)};
   const auto going = gateway_->add_outgoing(flow("quality"), out.link());
   ASSERT_TRUE(going.ok());
@@ -385,7 +386,7 @@ TEST_F(GatewayTest, CountsLostSamples) {
   EXPECT_EQ(samples + lost, number - std::stoul(first->substr(first->find(' '))) + 1);
 }
 
-TEST_F(GatewayTest, DropsSamplesThatAreTooOld) {
+TEST_F(GatewayTest, DropsSamplesOlderThanTheirLifespan) {
   const dds::Quality brief{.reliable = true, .depth = 8, .deadline = {}, .lifespan = 200ms};
   const Memory out{queue(8, kWake)};
   const Memory in{queue(8)};

@@ -40,7 +40,7 @@ std::size_t threads() {
   return count;
 }
 
-TEST(Participant, LeavesNothingInSharedMemory) {
+TEST(Participant, LeavesNoFilesInSharedMemory) {
   const auto before = files_of_dds();
   {
     Peer one{{"all"}};
@@ -53,17 +53,17 @@ TEST(Participant, LeavesNothingInSharedMemory) {
   EXPECT_EQ(files_of_dds(), before);
 }
 
-TEST(Participant, IsTheOnlyOneOfItsProcess) {
+TEST(Participant, CannotBeCreatedTwiceInOneProcess) {
   auto first = dds::Participant::create(on_loopback("first"));
   ASSERT_TRUE(first.ok()) << to_text(first.problems());
   const auto second = dds::Participant::create(on_loopback("second"));
   ASSERT_FALSE(second.ok());
   EXPECT_THAT(to_text(second.problems()), HasSubstr("this process has a DDS participant already"));
   *first = nullptr;
-  EXPECT_TRUE(dds::Participant::create(on_loopback("third")).ok()) << "the first one is deleted";
+  EXPECT_TRUE(dds::Participant::create(on_loopback("third")).ok()) << "the first participant is deleted";
 }
 
-TEST(Participant, ReportsTheRangeOfDomains) {
+TEST(Participant, ReportsADomainThatIsOutOfRange) {
   for (const int domain : {-1, 233}) {
     dds::ParticipantOptions options = on_loopback("p");
     options.domain = domain;
@@ -73,7 +73,7 @@ TEST(Participant, ReportsTheRangeOfDomains) {
   }
 }
 
-TEST(Participant, ReportsTheAddressesOfThisMachine) {
+TEST(Participant, ReportsAnInterfaceAddressThatThisMachineDoesNotHave) {
   dds::ParticipantOptions options = on_loopback("p");
   options.interfaces = {"127.0.0.1", "203.0.113.7"};
   const auto made = dds::Participant::create(options);
@@ -83,7 +83,7 @@ TEST(Participant, ReportsTheAddressesOfThisMachine) {
   EXPECT_TRUE(dds::Participant::create(on_loopback("p")).ok()) << "the failed attempt left nothing behind";
 }
 
-TEST(Participant, ReportsAPeerWithoutAnAddress) {
+TEST(Participant, ReportsAPeerWhoseNameHasNoAddress) {
   dds::ParticipantOptions options = on_loopback("p");
   options.discovery = {
       .kind = model::Discovery::Kind::peers, .peers = {"localhost", "no.such.host.invalid"}, .server = {}};
@@ -102,7 +102,7 @@ TEST(Participant, ReportsAnInvalidServerPort) {
   }
 }
 
-TEST(Participant, IsNotCreatedOnARealTimeThread) {
+TEST(Participant, CannotBeCreatedOnARealTimeThread) {
   bool real_time = false;
   bool refused = false;
   std::thread{[&] {
@@ -152,7 +152,7 @@ TEST(Participant, DoesNotCallAReaderOnTheWritingThread) {
   EXPECT_FALSE(in_this_thread);
 }
 
-/// Two peers find each other.
+/// Expects that two peers with these settings find each other.
 void expect_match(const std::map<std::string, std::string>& one,
                   const std::map<std::string, std::string>& other, const std::string& folder = {}) {
   Peer tap{{"tap", "discovery", "reliable", "1"}, one, folder};
@@ -166,20 +166,20 @@ void expect_match(const std::map<std::string, std::string>& one,
   }));
 }
 
-TEST(Discovery, ByMulticast) { expect_match({}, {}); }
+TEST(Discovery, FindsAPeerByMulticast) { expect_match({}, {}); }
 
-TEST(Discovery, ByTheNameOfAPeer) {
+TEST(Discovery, FindsAPeerByItsHostName) {
   expect_match({{"PEER_DISCOVERY", "peers=localhost"}}, {{"PEER_DISCOVERY", "peers=localhost"}});
 }
 
-TEST(Discovery, ByAServerThatAPeerRuns) {
+TEST(Discovery, FindsAPeerThroughADiscoveryServer) {
   const std::string place = "127.0.0.1:" + std::to_string(20000 + ::getpid() % 20000);
   Peer server{{"device", "server"}, {{"PEER_DISCOVERY", "serve=" + place}}};
   ASSERT_TRUE(server.says("ready"));
   expect_match({{"PEER_DISCOVERY", "server=" + place}}, {{"PEER_DISCOVERY", "server=" + place}});
 }
 
-TEST(Discovery, IgnoresTheEnvironment) {
+TEST(Discovery, IgnoresFastDdsSettingsInTheEnvironment) {
   const auto folder = std::filesystem::temp_directory_path() / ("takt-dds-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   const std::string profile = R"(<?xml version="1.0"?>
@@ -195,7 +195,7 @@ TEST(Discovery, IgnoresTheEnvironment) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(Participant, RejectsATopicOfAnotherTypeAndOthersContinue) {
+TEST(Participant, RejectsConflictingTypesWithoutDisturbingOtherTopics) {
   auto participant = dds::Participant::create(on_loopback("p"));
   ASSERT_TRUE(participant.ok());
   auto first = dds::Feed::create(*participant, flow("shared"));

@@ -2,9 +2,11 @@
 //
 //   peer DOMAIN COMMAND ...
 //
-// Ends when its standard input does. PEER_DISCOVERY: multicast, peers=HOST, server=HOST:PORT,
-// serve=HOST:PORT; PEER_INTERFACES: addresses with commas, 127.0.0.1 if not given, "all"; PEER_SECURITY: the
-// folder of an identity, without DDS Security if not given.
+// The process ends when its standard input is closed. Environment variables:
+//
+//   PEER_DISCOVERY    multicast, peers=HOST, server=HOST:PORT or serve=HOST:PORT
+//   PEER_INTERFACES   addresses with commas, or "all"; 127.0.0.1 if not given
+//   PEER_SECURITY     the folder of an identity; without it, DDS Security is off
 #include <dlfcn.h>
 #include <unistd.h>
 
@@ -56,7 +58,7 @@ T must(Result<T> result) {
   return std::move(*result);
 }
 
-/// Waits for the next line of standard input; "end" if it is closed.
+/// Waits for the next line of standard input and returns it; "end" if standard input is closed.
 std::string next_line() {
   std::string line;
   return std::getline(std::cin, line) ? line : "end";
@@ -161,8 +163,8 @@ void state(const Participant& participant, const Arguments& arguments) {
   }
 }
 
-// transitions MODULES COUNT: publishes the first state of each module; after a line, more up to COUNT in
-// total
+// transitions MODULES COUNT: publishes the first state of each module. After a line on standard input,
+// publishes more states, up to COUNT in total
 void transitions(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
   const std::size_t modules = std::stoul(arguments[0]);
@@ -239,10 +241,10 @@ std::vector<std::byte> nonsense(std::mt19937& random, const std::vector<std::byt
       bytes.resize(4 + random() % 400);
       for (auto& each : bytes) each = static_cast<std::byte>(random());
       break;
-    case 1:  // cut off
+    case 1:  // a part of the valid sample
       bytes.resize(4 + random() % (bytes.size() - 4));
       break;
-    case 2:  // a few changed
+    case 2:  // a few changed bytes
       for (int i = 0; i < 4; ++i) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
       break;
     default:  // impossible lengths
@@ -520,8 +522,8 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
 }  // namespace
 }  // namespace takt::dds_test
 
-// PEER_CHEATS: this program ignores its own permissions, as a tampered program would. Others must reject its
-// samples. This function replaces the one of Fast DDS.
+// With PEER_CHEATS, this program ignores its own permissions, as a manipulated program would. Other
+// participants must reject its samples. This function replaces the function of Fast DDS.
 extern "C" bool
 ignores_own_permissions(const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic, const std::vector<std::string>& partitions, void* why) __asm__(
     "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__cxx1112"

@@ -1,4 +1,4 @@
-// Another process: the program peer.cpp, running one of its commands.
+// Runs a command of the program peer.cpp in another process.
 #pragma once
 
 #include <chrono>
@@ -11,21 +11,21 @@ namespace takt::dds_test {
 
 class Peer {
  public:
-  /// Starts it with these variables added to the environment, in `folder` if one is given.
+  /// Starts the process with these variables added to its environment, in `folder` if one is given.
   explicit Peer(const std::vector<std::string>& arguments,
                 const std::map<std::string, std::string>& variables = {}, const std::string& folder = {});
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
-  /// Kills it if it still runs.
+  /// Kills the process if it still runs.
   ~Peer();
 
   void say(const std::string& line) const;
-  /// The next line that it prints; none if it has ended, or prints nothing in time.
+  /// Returns the next line that the process prints. None if it has ended, or prints nothing in time.
   std::optional<std::string> line(std::chrono::milliseconds limit = std::chrono::seconds{20});
-  /// Whether it prints this line in time; skips other lines.
+  /// Returns whether the process prints this line in time. Skips other lines.
   bool says(const std::string& wanted, std::chrono::milliseconds limit = std::chrono::seconds{20});
   void signal(int number) const;
-  /// Its exit status; -1 if it did not end by itself in time.
+  /// Returns the exit status of the process; -1 if it did not end by itself in time.
   int wait(std::chrono::milliseconds limit = std::chrono::seconds{20});
   [[nodiscard]] int pid() const { return pid_; }
 

@@ -1,4 +1,4 @@
-// A type for the tests and its samples, byte by byte, without generated code.
+// A type for the tests. Its samples are built byte by byte, without generated code.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ inline dds::Flow flow(const std::string& topic, dds::Quality quality = {}) {
   return {.topic = topic, .type = sample_type(), .quality = quality};
 }
 
-/// XCDR1, little endian.
+/// Returns a sample as XCDR1 bytes, little endian.
 inline std::vector<std::byte> bytes_of(std::uint64_t number, std::int64_t value = 0, std::uint32_t data = 0) {
   std::vector<std::byte> bytes(24 + data);
   bytes[1] = std::byte{1};
@@ -49,7 +49,7 @@ inline std::int64_t value_in(const std::byte* bytes) {
   return value;
 }
 
-/// Whether the data is as bytes_of() made it.
+/// Returns whether the data is as bytes_of() made it.
 inline bool is_whole(const std::byte* bytes, std::size_t size) {
   std::uint32_t data = 0;
   if (size < 24) return false;

@@ -1,4 +1,5 @@
-// DDS Security between processes: members of a cell receive each other, and nothing from strangers.
+// Tests of DDS Security between processes: the members of a cell receive samples of each other, and none of
+// strangers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,11 +31,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr auto kLongEnough = 4s;  // to receive a sample, if the sender were not rejected
+constexpr auto kLongEnough = 4s;  // in this time, a sample would arrive if its sender were not rejected
 
 std::int64_t now_s() { return os::wall_ns() / 1'000'000'000; }
 
-/// A cell "test": robot writes "parts", which line reads. anna is an operator, eve an observer.
+/// A cell "test", in which device robot writes "parts" and device line reads it. anna is an operator, eve is
+/// an observer.
 class Security : public testing::Test {
  protected:
   Security() {
@@ -67,7 +69,7 @@ class Security : public testing::Test {
   [[nodiscard]] std::string of(const std::string& path, const std::string& authority = "home") const {
     return (folder_ / authority / path).string();
   }
-  /// Environment variables of a peer with this identity.
+  /// Returns the environment variables of a peer with this identity.
   [[nodiscard]] std::map<std::string, std::string> as(const std::string& path,
                                                       const std::string& authority = "home") const {
     return {{"PEER_SECURITY", of(path, authority)}};
@@ -118,7 +120,7 @@ class Security : public testing::Test {
   std::optional<dds::Reader<DeviceStatus>> reader_;
 };
 
-TEST_F(Security, MembersOfOneCellReceiveEachOther) {
+TEST_F(Security, MembersOfOneCellReceiveSamplesOfEachOther) {
   join("operators/anna");
   Peer robot{{"device", "robot"}, as("devices/robot")};
   EXPECT_TRUE(soon([&] { return heard().count("robot") > 0; }));
@@ -166,7 +168,7 @@ TEST_F(Security, ADeviceMayPublishOnlyAboutItself) {
   EXPECT_TRUE(soon([&] { return heard().count("line") > 0; }));
 }
 
-TEST_F(Security, OthersAlsoRejectATopicThatWasNotGranted) {
+TEST_F(Security, ReadersRejectAWriterWithoutPermissionForItsTopic) {
   join("devices/line");
   std::atomic<int> came{0};
   auto tap = dds::Tap::create(participant_, flow("parts"),
@@ -237,7 +239,7 @@ TEST_F(Security, RejectsAReplyInTheNameOfAnotherDevice) {
   EXPECT_EQ(answers, 0);
 }
 
-TEST_F(Security, ReportsWhatIsWrongWithTheFiles) {
+TEST_F(Security, ReportsSettingsAndFilesThatDoNotFitTheIdentity) {
   dds::ParticipantOptions options = on_loopback("test");
   options.security = of("devices/robot");
   options.domain = domain() + 1;

@@ -1,4 +1,4 @@
-// The topics on which nodes publish their state, between processes.
+// Tests, between processes, of the topics on which nodes publish their state.
 #include <fastcdr/Cdr.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ class Heard {
                   last_.erase(key.path().to_string());
                 }};
   }
-  /// Makes the reader take a second for this sample.
+  /// Makes the reader take a second for the sample with this number.
   void hold_up(std::size_t sample) {
     const std::lock_guard lock{mutex_};
     held_up_at_ = sample;
@@ -94,7 +94,7 @@ class Heard {
   std::size_t held_up_at_ = 0;
 };
 
-TEST(Lifecycle, ALateReaderGetsThePresentStateOfThreeHundredModules) {
+TEST(LifecycleTopic, GivesALateReaderThePresentStateOfThreeHundredModules) {
   Peer writer{{"state", "300"}};
   ASSERT_EQ(writer.line(), "failures 0");
   Heard heard;
@@ -105,7 +105,7 @@ TEST(Lifecycle, ALateReaderGetsThePresentStateOfThreeHundredModules) {
   EXPECT_EQ(heard.samples(), 300U);
 }
 
-TEST(Lifecycle, ALateReaderDoesNotGetDisposedStates) {
+TEST(LifecycleTopic, GivesALateReaderNoDisposedStates) {
   Peer writer{{"state", "20"}};
   ASSERT_EQ(writer.line(), "failures 0");
   auto participant = participate();
@@ -121,7 +121,7 @@ TEST(Lifecycle, ALateReaderDoesNotGetDisposedStates) {
   EXPECT_EQ(late.samples(), 0U);
 }
 
-TEST(Lifecycle, LosesAndRepeatsNoneOfTenThousandTransitionsUnderLoad) {
+TEST(LifecycleTopic, DeliversEachOfTenThousandTransitionsOnceUnderLoad) {
   std::atomic<bool> ending{false};
   std::vector<std::thread> load;
   for (unsigned i = 0; i < std::thread::hardware_concurrency(); ++i)
@@ -133,8 +133,8 @@ TEST(Lifecycle, LosesAndRepeatsNoneOfTenThousandTransitionsUnderLoad) {
   ASSERT_TRUE(reader.ok());
   Peer writer{{"transitions", "20", "10000"}};
   ASSERT_TRUE(writer.says("ready"));
-  ASSERT_TRUE(soon([&] { return heard.samples() == 20; })) << "the reader joins first";
-  heard.hold_up(1000);  // without waiting, the writer would overflow the socket meanwhile
+  ASSERT_TRUE(soon([&] { return heard.samples() == 20; })) << "the reader must match before the load begins";
+  heard.hold_up(1000);  // a writer that did not wait would overflow the socket in this second
   const auto begin = Clock::now();
   writer.say("go");
   EXPECT_EQ(writer.line(100s), "written; failures 0, timeouts 0");
@@ -160,7 +160,7 @@ class Devices {
             .lost = [this](wire::WriterId writer) { note(writer, "lost"); },
             .alive = [this](wire::WriterId writer) { note(writer, "alive"); }};
   }
-  /// For example "alive lost alive".
+  /// Returns the events of the device, such as "alive lost alive".
   std::string events(const std::string& device) const {
     const std::lock_guard lock{mutex_};
     std::string all;
@@ -185,14 +185,14 @@ class Devices {
   std::vector<std::pair<wire::WriterId, std::string>> events_;
 };
 
-TEST(Device, IsLostWithinItsLeaseWhileAnotherLives) {
+TEST(Device, IsReportedLostWithinItsLeaseAfterItIsKilled) {
   auto participant = participate();
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participant, devices.listener());
   Peer other{{"device", "other"}};
   ASSERT_TRUE(soon([&] { return devices.samples("other") > 0; }));
   std::vector<double> seconds;
-  // Repeats the measurement if the machine was held up.
+  // The test repeats the measurement if the machine stalled.
   for (int attempt = 0; attempt < 5 && (seconds.empty() || seconds.back() > 0.4); ++attempt) {
     const std::string name = "mortal" + std::to_string(attempt);
     Peer mortal{{"device", name}};
@@ -205,11 +205,11 @@ TEST(Device, IsLostWithinItsLeaseWhileAnotherLives) {
   }
   EXPECT_LE(seconds.back(), 0.4);
   EXPECT_EQ(devices.events("other"), "alive") << "the other device continues";
-  std::this_thread::sleep_for(4s);  // the participant's lease expires too
+  std::this_thread::sleep_for(4s);  // in this time, the participant's lease expires too
   EXPECT_EQ(devices.events("mortal0"), "alive lost") << "the loss is reported once";
 }
 
-TEST(Device, ThatHangsAndContinuesIsLostAndAliveAgain) {
+TEST(Device, IsReportedLostWhenItHangsAndAliveWhenItContinues) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   Peer peer{{"device", "d"}};
@@ -220,7 +220,7 @@ TEST(Device, ThatHangsAndContinuesIsLostAndAliveAgain) {
   EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost alive"; })) << devices.events("d");
 }
 
-TEST(Device, ThatLeavesCleanlyIsLostAtOnce) {
+TEST(Device, IsReportedLostWhenItLeaves) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   Peer peer{{"device", "d"}};
@@ -229,7 +229,7 @@ TEST(Device, ThatLeavesCleanlyIsLostAtOnce) {
   EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost"; })) << devices.events("d");
 }
 
-/// The hexadecimal digits of a sample in its wire format.
+/// Returns the hexadecimal digits of a sample in its wire format.
 template <class Generated>
 std::string wire(typename Generated::type& sample) {
   Generated type;
@@ -244,7 +244,7 @@ std::string wire(typename Generated::type& sample) {
   return text;
 }
 
-TEST(Device, RejectsAndCountsForgedSamplesAndContinues) {
+TEST(DeviceTopic, RejectsAndCountsForgedSamplesAndDeliversValidOnes) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   DeviceStatus status;
@@ -261,7 +261,7 @@ TEST(Device, RejectsAndCountsForgedSamplesAndContinues) {
   EXPECT_TRUE(soon([&] { return devices.samples("honest") > 0; }));
 }
 
-TEST(Validation, RejectsImpossibleValues) {
+TEST(Validation, RejectsStatusesAndCommandsWithInvalidFields) {
   DeviceStatus good;
   good.path("c/d");
   good.cell("c");
@@ -300,7 +300,7 @@ TEST(Validation, RejectsImpossibleValues) {
   EXPECT_FALSE(wire::validate(command));
 }
 
-TEST(Keys, AreCorrectWhenTwoThreadsComputeThemAtOnce) {
+TEST(InstanceKeys, AreCorrectWhenTwoThreadsComputeThemAtOnce) {
   dds::CheckedType<LifecycleStatusPubSubType> type;
   const auto key_of = [&type](const std::string& path) {
     LifecycleStatus status;

@@ -30,7 +30,7 @@ class AllOrNone(takt_system.Case):
         return self.write(name + ".xml", text)
 
     def path_without(self, *names):
-        """A component path without these files."""
+        """Returns an environment whose component path has no files of these names."""
         folder = os.path.join(self.folder, "components")
         os.mkdir(folder)
         for source in os.environ["TAKT_COMPONENT_PATH"].split(":"):
@@ -60,7 +60,7 @@ class AllOrNone(takt_system.Case):
 
     def assert_nothing_left_of_it(self):
         for device, node in self.running.items():
-            wait_until(lambda: [process.program for process in node.processes()] == ["takt-node"], 5, "the node of %s to be alone" % device)
+            wait_until(lambda: [process.program for process in node.processes()] == ["takt-node"], 5, "the host and programs of node %s to end" % device)
             self.assertNotIn("EXECUTING", self.said_since(device))
 
     def assert_refused_everywhere(self, run, cell, *patterns):
@@ -76,7 +76,7 @@ class AllOrNone(takt_system.Case):
         self.undeploy("cell")
 
     def undeploy(self, cell):
-        """Also waits for the last lines, so that they do not count for the next deployment."""
+        """Undeploys the cell. Waits for the last lines of the nodes, so that they do not count for the next deployment."""
         self.done("undeploy " + cell)
         for device, node in self.running.items():
             node.wait_for_line(": cell %s is undeployed$" % cell, after=self.marks[device])
@@ -87,7 +87,7 @@ class AllOrNone(takt_system.Case):
             name = os.path.basename(cell)[:-4]
             begun = time.monotonic()
             run = self.takt("deploy", cell, limit=20)
-            print("%s was refused after %.2f s" % (name, time.monotonic() - begun))
+            print("%s was rejected after %.2f s" % (name, time.monotonic() - begun))
             self.assert_refused_everywhere(run, name, *patterns)
             if then_a_good_one:
                 self.assert_nothing_left_of_it()
@@ -114,7 +114,7 @@ class AllOrNone(takt_system.Case):
         self.refuse(self.cell("crash", "bad", "segv.so", WHERE),
                     r"(?m)^module line\.bad: error: the host was killed by SIGSEGV .* in initialize\(\)")
         self.refuse(self.with_a_third_device(),
-                    r"(?m)^device third: error: not found on domain %d; start it: takt-node --device third" % self.domain)
+                    r"(?m)^device third: error: not found on domain %d; start it with takt-node --device third" % self.domain)
         self.end(self.running)
 
     def with_a_third_device(self):
@@ -124,7 +124,7 @@ class AllOrNone(takt_system.Case):
                 "<operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module></device></cell>")
         return self.write("third.xml", text)
 
-    def test_a_descriptor_error_reaches_no_device(self):
+    def test_a_descriptor_with_an_error_is_sent_to_no_device(self):
         self.begin()
         before = {device: list(node.raw) for device, node in self.running.items()}
         cell = self.cell("mistake", "grid", "grid.so", "<perod>5</perod>")
@@ -145,7 +145,7 @@ class AllOrNone(takt_system.Case):
         run.signal(signal.SIGINT)
         begun = time.monotonic()
         run.wait(20)
-        print("given up %.2f s after Ctrl-C, while initialize() hung" % (time.monotonic() - begun))
+        print("takt deploy ended %.2f s after Ctrl-C, while initialize() hung" % (time.monotonic() - begun))
         self.assert_refused_everywhere(run, "hang", "error: cancelled before all devices were ready")
         self.assert_nothing_runs()
         self.assert_a_good_one_succeeds()
@@ -160,7 +160,7 @@ class AllOrNone(takt_system.Case):
         begun = time.monotonic()
         run.wait(20)
         took = time.monotonic() - begun
-        print("refused %.2f s after a node was killed" % took)
+        print("cancelled %.2f s after a node was killed" % took)
         self.assertLess(took, 4, "takt deploy must not wait for the hanging hook")
         self.assert_refused_everywhere(run, "hang", r"(?m)^device line: error: it was lost before it answered command prepare$")
         self.running["line"].wait(10)
@@ -188,17 +188,17 @@ class AllOrNone(takt_system.Case):
             self.assertEqual(2, len(status))
             self.assertEqual(winners[0], self.status_of()["cell"])
             self.undeploy(winners[0])
-        print("of two cells at once ran: %s" % won)
+        print("cells that ran, of two deployed at once: %s" % won)
         self.end(self.running)
 
-    def test_rejects_a_deployment_while_two_nodes_have_one_name(self):
+    def test_takt_deploy_fails_while_two_nodes_have_the_same_name(self):
         self.begin()
         second = self.program("takt-node", "--device", "line", "--state-dir", os.path.join(self.folder, "second"))
         clash = r"another node named line is on domain %d: process %%d on \S+; end or rename one of them: neither can be deployed to " \
                 r"while both run" % self.domain
         self.running["line"].wait_for_line(clash % second.pid)
         second.wait_for_line(clash % self.running["line"].pid)
-        # takt has found both nodes, or the node that it found reports the other one.
+        # Either takt finds both nodes, or it finds one node, which reports the other.
         two = r"(?m)^device line: error: (2 nodes of this name are on domain %d: process \d+ on \S+, process \d+ on \S+; end all but " \
               r"one of them|another node named line is on domain %d: process \d+ on)" % (self.domain, self.domain)
         self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", two)
@@ -210,18 +210,18 @@ class AllOrNone(takt_system.Case):
         self.assert_a_good_one_succeeds()
         self.end(self.running)
 
-    def test_a_rejected_deployment_leaves_the_running_cell_alone(self):
+    def test_a_rejected_deployment_does_not_disturb_the_running_cell(self):
         self.begin()
         self.deploy("cell.xml")
         before = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         hosts = {device: node.one("takt-host").pid for device, node in self.running.items()}
         other, again, undeploy = self.at_once("deploy " + self.cell("other"), "deploy cell.xml", "undeploy other")
-        self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell; undeploy it first: takt undeploy cell; or change it while "
-                                                      "it runs: takt deploy --update")
+        self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell; run takt undeploy cell first; or run takt "
+                                                      "deploy --update to change it while it runs")
         self.assertEqual(1, undeploy.status)
         self.assertIn("error: no device on domain %d runs cell other; cells on this domain: cell" % self.domain, undeploy.err)
-        self.assert_refused_everywhere(other, "other", *[r"(?m)^device %s: error: it already runs cell cell; undeploy it first: takt "
-                                                       r"undeploy cell$" % device for device in self.running])
+        self.assert_refused_everywhere(other, "other", *[r"(?m)^device %s: error: it already runs cell cell; run takt "
+                                                       r"undeploy cell first$" % device for device in self.running])
         after = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         for device, node in self.running.items():
             self.assertEqual(hosts[device], node.one("takt-host").pid)

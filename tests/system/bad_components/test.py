@@ -42,23 +42,23 @@ class BadComponents(takt_system.Case):
             self.assertRegex(descriptor[int(match[2]) - 1], on_the_line)
             self.assertRegex(line, "error: " + words)
 
-    def test_check_reports_every_error(self):
+    def test_takt_check_reports_every_wrong_component(self):
         self.assert_all_told(self.takt("check", "cell.xml"))
         self.assert_all_told(self.takt("check", "cell.xml", "--json"))
 
-    def test_run_reports_every_error_and_starts_nothing(self):
+    def test_takt_run_reports_every_wrong_component_and_starts_nothing(self):
         run = self.takt("run", "cell.xml", "--for", "5", "--json", limit=15)
         self.assert_all_told(run)
         self.assertEqual([], run.lines)
 
-    def test_check_remote_only_warns_about_missing_components(self):
+    def test_takt_check_remote_only_warns_about_missing_components(self):
         run = self.takt("check", "cell.xml", "--remote")
         self.assertEqual(1, run.status)
         warnings = [line for line in run.err.splitlines() if ": warning: " in line]
         self.assertEqual(2, len(warnings), run.err)
         self.assertEqual(len(WRONG) - 2, len([line for line in run.err.splitlines() if ": error: " in line]))
 
-    def test_accepts_properties_at_their_bounds(self):
+    def test_takt_run_accepts_property_values_at_their_bounds(self):
         run = self.takt("run", "properties.xml", "--for", "0.2")
         self.assertEqual(0, run.status, run.err)
 

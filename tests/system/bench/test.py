@@ -37,8 +37,8 @@ class Bench(takt_system.Case):
     def rows(self, report, section):
         return {row["name"]: row for row in report["sections"][section]["rows"]}
 
-    @takt_system.alone("each of its runs lasts 0.2 s from the common start, and every row of that is counted")
-    def test_table1_reports_ten_cases_and_writes_a_page(self):
+    @takt_system.alone("each run lasts 0.2 s, and the test counts every row of it")
+    def test_takt_bench_table1_reports_ten_cases_and_writes_an_html_page(self):
         page = os.path.join(self.folder, "table1.html")
         report = self.measured("table1", "--for", "0.2", "--html", page)
         self.assertEqual(("table1", 100), (report["benchmark"], report["period_us"]))
@@ -65,14 +65,14 @@ class Bench(takt_system.Case):
         self.assertNotIn("script", seen.elements)
         self.assertTrue(all(reference.startswith("#case") for reference in seen.references), seen.references)
 
-    def test_table1_uses_the_given_period(self):
+    def test_takt_bench_table1_measures_at_the_given_period(self):
         run = self.takt("bench", "table1", "--for", "0.05", "--period", "1000", limit=150.0)
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertIn("at a basic period of 1 ms", run.out)
         self.assertEqual(10, len([line for line in run.out.splitlines() if " paper " in line]))
 
     @takt_system.alone("the benchmark keeps a CPU busy")
-    def test_dispatch_reports_rows_and_a_thousand_modules(self):
+    def test_takt_bench_dispatch_measures_up_to_a_thousand_modules(self):
         report = self.measured("dispatch", "--for", "0.1")
         self.assertEqual(["10 modules", "100 modules", "1000 modules"], list(self.rows(report, 0)))
         recorded = self.rows(report, 1)
@@ -85,7 +85,7 @@ class Bench(takt_system.Case):
         self.assertTrue(any("beyond the modules' own work" in note for note in report["sections"][2]["notes"]))
 
     @takt_system.alone("the benchmark keeps a CPU busy")
-    def test_wake_reports_each_strategy_at_each_period(self):
+    def test_takt_bench_wake_compares_all_wake_up_strategies(self):
         report = self.measured("wake", "--for", "0.1")
         for section in (0, 1):
             rows = self.rows(report, section)
@@ -93,25 +93,25 @@ class Bench(takt_system.Case):
             for row in rows.values():
                 self.assertEqual(["name"] + TIMES + ["cycles", "missed", "processor_%"], list(row))
 
-    def test_process_compares_a_module_with_a_futex_and_a_signal(self):
+    def test_takt_bench_process_compares_a_process_module_with_a_futex_and_a_signal(self):
         rows = self.rows(self.measured("process", "--for", "0.2"), 0)
         self.assertEqual(["process module", "futex", "signal"], list(rows))
         for row in rows.values():
             self.assertGreater(row["cycles"], 0)
 
-    def test_ports_compares_ports_with_memcpy(self):
+    def test_takt_bench_ports_compares_ports_with_memcpy(self):
         rows = self.rows(self.measured("ports", "--for", "0.1"), 0)
         self.assertEqual(1, rows["memcpy, there and back"]["of_memcpy"])
         self.assertEqual(11, len(rows))
         self.assertEqual(3, len([name for name in rows if "with a safe value" in name]))
 
-    def test_cell_is_deployed_and_its_samples_arrive(self):
+    def test_takt_bench_cell_deploys_a_cell_and_receives_its_samples(self):
         report = self.measured("cell", "--for", "1", "--devices", "2")
         self.assertEqual(["nodes started and seen", "takt deploy", "takt status", "takt undeploy"], list(self.rows(report, 0)))
         for row in self.rows(report, 1).values():
             self.assertGreater(row["samples"], 0)
 
-    def test_an_interrupted_benchmark_leaves_nothing_behind(self):
+    def test_an_interrupted_benchmark_leaves_no_processes_and_files_behind(self):
         for command, program in (("table1", "takt-host"), ("cell", "takt-host"), ("process", "bench_periodic_process.exe")):
             with self.subTest(command=command):
                 before = set(os.listdir(tempfile.gettempdir()))
@@ -124,7 +124,7 @@ class Bench(takt_system.Case):
                 left = {name for name in set(os.listdir(tempfile.gettempdir())) - before if name.startswith("takt-bench-%d-" % run.pid)}
                 self.assertEqual(set(), left)
 
-    def test_wrong_usage_exits_with_status_2(self):
+    def test_takt_bench_exits_with_status_2_on_wrong_arguments(self):
         for arguments in ([], ["nonsense"], ["table1", "more"], ["table1", "--for", "0"], ["table1", "--for", "soon"], ["table1", "--period", "1"],
                           ["table1", "--cpu", "-1"], ["wake", "--html", "x"], ["ports", "--period", "100"], ["cell", "--devices", "1"]):
             with self.subTest(arguments=arguments):
@@ -132,7 +132,7 @@ class Bench(takt_system.Case):
                 self.assertEqual((2, ""), (run.status, run.out), run.err)
                 self.assertIn("Usage: takt", run.err)
 
-    def test_the_load_runs_during_the_benchmark_and_ends_with_it(self):
+    def test_the_load_option_runs_a_load_until_the_benchmark_ends(self):
         with open(os.path.join(self.folder, "stress-ng"), "w") as file:
             file.write('#!/bin/sh\necho "$$ $*" > %s/load\nexec sleep 1000\n' % self.folder)
         os.chmod(file.name, 0o755)
@@ -143,14 +143,14 @@ class Bench(takt_system.Case):
         self.assertEqual("stress-ng " + arguments.strip(), run.report["load"])
         self.assertFalse(os.path.exists("/proc/" + pid))
 
-    def test_measures_without_real_time_rights_and_says_so(self):
+    def test_takt_bench_measures_without_real_time_rights_and_reports_this(self):
         if os.geteuid() != 0:
             self.skipTest("needs root, to give it up")
         run = self.takt("bench", "wake", "--for", "0.1", "--json", before=["setpriv", "--inh-caps=-all", "--bounding-set=-all"])
         self.assertEqual(0, run.status, run.err)
         self.assertIn("SCHED_FIFO 80 is denied", " ".join(run.report["refused"]))
 
-    def test_reports_errors_before_it_measures(self):
+    def test_takt_bench_reports_errors_before_it_measures(self):
         run = self.takt("bench", "table1", "--html", os.path.join(self.folder, "nowhere", "x.html"))
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertIn("cannot be written", run.err)

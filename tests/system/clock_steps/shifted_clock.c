@@ -1,6 +1,6 @@
 /* Gives one process a wall clock that a test can set. This library is preloaded and adds an offset to CLOCK_REALTIME. The file named by
    TAKT_SHIFTED_CLOCK holds two words of 64 bits: the nanoseconds to add, and the number of waits until an instant of the wall clock.
-   Such a wait is wrong here: setting the clock would move its end. */
+   Takt must not wait for such an instant, because setting the clock would move the end of the wait. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -64,7 +64,7 @@ int timespec_get(struct timespec* t, int base) {
   return base;
 }
 
-/* Waits until an instant of the wall clock: counted, and as the clock is set now. */
+/* The following functions wait until an instant of the wall clock. They count the wait, and use the present offset for its end. */
 
 static struct timespec unshifted(const struct timespec* until) {
   if (shared != NULL) atomic_fetch_add(&shared->waits, 1);

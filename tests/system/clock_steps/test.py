@@ -44,7 +44,7 @@ class ClockSteps(takt_system.Case):
         self.line = WallClock(os.path.join(self.folder, "clock.line"))
 
     def program(self, name, *arguments, **options):
-        """Programs without a clock of their own use the robot's."""
+        """Starts a program. It uses the clock of the robot unless its environment names another."""
         options["environment"] = {**self.robot.environment, **(options.get("environment") or {})}
         return super().program(name, *arguments, **options)
 
@@ -77,14 +77,14 @@ class ClockSteps(takt_system.Case):
         return after
 
     def walked(self, device):
-        """T0 as the module of the device saw it; all releases must be on one grid."""
+        """Returns the T0 that the module of the device saw, and checks that all its releases were on one grid."""
         t0, runs, strayed = (int(word) for word in self.read(device).split())
         self.assertGreater(runs, 0)
         self.assertEqual(0, strayed, "%s: releases off the grid" % device)
         return t0
 
     def assert_one_grid(self, restarts=0):
-        """`restarts`: how often the source restarted, after which its numbers begin with 1."""
+        """Checks that both devices had the same grid. After each of the `restarts` of the source, its numbers begin with 1 again."""
         t0 = {device: self.walked(device) for device in ("robot", "line")}
         print("T0 of the devices differs by %d ns" % (t0["robot"] - t0["line"]))
         self.assertLess(abs(t0["robot"] - t0["line"]), 500 * 1000)
@@ -108,7 +108,7 @@ class ClockSteps(takt_system.Case):
                 before = len(self.robots_times())
                 self.done("stop robot.source", "get line.sink most")
                 self.done("start robot.source")
-                # The clock was really set: new lines have the new time.
+                # New lines have the new time, so the clock was really set.
                 said = wait_until(lambda: self.robots_times()[before:], 15, "the source to execute again")[0]
                 ahead = (said - began + DAY // 2) % DAY - DAY // 2
                 self.assertAlmostEqual(seconds, ahead, delta=600)
@@ -131,10 +131,10 @@ class ClockSteps(takt_system.Case):
         for seconds in (HOUR, -HOUR):
             with self.subTest(seconds):
                 self.line.set_by(seconds)
-                self.walk_on(3000)  # longer than every lease and every deadline of a value
+                self.walk_on(3000)  # this takes longer than every lease and every deadline of a value
                 self.done("get line.sink most", "log", "trace line")
                 order = self.takt("stop", "line.grid")
-                if seconds > 0:  # on the device, the deadline of the command is long past
+                if seconds > 0:  # on the clock of the device, the deadline of the command has passed
                     self.assertEqual(1, order.status)
                     self.assertRegex(order.err, "after its deadline; synchronise the clocks of the devices")
                 else:
@@ -161,7 +161,7 @@ class ClockSteps(takt_system.Case):
         self.end(self.nodes_of_cell)
         self.assert_one_grid(restarts=2)
 
-    def test_a_recording_continues_over_clock_steps(self):
+    def test_takt_record_continues_when_the_clocks_are_set(self):
         self.start_cell()
         recording = self.start("record", "robot.source.out", "--for", "4", "--out", "steps.takt")
         wait_until(lambda: os.path.exists(os.path.join(self.folder, "steps.takt")), 15, "a recording")

@@ -4,7 +4,7 @@
 static std::size_t bytes = 64;
 static long long every = 1;
 static long long runs = 0;
-static char* volatile memory = nullptr;  // volatile, so the pair is not optimised away
+static char* volatile memory = nullptr;  // volatile prevents the compiler from removing the allocation
 
 extern "C" {
 void initialize(irp::Property const& property) {

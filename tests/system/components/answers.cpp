@@ -1,5 +1,5 @@
-// Two services that answer a number with its double: one by a handler, one in run(). They reject multiples of
-// 7, throw for multiples of 11, and hang or crash at the numbers given by their properties.
+// A module with two services that answer a number with its double: one in a handler, the other in run(). They
+// reject multiples of 7, throw for multiples of 11, and hang or crash at the numbers in their properties.
 #include <takt/component.hpp>
 
 #include <chrono>

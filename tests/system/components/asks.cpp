@@ -1,5 +1,5 @@
-// Calls a service with one number after the other, from `first` on, each as soon as the last call is over.
-// Writes the results to `file`.
+// Calls a service with rising numbers, from `first` on. Each call begins as soon as the last call is over.
+// The module writes the results to `file`.
 #include <takt/component.hpp>
 
 #include <fstream>

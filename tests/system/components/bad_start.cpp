@@ -1,5 +1,5 @@
-// start() fails. `how`: throw, say (returns a failure), or other (throws something else than a
-// std::exception).
+// A module whose start() fails. `how` is throw, say (it returns a failure), or other (it throws something
+// that is not a std::exception).
 #include <takt/module.h>
 
 static void fail(const std::string& how) {

@@ -1,5 +1,5 @@
-/* Properties of every kind in C, as a thread module and as a program. Prints their values at the beginning
- * and the end. */
+/* A thread module or program in C with properties of every kind. It prints their values at the beginning and
+ * at the end. */
 #ifdef PROGRAM
 #include <takt/process.h>
 #else

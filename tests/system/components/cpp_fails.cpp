@@ -1,4 +1,5 @@
-// Like fails.cpp, as a component in C++. `how`: throw or say.
+// A component in C++ whose run() fails in its `after`-th run (100) since the start and since each recovery.
+// `how` is throw or say (it returns a failure).
 #include <takt/component.hpp>
 
 #include <stdexcept>

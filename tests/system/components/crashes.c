@@ -1,4 +1,4 @@
-/* Writes to address 0 after `after` releases (100); with 0, before it first waits. */
+/* Writes to address 0 after `after` releases (100). With 0, it does so before it first waits. */
 #include <takt/process.h>
 
 #include "argument.h"

@@ -1,4 +1,4 @@
-// Its `after`-th run (100) spins for ever.
+// A module whose `after`-th run (100) never returns.
 #include <takt/module.h>
 
 static long long after = 100;

@@ -1,4 +1,4 @@
-/* A program for a non-real-time module, without any call to Takt: prints when it was started, and returns
+/* A program for a non-real-time module, without any call to Takt. It prints when it was started, and returns
  * from main with `status` (0) after `ms` milliseconds (100). */
 #define _POSIX_C_SOURCE 200809L
 #include <time.h>

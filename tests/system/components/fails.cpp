@@ -1,5 +1,5 @@
-// run() fails in its `after`-th run (100), and again after as many runs since each recovery. `how`: throw or
-// say. `recoverable`: whether recover() succeeds (true).
+// A module whose run() fails in its `after`-th run (100) since the start and since each recovery. `how` is
+// throw or say (it returns a failure). recover() succeeds if `recoverable` (true) is set.
 #include <takt/module.h>
 
 static long long after = 100;

@@ -1,5 +1,5 @@
-/* A correct sporadic program: its condition holds at every `every`-th release (10); its body then spins for
- * `ns` (0). Prints at the end how often the condition held. */
+/* A correct sporadic program. Its condition holds at every `every`-th release (10), and its body then spins
+ * for `ns` nanoseconds (0). It prints at the end how often the condition held. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>

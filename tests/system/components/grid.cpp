@@ -1,5 +1,6 @@
 // A correct periodic module that checks its grid: release n is due at T0 + n x period. At the end it writes
-// "T0 RUNS STRAYED" to `file`: T0 in ns, from its first release, and the number of releases off that grid.
+// "T0 RUNS STRAYED" to `file`: T0 in ns (the time of its first release), the number of its runs, and the
+// number of releases off that grid.
 #include <takt/component.hpp>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-/* Like keeps.cpp, as a module in C. */
+/* A module in C that counts its runs in a saved value, and prints in start() what it restored. */
 #include <stdint.h>
 #include <stdio.h>
 #include <takt/module.h>

@@ -1,5 +1,5 @@
-// Like keeps.cpp, as a program: counts its bodies in a saved value, prints what it restored, and crashes in
-// the `after`-th body of a process.
+// A program that counts its bodies in a saved value, prints what it restored, and crashes in the `after`-th
+// body of a process.
 #include <takt/process.hpp>
 
 #include <cstdio>

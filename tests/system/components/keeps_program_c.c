@@ -1,4 +1,4 @@
-/* Like keeps_program.cpp, in C, but never crashes. */
+/* A program in C that counts its bodies in a saved value, and prints what it restored. It never crashes. */
 #include <stdint.h>
 #include <stdio.h>
 #include <takt/process.h>

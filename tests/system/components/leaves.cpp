@@ -1,4 +1,4 @@
-// Ends its process by exit(3) in its `after`-th run (100).
+// Calls exit(3) in its `after`-th run (100), which ends its host.
 #include <takt/module.h>
 
 #include <cstdlib>

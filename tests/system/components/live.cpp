@@ -1,5 +1,5 @@
-// A correct component in C++ that reports at the end with which values of its property it ran, in order, and
-// whether a value changed within a run().
+// A correct component in C++. At the end it reports the values of its property with which it ran, in order,
+// and whether a value changed within a run().
 #include <array>
 #include <fstream>
 

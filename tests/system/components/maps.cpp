@@ -1,4 +1,5 @@
-// In every `every`-th run (1): gets `pages` pages from the kernel, writes to each of them, and returns them.
+// In every `every`-th run (1), gets `pages` pages from the kernel, writes to each page, and returns the
+// pages.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// Mixes its inputs into a number and sends it, after a random run time of up to `most` nanoseconds. After
-// `runs` runs the number no longer changes. Writes it to `file` at the end.
+// Mixes its inputs into a number and sends the number, after a random run time of up to `most` nanoseconds.
+// The number no longer changes after `runs` runs. The module writes it to `file` at the end.
 #include <takt/component.hpp>
 
 #include <chrono>

@@ -8,7 +8,7 @@ static int descend(long long depth) {
   volatile char frame[4096];
   frame[0] = static_cast<char>(depth);
   if (depth == 0) return 0;
-  return descend(depth - 1) + frame[0];  // not a tail call: the frame is read afterwards
+  return descend(depth - 1) + frame[0];  // reading the frame afterwards prevents a tail call
 }
 
 extern "C" {

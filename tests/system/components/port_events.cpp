@@ -1,4 +1,5 @@
-// A sporadic module: runs when an event has arrived, reads one, and writes a summary to `file` at the end.
+// A sporadic module that runs when an event has arrived, and reads one event. It writes a summary to `file`
+// at the end.
 #include <takt/component.hpp>
 
 #include <string>

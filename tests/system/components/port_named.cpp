@@ -1,4 +1,4 @@
-// A periodic program whose ports depend on its properties: an output for each name in ports=a,b,c.
+// A periodic program whose ports depend on its properties: it has an output for each name in ports=a,b,c.
 #include <takt/process.hpp>
 
 #include <cstdio>

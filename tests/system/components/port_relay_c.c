@@ -1,4 +1,4 @@
-/* Forwards the samples that it reads. In C; a thread module or, with -DPROGRAM, a periodic program. */
+/* A thread module in C that forwards the samples that it reads. With -DPROGRAM, it is a periodic program. */
 #ifdef PROGRAM
 #include <takt/process.h>
 #else

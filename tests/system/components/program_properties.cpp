@@ -1,4 +1,4 @@
-// Properties of a sporadic program in C++.
+// A sporadic program in C++ with properties.
 #include <takt/process.hpp>
 
 #include <cstdio>

@@ -1,4 +1,5 @@
-// Prints in start() which value its input holds. With `number` above 0, it writes that number only once.
+// Prints in start() the value that its input holds. With `number` above 0, writes that number to its output,
+// but only once.
 #include <takt/component.hpp>
 
 #include <cstdio>

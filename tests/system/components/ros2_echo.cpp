@@ -1,4 +1,5 @@
-// Talks to a program of ROS 2: returns a text in capitals, and the x of a velocity as a number.
+// Exchanges messages with a program of ROS 2: sends back a text in capitals, and the x of a velocity as a
+// number.
 #include <takt/component.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A periodic module that reports what it reads (SafeWatch).
+// A periodic module that reports the samples and safe values that it reads (SafeWatch).
 #include <takt/component.hpp>
 
 #include <string>

@@ -1,4 +1,4 @@
-// Like safe_reader.cpp, as a periodic program.
+// A periodic program that reports the samples and safe values that it reads (SafeWatch).
 #include <takt/process.hpp>
 
 #include <string>

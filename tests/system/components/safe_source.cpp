@@ -1,5 +1,6 @@
 // Writes samples numbered from 1. Its safe value has number 0, and -1 in the other fields. The property `how`
-// can be set while it runs: 1 writes nothing, 2 fails, 3 crashes, 4 takes 50 ms once.
+// can be set while the module runs. With 1 it writes nothing, with 2 it fails, with 3 it crashes, with 4 it
+// takes 50 ms once.
 #include <takt/component.hpp>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Writes what a reader saw to a file, for a test.
+// Writes the counts of a reader to a file, which a test reads.
 #pragma once
 
 #include <fstream>

@@ -1,5 +1,5 @@
-// Writes to address 0. `where`: run (in its `after`-th run, 100), initialize, start, error, recover or
-// destruct. For error and recover, that run fails.
+// Writes to address 0 in the hook that `where` names: run (in its `after`-th run, 100), initialize, start,
+// error, recover or destruct. For error and recover, the `after`-th run fails.
 #include <takt/module.h>
 
 static std::string where;

@@ -1,4 +1,5 @@
-// A program with a service: it forwards each request to another service and answers with the reply.
+// A program with a service. It forwards each request to another service, and answers with the reply of that
+// service.
 #include <takt/process.hpp>
 
 #include "sample.hpp"

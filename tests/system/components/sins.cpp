@@ -1,4 +1,5 @@
-// Does `sin` (none) in every run() or, with `in_condition`, in every condition(), which always holds.
+// Does what the property `sin` (none) names, in every run(). With `in_condition`, it does so in every
+// condition(), which always holds.
 #include <takt/component.hpp>
 
 #include "sins.h"
@@ -7,7 +8,7 @@ class Sins : public takt::Component {
   takt::Property<std::string> sin{*this, "sin", "none"};
   takt::Property<bool> in_condition{*this, "in_condition", false};
   std::string name_;
-  int* volatile number_ = nullptr;  // volatile, so the pair is not optimised away
+  int* volatile number_ = nullptr;  // volatile prevents the compiler from removing the allocation
 
   takt::Result<void> initialize() override {
     sins_prepare();

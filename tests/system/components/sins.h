@@ -1,5 +1,4 @@
-/* What real-time code must not do, each in a function of its own, so that the function is in the
- * backtrace. */
+/* Functions that each do something that real-time code must not do. Their names appear in the backtrace. */
 #ifndef TAKT_TESTS_SINS_H
 #define TAKT_TESTS_SINS_H
 
@@ -20,7 +19,8 @@ static pthread_mutex_t sin_mutex = PTHREAD_MUTEX_INITIALIZER;
 /* Prevents a tail call, so that the function stays in the backtrace. */
 #define SIN_IS_DONE __asm__ volatile("" : : : "memory")
 
-/* Call before the first sin: prepares memory that faults on its first use, even if all memory is locked. */
+/* Call this before the other functions. It prepares memory that causes page faults on its first use, even if
+ * all memory is locked. */
 static void sins_prepare(void) {
   const size_t size = SIN_PAGES * 4096UL;
   sin_pages = (char*)mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -50,7 +50,7 @@ __attribute__((noinline)) static void sin_print(void) {
 __attribute__((noinline)) static void sin_fault(void) {
   ((volatile char*)sin_pages)[sin_next_page++ % SIN_PAGES * 4096] = 1;
 }
-/* Without the C library. */
+/* Makes the system call without the C library. */
 __attribute__((noinline)) static void sin_call(void) {
 #if defined(__x86_64__)
   long result = SYS_getppid;

@@ -1,4 +1,4 @@
-/* Does all sins of sins.h in every run(); as a program, in every body. */
+/* Calls all functions of sins.h in every run(), or as a program in every body. */
 #define _GNU_SOURCE
 #ifdef PROGRAM
 #include <takt/process.h>

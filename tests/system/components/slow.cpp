@@ -1,4 +1,4 @@
-// Spins for `ns` nanoseconds (50000) in every `every`-th run (1). Writes the number of runs to `file` in the
+// Spins for `ns` nanoseconds (50000) in every `every`-th run (1). Writes the number of runs to `file` at the
 // end.
 #include "count_file.hpp"
 

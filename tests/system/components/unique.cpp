@@ -1,5 +1,5 @@
-// Like counter.cpp, but counts in an inline variable that is unique in the process (STB_GNU_UNIQUE). Two
-// copies of the object cannot each have such a variable.
+// A module that counts in an inline variable, which is unique in the process (STB_GNU_UNIQUE). Two copies of
+// the object cannot each have their own variable of this kind.
 #include "count_file.hpp"
 
 #include <takt/module.h>

@@ -1,4 +1,4 @@
-// Properties whose defaults are outside their own ranges.
+// A component with properties whose defaults are outside their own ranges.
 #include <takt/component.hpp>
 
 class WrongDefault : public takt::Component {

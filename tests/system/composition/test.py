@@ -23,7 +23,7 @@ class Composition(takt_system.Case):
         self.assertNotEqual(text, change(text))
         return cell, self.write("parts/arm.xml", change(text))
 
-    def test_a_cell_of_templates_runs_as_the_flat_cell(self):
+    def test_a_cell_of_templates_runs_like_the_equivalent_cell_without_templates(self):
         run = self.takt("run", "cell.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
         for device, modules in MODULES.items():
@@ -32,7 +32,7 @@ class Composition(takt_system.Case):
                 self.assertEqual(LIFE, run.states(module, device))
                 self.assert_grid(run, module, device=device)
 
-    def test_the_example_runs_and_equals_its_expanded_form(self):
+    def test_the_example_of_templates_runs_and_equals_its_expanded_form(self):
         expanded = self.takt("check", EXAMPLE, "--expanded")
         self.assertEqual(0, expanded.status, expanded.err)
         for gone in ("<include", "<template", "<use", "${"):
@@ -45,7 +45,7 @@ class Composition(takt_system.Case):
         self.assertEqual(["trajectory", "left_servo", "left_joints", "right_servo", "right_joints", "worn_servo", "worn_joints"],
                          list(run.modules("robot")))
 
-    def test_deploys_to_nodes_that_have_no_files(self):
+    def test_takt_deploy_needs_no_included_files_on_the_nodes(self):
         nodes = self.nodes(*MODULES)
         run = self.deploy("cell.xml")
         self.assertEqual("cell cell runs on robot, far\n", run.out)
@@ -71,7 +71,7 @@ class Composition(takt_system.Case):
         for line, pattern in zip(lines, expected):
             self.assertRegex(line, pattern.replace("PARTS", re.escape(parts)).replace("CELL", re.escape(cell)))
 
-    def test_errors_cite_the_template_and_its_use(self):
+    def test_errors_in_a_template_cite_the_template_and_its_use(self):
         # The parser finds this error, once for all three uses.
         self.assert_wrong(lambda text: text.replace("<priority>2</priority>", "<priority>two</priority>"),
                           r"^PARTS:7: error: <priority> is not a whole number: 'two' \(used at CELL:9, and 2 more\);")

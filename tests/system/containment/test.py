@@ -45,7 +45,7 @@ class Containment(takt_system.Case):
         self.assertEqual((1, 0, 0), (near["first"], near["gaps"], near["wrong"]))
         self.assertEqual(hosts, run.err.count("is started again"))
 
-    def test_samples_go_between_two_host_processes(self):
+    def test_samples_pass_between_two_host_processes(self):
         run = self.run_with()
         modules = {}
 
@@ -76,7 +76,7 @@ class Containment(takt_system.Case):
         self.assertEqual(3, modules["culprit"]["errors"])
         self.assertIn(modules["culprit"]["cycles"], range(72, 76), "25 runs of each of 3 instances, whose last run crashed")
         self.assertRegex(run.err, r"module d\.culprit: error: was given up: .*SIGSEGV")
-        # The other module of the host was loaded three more times, and read on where it had been in the queue.
+        # The other module of the host was loaded three more times, and continued to read where it had stopped in the queue.
         self.assertEqual(STARTED + (["DESTRUCT"] + STARTED) * 3 + LIFE[4:], run.states("far"))
         self.assertEqual(LIFE, run.states("program"))
         self.assertEqual(0, json.loads(self.read("far"))["wrong"])
@@ -92,7 +92,7 @@ class Containment(takt_system.Case):
         self.assertRegex(run.steps("culprit")[3].text, r"hang: run\(\) did not return within .*so %s was ended" % HOST)
         self.assert_untouched(run, hosts=1)
 
-    def test_a_host_that_keeps_ending_is_given_up_alone(self):
+    def test_a_host_that_keeps_ending_is_given_up_and_the_other_hosts_run_on(self):
         run = self.run_with()
 
         def host_of(module):
@@ -107,7 +107,7 @@ class Containment(takt_system.Case):
         self.wait_for_states({"d": {"grid": "EXECUTING", "far": "DESTRUCT", "culprit": "DESTRUCT", "program": "DESTRUCT"}})
         wait_until(lambda: not run.processes("grid.exe"), 5, "its program to end")
 
-        # It stays given up until an operator resets it.
+        # The host stays given up until an operator resets one of its modules.
         begun = len(run.raw)
         for order in ("reset", "initialize", "start"):
             self.done("%s d.far" % order)
@@ -204,10 +204,10 @@ class Saved(takt_system.Case):
         run.signal(signal.SIGINT)
         run.wait(15)
 
-    def test_a_module_restores_its_state_after_one_crash_but_not_after_a_second(self):
+    def test_a_module_restores_its_saved_state_after_one_crash_but_not_after_a_second(self):
         run = self.run_keeping(after=50)
         run.wait_for_state("keeps", "DESTRUCT", limit=20)
-        wait_until(lambda: len(self.said_of(run, "c has")) == 4, 10, "the other module to start once more")
+        wait_until(lambda: len(self.said_of(run, "c has")) == 4, 10, "the other module to start again")
         self.finish(run)
         # The run that crashed was not saved. The second instance crashed in its own 50th run.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"], self.said_of(run, "version"))
@@ -218,7 +218,7 @@ class Saved(takt_system.Case):
         self.assertGreaterEqual(runs[1], 48)
         self.assertLessEqual(runs[3], run.modules()["neighbour"]["cycles"])
 
-    def test_another_version_restores_the_state_that_it_understands(self):
+    def test_another_version_of_a_module_restores_the_saved_state_only_if_it_understands_it(self):
         folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
         mine = os.path.join(self.folder, "mine.so")
         shutil.copy(os.path.join(folder, "keeps.so"), mine)
@@ -229,7 +229,7 @@ class Saved(takt_system.Case):
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
         run.wait_for_line(r"keeps: the state that version 1 saved is taken over")
         run.wait_for_line(r"version 2 restored \d{2,}")
-        # Back again, after version 2 has run and saved: version 1 cannot restore that state, says so, and starts from 0.
+        # After version 2 has saved its state, version 1 is loaded again. It cannot restore that state, reports this, and starts from 0.
         self.wait_for_runs()
         shutil.copy(os.path.join(folder, "keeps.so"), mine + ".new")
         os.replace(mine + ".new", mine)
@@ -238,7 +238,7 @@ class Saved(takt_system.Case):
         self.finish(run)
         self.assertEqual("version 1 began 0", self.said_of(run, "version")[-1])
 
-    def test_retained_state_survives_a_restart_of_the_cell(self):
+    def test_retained_state_of_a_module_survives_a_restart_of_the_cell(self):
         first = self.run_keeping(retain="true")
         self.wait_for_runs()
         self.finish(first)
@@ -256,7 +256,7 @@ class Saved(takt_system.Case):
         self.assertEqual("version 1 began 0", self.said_of(second, "version")[-1])
         self.finish(second)
 
-    def test_latest_values_survive_a_crash_of_the_host(self):
+    def test_the_latest_values_of_ports_survive_a_crash_of_the_host(self):
         run = self.start("run", self.write("cell.xml", RECALLS), "--json")
         run.wait_for_state("reader", "EXECUTING")
         self.wait_for_runs()
@@ -285,7 +285,7 @@ class SavedByPrograms(takt_system.Case):
         run.signal(signal.SIGINT)
         run.wait(15)
 
-    def test_a_program_restores_its_state_after_one_crash_but_not_after_a_second(self):
+    def test_a_program_restores_its_saved_state_after_one_crash_but_not_after_a_second(self):
         run = self.run_keeping(after=50)
         run.wait_for_state("keeps", "DESTRUCT", limit=20)
         self.finish(run)
@@ -293,9 +293,9 @@ class SavedByPrograms(takt_system.Case):
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"],
                          self.told(run, "keeps", "version"))
         self.assertEqual(["takt: its saved state is restored"], self.told(run, "keeps", "takt:"))
-        self.assertEqual(["c has 0"], run.printed("in_c"), "the crash of another program must not affect it")
+        self.assertEqual(["c has 0"], run.printed("in_c"), "the crash of another program must not affect this program")
 
-    def test_killed_programs_in_cpp_and_c_restore_their_state(self):
+    def test_killed_programs_in_cpp_and_c_restore_their_saved_state(self):
         run = self.run_keeping()
         wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
         for module, file in (("keeps", "keeps_program.exe"), ("in_c", "keeps_program_c.exe")):
@@ -332,9 +332,9 @@ class SavedByPrograms(takt_system.Case):
         found = int(self.told(second, "keeps", "version 1 restored")[0].split()[-1])
         # The end of the run may have interrupted its last body.
         self.assertIn(first.modules()["keeps"]["cycles"] - found, (0, 1))
-        self.assertEqual(["c has 0"], second.printed("in_c"), "it does not retain its state")
+        self.assertEqual(["c has 0"], second.printed("in_c"), "this program does not retain its state")
 
-    def test_describe_shows_what_a_program_saves(self):
+    def test_takt_describe_shows_the_version_and_size_of_the_saved_state_of_a_program(self):
         told = json.loads(self.done("describe keeps_program_more.exe --json")[0])
         self.assertEqual({"version": 2, "bytes": 16}, told["saved"])
 

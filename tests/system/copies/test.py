@@ -10,7 +10,7 @@ from takt_system import LIFE
 
 
 class Copies(takt_system.Case):
-    def test_each_module_has_its_own_globals(self):
+    def test_modules_of_one_component_do_not_share_global_variables(self):
         run = self.start("run", "counters.xml", "--json")
         for module in ("four", "sporadic_two", "program_two"):
             run.wait_for_state(module, "EXECUTING")
@@ -33,7 +33,7 @@ class Copies(takt_system.Case):
             self.assertIn(modules[module]["cycles"] - counted, (0, 1), module)
         self.assertNotEqual(modules["program_one"]["pid"], modules["program_two"]["pid"])
 
-    def test_rejects_copies_that_would_share_a_variable(self):
+    def test_takt_rejects_two_modules_that_would_share_a_variable(self):
         for command in (["check"], ["run", "--for", "1"]):
             run = self.takt(command[0], "unique.xml", *command[1:])
             self.assert_refused(run, r"\S*unique\.xml:7: error: module two: .*/unique\.so cannot have its own globals for a "
@@ -41,7 +41,7 @@ class Copies(takt_system.Case):
                                      r"-fno-gnu-unique, or make it a takt::Component")
             self.assertEqual(1, len(run.err.splitlines()), run.err)
 
-    def test_accepts_a_single_module_of_such_a_component(self):
+    def test_takt_accepts_a_single_module_of_a_component_that_cannot_be_copied(self):
         run = self.takt("run", "unique_once.xml", "--for", "0.2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(run.modules()["one"]["cycles"], int(self.read("one")))

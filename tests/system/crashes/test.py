@@ -55,7 +55,7 @@ class Crashes(takt_system.Case):
             self.assertLessEqual(cycles, min(-(-(rows["cycles"] + rows["missed"]) // every), rows["cycles"] + restarts))
             self.assertGreater(cycles, 100 // every)
 
-        # The grid stays the same over the restart.
+        # The grid after the restart is the grid before it.
         t0, runs, strayed = map(int, self.read("grid").split())
         self.assertGreater(runs, 0, "it must have run in the last host")
         said = re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program")))
@@ -64,40 +64,40 @@ class Crashes(takt_system.Case):
         self.assertIn(modules["program"]["cycles"] - int(said[2]), (0, 1))
         return run
 
-    def test_a_segmentation_fault_restarts_the_host_without_the_culprit(self):
+    def test_a_segmentation_fault_in_a_module_restarts_the_host_without_this_module(self):
         run = self.crash("segv", SEGV % "run" + r", in \w.* at segv\.cpp:1\d in segv\.so")
         self.assertEqual(99, run.modules()["culprit"]["cycles"])
         self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("culprit"))
 
-    def test_a_call_of_exit_restarts_the_host_without_the_culprit(self):
+    def test_a_call_of_exit_in_a_module_restarts_the_host_without_this_module(self):
         self.crash("leaves", r"the host ended with status 3 in run\(\)")
 
-    def test_abort_restarts_the_host_without_the_culprit(self):
+    def test_a_call_of_abort_in_a_module_restarts_the_host_without_this_module(self):
         run = self.crash("abort", r"the host was killed by SIGABRT \(Aborted\) in run\(\)")
         self.assertEqual(99, run.modules()["culprit"]["cycles"])
 
-    def test_a_stack_overflow_restarts_the_host_without_the_culprit(self):
+    def test_a_stack_overflow_in_a_module_restarts_the_host_without_this_module(self):
         self.crash("overflow", SEGV % "run")
 
     @takt_system.alone("an endless loop at a real-time priority keeps a CPU busy")
-    def test_an_endless_loop_restarts_the_host_without_the_culprit(self):
+    def test_an_endless_loop_in_a_module_restarts_the_host_without_this_module(self):
         run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the host was ended")
         self.assertGreaterEqual(run.executor()["missed"], 1000, "no row was walked during the endless loop")
 
-    def test_a_crash_in_error_or_recover_restarts_the_host_without_the_culprit(self):
+    def test_a_crash_in_the_error_or_recover_hook_restarts_the_host_without_this_module(self):
         for hook in ("error", "recover"):
             with self.subTest(hook=hook):
                 run = self.crash("segv_in_" + hook, SEGV % hook)
                 self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("culprit"))
                 self.assertEqual((100, 2), (run.modules()["culprit"]["cycles"], run.modules()["culprit"]["errors"]))
 
-    def test_a_crash_of_a_non_real_time_module_restarts_the_host_without_it(self):
+    def test_a_crash_of_a_non_real_time_module_restarts_the_host_without_this_module(self):
         self.crash("background", SEGV % "run")
 
-    def test_two_crashing_modules_are_removed_one_after_the_other(self):
+    def test_two_modules_that_crash_are_removed_one_after_the_other(self):
         self.crash("two", SEGV % "run", culprits=("first", "second"))
 
-    def test_a_crash_in_initialize_or_start_prevents_the_start(self):
+    def test_a_crash_in_the_initialize_or_start_hook_prevents_the_start_of_the_device(self):
         for hook in ("initialize", "start"):
             with self.subTest(hook=hook):
                 run = self.takt("run", "segv_in_%s.xml" % hook, "--for", "5", "--json", limit=15)
@@ -106,7 +106,7 @@ class Crashes(takt_system.Case):
                 self.assertNotIn("started again", run.err)
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
 
-    def test_a_crash_in_destruct_is_reported(self):
+    def test_a_crash_in_the_destruct_hook_is_reported(self):
         run = self.takt("run", "segv_in_destruct.xml", "--for", "1", "--json", limit=15)
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s%s$" % (SEGV % "destruct", PLACE))

@@ -1,4 +1,4 @@
-/* A program of Cyclone DDS, built from Takt's IDL by Cyclone's own compiler. It uses nothing else of Takt.
+/* A program of Cyclone DDS. Cyclone's own IDL compiler generates its types from Takt's IDL. It uses nothing else of Takt.
  *
  *   cyclone_peer DOMAIN watch SECONDS                               prints what nodes publish, one JSON object a line
  *   cyclone_peer DOMAIN command DEVICE MODULE KIND [PROPERTY VALUE] KIND as a number of takt::CommandKind; prints the answer
@@ -164,7 +164,7 @@ static int ask(dds_entity_t participant, int count, char **words) {
   if (count > 4) snprintf(command.value, sizeof command.value, "%s", words[4]);
   command.deadline_ns = wall_ns() + INT64_C(10000000000);
   command.parts = 1;
-  /* A sample sent before writer and reader have matched is lost, so it is sent again with the same id. */
+  /* A command sent before writer and reader have matched is lost, so this sends it again with the same id. */
   for (int attempt = 0; attempt < 100; ++attempt) {
     if (attempt % 10 == 0) dds_write(writer, &command);
     usleep(100000);
@@ -295,7 +295,7 @@ static int write_port(dds_entity_t participant, char **words) {
     usleep(10000);
     must(dds_get_publication_matched_status(writer, &matched), "matched");
   } while (matched.current_count == 0);
-  usleep(1000000); /* until the reader has matched too */
+  usleep(1000000); /* waits until the reader has matched too */
   for (int number = 1; number <= atoi(words[2]); ++number) {
     union {
       test_Sample sample;

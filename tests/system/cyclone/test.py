@@ -1,6 +1,6 @@
-"""A program of Cyclone DDS, built from idl/ with Cyclone's own compiler, talks to Takt.
+"""A program of Cyclone DDS communicates with Takt. Cyclone's own IDL compiler generates its types from idl/.
 
-TAKT_DDS_PEER is the program of tests/conformance/dds, TAKT_CYCLONE_PEER the one of this folder."""
+TAKT_DDS_PEER is the program of tests/conformance/dds. TAKT_CYCLONE_PEER is the program of this folder."""
 import json
 import os
 import subprocess
@@ -16,13 +16,13 @@ import takt_system
 PEER = os.environ["TAKT_DDS_PEER"]
 CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
 DOMAIN = os.environ.get("TAKT_TEST_DOMAIN") or str(takt_system.free_domain())
-KEPT = 32  # history depth of both sides: no more samples may be on their way while one side stalls
-# Cyclone would take the first interface that is up and can multicast. With this, no packet leaves the machine.
+KEPT = 32  # history depth of both sides: if one side stalls, samples beyond this number are lost
+# Makes Cyclone DDS use the loopback interface, so that no packet leaves the machine. It would use the first multicast interface that is up.
 LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
 <AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
-REPORT, STOP = 0, 8  # of takt::CommandKind
+REPORT, STOP = 0, 8  # values of takt::CommandKind
 
-# port.idl as data
+# The types of port.idl as data
 SAMPLE = {"name": "test::Sample", "fields": [
     {"name": "number", "type": "unsigned long long"}, {"name": "value", "type": "long long"},
     {"name": "data", "type": "octet", "sequence": 65536}]}
@@ -82,7 +82,7 @@ class Cyclone(unittest.TestCase):
             json.dump(shape, file)
         return path
 
-    def test_reads_the_status_topics_of_nodes(self):
+    def test_cyclone_dds_reads_the_status_topics_of_nodes(self):
         self.takt("state", "12", first="failures 0")
         device = self.takt("device", "robot")
         self.takt("statistics", "servo")
@@ -112,7 +112,7 @@ class Cyclone(unittest.TestCase):
         self.assertEqual({("servo", 7, -1.5, 12.25)},
                          {(s["name"], s["overruns"], s["jitter_mean_us"], s["run_p99_us"]) for s in seen["statistics"]})
 
-    def test_sends_a_command_and_gets_its_answer(self):
+    def test_cyclone_dds_sends_a_command_and_receives_the_reply(self):
         server = self.takt("server", "robot", "5")
         run = self.cyclone("command", "robot", "servo", str(STOP))
         answer = json.loads(run.line())
@@ -122,7 +122,7 @@ class Cyclone(unittest.TestCase):
         self.assertEqual((0, 5, "robot", "node"), (answer["code"], answer["bytes"], answer["device"], answer["node"]))
         self.assertEqual("for " + handled.split()[1], answer["value"])
 
-    def test_writes_samples_that_a_port_reads(self):
+    def test_a_takt_port_reads_the_samples_that_cyclone_dds_writes(self):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
                 topic = "to/" + reliability.replace("-", "_")  # Cyclone allows no other special character
@@ -135,7 +135,7 @@ class Cyclone(unittest.TestCase):
                 tap.say("health")
                 self.assertEqual("samples %d lost 0 refused 0" % count, " ".join(tap.line().split()[2:8]))
 
-    def test_reads_samples_that_a_port_writes(self):
+    def test_cyclone_dds_reads_the_samples_that_a_takt_port_writes(self):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
                 topic = "from/" + reliability.replace("-", "_")
@@ -158,7 +158,7 @@ class Cyclone(unittest.TestCase):
                 self.assertEqual(list(range(numbers[0], numbers[0] + 30)), numbers)
                 self.assertEqual(0, read.process.wait(10))
 
-    def test_exchanges_every_kind_of_member_both_ways(self):
+    def test_takt_and_cyclone_dds_exchange_structs_with_every_kind_of_member(self):
         mixed = self.type_file(MIXED)
         show = self.takt("show", "mixed/to", "reliable", "32", mixed)
         self.cyclone("write", "Mixed", "mixed/to", "12", "5", "reliable")
@@ -182,8 +182,8 @@ class Cyclone(unittest.TestCase):
         got = json.loads(read.line())
         self.assertEqual({**sample, "colour": 2, "places": [[1.5, -2.5], [-0.25, 8]], "way": [[9, 1]]}, got)
 
-    def test_a_port_reads_the_part_type_of_the_demo(self):
-        """The type is of the IDL files that come with Takt."""
+    def test_a_takt_port_reads_a_sample_of_a_ready_made_type_from_cyclone_dds(self):
+        """The type line::Part is in the IDL files that come with Takt."""
         shape = {"name": "line::Part", "fields": [
             {"name": "number", "type": "unsigned long"}, {"name": "kind", "type": "string", "bound": 15},
             {"name": "x", "type": "double"}, {"name": "y", "type": "double"}, {"name": "angle", "type": "double"}]}

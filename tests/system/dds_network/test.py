@@ -1,6 +1,6 @@
-"""How DDS uses the interfaces of a machine. Two network namespaces play two machines, joined by two cables.
+"""Tests how DDS uses the interfaces of a machine. Two network namespaces stand for two machines that are connected by two cables.
 
-TAKT_DDS_PEER is the program of tests/conformance/dds. Needs root and iproute2."""
+TAKT_DDS_PEER is the program of tests/conformance/dds. These tests need root and iproute2."""
 import os
 import queue
 import subprocess
@@ -22,7 +22,7 @@ def ip(*arguments):
 
 
 class TwoMachines:
-    """robot and line, with cables net0 (10.80.0.x) and net1 (10.80.1.x), which are not connected yet."""
+    """The machines robot and line, with the cables net0 (10.80.0.x) and net1 (10.80.1.x). At first, both cables are disconnected."""
 
     def __init__(self):
         mark = "t" + uuid.uuid4().hex[:6]
@@ -73,7 +73,7 @@ class Peer:
             self.lines.put(line.rstrip("\n"))
 
     def line(self, limit=20):
-        """The next line; empty if none comes within the limit."""
+        """Returns the next line, or an empty string if none comes within the limit."""
         try:
             return self.lines.get(timeout=limit)
         except queue.Empty:
@@ -102,7 +102,7 @@ class Interfaces(unittest.TestCase):
         return peer
 
     def match(self, feed, tap, limit=20):
-        """Writes until a sample has arrived and no other is on its way. Returns the number of the last."""
+        """Writes samples until one has arrived and no other is on its way. Returns the number of the last sample."""
         end = time.monotonic() + limit
         while time.monotonic() < end:
             feed.say("1")
@@ -120,7 +120,7 @@ class Interfaces(unittest.TestCase):
             self.assertEqual("sample %d" % number, tap.line())
         self.assertTrue(feed.line().startswith("written %d failures 0" % (first + count - 1)))
 
-    def test_uses_only_the_given_interface(self):
+    def test_dds_uses_only_the_interface_that_it_is_given(self):
         for cable in (0, 1):
             self.net.connect(cable)
         tap = self.peer("line", "tap", "t", "reliable", "64", PEER_INTERFACES="10.80.1.2")
@@ -132,9 +132,9 @@ class Interfaces(unittest.TestCase):
             self.assertEqual("sample %d" % number, tap.line())
         after = [self.net.bytes("robot", cable) for cable in (0, 1)]
         self.assertGreater(after[1] - before[1], 500000)
-        self.assertLess(after[0] - before[0], 2000, "only the kernel itself may send there")
+        self.assertLess(after[0] - before[0], 2000, "only the kernel itself may send on the other cable")
 
-    def test_uses_an_interface_that_comes_up_later(self):
+    def test_dds_uses_an_interface_that_comes_up_later(self):
         tap = self.peer("line", "tap", "t", "reliable", "64", PEER_RESCAN="yes")
         feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_RESCAN="yes")
         time.sleep(1)
@@ -146,7 +146,7 @@ class Interfaces(unittest.TestCase):
         print("matched %.1f s after the interface came up" % (time.monotonic() - begin))
         self.assert_arrive(feed, tap, last + 1, 20)
 
-    def test_reliable_samples_sent_while_the_cable_is_out_arrive_afterwards(self):
+    def test_reliable_samples_sent_while_a_cable_is_disconnected_arrive_afterwards(self):
         self.net.connect(0)
         tap = self.peer("line", "tap", "t", "reliable", "64")
         feed = self.peer("robot", "feed", "t", "reliable", "64")

@@ -25,12 +25,12 @@ class Deploy(takt_system.Case):
             # All modules are ready before the first one runs.
             def said(step):
                 return [line.at for device, node in nodes.items() for line in node.lines[begun[device]:] if line.text == step]
-            wait_until(lambda: len(said("START -> EXECUTING")) >= 9, 5, "all modules to report it")
+            wait_until(lambda: len(said("START -> EXECUTING")) >= 9, 5, "all modules to report EXECUTING")
             ready, first = said("INITIALIZE -> START"), said("START -> EXECUTING")
             self.assertEqual((9, 9), (len(ready), len(first)))
             self.assertLessEqual(max(ready), min(first))
             self.assertEqual(["cell cell is undeployed from line, robot, station"], self.done("undeploy cell"))
-            # All devices have the same clock here. Each node reads its two clocks as close together as it can.
+            # All devices have the same clock here, but each node converts the common instant with its own readings of two clocks.
             instants = [int(self.read(device).split()[0]) for device in DEVICES]
             self.assertLess(max(instants) - min(instants), 20000, instants)
             print("the devices' instants differ by %d ns" % (max(instants) - min(instants)))
@@ -92,7 +92,7 @@ class Deploy(takt_system.Case):
     def robot(self):
         return {m["name"]: m for m in self.status_of("robot")["modules"]}
 
-    def test_each_command_works_on_each_kind_of_module(self):
+    def test_each_lifecycle_command_works_on_each_kind_of_module(self):
         nodes = self.running()
         self.assert_each("stop", "START")
         stopped = self.robot()
@@ -138,7 +138,7 @@ class Deploy(takt_system.Case):
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_reads_properties_and_ports_and_rejects_wrong_names(self):
+    def test_operators_read_properties_and_ports_by_name_and_wrong_names_are_rejected(self):
         nodes = self.running()
         self.assertEqual(["3", "none", "1.5"], self.done("get line.properties count", "get line.properties label",
                                                          "get line.properties gain"))
@@ -160,9 +160,9 @@ class Deploy(takt_system.Case):
         self.refused({command: r"^device nobody: error: not found: no answer within 3 s; check that takt-node --device nobody is "
                                r"running on domain %d$" % self.domain for command in asked})
         took = time.monotonic() - begun
-        print("a device that is not there: all commands were refused within %.2f s" % took)
+        print("all commands to a missing device failed within %.2f s" % took)
         self.assertLess(took, 10)
-        # Samples of a port can be read from anywhere and are in order.
+        # takt echo prints the samples of a port in order.
         run = self.takt("echo", "line.source.out", "--count", "5")
         self.assertEqual(0, run.status, run.err)
         numbers = [json.loads(line)["number"] for line in run.out.splitlines()]
@@ -180,7 +180,7 @@ class Deploy(takt_system.Case):
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_recover_works_on_each_kind_of_module(self):
+    def test_takt_recover_works_on_each_kind_of_module(self):
         node = self.node("robot")
         self.deploy("recover.xml")
         modules = ("thread", "program", "plain", "never")

@@ -10,7 +10,7 @@ import takt_system
 
 SCHEMA = os.path.join(takt_system.SOURCE, "config", "iso22166-profile.xsd")
 FOLDER = os.path.join(os.path.dirname(takt_system.BIN), "components")
-# Without the components of the benchmarks, which are not ready-made components.
+# The ready-made components. The components of the benchmarks do not count as such.
 READY = sorted(f for f in glob.glob(os.path.join(FOLDER, "*.so")) + glob.glob(os.path.join(FOLDER, "*.exe"))
                if not os.path.basename(f).startswith("bench_"))
 MODULE = """  <module>
@@ -32,12 +32,12 @@ def module(name, filename, *properties, sporadic=False):
     return text if properties else re.sub(r"(?s) *<property>.*</property>\n", "", text)
 
 
-# Programs that cannot be described without a property, and say so.
+# The properties without which takt describe cannot describe these programs.
 ASKED_WITH = {"modbus_master.exe": ["map=lamp out coil 0"], "modbus_device.exe": ["map=lamp out coil 0"]}
 
 
 class Describe(takt_system.Case):
-    def test_describes_every_component_in_every_format(self):
+    def test_takt_describe_describes_every_component_in_every_format(self):
         self.assertGreater(len(READY), 10)
         for file in READY:
             with self.subTest(component=os.path.basename(file)):
@@ -56,7 +56,7 @@ class Describe(takt_system.Case):
                     self.assertIn(property["name"], text.out)
                 self.check_profile(*words)
 
-    def test_shows_the_size_and_version_of_saved_state(self):
+    def test_takt_describe_shows_the_size_and_version_of_the_saved_state(self):
         for file, version, size in (("keeps.so", 1, 8), ("keeps_more.so", 2, 16), ("keeps_c.so", 1, 8)):
             with self.subTest(component=file):
                 self.assertIn("  saved       %d bytes, version %d\n" % (size, version), self.takt("describe", file).out)
@@ -64,7 +64,7 @@ class Describe(takt_system.Case):
         self.assertNotIn("saved  ", self.takt("describe", "fine.so").out)
         self.assertIsNone(self.takt("describe", "fine.so", "--json").report["saved"])
 
-    def test_modules_of_the_paper_have_a_text_units_and_ranges(self):
+    def test_components_of_the_paper_declare_a_text_units_and_ranges(self):
         for name in ("controller1.so", "control2.so", "control3.so", "control4.exe", "emergency.so", "vision.exe", "monitoring.exe"):
             with self.subTest(component=name):
                 said = self.takt("describe", name, "--json").report
@@ -81,7 +81,7 @@ class Describe(takt_system.Case):
         self.assertEqual(0, xmllint.returncode, xmllint.stderr + run.out)
         return run.out
 
-    def test_the_printed_module_element_passes_check(self):
+    def test_takt_check_accepts_the_module_element_that_takt_describe_prints(self):
         for file in READY:
             if os.path.basename(file) in ASKED_WITH:
                 continue
@@ -93,7 +93,7 @@ class Describe(takt_system.Case):
                 else:
                     self.assertEqual((0, ""), (run.status, run.err), element)
 
-    def test_a_profile_states_how_the_module_is_released(self):
+    def test_an_iso22166_profile_states_how_the_module_is_released(self):
         self.assertIn("<exeType>EVENTDRIVEN<", self.check_profile("vision.exe"))
         self.assertNotIn("<exeType>", self.check_profile("control2.so"))
         self.assertIn("<exeType>NONRT<", self.check_profile("control2.so", "--operation", "non-real"))
@@ -107,7 +107,7 @@ class Describe(takt_system.Case):
         self.assertEqual((1, ""), (none.status, none.out))
         self.assertRegex(none.err, r"there is no module 'control22'; did you mean \S*control2\?")
 
-    def test_shows_the_property_values_given_in_a_descriptor(self):
+    def test_takt_describe_shows_the_property_values_that_a_descriptor_gives(self):
         file = self.write("cell.xml", "<root>\n%s</root>" % module("belt", "c_properties.so", ("speed", "1.25")))
         run = self.takt("describe", file)
         self.assertEqual((0, ""), (run.status, run.err))
@@ -115,14 +115,14 @@ class Describe(takt_system.Case):
         self.assertRegex(run.out, r"speed +double +0\.5 +1\.25 +0 to 2 +m/s")
         self.assertEqual({"speed": "1.25"}, self.takt("describe", file, "--json").report["module"]["given"])
 
-    def test_without_a_file_it_lists_all_components_and_starts_none(self):
+    def test_without_a_file_takt_describe_lists_all_components_and_starts_none(self):
         run = self.takt("describe")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertRegex(run.out, r"(?m)^  control2\.so +c\+\+ +Velocity loop of a DC motor")
         self.assertRegex(run.out, r"(?m)^  control4\.exe +process +Temperature loop")
         self.assertRegex(run.out, r"(?m)^  controller1\.so +c +Position loop")
         self.assertRegex(run.out, r"(?m)^  monitoring\.exe +process +Prints the load and memory")
-        self.assertIn("segv.so", run.out)  # listing it must not run its constructors
+        self.assertIn("segv.so", run.out)  # listing this component must not run its constructors
         listed = {c["file"]: c for c in self.takt("describe", "--json").report["components"]}
         self.assertEqual({"file": "c_properties.exe", "interface": "process", "text": "Properties of every kind, & \"nothing\" else."},
                          {k: v for k, v in listed["c_properties.exe"].items() if k != "path"})
@@ -130,7 +130,7 @@ class Describe(takt_system.Case):
         self.assertNotIn("c_properties", here.out)
         self.assertIn("control2.so", here.out)
 
-    def test_describes_c_properties_alike_in_modules_and_programs(self):
+    def test_takt_describe_shows_the_same_c_properties_for_a_module_and_a_program(self):
         of_module, of_program = (self.takt("describe", "c_properties." + kind, "--json").report for kind in ("so", "exe"))
         self.assertEqual(("c", "process"), (of_module["interface"], of_program["interface"]))
         self.assertEqual("periodic", of_program["operation"])
@@ -140,7 +140,7 @@ class Describe(takt_system.Case):
                           ("label", "string", "none", None, None, "", "What it is called.")],
                          [tuple(p[k] for k in ("name", "type", "default", "min", "max", "unit", "text")) for p in of_module["properties"]])
 
-    def test_describes_a_program_with_the_given_properties(self):
+    def test_takt_describe_starts_a_program_with_the_given_property_values(self):
         run = self.takt("describe", "program_properties.exe", "gain=3", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertEqual("1.5", run.report["properties"][0]["default"])
@@ -149,7 +149,7 @@ class Describe(takt_system.Case):
         self.assertIn("property 'gain' cannot be '300'; it takes a number, 0 to 100, in 1/s", wrong.err)
         self.assertIn("this program has no property 'gian'; did you mean gain?", wrong.err)
 
-    def test_check_reports_every_wrong_property_at_its_line(self):
+    def test_takt_check_reports_every_wrong_property_at_its_line(self):
         wrong = [
             (module("cpp", "cpp_properties.so", ("gian", "1")), "gian", r"component CppProperties has no property 'gian'; did you mean gain\?"),
             (module("c", "c_properties.so", ("sped", "1")), "sped", r"component c_properties has no property 'sped'; did you mean speed\?"),
@@ -174,14 +174,14 @@ class Describe(takt_system.Case):
                 self.assertIn('name="%s"' % name, lines[int(match[1]) - 1])
                 self.assertRegex(match[2], words)
 
-    def test_check_reports_a_program_that_contradicts_its_operationtype(self):
+    def test_takt_check_reports_a_program_that_contradicts_its_operationtype(self):
         file = self.write("kind.xml", "<root>\n%s</root>\n" % module("q", "program_properties.exe", ("gain", "2")))
         run = self.takt("check", file)
         self.assertEqual(1, run.status)
         self.assertIn("kind.xml:2: error: module q: the program calls initSporadicExe(), so it is sporadic; use <operationtype>sporadic",
                       run.err)
 
-    def test_check_suggests_the_component_for_a_misspelled_file(self):
+    def test_takt_check_suggests_the_component_for_a_misspelled_file_name(self):
         run = self.takt("check", self.write("c.xml", "<root>\n%s</root>\n" % module("a", "contrl2.so")))
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"there is no file contrl2\.so \(looked in .*\); did you mean control2\.so\?")
@@ -204,7 +204,7 @@ class Describe(takt_system.Case):
         self.assertEqual("takt: initPeriodExe(): property 'speed' cannot be '3'; it takes a number, 0 to 2, in m/s\n"
                          "takt: initPeriodExe(): this program has no property 'sped'; did you mean speed?\n", run.stderr)
 
-    def test_modules_without_declared_properties_accept_any(self):
+    def test_modules_without_declared_properties_accept_any_property(self):
         file = self.write("any.xml", "<root>\n%s</root>\n" % (module("so", "fine.so", ("anything", "1")) + module("exe", "fine.exe", ("anything", "1"))))
         run = self.takt("check", file)
         self.assertEqual((0, ""), (run.status, run.err))

@@ -22,7 +22,7 @@ def become_nobody():
 
 
 def kept_by_the_kernel():
-    """Whether the kernel, with its default settings, interrupts a real-time thread that never sleeps for about 50 ms each second."""
+    """Returns whether the kernel has its default settings, which interrupt a real-time thread that never sleeps for 50 ms each second."""
     release = tuple(int(n) for n in re.match(r"(\d+)\.(\d+)", os.uname().release).groups())
     if release >= (6, 12):
         return not os.path.isdir("/sys/kernel/debug/sched/fair_server")  # if this folder exists, the default may have been changed
@@ -31,7 +31,7 @@ def kept_by_the_kernel():
 
 
 class Doctor(takt_system.Case):
-    def test_json_is_one_object_and_the_exit_status_matches_it(self):
+    def test_takt_doctor_prints_one_json_object_that_matches_its_exit_status(self):
         run = self.takt("doctor", "--json")
         report = run.report
         self.assertEqual("", run.err)
@@ -47,18 +47,18 @@ class Doctor(takt_system.Case):
         self.assertEqual(500, wake_up["count"])
         self.assertTrue(0 <= wake_up["p50"] <= wake_up["p99"] <= wake_up["max"], wake_up)
 
-    def test_text_shows_every_check_and_no_escapes_in_a_pipe(self):
+    def test_takt_doctor_prints_every_check_without_escape_sequences_into_a_pipe(self):
         run = self.takt("doctor")
         self.assertIn(run.status, (0, 1))
         self.assertNotIn("\x1b", run.out)
         for check in ("preemption", "throttling", "interrupts", "stolen time", "wake-up"):
             self.assertIn(check, run.out)
 
-    def test_reports_what_the_system_denies_without_rights(self):
+    def test_takt_doctor_without_rights_reports_what_the_system_denies(self):
         os.chmod(self.folder, 0o755)
         programs = os.path.join(self.folder, "bin")
         os.mkdir(programs)
-        # A copy that every user may read.
+        # Every user may read this copy of the programs.
         subprocess.run(["cp", os.path.join(takt_system.BIN, "takt"), programs], check=True)
         libraries = os.path.join(self.folder, "lib")
         subprocess.run(["cp", "-r", os.path.join(os.path.dirname(takt_system.BIN), "lib"), libraries], check=True)
@@ -72,25 +72,25 @@ class Doctor(takt_system.Case):
         self.assertEqual("spoils", findings["memory"]["severity"])
         self.assertIn("limits.conf", findings["memory"]["cure"])
 
-    def test_help_explains_the_exit_status(self):
+    def test_the_help_of_takt_doctor_explains_the_exit_status(self):
         run = self.takt("doctor", "--help")
         self.assertEqual(0, run.status)
         self.assertIn("Exit status: 0 nothing spoils", run.out)
         self.assertEqual(2, self.takt("doctor", "--nonsense").status)
 
     @unittest.skipUnless(os.getuid() == 0 and kept_by_the_kernel() and len(os.sched_getaffinity(0)) > 1,
-                         "the kernel does not throttle real-time threads here, or there are none")
+                         "needs root, two CPUs, and a kernel that throttles real-time threads")
     @takt_system.alone("the throttled executor keeps a CPU busy")
-    def test_a_run_names_a_throttled_executor_and_the_remedy(self):
-        cpu = max(os.sched_getaffinity(0))  # the node places the executor on the highest one
+    def test_takt_run_warns_about_a_throttled_executor_and_names_the_remedy(self):
+        cpu = max(os.sched_getaffinity(0))  # the node places the executor on the highest CPU
         run = self.start("run", "spin.xml", "--json")
         run.wait_for_state("fine", "EXECUTING")
-        self.assertRegex(run.err, r"robot: warning: executor busy never sleeps, .*; use wakeup=\"hybrid\", or: ")
+        self.assertRegex(run.err, r"robot: warning: executor busy never sleeps, .*; use wakeup=\"hybrid\", or run ")
         other = subprocess.Popen([sys.executable, "-c", "while True: pass"],
                                  preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
         try:
             run.wait_for_line(r"robot: warning: executor busy lost its CPU for \d+(\.\d+)? ms: the kernel keeps 50 ms of "
-                              r"each second .*; use wakeup=\"hybrid\", or: ", 20)
+                              r"each second .*; use wakeup=\"hybrid\", or run ", 20)
         finally:
             other.kill()
             other.wait()

@@ -1,7 +1,7 @@
 """Two cells in different DDS domains exchange samples through a bridge.
 
-The cell of far.xml connects its ports to topics of the other domain, on which the cell of near.xml answers. The node of far.xml starts
-a process for the other domain and restarts it after a crash. A connection that cannot match names the quality of service at fault.
+The cell of far.xml connects its ports to topics of the other domain. The cell of near.xml answers on these topics. The node of far.xml starts
+a process for the other domain and restarts it after a crash. takt status names the quality of service that prevents a connection from matching.
 """
 import json
 import os
@@ -29,7 +29,7 @@ class Domains(takt_system.Case):
         found = [p for p in run.processes("takt-node") if not p.arguments]
         return found[0] if found else None
 
-    def test_samples_cross_domains_and_a_killed_bridge_restarts(self):
+    def test_samples_reach_another_dds_domain_and_a_killed_bridge_is_restarted(self):
         far = self.start("run", self.cell, "--json")
         far.wait_for_state("sink", "EXECUTING")
         self.assertEqual(0, self.port("source", "out")["matched"], "the other cell does not run yet")
@@ -43,7 +43,7 @@ class Domains(takt_system.Case):
         self.gateway(far).kill()
         far.wait_for_line("the bridge to domain %d was killed" % self.other, after=begun)
         before = self.port("sink", "in")["samples"]
-        port = wait_until(lambda: (lambda p: p if p["samples"] > before + 100 else None)(self.port("sink", "in")), 15, "answers again")
+        port = wait_until(lambda: (lambda p: p if p["samples"] > before + 100 else None)(self.port("sink", "in")), 15, "more answers")
         self.assertEqual({"EXECUTING"}, set(self.states_of("far").values()))
 
         near.signal(signal.SIGINT)
@@ -57,7 +57,7 @@ class Domains(takt_system.Case):
         executor = far.executor()
         print("rows %d, missed %d, %d samples went there and back" % (executor["cycles"], executor["missed"], seen["read"]))
 
-    def test_names_the_quality_of_service_that_prevents_a_match(self):
+    def test_takt_status_names_the_quality_of_service_that_prevents_a_match(self):
         far = self.start("run", self.cell, "--json")
         far.wait_for_state("sink", "EXECUTING")
         with open(self.beside("near.xml")) as file:

@@ -28,7 +28,7 @@ def fill(folder):
 
 
 class Exhaustion(takt_system.Case):
-    """Helpers for a cell that runs while its machine runs out of something."""
+    """Helpers for a cell that runs while its machine runs out of a resource."""
 
     def begin(self, **options):
         node = self.node("robot", **options)
@@ -65,7 +65,7 @@ class FullDisk(Exhaustion):
     def tearDown(self):
         super().tearDown()
         subprocess.run(["umount", "-l", self.state], capture_output=True, check=False)
-        shutil.rmtree(self.folder, ignore_errors=True)  # the mount had kept it from being removed
+        shutil.rmtree(self.folder, ignore_errors=True)  # the mount had prevented the removal
 
     def mount(self, size, how=""):
         subprocess.run(["mount", "-t", "tmpfs", "-o", how + "size=" + size, "tmpfs", self.state], check=True)
@@ -85,7 +85,7 @@ class FullDisk(Exhaustion):
         node.one("grid.exe").kill()
         wait_until(lambda: [s.target for s in node.steps("program")[before:]][-1:] == ["EXECUTING"], 15, "the program to execute again")
 
-    def test_a_full_disk_is_reported_once_and_files_are_written_later(self):
+    def test_a_full_disk_is_reported_once_and_the_files_are_written_when_there_is_space(self):
         self.mount("64k")
         filler = fill(self.state)
         full = r"warning: .*%s/.*No space left on device; name a folder that this user may write to, with space on its disk"
@@ -114,10 +114,10 @@ class FullDisk(Exhaustion):
         self.assertEqual(1, len(self.kept()))
         self.assertEqual(in_memory, self.recorded()[:len(in_memory)])
         self.a_fault(node)
-        trace = node.wait_for_line("a trace of the last seconds was written: takt trace ", limit=30).split()[-1]
+        trace = node.wait_for_line("a trace of the last seconds was written; show it with takt trace ", limit=30).split()[-1]
         self.assertTrue(os.path.exists(trace), trace)
 
-        # The disk is full once more. The fault record has its room already and loses nothing.
+        # The disk becomes full again. The file of the fault record already has its full size, so no event is lost.
         after = len(node.raw)
         fill(self.state)
         node.wait_for_line(r"the state that modules retain is not on disk: .*No space left on device", after=after)
@@ -129,7 +129,7 @@ class FullDisk(Exhaustion):
         self.walk_on(500)
         self.finish(node)
 
-    def test_record_reports_a_full_disk(self):
+    def test_takt_record_reports_a_full_disk(self):
         self.mount("256k")
         node = self.begin()
         fill(self.state)
@@ -139,7 +139,7 @@ class FullDisk(Exhaustion):
         self.walk_on(500)
         self.finish(node)
 
-    def test_runs_and_swaps_while_dev_shm_is_full(self):
+    def test_a_cell_runs_and_swaps_modules_while_dev_shm_is_full(self):
         subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", "/dev/shm"], check=True)
         self.addCleanup(subprocess.run, ["umount", "-l", "/dev/shm"], check=True)
         fill("/dev/shm")
@@ -157,7 +157,7 @@ def without_descriptors(process):
     def look():
         return {int(name) for name in os.listdir("/proc/%d/fd" % process.pid)}
     opened = look()
-    for _ in range(50):  # do not count descriptors that are open only for a moment
+    for _ in range(50):  # ignore descriptors that are open only for a moment
         time.sleep(0.005)
         opened &= look()
     first_free = next(number for number in range(len(opened) + 1) if number not in opened)
@@ -180,7 +180,7 @@ def processor_time(process):
 class NoDescriptors(Exhaustion):
     NONE_LEFT = r"Too many open files; raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE="
 
-    def test_a_node_without_free_descriptors_runs_on_and_rejects_a_swap(self):
+    def test_a_node_without_free_file_descriptors_runs_on_and_rejects_a_swap(self):
         node = self.begin()
         process = node.one("takt-node")
         threads = process.threads()
@@ -191,7 +191,7 @@ class NoDescriptors(Exhaustion):
         swap = self.takt("swap", "robot.source", "port_source.so")
         self.assertEqual(1, swap.status)
         self.assertRegex(swap.err, self.NONE_LEFT)
-        # Long enough for everything that the node does periodically.
+        # In this time, the node does all its periodic work.
         self.walk_on(6000)
         spent = time.monotonic() - began
         for task, used in processor_time(process).items():
@@ -203,7 +203,7 @@ class NoDescriptors(Exhaustion):
         self.done("swap robot.source port_source.so", "echo robot.source.out --count 3")
         self.finish(node)
 
-    def test_a_host_without_free_descriptors_runs_on_and_rejects_a_swap(self):
+    def test_a_host_without_free_file_descriptors_runs_on_and_rejects_a_swap(self):
         node = self.begin()
         host = node.one("takt-host")
         limit = without_descriptors(host)
@@ -218,7 +218,7 @@ class NoDescriptors(Exhaustion):
         self.walk_on(500)
         self.finish(node)
 
-    def test_a_node_with_too_few_descriptors_reports_why_it_cannot_start(self):
+    def test_a_node_with_too_few_file_descriptors_reports_why_it_cannot_start(self):
         for most in (4, 6, 8, 12, 24, 40):
             with self.subTest(most):
                 def become(most=most):
@@ -233,13 +233,13 @@ class NoDescriptors(Exhaustion):
                 def become(most=megabytes << 20):
                     resource.setrlimit(resource.RLIMIT_AS, (most, most))
                 run = self.program("takt-node", "--device", "robot", become=become).wait(30)
-                if run.status == 127:  # the loader could not even start it
+                if run.status == 127:  # the loader could not start the program
                     self.assertRegex(run.err, "error while loading shared libraries")
                 else:
                     self.assertEqual(1, run.status, run.err)
                     self.assertRegex(run.err, "the system denies takt-node memory or a thread: .*; free memory, or raise the limits")
 
-    def test_a_node_without_free_descriptors_rejects_a_deployment(self):
+    def test_a_node_without_free_file_descriptors_rejects_a_deployment(self):
         node = self.node("robot")
         process = node.one("takt-node")
         limit = without_descriptors(process)

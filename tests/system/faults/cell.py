@@ -1,5 +1,5 @@
-"""The demo cell with additional modules for the test: on each device a module that fails on command, in a host of its own, and readers
-that check its samples."""
+"""The demo cell with additional modules for the test. Each device has a module that fails on command, in its own host, and readers that
+check the samples of such modules."""
 
 import os
 import re
@@ -14,7 +14,7 @@ PERIOD_NS = 4_000_000
 DEADLINE_NS = 100_000_000
 BACKOFF_NS = 50_000_000
 ATTEMPTS = 3  # the default, which the modules of the demo have
-# Long enough that no fault of this test stops the cell: the manual reset is not what is tested.
+# Longer than the faults of this test, so that they do not stop the cell. This test is not about the manual reset.
 STOP_TIMEOUT_S = 10
 
 _SAFE = """
@@ -40,7 +40,7 @@ def _watches(who):
 def _added(device):
     main = EXECUTORS[device]
     return "".join((
-        # The lowest priority, so that its endless loop disturbs no other executor.
+        # This executor has the lowest priority, so that its endless loop disturbs no other executor.
         '\n    <executor name="risky" priority="10" host="own"/>',
         _module("source", "told.so", "risky", _SAFE, 1),
         _module("bystander", "fine.so", "risky", "", 2),
@@ -51,7 +51,7 @@ def _added(device):
 
 
 def next_to(device):
-    """The device that reads the samples of this one."""
+    """Returns the device that reads the samples of `device`."""
     return DEVICES[(DEVICES.index(device) + 1) % len(DEVICES)]
 
 

@@ -15,14 +15,14 @@ Reading = namedtuple("Reading", "at who what number")  # what: SAFE, LIVE, WRONG
 _READING = re.compile(r"\b(near|far|relayed) (SAFE|LIVE|WRONG) (\d+) [a-z, ]+ (\d+)$")
 _TOLD = re.compile(r"told (\d+) at (\d+)$")
 
-# What the lifecycle allows (framework/lifecycle).
+# The steps that the lifecycle allows (framework/lifecycle).
 ALLOWED = {("IDLE", "INITIALIZE"), ("INITIALIZE", "START"), ("START", "EXECUTING"), ("EXECUTING", "START"),
            ("INITIALIZE", "RECOVER"), ("START", "RECOVER"), ("EXECUTING", "RECOVER"), ("RECOVER", "EXECUTING"),
            ("RECOVER", "START"), ("DESTRUCT", "IDLE")} | {(state, "DESTRUCT") for state in STATES if state != "DESTRUCT"}
 
 
 def since_1970(hours, minutes, seconds):
-    """The instant nearest to now at which the local clock showed this time of day."""
+    """Returns the instant nearest to now at which the local clock showed this time of day."""
     now = time.time()
     today = time.localtime(now)
     midnight = time.mktime((today.tm_year, today.tm_mon, today.tm_mday, 0, 0, 0, 0, 0, -1))
@@ -36,13 +36,13 @@ def step_of(text):
 
 
 def line_of(text):
-    """The time, device, module and text of a node's line; None for any other line."""
+    """Returns the time, device, module and text of a node's line; None for any other line."""
     match = LINE.match(text)
     return match and (since_1970(*match.groups()[:3]), match[4], match[5] or "", match[6])
 
 
 def breaks(module, steps):
-    """Where a module's steps, which begin in IDLE, do not follow the lifecycle."""
+    """Returns a text for each step of the module that does not follow the lifecycle, which begins in IDLE."""
     found = []
     state = "IDLE"
     met = None  # the state in which the last error occurred
@@ -67,7 +67,7 @@ class Ear:
         self.run = run
         self.steps = []
         self.readings = []
-        self.told = {}  # for each order: when the module carried it out
+        self.told = {}  # for each number of a command: when the module carried out the command
         self.said = []  # all lines: (at, module, text)
         self.states = {}
         self.live = {}  # for each reader: whether it now reads samples
@@ -105,7 +105,7 @@ class Ear:
             self.told[int(told[1])] = int(told[2]) / 1e9
 
     def mark(self):
-        """The position of lines from now on. Nodes print milliseconds, so the time of the first line may seem older than the mark."""
+        """Returns the position of lines from now on. Nodes print times in ms, so the first of these lines may seem older than the mark."""
         self.hear()
         return len(self.said), len(self.steps), len(self.readings)
 
@@ -114,12 +114,12 @@ class Ear:
         return next((at for at, of, text in self.said[mark[0]:] if module in (None, of) and re.search(pattern, text)), None)
 
     def first_step(self, module, target, mark, pattern=""):
-        """The time of the first such step after the mark."""
+        """The time of the module's first step to `target` after the mark whose text contains `pattern`."""
         return next((step.at for step in self.steps[mark[1]:] if step.module == module and step.target == target and
                      re.search(pattern, step.text)), None)
 
     def first_reading(self, who, what, mark, since):
-        """The time of the first such line of a reader after the mark and not before `since`."""
+        """The time of the first reading of this kind (`what`) by the reader `who`, after the mark and not before `since`."""
         return next((r.at for r in self.readings[mark[2]:] if r.who == who and r.what == what and r.at > since - 1e-3), None)
 
     def last_news(self, mark):
@@ -158,7 +158,7 @@ class Monitor:
             at, device, module, what = line
             step = step_of(what)
             if step and step[0] == step[1]:
-                continue  # the state at the beginning, which is no step
+                continue  # takt watch prints the first state of a module like this; this is no step
             if step:
                 self.seen.append(self.Seen(came + self._monotonic, device, Step(at, module, *step)))
             elif not module and what.startswith("LOST"):
@@ -169,12 +169,12 @@ class Monitor:
         return len(self.seen)
 
     def first_trouble(self, device, mark, since):
-        """When it first saw, after the mark and after `since`, the device lost or one of its modules in RECOVER or DESTRUCT."""
+        """The time at which takt watch first showed the device LOST, or one of its modules in RECOVER or DESTRUCT, after the mark and `since`."""
         return next((s.came for s in self.seen[mark:] if s.device == device and s.came > since and
                      (s.step is None or s.step.target in ("RECOVER", "DESTRUCT"))), None)
 
     def missed(self, device, module, steps):
-        """The steps of a module, over all lives of its node, that did not arrive; and the steps that arrived but did not happen."""
+        """Returns the steps of a module that did not arrive, and the steps that arrived but did not happen. `steps` are those of all its nodes."""
         told = [s.step for s in self.seen if s.device == device and s.step is not None and s.step.module == module]
         missed = []
         position = 0
@@ -205,6 +205,6 @@ class Record:
         return len(self.events)
 
     def first(self, kind, device, mark, module="", cause=""):
-        """When the event happened, by the device's clock; None if it has not arrived."""
+        """Returns when the event happened, by the device's clock; None if the event has not arrived."""
         return next((e["time_ns"] / 1e9 for e in self.events[mark:] if e["kind"] == kind and e["device"] == device and
                      (e["module"] or "") == module and cause in e["cause"]), None)

@@ -29,8 +29,8 @@ LOG = REPORT and REPORT + ".log"  # the lines of the nodes around each violation
 
 MS = 1e-3
 LOOK = 5 * MS  # how often a node checks its processes and tables
-SAID = 50 * MS  # bound for reporting that a module left EXECUTING (tests/system/lost)
-LEASE = 300 * MS  # of takt/device
+SAID = 50 * MS  # the bound for reporting that a module left EXECUTING (tests/system/lost)
+LEASE = 300 * MS  # the lease of a writer of the topic takt/device
 PORTS = 100 * MS  # how often a node checks its ports for the fault record (framework/node/src/limits.hpp)
 DEADLINE = cell.DEADLINE_NS / 1e9
 PERIOD = cell.PERIOD_NS / 1e9
@@ -42,22 +42,24 @@ THROTTLED = 950 * MS
 # A shared machine can stall. A fault fails the test only if it exceeds its promised bound by more than this.
 HELD_UP = 500 * MS
 
-# weight: how often this kind is chosen. detected, recovered: the promised bounds in seconds; because, afterwards: why these bounds.
+# weight: how often this kind is chosen. detected, recovered: the promised bounds, in seconds. because, afterwards: the reasons for these
+# bounds.
 Kind = namedtuple("Kind", "weight detected because recovered afterwards")
 KINDS = {
     "host-killed": Kind(3, SAID, "a node checks every 5 ms; 50 ms are promised", 2.0, "two seconds to load"),
     "program-killed": Kind(4, SAID, "a node checks every 5 ms; 50 ms are promised", 0.1 + 2.0, "its back-off, and two seconds to start"),
-    "node-killed": Kind(1, LEASE + 100 * MS, "its lease of 300 ms, and 100 ms", 5.0, "five seconds from the start of the new node"),
-    "crash": Kind(3, SAID, "like a killed host", BACKOFF + 2.0, "its back-off, and two seconds to load"),
+    "node-killed": Kind(1, LEASE + 100 * MS, "the lease of 300 ms, and 100 ms", 5.0, "five seconds from the start of the new node"),
+    "crash": Kind(3, SAID, "a node checks every 5 ms; 50 ms are promised", BACKOFF + 2.0, "its back-off, and two seconds to load"),
     "throw": Kind(3, LOOK + SAID, "reported 50 ms after its executor sees it", BACKOFF + 1.0, "its back-off, and a second for recover()"),
     "failure": Kind(3, LOOK + SAID, "reported 50 ms after its executor sees it", BACKOFF + 1.0, "its back-off, and a second for recover()"),
     "program-hang": Kind(2, 1 + 10 * 0.1 + SAID, "a second and ten periods of the slowest program, and 50 ms", 1 + 10 * 0.1 + 0.1 + 2.0,
-                         "this, its back-off, two seconds to start"),
+                         "the bound of detection, its back-off, and two seconds to start"),
     "cable": Kind(2, LEASE + 100 * MS, "the lease of 300 ms, and 100 ms; at both ends", 5.0, "five seconds from joining the cable"),
-    "silence": Kind(3, DEADLINE + PORTS + LOOK, "the deadline, and the next check of the ports", 1.0, "a second from its end"),
-    "lost-samples": Kind(2, 1.0 + 1.0 + 1.0, "a second of losses; counts are published once a second; takt status waits up to one", 1.0,
-                         "a second from their end"),
-    "hang": Kind(2, STUCK + SAID, "a second and ten periods, and 50 ms", STUCK + BACKOFF + 2.0, "this, its back-off, two seconds to load"),
+    "silence": Kind(3, DEADLINE + PORTS + LOOK, "the deadline, and the next check of the ports", 1.0, "a second from the end of the silence"),
+    "lost-samples": Kind(2, 1.0 + 1.0 + 1.0, "a second of losses; counts are published once a second; takt status waits up to a second", 1.0,
+                         "a second from the end of the losses"),
+    "hang": Kind(2, STUCK + SAID, "a second and ten periods, and 50 ms", STUCK + BACKOFF + 2.0,
+                 "the bound of detection, its back-off, and two seconds to load"),
 }
 
 
@@ -65,7 +67,7 @@ FIGURES = ("detected", "safe", "seen", "recovered", "held")
 
 
 def summary(values):
-    """The p50, p99 and max of some values."""
+    """Returns the p50, p99 and max of the values; None if there are none."""
     if not values:
         return None
     values = sorted(values)
@@ -73,7 +75,7 @@ def summary(values):
 
 
 def in_columns(table):
-    """The table as text."""
+    """Returns the table as text."""
     rows = [["kind", "count", "detected p50", "p99", "max", "bound", "safe max", "bound", "seen max", "recovered p50", "p99", "max", "bound",
              "held max"]]
     for row in table:
@@ -96,10 +98,10 @@ class Fault:
         self.at = at
         self.detected = lambda: None  # when the system first reported it
         self.back = lambda: self.at  # when the part that failed was back; steps and readers are checked in any case
-        self.told_when_mended = False
-        self.mend = None  # what the test does to repair it, once it has been detected
+        self.told_when_mended = False  # True if the fault is reported only after its repair
+        self.mend = None  # repairs the fault
         self.from_then = None  # recovery is measured from this time; None: from the fault
-        self.within = None  # the bound of its detection, if it differs from that of its kind
+        self.within = None  # the bound for detecting this fault, if it differs from the bound of its kind
         self.safe = []  # (device, reader): the readers that must get the safe value
         self.module = None  # (device, module): the module whose recovery attempts are checked
 
@@ -112,14 +114,14 @@ class Faults(networks.NetworkCase):
         self.random = random.Random(SEED)
         self.running = {}
         self.ears = {}
-        self.lives = {device: [] for device in DEVICES}  # the ears of all nodes so far
+        self.lives = {device: [] for device in DEVICES}  # the Ears of all nodes of the device so far
         self.wear = {device: Wear(device) for device in DEVICES}
         self.modules = cell.modules()
         self.violations = []
         self.orders = 0
         self.resets = 0
         self.hosts_killed = {}
-        self.excused = []  # (device, from, until): when no other machine could hear the device
+        self.excused = []  # (device, from, until): times in which the device could reach no other machine
 
     # Nodes and modules
 
@@ -137,7 +139,7 @@ class Faults(networks.NetworkCase):
         self.record.hear()
 
     def all_execute(self):
-        """Whether every module executes and every reader reads samples."""
+        """Returns whether every module executes and every reader reads samples."""
         return all(self.ears[d].states.get(module) == "EXECUTING" for d in DEVICES for module in self.modules[d]) and \
             all(self.ears[d].live.get(who) for d in DEVICES for who in ("near", "far", "relayed"))
 
@@ -147,7 +149,7 @@ class Faults(networks.NetworkCase):
             ["%s.%s has no samples" % (d, who) for d in DEVICES for who in ("near", "far", "relayed") if not self.ears[d].live.get(who)]
 
     def wait_heard(self, condition, limit):
-        """Returns the value of `condition` as soon as the output so far makes it true; the last value after `limit` seconds."""
+        """Returns the value of `condition` as soon as the output so far makes it true, or its last value after `limit` seconds."""
         end = time.monotonic() + limit
         while True:
             self.hear()
@@ -184,12 +186,12 @@ class Faults(networks.NetworkCase):
                     with open("/proc/%d/task/%s/comm" % (process.pid, task)) as file:
                         threads.add(file.read().strip())
                 except OSError:
-                    pass  # a thread that called a hook and has ended
+                    pass  # this thread only called a hook and has ended
             found["risky" if "risky" in threads else cell.EXECUTORS[device]] = process.pid
         return found
 
     def host_killed(self):
-        # A host that ends more than three times a minute is given up, as it should be.
+        # Takt gives up a host that ends more than three times in a minute, so the test must not kill it more often.
         now = time.monotonic()
         may = [(d, e) for d in DEVICES for e in ("risky", cell.EXECUTORS[d])
                if sum(now - then < 61 for then in self.hosts_killed.get((d, e), ())) < 3]
@@ -254,7 +256,7 @@ class Faults(networks.NetworkCase):
         fault = Fault(device, "source")
         fault.at = self.wait_heard(lambda: ear.told.get(order), 5)
         if fault.at is None:
-            self.violated("%s.source was told %d and did not do it" % (device, order))
+            self.violated("%s.source did not carry out command %d" % (device, order))
             fault.at = time.time()
         fault.module = (device, "source")
         fault.detected = lambda: ear.first_step("source", "RECOVER", mark, pattern)
@@ -365,7 +367,7 @@ class Faults(networks.NetworkCase):
         return None if None in times else max(times)
 
     def let_last(self, device, module):
-        """Waits until the last recovery counts as lasting, so that attempts are counted from 1 again."""
+        """Waits until the last recovery counts as successful, so that the attempts of the next recovery are counted from 1."""
         steps = [s.at for s in self.ears[device].steps if s.module == module]
         if steps:
             time.sleep(max(0.0, steps[-1] + 1.1 - time.time()))
@@ -374,7 +376,7 @@ class Faults(networks.NetworkCase):
     # One fault
 
     def waits(self):
-        """The waiting times of all threads but those of the executor whose module may be in an endless loop."""
+        """The waiting times of all threads, except those of the executor whose module may be in an endless loop."""
         return held_up.waits([p.pid for node in self.running.values() for p in node.processes()], but=("risky", "risky/s"))
 
     def mark(self):
@@ -395,7 +397,7 @@ class Faults(networks.NetworkCase):
         fault = getattr(self, kind.replace("-", "_"))()
         if fault is None:
             return None
-        ears, marks = dict(self.ears), dict(self.marks)  # those at the time of the fault
+        ears, marks = dict(self.ears), dict(self.marks)  # as they are at the time of the fault
         figures = {"number": self.number, "kind": kind, "device": fault.device, "what": fault.what, "at": fault.at}
         bound = fault.within or promised.detected
         of = "%s of %s.%s" % (kind, fault.device, fault.what)
@@ -467,7 +469,7 @@ class Faults(networks.NetworkCase):
         self.assertTrue(self.wait_heard(self.all_execute, 30), self.not_executing())
 
     @takt_system.alone("each fault has to be reported within the time that the kernel and DDS need")
-    def test_each_fault_is_detected_contained_and_recovered(self):
+    def test_each_random_fault_is_detected_contained_and_recovered_in_time(self):
         print("seed %d" % SEED, flush=True)
         self.number = 0
         self.began = time.time()
@@ -502,14 +504,14 @@ class Faults(networks.NetworkCase):
 
     @staticmethod
     def shared():
-        return {name for name in os.listdir("/dev/shm") if not name.startswith("takt-fuzz")}  # those are of a fuzzer
+        return {name for name in os.listdir("/dev/shm") if not name.startswith("takt-fuzz")}  # a fuzzer that runs now has files of this name
 
     def shown(self):
-        """The last line of the panel."""
+        """Returns the last line that the panel printed."""
         return next((text for _, module, text in reversed(self.ears["station"].said) if module == "panel" and " placed; " in text), "")
 
     def let_go(self):
-        """The loss of the fieldbus rightly stops the cell. This presses the reset button if that happened."""
+        """Presses the reset button if the emergency stop is active: a lost fieldbus rightly stops the cell."""
         if "EMERGENCY STOP" in self.shown():
             self.resets += 1
             for down in ("true", "false"):
@@ -529,10 +531,10 @@ class Faults(networks.NetworkCase):
             steps = Counter(step.module for step in self.ears[device].steps if step.target == "RECOVER")
             return {m["name"]: (m["errors"], steps[m["name"]]) for m in self.status().get(device, {"modules": []})["modules"]
                     if m["errors"] != steps[m["name"]]}
-        end = time.monotonic() + 5  # they are published once a second
+        end = time.monotonic() + 5  # nodes publish the counts once a second
         while found := differences():
             if time.monotonic() > end:
-                return self.violated("errors of %s differ, as counted by takt status and by its steps: %s" % (device, found))
+                return self.violated("%s: the errors in takt status differ from the steps to RECOVER: %s" % (device, found))
 
     def at_the_end(self, done, before):
         self.hear()
@@ -561,11 +563,11 @@ class Faults(networks.NetworkCase):
                 self.violations.append("half of the %s faults took more than %.0f ms to detect" % (row["kind"], row["detected_bound_ms"]))
         steps = sum(len(ear.steps) for device in DEVICES for ear in self.lives[device])
         readings = sum(len(ear.readings) for device in DEVICES for ear in self.lives[device])
-        print("\n%d faults in %.0f s, seed %d; ms; bounds are what is promised, and on a shared machine %.0f ms more\n" %
+        print("\n%d faults in %.0f s, seed %d; times in ms; the bounds are the promised times; a fault may take %.0f ms more on a shared machine\n" %
               (len(done), time.time() - self.began, SEED, 1e3 * HELD_UP))
         print(in_columns(table))
-        print("\nsteps of modules: %d, of which the monitor on another machine could not see %d, for a cable was pulled or a node dead; "
-              "readers went from samples to the safe value or back %d times; the emergency stop was reset %d times; %d parts placed since the "
+        print("\nsteps of modules: %d, of which takt watch could not show %d because of a pulled cable or a dead node; "
+              "readers switched between samples and the safe value %d times; the emergency stop was reset %d times; %d parts placed since the "
               "panel's last start" % (steps, unseen, readings, self.resets, placed))
         nodes = {device: wear.ends for device, wear in self.wear.items()}
         for device, ends in nodes.items():
@@ -593,8 +595,8 @@ class Faults(networks.NetworkCase):
         return placed()
 
     def assert_seen(self, device):
-        """Checks that the monitor saw each step of each module once. Returns the number of steps that it could not see, because the device
-        was cut off or dead."""
+        """Checks that takt watch showed each step of each module once. Returns the number of steps that it could not show, because the device
+        was disconnected or dead."""
         self.monitor.hear()
         unseen = 0
         for module in self.modules[device]:
@@ -604,8 +606,8 @@ class Faults(networks.NetworkCase):
                 if any(d == device and begin <= step.at <= end for d, begin, end in self.excused):
                     unseen += 1
                 else:
-                    self.violations.append("%s: the monitor did not see: %s" % (device, step))
-            self.violations += ["%s: the monitor saw a step that did not happen: %s" % (device, step) for step in beside]
+                    self.violations.append("%s: takt watch did not show this step: %s" % (device, step))
+            self.violations += ["%s: takt watch showed a step that did not happen: %s" % (device, step) for step in beside]
         return unseen
 
     @staticmethod

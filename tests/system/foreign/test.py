@@ -1,4 +1,4 @@
-"""A program of Cyclone DDS, built from idl/, watches a running cell, commands it, and exchanges samples with its ports.
+"""A program of Cyclone DDS observes a running cell, sends it commands, and exchanges samples with its ports. Its types are from idl/.
 
 TAKT_CYCLONE_PEER is the program of tests/system/cyclone."""
 import json
@@ -13,8 +13,8 @@ from takt_system import Run, wait_until
 CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
 LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
 <AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
-STOP, START = 8, 7  # takt::CommandKind
-STARTED, EXECUTING = 2, 3  # takt::LifecycleState
+STOP, START = 8, 7  # values of takt::CommandKind
+STARTED, EXECUTING = 2, 3  # values of takt::LifecycleState
 
 
 class Foreign(takt_system.Case):
@@ -31,7 +31,7 @@ class Foreign(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         return json.loads(run.out)
 
-    def test_cyclone_dds_watches_commands_and_exchanges_samples_with_a_cell(self):
+    def test_a_cyclone_dds_program_observes_commands_and_exchanges_samples_with_a_cell(self):
         cell = self.start("run", "cell.xml", "--json")
         cell.wait_for_state("counter", "EXECUTING")
         watch = self.cyclone("watch", 60)
@@ -42,7 +42,7 @@ class Foreign(takt_system.Case):
         wait_until(lambda: len(self.said(watch, "statistics")) > 3 and self.said(watch, "device"), 20, "statistics and the device")
         self.assertEqual({"line"}, {s["device"] for s in self.said(watch, "device")})
 
-        # Samples go both ways: Cyclone commands the belt and reads its state.
+        # Samples go both ways: the Cyclone program commands the belt and reads its state.
         write = self.cyclone("write", "BeltCommand", "belt_command", 40, 20, "best-effort")
         parts = self.cyclone("read", "Part", "parts", 1, 30, "reliable")
         self.assertEqual(0, write.wait(30).status, write.err)

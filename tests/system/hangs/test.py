@@ -12,7 +12,7 @@ def reason(hook):
 
 
 class Hangs(takt_system.Case):
-    def test_a_hang_in_initialize_or_start_prevents_the_start(self):
+    def test_a_hang_in_the_initialize_or_start_hook_prevents_the_start_of_the_device(self):
         for hook, last in (("initialize", ["IDLE", "DESTRUCT"]), ("start", ["IDLE", "INITIALIZE", "RECOVER", "DESTRUCT"])):
             with self.subTest(hook=hook):
                 run = self.takt("run", hook + ".xml", "--for", "5", "--json", limit=20)
@@ -25,7 +25,7 @@ class Hangs(takt_system.Case):
                 self.assertEqual("destruct", self.read("after").splitlines()[-1])
                 os.remove(os.path.join(self.folder, "after"))
 
-    def test_ctrl_c_ends_the_run_once_the_hanging_hook_is_given_up(self):
+    def test_after_ctrl_c_takt_run_ends_once_a_hanging_hook_is_given_up(self):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
@@ -35,12 +35,12 @@ class Hangs(takt_system.Case):
 
     @staticmethod
     def is_pending(pid, number):
-        """Whether a signal to the process is still pending."""
+        """Returns whether a signal to the process is still pending."""
         with open("/proc/%d/status" % pid) as file:
             status = dict(line.split(":", 1) for line in file if ":" in line)
         return int(status["ShdPnd"], 16) >> (number - 1) & 1
 
-    def test_a_second_ctrl_c_ends_the_run_at_once(self):
+    def test_a_second_ctrl_c_ends_takt_run_without_waiting_for_a_hanging_hook(self):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
@@ -51,7 +51,7 @@ class Hangs(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertIn("device initialize: error: its node was killed by SIGKILL (Killed)", run.other_lines)
 
-    def test_hangs_in_error_recover_and_destruct_do_not_delay_the_table(self):
+    def test_error_and_recover_and_destruct_hooks_that_hang_do_not_delay_other_modules(self):
         run = self.start("run", "running.xml", "--json")
         run.wait_for_line("after: recovery, attempt 1", limit=30)
         host = run.one("takt-host")
@@ -68,7 +68,7 @@ class Hangs(takt_system.Case):
         for module in ("in_error", "in_recover"):
             self.assertEqual(LIFE[:4] + ["RECOVER", "DESTRUCT"], run.states(module))
             self.assertEqual(50, run.modules()[module]["cycles"])
-        # Its hooks had to wait for those of the other modules, but all were called: each attempt, and the end.
+        # The hooks of module `after` had to wait for the hooks of the other modules. All were called: those of each attempt, and destruct().
         diary = self.read("after").splitlines()
         self.assertEqual(["initialize", "start"] + ["error 1", "recover"] * 3 + ["error 1", "destruct"], diary)
         # The modules in the tables were not affected.

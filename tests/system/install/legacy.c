@@ -1,4 +1,4 @@
-/* A typical legacy program: it does its work about every millisecond and prints how even its periods were. */
+/* A typical legacy program. It works about every millisecond. At its end, it prints how much its periods differed from 1 ms. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ static int by_size(const void* a, const void* b) { return (*(const long*)a > *(c
 
 static void report(void) {
   int n = 0;
-  for (int i = 101; i < count; ++i) began[n++] = labs(began[i] - began[i - 1] - 1000); /* the first hundred warm up */
+  for (int i = 101; i < count; ++i) began[n++] = labs(began[i] - began[i - 1] - 1000); /* the first hundred are the warm-up */
   if (n == 0) return;
   qsort(began, n, sizeof *began, by_size);
   printf("period of 1000 us off by: median %ld us, p99 %ld us, most %ld us, in %d periods\n", began[n / 2], began[n * 99 / 100],

@@ -16,12 +16,12 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = takt_system.SOURCE
 BUILD = os.path.dirname(takt_system.BIN)
 PAGE = open(os.path.join(SOURCE, "docs", "install.md"), encoding="utf-8").read()
-PREFIX = "/opt/takt"  # as on the page
+PREFIX = "/opt/takt"  # the installation folder on the page docs/install.md
 CELL = os.path.join("share", "takt", "deploy", "palletizing.xml")
 
 
 def hidden(empty):
-    """The words before a command that hide the source tree and the build tree from it; None if that is not permitted."""
+    """Returns the words before a command that hide the source tree and the build tree from it. None if that is not permitted."""
     alone = ["unshare", "--mount"] if os.getuid() == 0 else ["unshare", "--map-root-user", "--mount"]
     before = alone + ["sh", "-c", 'for tree in "$1" "$2"; do mount --bind "$0" "$tree" || exit 9; done; shift 2; exec "$@"',
                       empty, BUILD, SOURCE]
@@ -29,7 +29,7 @@ def hidden(empty):
 
 
 def block(language, containing=""):
-    """The only code block of this language on the page that contains this text."""
+    """Returns the only code block of this language on the page that contains this text."""
     found = [text for text in re.findall(r"```%s\n(.*?)```" % language, PAGE, re.S) if containing in text]
     assert len(found) == 1, (language, containing, len(found))
     return found[0]
@@ -56,7 +56,7 @@ def tearDownModule():
 
 class Installed(takt_system.Case):
     def installed(self, *arguments, program="takt", folder="bin", root=None, hide=True, components="", **options):
-        """Runs one of the installed programs, with both trees hidden."""
+        """Runs one of the installed programs, with the source tree and the build tree hidden."""
         if hide and HIDDEN is None:
             self.skipTest("no mount namespace is granted here")
         environment = {"TAKT_COMPONENT_PATH": components, "PATH": "/usr/bin:/bin", "LD_LIBRARY_PATH": ""}
@@ -80,8 +80,8 @@ class Installed(takt_system.Case):
         self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         return run
 
-    def test_find_package_rejects_a_build_tree(self):
-        """find_package() looks there because its programs are in PATH."""
+    def test_cmake_find_package_rejects_a_build_tree(self):
+        """find_package() looks into the build tree because the programs of the build tree are in PATH."""
         project = os.path.join(self.folder, "project")
         os.mkdir(project)
         with open(os.path.join(project, "CMakeLists.txt"), "w") as file:
@@ -91,11 +91,11 @@ class Installed(takt_system.Case):
         self.assertNotEqual(0, configured.returncode)
         self.assertIn("this is a build tree; install it, as docs/install.md says: cmake --install " + BUILD, configured.stderr)
 
-    def test_runs_without_the_source_and_build_trees(self):
+    def test_an_installed_takt_runs_without_the_source_and_build_trees(self):
         run = self.installed("run", os.path.join(INSTALLED, CELL), "--for", "2", "--json", "--quiet")
         self.assert_ran(run, ["trajectory", "servo", "arm", "conveyor", "counter", "panel"])
 
-    def test_finds_its_components_and_its_check_library(self):
+    def test_an_installed_takt_finds_its_components_and_its_check_library(self):
         for component in ("servo.so", "panel.exe"):
             self.assertEqual(0, self.installed("describe", component).status)
         run = self.installed("describe", "nowhere.so")
@@ -104,7 +104,7 @@ class Installed(takt_system.Case):
         self.assertNotIn("libtakt_check", run.err)
         self.assertRegex(run.err, "EXECUTING")
 
-    def test_a_node_starts_without_the_source_and_build_trees(self):
+    def test_an_installed_node_starts_without_the_source_and_build_trees(self):
         if HIDDEN is None:
             self.skipTest("no mount namespace is granted here")
         node = self.program("takt-node", "--device", "robot", programs=os.path.join(INSTALLED, "bin"), before=HIDDEN)
@@ -112,7 +112,7 @@ class Installed(takt_system.Case):
         node.signal(signal.SIGTERM)
         self.assertEqual(0, node.wait(10).status, node.err)
 
-    def test_no_installed_file_refers_to_the_trees(self):
+    def test_no_installed_file_refers_to_the_source_and_build_trees(self):
         for folder, _, names in os.walk(INSTALLED):
             for name in names:
                 path = os.path.join(folder, name)
@@ -137,14 +137,14 @@ class Installed(takt_system.Case):
         in_c = [header for header in headers if header.endswith(".h")]
         in_cpp = [header for header in headers if header not in in_c]
         for compiler, standard, of_it in (("gcc", "c11", in_c), ("g++", "c++20", in_cpp)):
-            # The preset `debug` compiles each header alone. So the short form only shows that all included headers are installed.
+            # The preset `debug` already compiles each header alone. The short form only checks that all included headers are installed.
             for together in [[header] for header in of_it] if takt_system.FULL else [of_it]:
                 run = subprocess.run([compiler, "-x", "c" if of_it is in_c else "c++", "-std=" + standard, "-Wall", "-Wextra",
                                       "-fsyntax-only", "-I", include, "-"],
                                      input="".join("#include <%s>\n" % header for header in together), capture_output=True, text=True)
                 self.assertEqual((0, ""), (run.returncode, run.stderr), together)
 
-    def test_the_project_of_install_md_builds_and_runs(self):
+    def test_the_example_project_of_the_installation_page_builds_and_runs(self):
         folder = os.path.join(self.folder, "project")
         os.mkdir(folder)
         for name, text in {"CMakeLists.txt": block("cmake"), "press.idl": block("idl"), "press.cpp": block("cpp", "// press.cpp"),
@@ -177,7 +177,7 @@ class Installed(takt_system.Case):
             self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         return os.path.join(build, "components")
 
-    def test_the_figures_of_the_paper_build_and_run(self):
+    def test_the_programs_in_the_figures_of_the_paper_build_and_run(self):
         names = ["figure8.cpp", "figure9.c", "figure10.cpp", "figure11.cpp"]
         for name in names:
             shutil.copy(os.path.join(SOURCE, "tests", "unit", "component", "figures", name), self.folder)
@@ -189,7 +189,7 @@ class Installed(takt_system.Case):
         for name in names:
             self.assertEqual(takt_system.LIFE, run.states(name.split(".")[0]))
 
-    def test_a_legacy_program_becomes_periodic(self):
+    def test_a_legacy_program_becomes_periodic_with_three_changed_lines(self):
         with open(self.beside("legacy.c"), encoding="utf-8") as file:
             legacy = file.read()
         adapted = legacy.replace("#include <unistd.h>\n", "#include <unistd.h>\n#include <takt/process.h>\n")
@@ -214,7 +214,7 @@ class Installed(takt_system.Case):
 
     # Manual, completion, unit
 
-    def test_the_manual_has_a_page_for_each_command(self):
+    def test_each_takt_command_has_a_manual_page(self):
         manual = os.path.join(INSTALLED, "share", "man")
         commands = re.findall(r"^  ([a-z]+)  ", self.installed("--help").out.split("Subcommands:")[1].split("Environment:")[0], re.M)
         self.assertLess(15, len(commands))
@@ -229,7 +229,7 @@ class Installed(takt_system.Case):
         self.assertIn("end after this many seconds", run.stdout)
 
     def completed(self, line):
-        """The words that bash offers at the end of this line."""
+        """Returns the words that bash offers at the end of this line."""
         script = os.path.join(INSTALLED, "share", "bash-completion", "completions", line.split()[0])
         words = line.split(" ")
         run = subprocess.run(["bash", "-c", 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); '
@@ -239,7 +239,7 @@ class Installed(takt_system.Case):
         self.assertEqual((0, ""), (run.returncode, run.stderr), line)
         return set(run.stdout.split())
 
-    def test_bash_completes_commands_options_and_files(self):
+    def test_bash_completes_takt_commands_options_and_files(self):
         self.write("cell.xml", "")
         os.mkdir(os.path.join(self.folder, "case"))
         offered = self.completed("takt s")
@@ -263,7 +263,7 @@ class Installed(takt_system.Case):
         self.assertIn("\nExecStart=%s --device %%i --resume " % program, unit)
         self.assertNotIn("@CMAKE", unit)
 
-    def test_systemd_accepts_the_unit(self):
+    def test_systemd_accepts_the_installed_unit_file(self):
         path = os.path.join(INSTALLED, "lib", "systemd", "system", "takt-node@.service")
         self.assert_unit(path, PREFIX + "/bin/takt-node")
         if not shutil.which("systemd-analyze"):
@@ -277,7 +277,7 @@ class Installed(takt_system.Case):
     # Packages
 
     @unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "no dpkg-dev")
-    def test_debian_packages_have_their_files_and_dependencies(self):
+    def test_the_debian_packages_have_their_files_and_dependencies(self):
         command = "cd build/release && cpack -G DEB"
         self.assertIn(command, PAGE)
         packages = os.path.join(self.folder, "packages")

@@ -49,11 +49,11 @@ class Log(takt_system.Case):
         self.wait_for_states({"robot": {"grid": "EXECUTING", "culprit": "DESTRUCT"}})
         return nodes
 
-    def test_records_the_source_line_of_a_crash_and_counts_every_overrun(self):
+    def test_the_fault_record_has_the_source_line_of_a_crash_and_counts_every_overrun(self):
         begun = time.time_ns()
         began = time.monotonic()
         nodes = self.crashed()
-        # Two rejected commands, and one that was carried out.
+        # These are two rejected commands, and one that is carried out.
         self.refused({"start robot.culprit": "is not allowed in state DESTRUCT", "stop robot.none": "no module"})
         self.done("stop line.program")
         time.sleep(1.5)
@@ -85,7 +85,7 @@ class Log(takt_system.Case):
         self.assertLessEqual(len(overruns), seconds + 2, "at most one event a second, and one at the end")
         self.end(nodes)
 
-    def test_undeploy_reports_a_repeated_failure_once(self):
+    def test_takt_undeploy_reports_a_repeated_failure_once(self):
         nodes = self.crashed()
         begun = len(nodes["robot"].raw)
         for order in ("reset", "initialize", "start"):
@@ -97,7 +97,7 @@ class Log(takt_system.Case):
         self.assertEqual(1, run.err.count("failed earlier: module robot.culprit"), run.err)
         self.end(nodes)
 
-    def test_counts_equal_those_of_the_run_report(self):
+    def test_the_counts_of_the_fault_record_equal_those_of_the_run_report(self):
         run = self.takt("run", "crash.xml", "--for", "3", "--json", "--state-dir", os.path.join(self.folder, "state"))
         for device in DEVICES:
             events = self.log("--file", self.file(device))
@@ -109,7 +109,7 @@ class Log(takt_system.Case):
             self.assertEqual("node-end", events[-1]["kind"])
         self.assertGreater(run.modules("line")["slow"]["overruns"], 0)
 
-    def test_filters_events_and_prints_readable_text(self):
+    def test_takt_log_filters_events_and_prints_readable_text(self):
         nodes = self.crashed()
         self.assertEqual([], [e for e in self.log("--device", "line") if e["device"] != "line"])
         self.assertEqual({"culprit"}, {e["module"] for e in self.log("--module", "culprit")})
@@ -132,7 +132,7 @@ class Log(takt_system.Case):
                       "log --file /nowhere/x.faults": "/nowhere/x.faults: error: there is no such file"})
         self.end(nodes)
 
-    def test_the_record_survives_crashes_of_host_and_node(self):
+    def test_the_fault_record_survives_crashes_of_the_host_and_the_node(self):
         nodes = self.crashed()
         begun = len(nodes["robot"].raw)
         nodes["robot"].one("takt-host").kill()
@@ -165,7 +165,7 @@ class Log(takt_system.Case):
         self.end(nodes)
         self.assertEqual("node-end", self.log("--file", self.file("robot"))[-1]["kind"])
 
-    def test_a_damaged_file_loses_only_the_damaged_events(self):
+    def test_takt_log_skips_only_the_damaged_events_of_a_damaged_file(self):
         nodes = self.crashed()
         self.end(nodes)
         path = self.file("robot")
@@ -184,7 +184,7 @@ class Log(takt_system.Case):
         self.assertEqual({"robot"}, {e["device"] for e in self.log()})
         self.end({"robot": node})
 
-    def test_a_node_runs_on_if_it_cannot_write_its_record(self):
+    def test_a_node_runs_on_if_it_cannot_write_its_fault_record(self):
         place = self.write("file", "")
         node = self.node("robot", "--state-dir", os.path.join(place, "folder"))
         self.assertRegex(node.err, "warning: the fault record: ")
@@ -216,7 +216,7 @@ class Log(takt_system.Case):
         error = crash("some", unlimited)
         self.assertTrue(os.path.isfile(error["attachment"]), error)
 
-    def test_follow_prints_every_event_once(self):
+    def test_takt_log_follow_prints_every_event_once(self):
         nodes = self.nodes(*DEVICES)
         follower = self.start("log", "--follow", "--json")
         follower.wait_for_out("node-start")
@@ -226,7 +226,7 @@ class Log(takt_system.Case):
         follower.wait_for_out("stop was carried out")
         self.done("undeploy shop")
         follower.wait_for_out("undeployed")
-        # The events that it prints equal those of the record.
+        # The events that takt log --follow prints equal those of the record.
         last = {e["device"]: e for e in self.log_of_both()}
 
         def told(device):
@@ -238,21 +238,21 @@ class Log(takt_system.Case):
         everything = self.log_of_both()
         self.assertIn("node-start", [e["kind"] for device in DEVICES for e in told(device)])
         for device in DEVICES:
-            # If it found a device only after its own start, it printed the events since then. Newer events may exist by now.
+            # takt log prints the events since it found the device. Newer events may exist by now.
             seen = told(device)
             since = [e for e in everything if e["device"] == device and e["sequence"] >= seen[0]["sequence"]]
             self.assertEqual(since[:len(seen)], seen)
             self.assertIn("deployed", [e["kind"] for e in seen])
         self.end(nodes)
 
-    def test_follow_prints_only_new_events_of_a_node_found_late(self):
+    def test_takt_log_follow_prints_only_new_events_of_a_node_that_it_finds_late(self):
         node = self.node("robot")
         self.refused({"start robot.one": "robot", "stop robot.two": "robot", "recover robot.three": "robot"})
         self.assertGreater(len(self.log()), 3)
         node.signal(signal.SIGSTOP)
         begun = time.time_ns()
         follower = self.start("log", "--follow", "--json")
-        time.sleep(4)  # it has read all records that it found, which are none
+        time.sleep(4)  # in this time, takt log finds no node and so no record
         self.assertEqual("", follower.out)
         node.signal(signal.SIGCONT)
         self.refused({"stop robot.four": "robot"})
@@ -267,7 +267,7 @@ class Log(takt_system.Case):
 class Cable(networks.NetworkCase):
     MACHINES = DEVICES
 
-    def test_names_a_device_that_only_other_nodes_can_reach(self):
+    def test_takt_log_names_a_device_that_only_other_nodes_can_reach(self):
         nodes = self.nodes(*DEVICES)
         self.deploy("cable.xml")
         for machine, other in (("operator", "line"), ("line", "operator")):
@@ -286,7 +286,7 @@ class Cable(networks.NetworkCase):
         self.assertEqual(set(DEVICES), {json.loads(line)["device"] for line in run.out.splitlines()})
         self.end(nodes)
 
-    def test_both_ends_record_a_pulled_cable(self):
+    def test_the_devices_at_both_ends_record_a_pulled_cable(self):
         nodes = self.nodes(*DEVICES)
 
         since = {}

@@ -26,7 +26,7 @@ class LogicalTime(takt_system.Case):
         return self.write("cell.xml", text + "</cell>\n")
 
     def computed(self, executors, timing):
-        """The results of all modules in a run without missed rows and overruns. Repeats runs that a stall of the machine disturbed."""
+        """Returns the results of all modules in a run without missed rows and overruns. Repeats runs that a stall of the machine disturbed."""
         cell = self.cell(executors, timing)
         for _ in range(20):
             run = self.takt("run", cell, "--for", "1.1", "--json", "--quiet")
@@ -38,8 +38,8 @@ class LogicalTime(takt_system.Case):
             return [self.read(name) for name in PERIODS]
         self.fail("all 20 runs had missed rows or overruns")
 
-    @takt_system.alone("it compares runs row by row, and a missed row makes a difference")
-    def test_results_with_let_do_not_depend_on_run_times(self):
+    @takt_system.alone("the test compares runs row by row, and a missed row would change the results")
+    def test_with_logical_execution_time_results_do_not_depend_on_run_times(self):
         one = self.computed(1, "let")
         for name, text in zip(PERIODS, one):
             self.assertEqual(RUNS_MS // PERIODS[name], int(text.split()[0]), name)
@@ -47,8 +47,8 @@ class LogicalTime(takt_system.Case):
         self.assertEqual(one, self.computed(2, "let"))
         self.assertEqual(one, self.computed(2, "let"))
 
-    @takt_system.alone("it compares two runs row by row, and a missed row makes a difference")
-    def test_results_without_let_depend_on_run_times(self):
+    @takt_system.alone("the test compares two runs row by row, and a missed row would change the results")
+    def test_without_logical_execution_time_results_depend_on_run_times(self):
         self.assertNotEqual(self.computed(2, "direct"), self.computed(2, "direct"))
 
 

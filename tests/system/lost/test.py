@@ -10,7 +10,7 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 LEASE_MS = 300
-# Promised are 50 ms, and the lease plus 100 ms. These limits are wider, because a shared machine can stall.
+# The promised limits are 50 ms, and the lease plus 100 ms. The limits here are wider, because a shared machine can stall.
 LEAVES_MS = 500
 LOST_MS = 2000
 
@@ -26,7 +26,7 @@ class Lost(takt_system.Case):
             self.watch.wait_for_out(r"^\d\d:\d\d:\d\d\.\d{3} %s: START -> EXECUTING$" % re.escape(module))
 
     def kill(self, process, seen, back):
-        """Kills the process. Returns after how many ms takt watch had printed all lines `seen`, and then all lines `back`."""
+        """Kills the process. Returns the ms until takt watch had printed all lines `seen`, and the ms until it had printed all lines `back`."""
         after = len(self.watch.out_lines)
         killed = time.monotonic()
         process.kill()
@@ -52,7 +52,7 @@ class Lost(takt_system.Case):
         return now
 
     def told_by_the_line(self):
-        """The status of all devices once line too has lost robot. takt status now learns of robot from line alone."""
+        """Waits until line too has lost robot and returns the status of all devices. takt status now learns of robot only from line."""
         def holds():
             status = {d["name"]: d for d in self.status_of()["devices"]}
             alive = {name: device["alive"] for name, device in status.items()}
@@ -73,7 +73,7 @@ class Lost(takt_system.Case):
         self.watch.signal(signal.SIGINT)
         self.assertEqual(0, self.watch.wait(10).status, self.watch.err)
 
-    def test_a_killed_host_or_program_is_seen_and_restarted(self):
+    def test_takt_watch_shows_the_end_and_the_restart_of_a_killed_host_or_program(self):
         self.begin()
         trials = []
         for _ in range(3):  # a host is restarted at most 3 times a minute
@@ -99,9 +99,9 @@ class Lost(takt_system.Case):
         self.assertEqual(["takt-node"], [process.program for process in self.robot.processes()])
         self.finish("failed earlier: " + reason)
 
-    def test_a_killed_node_is_seen_and_resumes_its_cell(self):
+    def test_a_killed_node_is_shown_as_lost_and_resumes_its_cell_when_it_is_restarted(self):
         self.begin()
-        # A stopped node counts as lost. Its host and programs run on, and it comes back by itself.
+        # A node that is stopped by SIGSTOP counts as lost. Its host and programs run on. After SIGCONT, the node is back.
         node = self.robot.one("takt-node")
         after = len(self.watch.out_lines)
         node.kill(signal.SIGSTOP)
@@ -121,7 +121,7 @@ class Lost(takt_system.Case):
         self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
         self.refused({"stop robot": "^device robot: error: (it is lost|not found: no answer)"})
         self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
-        wait_until(lambda: not [p for p in self.robot.processes() if p.alive], 10, "its host and its program to end")
+        wait_until(lambda: not [p for p in self.robot.processes() if p.alive], 10, "the host and the program of robot to end")
         self.assertFalse(host.alive)
         self.assertEqual({"EXECUTING"}, {m["state"] for m in status["line"]["modules"]})
 
@@ -136,7 +136,7 @@ class Lost(takt_system.Case):
         self.assert_line_goes_on()
         self.finish()
 
-    def test_undeploy_reports_a_lost_device(self):
+    def test_takt_undeploy_reports_a_lost_device(self):
         self.begin()
         self.robot.one("takt-node").kill()
         self.watch.wait_for_out(r"^\S+ robot: LOST")

@@ -11,7 +11,7 @@ ILLEGAL_ADDRESS = 2
 
 
 def free_port():
-    """A free port below the range that the system uses for outgoing connections, so that it stays free until the test uses it."""
+    """Returns a free port below the range of outgoing connections, so that the port stays free until the test uses it."""
     ports = list(range(12000, 30000))
     random.shuffle(ports)
     for port in ports:
@@ -46,8 +46,8 @@ def _exactly(connection, count):
 
 
 class Device:
-    """Serves one map of addresses. `mood`: "well", "refuses", "garbage", "silent", "drip" (byte by byte) or "other" (answers another
-    request)."""
+    """Serves one map of addresses. `mood` says how it answers: "well", "refuses", "garbage", "silent", "drip" (byte by byte) or "other"
+    (answers another request)."""
 
     def __init__(self, port=None):
         self.coils = dict.fromkeys(range(64), 0)

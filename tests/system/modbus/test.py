@@ -11,8 +11,8 @@ import modbus
 import takt_system
 from takt_system import wait_until
 
-# How many rows of 10 ms may find the body busy because the machine stalled. If the body waited for one missing answer (0.7 s), there would
-# be more.
+# So many rows of 10 ms may find the body busy because the machine stalled. A body that waited for one missing answer (0.7 s) would be busy
+# in more rows.
 FEW = 50
 
 
@@ -52,7 +52,7 @@ class Modbus(takt_system.Case):
         return run
 
     def assert_on_time(self, run):
-        """Whatever the device did, the body returned to waitPeriod() before its next release."""
+        """Checks that the body returned to waitPeriod() before its next release, whatever the device did."""
         master = run.modules("plc")["master"]
         self.assertEqual(0, master["errors"])
         self.assertLess(master["overruns"], FEW)
@@ -60,7 +60,7 @@ class Modbus(takt_system.Case):
 
     # The master, with the device of modbus.py
 
-    def test_values_go_both_ways_in_few_requests(self):
+    def test_the_master_reads_and_writes_values_with_few_requests(self):
         device = self.device()
         device.discrete[3] = 1
         device.inputs[4] = -205 & 0xFFFF
@@ -75,12 +75,12 @@ class Modbus(takt_system.Case):
         device.discrete[3] = 0
         wait_until(lambda: device.coils[0] == 0)
         self.assert_on_time(self.end(run))
-        # A coil without a value was not written before the end. Neighbouring addresses were read and written in one request.
+        # The master did not write a coil without a value before the end. It read and wrote neighbouring addresses in one request.
         self.assertEqual({(2, 3, 1), (4, 4, 1), (3, 20, 2), (15, 0, 1), (16, 10, 1), (16, 30, 2), (15, 0, 2)},
                          set(device.requests))
         self.assertEqual((15, 0, 2), next(r for r in reversed(device.requests) if r[0] == 15))
 
-    def test_outputs_get_safe_values_when_the_cell_ends(self):
+    def test_the_master_writes_safe_values_when_the_cell_ends(self):
         device = self.device()
         device.discrete[3] = 1
         device.inputs[4] = 25
@@ -89,7 +89,7 @@ class Modbus(takt_system.Case):
         self.end(run)
         self.assertEqual((0, 1, 0), (device.coils[0], device.coils[1], device.registers[10]))
 
-    def test_outputs_get_safe_values_while_the_module_is_stopped(self):
+    def test_the_outputs_have_safe_values_while_the_master_is_stopped(self):
         device = self.device()
         device.discrete[3] = 1
         run = self.run_cell(device, replace=[('<value name="backoff">', '<value name="watchdog">0.3</value><value name="backoff">')])
@@ -98,10 +98,10 @@ class Modbus(takt_system.Case):
         wait_until(lambda: (device.coils[0], device.coils[1]) == (0, 1), what="the safe values")
         run.wait_for_line(r"plc.master: \| .*does not run: its outputs get their safe values")
         self.done("start plc.master")
-        wait_until(lambda: device.coils[0] == 1, what="the values again")
+        wait_until(lambda: device.coils[0] == 1, what="the master to write values again")
         self.end(run)
 
-    def test_a_misbehaving_device_is_reported_once_and_delays_no_cycle(self):
+    def test_a_misbehaving_modbus_device_is_reported_once_and_delays_no_cycle(self):
         device = self.device()
         device.discrete[3] = 1
         device.inputs[4] = 25
@@ -125,7 +125,7 @@ class Modbus(takt_system.Case):
             wait_until(lambda: device.coils[0] == 1, what="the lamp after " + mood)
         self.assert_on_time(self.end(run))
 
-    def test_values_turn_stale_while_the_device_is_off_and_come_back(self):
+    def test_values_are_stale_while_the_modbus_device_is_off(self):
         device = self.device()
         run = self.run_cell(device, replace=[('deadline="300000000"', 'deadline="2000000000"')])  # longer than the machine may stall
         wait_until(lambda: len(device.requests) > 50)
@@ -146,7 +146,7 @@ class Modbus(takt_system.Case):
 
     # Takt's master and device, and a master of modbus.py
 
-    def test_master_and_device_exchange_values(self):
+    def test_the_master_and_the_device_component_exchange_values(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -164,7 +164,7 @@ class Modbus(takt_system.Case):
         self.assertEqual([1], stranger.read_bits(1, 0))
         self.end(run)
 
-    def test_a_device_survives_garbage_and_still_serves_other_masters(self):
+    def test_the_device_component_survives_invalid_data_and_still_serves_other_masters(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -183,7 +183,7 @@ class Modbus(takt_system.Case):
             self.assertEqual([1], one.read_bits(1, 100))
         self.end(run)
 
-    def test_the_master_reconnects_to_a_restarted_device(self):
+    def test_the_master_connects_again_to_a_restarted_device(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -201,7 +201,7 @@ class Modbus(takt_system.Case):
         self.assertRegex(run.printed("master")[1], r"works again")
         self.assert_on_time(run)
 
-    def test_a_device_reports_a_tcp_port_that_is_in_use(self):
+    def test_the_device_component_reports_a_tcp_port_that_is_in_use(self):
         device = self.device()
         run = self.takt("run", self.descriptor("pair.xml", device.port), "--for", "1")
         self.assertEqual(1, run.status)
@@ -209,7 +209,7 @@ class Modbus(takt_system.Case):
 
     # Before anything runs
 
-    def test_rejects_a_wrong_map_and_names_its_lines(self):
+    def test_takt_check_rejects_a_wrong_modbus_map_and_names_its_lines(self):
         wrong = self.descriptor("cell.xml", 1502, replace=[("discrete 3", "discret 3"), ("int16 scale 0.1", "int16 scale x"),
                                                            ("register 30 int32", "input-register 30 int32")])
         run = self.takt("check", wrong)
@@ -220,7 +220,7 @@ class Modbus(takt_system.Case):
         self.assertRegex(run.err, at + r"\d+: an input register cannot be written; write 'in', or 'out register'")
         self.assert_refused(self.takt("run", wrong, "--for", "1"), at)
 
-    def test_the_ports_are_the_points_of_the_map(self):
+    def test_each_point_of_the_modbus_map_is_a_port(self):
         out, = self.done("describe --json modbus_device.exe 'map=lamp out coil 0; speed in register 4 unit m/s'")
         ports = {p["name"]: (p["direction"], p["type"]["name"] if isinstance(p["type"], dict) else p["type"], p["text"])
                  for p in json.loads(out)["ports"]}

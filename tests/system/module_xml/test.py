@@ -27,14 +27,14 @@ STATISTICS = ["mean", "variance", "min", "p50", "p99", "p999", "max"]
 
 
 class ModuleXml(takt_system.Case):
-    def test_check_json_has_the_documented_form(self):
+    def test_takt_check_json_has_the_documented_form(self):
         run = self.takt("check", EXAMPLE, "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual("", run.err)
         self.assertEqual(FIGURES_3_AND_4, run.report)
         self.assertEqual(list(FIGURES_3_AND_4), list(run.report), "the keys must have the documented order")
 
-    def test_check_text_shows_the_tables_of_the_paper(self):
+    def test_takt_check_prints_the_tables_of_the_paper(self):
         run = self.takt("check", EXAMPLE)
         self.assertEqual(0, run.status, run.err)
         self.assertIn("basic period 100 us, macro period 600 us, 6 rows", run.out)
@@ -51,7 +51,7 @@ class ModuleXml(takt_system.Case):
         self.assertEqual([("emergency", "thread", "100 us", "1"), ("vision", "process", "10 ms", "2")], sporadic)
         self.assertRegex(run.out, r"not real-time: +monitoring")
 
-    def test_modules_pass_through_every_state_and_every_row_is_counted(self):
+    def test_modules_pass_through_every_state_and_each_row_is_counted(self):
         run = self.start("run", EXAMPLE, "--for", "10", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         programs = sorted(p.program for p in run.processes())

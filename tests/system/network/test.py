@@ -1,7 +1,7 @@
-"""The palletizing cell on three machines (network namespaces), deployed and watched from a fourth one.
+"""The demo cell runs on three machines (network namespaces). A fourth machine deploys and observes it.
 
-The cell survives a pulled cable: the cut-off device stops its belt by itself, the other devices go on, and the cell places parts again once
-the cable is back. Without multicast, the nodes find each other through a list of peers or through a discovery server.
+The cell survives a pulled cable: the isolated device stops its belt by itself, the other devices run on, and the cell places parts again
+once the cable is back. Without multicast, the nodes find each other through a list of peers or through a discovery server.
 """
 import json
 import os
@@ -40,11 +40,11 @@ class Network(networks.NetworkCase):
         self.done("undeploy palletizing")
         super().end(nodes)
 
-    def test_the_cell_survives_a_pulled_cable(self):
+    def test_the_demo_cell_places_parts_again_after_a_cable_was_pulled(self):
         nodes = self.nodes(*DEVICES)
         with open(CELL) as file:
             text = file.read()
-        # With its own time-outs, the demo rightly halts when the machine stalls, and waits for a manual reset.
+        # With its original time-outs, the demo would rightly halt when the machine stalls, and wait for a manual reset.
         text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text).replace('deadline="500000000" stale="error"', 'deadline="2000000000" stale="error"')
         self.assertEqual((3, 1), (text.count('timeout">2<'), text.count('deadline="2000000000"')))
         self.deploy(self.write("patient.xml", text))
@@ -57,8 +57,8 @@ class Network(networks.NetworkCase):
         cut = time.monotonic()
         self.wait_for_status(lambda s: {name: d["alive"] for name, d in s.items()} == {"robot": True, "line": False, "station": True},
                              15, "the loss of line to be seen")
-        print("the loss of the line was told %.2f s after the cut (a look at it takes a process)" % (time.monotonic() - cut))
-        # The device that is cut off stops its belt by itself, because commands for its speed no longer arrive.
+        print("takt status showed the loss of line %.2f s after the cut" % (time.monotonic() - cut))
+        # The isolated device stops its belt by itself, because commands for its speed no longer arrive.
         nodes["line"].wait_for_line(r"line\.conveyor: EXECUTING -> RECOVER .*(stale|older)")
         time.sleep(max(0.0, 5 - (time.monotonic() - cut)))
         during = self.status()
@@ -68,19 +68,19 @@ class Network(networks.NetworkCase):
         joined = time.monotonic()
         after = self.wait_for_status(self.all_execute, 20, "line to come back")
         print("the line was back %.2f s after the cable" % (time.monotonic() - joined))
-        # All rows of robot during the cut are accounted for, as walked or as missed.
+        # Each row of robot during the cut was walked or counts as missed.
         walked = {}
         for name, status in (("before", before), ("after", after)):
             executor = status["robot"]["executors"][0]
             walked[name] = executor["cycles"] + executor["missed"]
-        print("rows of the robot: %d, of which missed %d" % (walked["after"] - walked["before"],
+        print("robot: %d rows, %d of them missed" % (walked["after"] - walked["before"],
               after["robot"]["executors"][0]["missed"] - before["robot"]["executors"][0]["missed"]))
         placed = lambda: int(re.search(r"(\d+) placed;", nodes["station"].printed("panel")[-1])[1])
         before = placed()
         wait_until(lambda: placed() > before + 1, 30, "parts to be placed again")
         self.end(nodes)
 
-    def test_runs_without_multicast_with_given_peers(self):
+    def test_without_multicast_nodes_find_each_other_through_a_list_of_peers(self):
         self.net.no_multicast()
         peers = " ".join(self.net.address(device) for device in DEVICES)
         cell = self.cell_with('discovery="peers" peers="%s"' % peers)
@@ -90,7 +90,7 @@ class Network(networks.NetworkCase):
         self.assert_all_execute_by(("--peers", peers.replace(" ", ",")))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--peers", peers.replace(" ", ",")).status)
 
-    def test_runs_without_multicast_with_a_discovery_server(self):
+    def test_without_multicast_nodes_find_each_other_through_a_discovery_server(self):
         self.net.no_multicast()
         server = self.net.address("station") + ":11811"
         cell = self.cell_with('discovery="server" server="%s" server-device="station"' % server)

@@ -10,7 +10,7 @@ AGAIN = ["RECOVER", "EXECUTING"]
 
 
 class NonReal(takt_system.Case):
-    def test_threads_and_programs_run_outside_the_tables(self):
+    def test_non_real_time_threads_and_programs_run_outside_the_tables(self):
         run = self.takt("run", "cell.xml", "--for", "4", "--json")
         self.assertEqual(1, run.status, run.err)
         modules = run.modules()
@@ -50,7 +50,7 @@ class NonReal(takt_system.Case):
         for module in ("ends_well", "ends_badly"):
             self.assertGreater(int(run.printed(module)[0].split()[1]), t0)
 
-    def test_a_run_that_never_returns_does_not_block_the_end(self):
+    def test_a_run_function_that_never_returns_does_not_block_the_end_of_the_cell(self):
         run = self.takt("run", "endless.xml", "--for", "2", "--json", limit=30)
         self.assertEqual(1, run.status)
         self.assertEqual(["module endless.endless: error: run() did not return within 2 s, so the host was ended"],

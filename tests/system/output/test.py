@@ -7,7 +7,7 @@ import takt_system
 
 
 class Output(takt_system.Case):
-    def test_shows_each_line_with_the_name_of_its_module(self):
+    def test_takt_run_prints_each_line_of_a_program_with_the_name_of_its_module(self):
         run = self.takt("run", "cell.xml", "--for", "2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual("cell", run.report["cell"])
@@ -27,14 +27,14 @@ class Output(takt_system.Case):
         self.assertEqual(1, len(run.printed("brief")))
         self.assertRegex(run.printed("brief")[0], r"^released \d+ times$")
 
-    def test_quiet_prints_only_the_report(self):
+    def test_takt_run_quiet_prints_only_the_report(self):
         run = self.takt("run", "cell.xml", "--for", "0.2", "--quiet")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertIn("cell cell", run.out)
         for module in ("prints", "brief", "other"):
             self.assertRegex(run.out, r"(?m)^ +%s +DESTRUCT +\d+" % module)
 
-    def test_fails_if_the_report_cannot_be_written(self):
+    def test_takt_run_fails_if_it_cannot_write_the_report(self):
         run = self.takt("run", "cell.xml", "--for", "0.3", "--json", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
         self.assertEqual(1, run.status)
         self.assertIn("brief: START -> DESTRUCT", run.err)
@@ -42,7 +42,7 @@ class Output(takt_system.Case):
         run = self.takt("check", "cell.xml", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
         self.assertEqual((1, "error: the report cannot be written to standard output"), (run.status, run.err))
 
-    def test_the_device_runs_on_when_nobody_reads_its_output(self):
+    def test_a_device_runs_on_when_nobody_reads_its_output(self):
         run = self.takt("run", "cell.xml", "--for", "0.5", "--json",
                         before=["/bin/sh", "-c", '"$0" "$@" 2>&1 >report | head -1'])
         self.assertEqual(1, len(run.out.splitlines()))

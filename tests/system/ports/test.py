@@ -29,7 +29,7 @@ class Ports(takt_system.Case):
         self.assertGreater(slow["gaps"], slow["read"])
         self.assertGreater(self.port(run, "slow", "in")["dropped"], 100)
 
-    def test_a_killed_program_leaves_its_links_usable(self):
+    def test_the_links_of_a_killed_program_stay_usable(self):
         run = self.start("run", "cell.xml", "--json")
         run.wait_for_state("relay", "EXECUTING")
         time.sleep(1)
@@ -47,7 +47,7 @@ class Ports(takt_system.Case):
         self.assertGreater(seen["last"], 250)
         self.assertEqual((0, 0), (self.seen("objects")["gaps"], self.seen("objects")["wrong"]))
 
-    def test_echo_is_not_counted_as_a_connection(self):
+    def test_takt_echo_does_not_count_as_a_connection_of_the_port(self):
         run = self.start("run", "cell.xml", "--json")
         run.wait_for_state("relay", "EXECUTING")
         output = lambda: next(p for m in self.status_of("d")["modules"] if m["name"] == "source" for p in m["ports"] if p["name"] == "out")
@@ -73,7 +73,7 @@ class Ports(takt_system.Case):
         out, = self.done("describe --json port_named.exe ports=x,y")
         self.assertEqual(["x", "y"], [p["name"] for p in json.loads(out)["ports"]])
 
-    def test_check_reports_property_errors_of_a_program_at_their_line(self):
+    def test_takt_check_reports_the_property_errors_of_a_program_at_their_lines(self):
         with open(self.beside("named.xml")) as file:
             text = file.read()
         wrong = self.write("wrong.xml", text.replace(">c<", "><").replace(">a,b<", ">a<"))

@@ -28,7 +28,7 @@ class Processes(takt_system.Case):
         self.assertEqual(1, sum(line.startswith("module %s.%s: error: was given up: %s; " % (device, module, reason))
                                 for line in run.other_lines), run.other_lines)
 
-    def test_a_program_that_ends_is_restarted_then_given_up(self):
+    def test_a_program_that_keeps_ending_is_restarted_and_then_given_up(self):
         run = self.takt("run", "ends.xml", "--for", "4", "--json")
         self.assertEqual(1, run.status)
         modules = run.modules()
@@ -36,21 +36,21 @@ class Processes(takt_system.Case):
         self.assert_recovered_then_given_up(run, "crashes", "crash: the process was killed by SIGSEGV (Segmentation fault)", 2)
         # Exit status 0 is an error too for a program that has releases.
         self.assert_recovered_then_given_up(run, "leaves", "crash: the process ended with status 0", 0)
-        # A program that ends in its first release was EXECUTING before, however briefly.
+        # A program that ends in its first release was EXECUTING before that, if only briefly.
         self.assert_recovered_then_given_up(run, "first_row", "crash: the process ended with status 0", 3)
         for module, releases, lives in (("exits", 50, 3), ("crashes", 50, 3), ("leaves", 50, 1), ("first_row", 1, 4)):
-            # Each life ends by itself after this many releases. At most one more release falls into its end.
+            # Each process ends by itself after this many releases. At most one more release is counted while it ends.
             self.assertIn(modules[module]["cycles"] - releases * lives, range(lives + 1), module)
         self.assertEqual(4, len(run.other_lines), run.other_lines)
         self.assert_others_unaffected(run)
 
-    def test_a_late_program_runs_on_and_its_overruns_are_counted(self):
+    def test_a_program_that_overruns_runs_on_and_its_overruns_are_counted(self):
         run = self.takt("run", "late.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(LIFE, run.states("late"))
         late = run.modules()["late"]
         self.assertEqual(0, late["errors"])
-        # Every tenth body takes one and a half periods, so the next row finds it busy, unless that row was missed or is the last one.
+        # Every tenth body takes one and a half periods. So the next row finds the program busy, unless that row was missed or is the last one.
         self.assertGreaterEqual(late["overruns"] + run.executor()["missed"], late["cycles"] // 10 - 1)
         self.assertGreater(late["overruns"], 0)
         self.assert_grid(run, "late", every=5)
@@ -66,7 +66,7 @@ class Processes(takt_system.Case):
         self.assertGreaterEqual(run.modules()["late"]["overruns"], held - 1)
         self.assertEqual(LIFE, run.states("late"))
 
-    def test_a_program_that_does_not_come_up_prevents_the_start(self):
+    def test_a_program_that_does_not_attach_prevents_the_start_of_the_device(self):
         reasons = {
             "never_attaches": "did not call initPeriodExe() within 5 s",
             "never_waits": "did not call waitPeriod() within 5 s",
@@ -85,7 +85,7 @@ class Processes(takt_system.Case):
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
                 self.assertEqual(0, run.executor()["cycles"])
 
-    def test_a_hanging_program_is_ended_restarted_then_given_up(self):
+    def test_a_program_that_keeps_hanging_is_ended_restarted_and_then_given_up(self):
         run = self.start("run", "stuck.xml", "--for", "6", "--json")
         run.wait_for_state("stuck", "EXECUTING")  # before this, the program was started to describe itself
         pids = set()
@@ -100,11 +100,11 @@ class Processes(takt_system.Case):
         self.assertIn(modules["stuck"]["pid"], pids)
         self.assert_others_unaffected(run)
 
-    def test_a_program_that_does_not_end_is_killed(self):
+    def test_a_program_that_ignores_sigterm_at_the_end_is_killed(self):
         run = self.start("run", "stuck_at_the_end.xml", "--json")
         for module in ("stuck", "deaf"):
             run.wait_for_state(module, "EXECUTING")
-        time.sleep(1.9)  # three releases: they stay in their bodies, but not long enough to count as hung
+        time.sleep(1.9)  # after three releases, both programs stay in their bodies, but not long enough to count as hung
         run.signal(signal.SIGTERM)
         run.wait(10)
         self.assertEqual("was killed by SIGTERM (Terminated)", run.steps("stuck")[-1].text)

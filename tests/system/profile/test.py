@@ -12,7 +12,7 @@ TIMES = ["min_ns", "p50_ns", "p99_ns", "p999_ns", "max_ns"]
 
 
 def line_of(module):
-    """The line of a <module> element in deploy/module.xml."""
+    """Returns the line of a <module> element in deploy/module.xml."""
     with open(EXAMPLE, encoding="utf-8") as file:
         lines = file.read().splitlines()
     found = next(i for i, line in enumerate(lines) if "<filename>" in line and module in line)
@@ -34,7 +34,7 @@ class Profile(takt_system.Case):
     def worst_cases(self, run):
         return {m["name"]: m for m in run.report["devices"][0]["worst_case"]["modules"]}
 
-    def test_check_reads_the_profile_that_run_writes(self):
+    def test_takt_check_reads_the_profile_that_takt_run_writes(self):
         file = os.path.join(self.folder, "profile.json")
         run = self.takt("run", EXAMPLE, "--for", "1", "--json", "--profile", file)
         self.assertEqual(0, run.status, run.err)
@@ -66,7 +66,7 @@ class Profile(takt_system.Case):
         self.assertEqual([(str(line_of(name)), name) for name in SCHEDULED if not worst[name]["kept"]], refused, report.err)
         self.assertEqual(1 if refused else 0, report.status)
 
-    def test_check_reports_the_response_time_and_slack_of_each_module(self):
+    def test_takt_check_reports_the_response_time_and_slack_of_each_module(self):
         run = self.check(self.profile(), "--json")
         self.assertEqual((0, ""), (run.status, run.err))
         proof = run.report["devices"][0]["worst_case"]
@@ -83,7 +83,7 @@ class Profile(takt_system.Case):
         self.assertIn("worst case, by the profile, on 2 CPUs", text.out)
         self.assertRegex(text.out, r"controller1 +1 +1 us +3 us +600 us +597 us +kept")
 
-    def test_check_rejects_a_module_that_cannot_meet_its_deadline(self):
+    def test_takt_check_rejects_a_module_that_cannot_meet_its_deadline(self):
         run = self.check(self.profile(emergency=70000))
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"^%s:%d: error: 'module\.emergency' cannot keep its deadline, 100 us: it may finish only .* "
@@ -96,7 +96,7 @@ class Profile(takt_system.Case):
         self.assertIn(":%d: error: 'module.control2' cannot keep its period, 100 us: the work does not fit into the available time"
                       % line_of("control2"), overloaded.err)
 
-    def test_check_rejects_a_profile_that_does_not_fit_the_cell(self):
+    def test_takt_check_rejects_a_profile_that_does_not_fit_the_cell(self):
         with open(self.profile(), encoding="utf-8") as file:
             good = json.load(file)
         other = dict(good, cell="other")
@@ -104,12 +104,13 @@ class Profile(takt_system.Case):
         negative = json.loads(json.dumps(good))
         negative["modules"]["module.control2"]["max_ns"] = -1
         cases = {
-            "absent.json": (None, r"^\S*absent\.json: error: there is no such file; takt run --profile FILE writes one$"),
+            "absent.json": (None, r"^\S*absent\.json: error: there is no such file; write one with takt run --profile FILE$"),
             "text.json": ("{\n no", r"^\S*text\.json:2: error: the file is not JSON; "),
             "list.json": ("[]", r"^\S*list\.json:1: error: the file is not a profile; "),
             "negative.json": (json.dumps(negative, indent=1), r"^\S*negative\.json:\d+: error: \"max_ns\" of 'module\.control2' is "
                                                               r"-1; write a whole number from 0 to 2\^63 - 1$"),
-            "other.json": (json.dumps(other), r"^\S*module\.xml:\d+: error: the profile is of cell 'other', but this cell is 'module'; "),
+            "other.json": (json.dumps(other), r"^\S*module\.xml:\d+: error: the profile belongs to cell 'other', "
+                                              r"but this cell is 'module'; "),
             "less.json": (json.dumps(less), r"^\S*module\.xml:%d: error: the run time of 'module\.control3' is not known; add a "
                                             r"<budget>, " % line_of("control3")),
         }
@@ -121,17 +122,17 @@ class Profile(takt_system.Case):
                 self.assertEqual(1, len(run.err.splitlines()), run.err)
                 self.assertRegex(run.err, message)
 
-    def test_run_reports_a_profile_path_that_cannot_be_written(self):
+    def test_takt_run_reports_a_profile_path_that_it_cannot_write(self):
         run = self.takt("run", EXAMPLE, "--for", "0.1", "--json", "--profile", os.path.join(self.folder, "nowhere", "p.json"))
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"nowhere/p\.json: error: cannot be written; name a file in a folder that you may write to")
         self.assertEqual("module", run.report["cell"])
 
-    def test_wrong_usage_exits_with_status_2(self):
+    def test_takt_check_exits_with_status_2_on_wrong_profile_options(self):
         for arguments in (["--factor", "0.5"], ["--factor", "nan"], ["--factor", "x"], ["--cpus", "0"], ["--profile"]):
             self.assertEqual(2, self.takt("check", EXAMPLE, *arguments).status, arguments)
 
-    def test_check_proves_deadlines_if_every_module_has_a_budget(self):
+    def test_takt_check_proves_all_deadlines_if_every_module_has_a_budget(self):
         def cell(run):
             module = """<module><name>%s</name><filename>none.so</filename><moduletype>thread</moduletype>
               <operationtype>periodic</operationtype><period>%d</period><priority>1</priority><executor>%s</executor>%s</module>"""

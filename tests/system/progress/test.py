@@ -25,12 +25,12 @@ class Progress(takt_system.Case):
         self.assertNotRegex(terminal.text, BAR[1:])
         self.assertEqual([], terminal.strange)
 
-    def test_simulate_shows_its_progress(self):
+    def test_takt_simulate_shows_its_progress(self):
         terminal, run = self.in_terminal("simulate", "cell.xml", "--for", "2000")
         terminal.wait_for(BAR + r"\d+\.\d of 2000 s simulated, \d+ times real time$", 60)
         self.ends(terminal, run, "^takt: simulated 2000 s in ")
 
-    def test_deploy_shows_its_progress(self):
+    def test_takt_deploy_shows_its_progress(self):
         terminal, run = self.in_terminal("deploy", "cell.xml")
         terminal.wait_for("^waiting for line, robot ")
         nodes = self.nodes("robot", "line")
@@ -41,34 +41,34 @@ class Progress(takt_system.Case):
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_run_quiet_shows_its_progress(self):
+    def test_takt_run_quiet_shows_its_progress(self):
         terminal, run = self.in_terminal("run", "cell.xml", "--quiet", "--for", "3")
         terminal.wait_for(BAR + "[123] of 3 s$", 30)
         self.ends(terminal, run, "^  other +DESTRUCT ")
         for line in (r"robot\.grid: (START|EXECUTING)", r"line\.other: (START|EXECUTING)"):
             self.assertTrue(any(re.fullmatch(line, shown) for shown in terminal.lines), (line, terminal.lines))
 
-    def test_run_prints_transitions_in_place_of_module_progress(self):
+    def test_takt_run_without_quiet_prints_transitions_instead_of_module_progress(self):
         terminal, run = self.in_terminal("run", "cell.xml", "--for", "2")
         terminal.wait_for("grid: START -> EXECUTING", 30)
         self.ends(terminal, run, "^  other +DESTRUCT ")
         self.assertNotRegex(terminal.text, r"robot\.grid: (START|EXECUTING)$")
 
     @takt_system.alone("the benchmark keeps a CPU busy")
-    def test_bench_shows_its_progress(self):
+    def test_takt_bench_shows_its_progress(self):
         terminal, run = self.in_terminal("bench", "wake", "--period", "1000", "--for", "2.5")
         for share in (r"\d{1,2}", r"[5-9]\d"):
             terminal.wait_for(FILLED + share + r" %  wake-up by [a-z ]+ at 1 ms$", 30)
         self.ends(terminal, run, "^  spin ")
 
-    def test_bench_table1_shows_its_current_case(self):
+    def test_takt_bench_table1_shows_its_current_case(self):
         terminal, run = self.in_terminal("bench", "table1", "--for", "0.2")
         terminal.wait_for(BAR + "case [2-5] of 10: (Takt|the bare loop)", 60)
         terminal.wait_for("^ 1 .*")  # the results so far are above the progress line
         terminal.wait_for(BAR + "case [6-9] of 10: (Takt|the bare loop)", 60)
         self.ends(terminal, run, "^ *10 ")
 
-    def test_record_and_play_show_their_progress(self):
+    def test_takt_record_and_takt_play_show_their_progress(self):
         source = self.start("run", "source.xml")
         source.wait_for_state("source", "EXECUTING")
         terminal, run = self.in_terminal("record", "d.source.*", "--out", "a.takt", "--for", "4")
@@ -81,7 +81,7 @@ class Progress(takt_system.Case):
         terminal.wait_for(BAR + r"[12]\.\d of [34]\.\d s, \d+ samples$", 30)
         self.ends(terminal, run, r"^takt play: \d+ samples of ")
 
-    def test_no_progress_is_printed_without_a_terminal(self):
+    def test_takt_prints_no_progress_without_a_terminal(self):
         run = self.takt("simulate", "cell.xml", "--for", "2000", limit=120)
         self.assertEqual(0, run.status, run.err)
         self.assertNotRegex(run.out + run.err, "[\r\x1b]|times real time$|%  ")

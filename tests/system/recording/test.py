@@ -26,18 +26,18 @@ class Recording(takt_system.Case):
             database.close()
 
     def count(self, file="a.takt"):
-        """The number of samples in the file; 0 before the table exists."""
+        """Returns the number of samples in the file; 0 before the table exists."""
         try:
             return self.rows("select count(*) from sample", file)[0][0]
         except sqlite3.OperationalError:
             return 0
 
     def numbers(self, file="a.takt"):
-        """The numbers that the source wrote, in the order of the file. In a sample the number follows the encapsulation."""
+        """Returns the numbers that the source wrote, in the order of the file. In a sample, the number follows the CDR header."""
         return [int.from_bytes(data[4:12], "little") for (data,) in self.rows("select bytes from sample order by id", file)]
 
     def arrived(self):
-        """The number of samples that have arrived at the port of sink.xml."""
+        """Returns the number of samples that have arrived at the port of sink.xml."""
         return next(p["samples"] for m in self.status_of("s")["modules"] for p in m["ports"] if p["name"] == "in")
 
     def record(self, seconds, cell, *options, file="a.takt"):
@@ -51,7 +51,7 @@ class Recording(takt_system.Case):
         self.missed = run.executor("main", "d")["missed"]
         return recorder
 
-    def test_samples_are_recorded_played_and_plotted(self):
+    def test_samples_are_recorded_played_and_plotted_without_change(self):
         recorder = self.record(6, "source.xml")
         self.assertEqual(0, recorder.status, recorder.err)
         self.assertRegex(recorder.err, r"records d\.source\.out \(samples::Count\)")
@@ -67,7 +67,7 @@ class Recording(takt_system.Case):
         self.assertEqual(sorted(set(numbers)), numbers, "samples must be in order, and none twice")
         times = [t for (t,) in self.rows("select time_ns from sample order by id")]
         self.assertLess(abs(times[-1] / 1e9 - time.time()), 60)
-        # The time stamps are those of the module: one sample per period, without periods that the executor missed.
+        # The time stamps are those of the module. The module sends one sample per period, except in periods that the executor missed.
         for (a, at), (b, bt) in zip(list(zip(numbers, times)), list(zip(numbers, times))[1:]):
             self.assertAlmostEqual((b - a) * 0.01, (bt - at) / 1e9, delta=0.5 + self.missed * 0.01)
 
@@ -149,7 +149,7 @@ class Recording(takt_system.Case):
         self.assertLessEqual(os.path.getsize(self.path("b.takt")), 1000000)
         self.assertGreater(self.numbers("b.takt")[0], 1000)
 
-    def test_reports_wrong_arguments_and_files(self):
+    def test_record_play_and_plot_reject_wrong_arguments_and_files(self):
         self.write("text.takt", "This is a text of more than a few words, and no recording whatever it is called.\n" * 50)
         self.refused({
             "record d --out x.takt": r"'d' is not a port name; write DEVICE\.MODULE\.PORT",
@@ -173,7 +173,7 @@ class Recording(takt_system.Case):
         self.assertRegex(run.err, r"\| error: unknown property 'fiel'; did you mean file\?")
         self.assertRegex(run.err, r"\| property file: error: is missing")
 
-    def test_reports_wrong_names_and_damaged_files(self):
+    def test_play_and_plot_reject_wrong_port_names_and_damaged_files(self):
         self.assertEqual(0, self.record(8, "source.xml").status)
         self.refused({
             "plot a.takt d.source.uot.number": r"has no port 'd\.source\.uot'; did you mean d\.source\.out\?",

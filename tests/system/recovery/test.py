@@ -22,7 +22,7 @@ class Recovery(takt_system.Case):
             self.assert_grid(run, module, every=every)
 
     def assert_backoff(self, run, module, seconds):
-        """Each attempt comes this much later than the step to RECOVER, or than the failed attempt before it."""
+        """Checks that each attempt came this much later than the step to RECOVER, or than the failed attempt before it."""
         before = None
         for line in run.said(module):
             if "-> RECOVER" in line.text or line.text.startswith("could not recover"):
@@ -59,7 +59,7 @@ class Recovery(takt_system.Case):
             self.assertEqual("DESTRUCT", modules[module]["state"])
         self.assert_others_unaffected(run)
 
-        # It may recover twice: three times 0.1 s and two back-offs are over long before the end of the run.
+        # Module `throws` may recover twice. It runs three times for 0.1 s, with two back-offs, long before the end of the run.
         self.assertEqual(STARTED + AGAIN * 2 + ["RECOVER", "DESTRUCT"], run.states("throws"))
         self.assertEqual("after 2 attempts", run.steps("throws")[-1].text)
         self.assertEqual(3, modules["throws"]["errors"])
@@ -82,10 +82,10 @@ class Recovery(takt_system.Case):
             self.assertEqual("after %d attempts" % attempts, run.steps(module)[-1].text)
             self.assertEqual((100, 1), (modules[module]["cycles"], modules[module]["errors"]))
             self.assertRegex("\n".join(run.other_lines), r"module gives_up\.%s: error: was given up: " % module)
-        # It recovers each time, but fails again before the recovery counts as lasting.
+        # Module `again` recovers each time, but fails again before the recovery counts as successful.
         self.assertEqual(STARTED + AGAIN * 3 + ["RECOVER", "DESTRUCT"], run.states("again"))
         self.assertEqual((40, 4), (modules["again"]["cycles"], modules["again"]["errors"]))
-        # With no attempt, an error ends the module. Its error() and destruct() are still called.
+        # With no recovery attempts, an error ends the module. Takt still calls its error() and destruct().
         self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("at_once"))
         self.assertEqual(["initialize", "start", "error 1", "destruct"], self.diary("at_once"))
         self.assertEqual(5, len(run.other_lines), run.other_lines)

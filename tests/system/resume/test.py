@@ -14,7 +14,7 @@ class Resume(takt_system.Case):
             node.wait_for_line(r" robot\.%s: START -> EXECUTING" % module)
 
     def gone(self, node):
-        wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "its host and its programs to end")
+        wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "the host and the programs of the node to end")
 
     def kept(self):
         found = glob.glob(os.path.join(self.folder, "state", "robot.*.deployment"))
@@ -29,7 +29,7 @@ class Resume(takt_system.Case):
         self.assertEqual(("-", [[]]), (status["cell"], [d["modules"] for d in status["devices"]]))
         self.assertEqual(["takt-node"], [p.program for p in node.processes()])
 
-    def test_a_resumed_cell_keeps_its_grid(self):
+    def test_a_cell_that_is_resumed_after_a_restart_of_its_node_keeps_its_grid(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)
@@ -43,7 +43,7 @@ class Resume(takt_system.Case):
                 instants.append(self.first_release())
             node = self.node("robot", "--resume")
             self.executes(node)
-            # The node does not make up for the rows while it was dead.
+            # The node does not make up for the rows that passed while it was dead.
             executor = self.status_of("robot")["executors"][0]
             print("%s: rows walked %d, missed %d" % (number.name, executor["cycles"], executor["missed"]))
             self.assertLess(executor["missed"], 3000)
@@ -59,7 +59,7 @@ class Resume(takt_system.Case):
         self.assert_waits(node)
         self.end({"robot": node})
 
-    def test_a_node_without_resume_waits_and_says_so(self):
+    def test_a_node_that_restarts_without_resume_waits_and_reports_the_kept_cell(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)
@@ -75,7 +75,7 @@ class Resume(takt_system.Case):
         self.done("undeploy cell")
         self.end({"robot": node})
 
-    def test_reports_a_damaged_deployment_file(self):
+    def test_a_node_reports_a_damaged_deployment_file_and_waits(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)

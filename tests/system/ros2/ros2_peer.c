@@ -1,4 +1,4 @@
-/* Looks on the wire like a ROS 2 node: topics under rt/, ROS 2 type names, the default quality of service of ROS 2 (reliable,
+/* Looks like a ROS 2 node on the network: topics under rt/, ROS 2 type names, the default quality of service of ROS 2 (reliable,
  * volatile, history of ten). It uses nothing of Takt.
  *
  *   ros2_peer DOMAIN pub TYPE TOPIC COUNT PERIOD_MS [best-effort]
@@ -27,7 +27,7 @@ static dds_entity_t must(dds_entity_t entity, const char *what) {
   exit(3);
 }
 
-/* rmw_qos_profile_default, or best effort as in rmw_qos_profile_sensor_data. */
+/* Returns the QoS of rmw_qos_profile_default, or with best effort as in rmw_qos_profile_sensor_data. */
 static dds_qos_t *profile(int best_effort) {
   dds_qos_t *qos = dds_create_qos();
   dds_qset_reliability(qos, best_effort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
@@ -42,7 +42,7 @@ static void fill_number(void *sample, int n) { ((std_msgs_msg_dds__Float64_ *)sa
 static void print_text(const void *sample) { printf("{\"data\": \"%s\"}\n", ((const std_msgs_msg_dds__String_ *)sample)->data); }
 static void fill_text(void *sample, int n) {
   static char text[400];
-  /* The third text is longer than the bounded port can hold. */
+  /* The third text is longer than the bound of the port. */
   if (n == 3) {
     memset(text, 'x', 300);
     text[300] = '\0';
@@ -121,7 +121,7 @@ static int pub(dds_entity_t participant, int count, char **words) {
     usleep(10000);
     must(dds_get_publication_matched_status(writer, &matched), "matched");
   } while (matched.current_count == 0);
-  usleep(1000000); /* until the reader has matched too */
+  usleep(1000000); /* waits until the reader has matched too */
   for (int n = 1; n <= atoi(words[2]); ++n) {
     union {
       std_msgs_msg_dds__Float64_ number;

@@ -1,4 +1,4 @@
-"""A program that looks like a node of ROS 2 on the wire talks to the ports of a cell. TAKT_ROS2_PEER is the program of this folder."""
+"""A program that looks like a ROS 2 node on the network exchanges messages with the ports of a cell. TAKT_ROS2_PEER is the program of this folder."""
 import json
 import os
 import signal
@@ -26,7 +26,7 @@ class Ros2(takt_system.Case):
     def matched(self, port):
         return any(line.split()[0].endswith(port) and "1/1" in line for line in self.takt("status").out.splitlines() if line.strip())
 
-    def test_a_ros2_node_sees_topics_and_exchanges_messages(self):
+    def test_a_ros2_node_finds_the_topics_of_a_cell_and_exchanges_messages(self):
         cell = self.start("run", "cell.xml", "--json")
         cell.wait_for_state("echo", "EXECUTING")
 
@@ -59,7 +59,7 @@ class Ros2(takt_system.Case):
 
         # Velocities arrive from a reliable and from a best-effort writer.
         for reliability in ("reliable", "best-effort"):
-            wait_until(lambda: not self.matched("echo.x"), 20, "the previous reader to go")
+            wait_until(lambda: not self.matched("echo.x"), 20, "the previous reader to disappear")
             x = self.peer("sub", "Float64", "/cell/x", 5, 40)
             wait_until(lambda: self.matched("echo.x"), 20, "the reader to match")
             self.assertEqual(0, self.peer("pub", "Twist", "/cmd_vel", 40, 20, reliability).wait(30).status)
@@ -73,7 +73,7 @@ class Ros2(takt_system.Case):
         names.signal(signal.SIGKILL)
         names.wait(10)
 
-    def test_check_rejects_a_type_that_ros2_does_not_know(self):
+    def test_takt_check_rejects_a_port_type_that_ros2_does_not_know(self):
         with open(self.beside("cell.xml"), encoding="utf-8") as file:
             text = file.read()
         path = self.write("wrong.xml", text.replace('from="robot.joint_states.joint_states" topic', 'from="robot.arm.measured" topic'))

@@ -25,7 +25,7 @@ def changes(node, who):
 
 class Readers:
     def wait_for(self, node, readers, what, since, limit=15.0, after=None):
-        """Waits until each reader has printed `what` after `since`. Returns the seconds it took. `after`: a later start per reader."""
+        """Waits until each reader has printed `what` after `since`, or after the later time in `after`. Returns the seconds for each reader."""
         took = {}
         for who in readers:
             begin = since + (after[who] if after else 0.0)
@@ -39,14 +39,15 @@ class Readers:
         print("%s: %s" % (what, ", ".join("%s after %.1f ms" % (who, 1000 * s) for who, s in took.items())))
 
     def goes_safe(self, what, node, readers, act, *arguments, back=None):
-        """Waits until `act` makes the readers get the safe value, and until they get samples again after `back` or by themselves."""
+        """Calls `act` and waits until the readers get the safe value. Then calls `back`, and waits until they get samples again. With
+        back="itself", only waits for the samples."""
         since = time.monotonic()
         act(*arguments)
         took = self.wait_for(node, readers, "SAFE", since)
         self.tell(what, took)
         if back is None:
             return
-        if back == "itself":  # one reader may be back before the other one has the safe value
+        if back == "itself":  # one reader may get samples again before the other reader has the safe value
             self.tell("  and back", self.wait_for(node, readers, "LIVE", since, after=took))
             return
         since = time.monotonic()
@@ -59,7 +60,7 @@ class Readers:
 
 
 class OnOneDevice(Readers, takt_system.Case):
-    def test_readers_get_the_safe_value_however_the_writer_fails(self):
+    def test_readers_on_one_device_get_the_safe_value_however_the_writer_fails(self):
         node = self.node("d")
         self.deploy("local.xml")
         everybody = ("thread", "program", "relayed")
@@ -114,7 +115,7 @@ class OverACable(Readers, networks.NetworkCase):
         self.deploy(cell)
         return nodes
 
-    def test_readers_get_the_safe_value_when_the_writers_cable_is_pulled(self):
+    def test_readers_get_the_safe_value_when_the_cable_of_the_writer_is_pulled(self):
         nodes = self.start_cell("far.xml", ("robot", "line"))
         readers = OnAnotherDevice.READERS
         self.wait_for(nodes["line"], readers, "LIVE", 0)
@@ -135,7 +136,7 @@ class OverACable(Readers, networks.NetworkCase):
                                        ("(a|%s)" % other))
         for name, module in (("a", "source"), ("b", "reader"), ("c", "reader")):
             nodes[name].wait_for_state(module, "DESTRUCT")
-        print("a cell whose device was cut off had stopped %.0f ms after that" % (1000 * (time.monotonic() - cut)))
+        print("a cell stopped %.0f ms after one device was isolated" % (1000 * (time.monotonic() - cut)))
         self.net.join("a")
         wait_until(lambda: self.operator("undeploy", "stop_cell").status == 0, 20)
         self.end(nodes)
@@ -157,7 +158,7 @@ class ACell(Readers, takt_system.Case):
         self.done("set a.source how 2")
         for name, module in (("a", "source"), ("b", "reader"), ("c", "reader")):
             nodes[name].wait_for_state(module, "DESTRUCT")
-        print("a cell had stopped %.0f ms after one module was told to fail" % (1000 * (time.monotonic() - since)))
+        print("a cell stopped %.0f ms after one module was told to fail" % (1000 * (time.monotonic() - since)))
         nodes["a"].wait_for_line(r"module a\.source: error: was given up: failure: it was told to")
         for other in ("b", "c"):
             nodes[other].wait_for_line(r"device %s: error: stops with its cell: .*module a\.source: error: was given up" % other)
@@ -166,7 +167,7 @@ class ACell(Readers, takt_system.Case):
         self.assertRegex(undeployed.err, "module a.source: error: was given up")
         self.end(nodes)
 
-    def test_the_loss_of_the_stop_cell_modules_device_stops_the_cell(self):
+    def test_the_loss_of_a_device_with_a_stop_cell_module_stops_the_cell(self):
         nodes = self.begin()
         since = time.monotonic()
         nodes["a"].kill_all()
@@ -174,11 +175,11 @@ class ACell(Readers, takt_system.Case):
             nodes[other].wait_for_state("reader", "DESTRUCT")
             nodes[other].wait_for_line(r"device (a: error: is lost, and one of its modules stops the cell when it fails|"
                                        r"%s: error: stops with its cell: device a: error: is lost)" % other)
-        print("the others had stopped %.0f ms after a node was killed" % (1000 * (time.monotonic() - since)))
+        print("the other devices stopped %.0f ms after a node was killed" % (1000 * (time.monotonic() - since)))
         self.takt("undeploy", "stop_cell")
         self.end({d: nodes[d] for d in ("b", "c")})
 
-    def test_the_loss_of_another_device_does_not_stop_the_cell(self):
+    def test_the_loss_of_a_device_without_a_stop_cell_module_does_not_stop_the_cell(self):
         nodes = self.begin()
         nodes["b"].kill_all()
         time.sleep(2)

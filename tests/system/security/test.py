@@ -1,4 +1,4 @@
-"""A cell with DDS Security in network namespaces, with strangers on the same network."""
+"""Tests a cell with DDS Security in network namespaces, with strangers on the same network."""
 import json
 import os
 import re
@@ -17,7 +17,7 @@ from wear import taken_by
 PEER = os.environ.get("TAKT_DDS_PEER", "")
 CYCLONE = os.environ.get("TAKT_CYCLONE_PEER", "")
 DEVICES = ("robot", "line")
-# Records all packets that pass the switch, and writes them to a file on SIGTERM.
+# This program records all packets that pass the switch, and writes them to a file on SIGTERM.
 SNIFF = r"""
 import signal, socket, sys
 ended = []
@@ -44,7 +44,7 @@ SHAPE = {"name": "samples::Count", "fields": [{"name": "number", "type": "unsign
 
 
 class Peer:
-    """The program of the DDS tests, on one of the machines. It ends with its standard input."""
+    """The program of the DDS tests, on one of the machines. The program ends when its standard input is closed."""
 
     def __init__(self, case, machine, *arguments, **environment):
         self._process = subprocess.Popen(
@@ -53,7 +53,7 @@ class Peer:
         case.addCleanup(self.end)
 
     def line(self):
-        """Its next line, without the notices about participants that it rejected."""
+        """Returns the next line of the program. Skips its notices about participants that it rejected."""
         while True:
             line = self._process.stdout.readline()
             if not line.startswith("notice "):
@@ -76,7 +76,7 @@ class Security(takt_system.Case):
         self.net = networks.Networks(*DEVICES, "operator", "stranger")
         self.net.__enter__()
         self.addCleanup(self.net.__exit__)
-        # All interfaces, not only loopback: the network belongs to this test.
+        # The programs use all interfaces, not only loopback, because the network belongs to this test.
         self.environment = {"TAKT_DOMAIN": "0", "TAKT_INTERFACE": ""}
         self.keys = os.path.join(self.folder, "keys")
         run = self.secure("init", self.beside("cell.xml"), "keys", "--operator", "anna", "--observer", "eve")
@@ -109,7 +109,8 @@ class Security(takt_system.Case):
         self.agreed(lambda: self.as_one("operators/anna", "deploy", "cell.xml"))
 
     def undeploy(self, who):
-        """Repeats the command if the machine stalled for longer than a lease: the first one was then carried out but not answered."""
+        """Undeploys the cell. Repeats the command if the machine stalled for longer than a lease: then the first command was carried out, but
+        its reply was lost."""
         for _ in range(3):
             run = self.as_one(who, "undeploy", "guarded")
             if "was lost before it answered" not in run.err:
@@ -142,7 +143,7 @@ class Security(takt_system.Case):
                 return file.read()
         return seen
 
-    def test_the_traffic_of_a_secured_cell_is_unreadable(self):
+    def test_the_network_traffic_of_a_secured_cell_is_unreadable(self):
         sniffed = self.sniff()
         nodes = self.started()
         self.assertIn("security is on: device robot of cell guarded", nodes["robot"].err)
@@ -150,7 +151,7 @@ class Security(takt_system.Case):
         wait_until(lambda: self.states() == {"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, 20, "both modules")
         echo = self.as_one("operators/anna", "echo", "robot.plainly_visible.out", "--count", "3")
         self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
-        # An observer sees everything and cannot change anything.
+        # An observer can read everything and change nothing.
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states("observers/eve"))
         echo = self.as_one("observers/eve", "echo", "robot.plainly_visible.out", "--count", "3")
         self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
@@ -181,7 +182,7 @@ class Security(takt_system.Case):
         for secret in WORDS:
             self.assertEqual(0, seen.count(secret), secret)
 
-    def test_the_traffic_of_a_cell_without_security_is_readable(self):
+    def test_the_network_traffic_of_a_cell_without_security_is_readable(self):
         """Shows that the test above would find readable words."""
         with open(self.beside("cell.xml")) as file:
             text = file.read()
@@ -201,13 +202,13 @@ class Security(takt_system.Case):
         for word in WORDS:
             self.assertGreater(seen.count(word), 0, word)
 
-    def test_rejects_participants_without_an_identity_of_the_cell(self):
+    def test_a_cell_rejects_participants_without_an_identity_of_the_cell(self):
         self.takt("secure", "init", self.beside("cell.xml"), "evil", "--operator", "anna", environment=self.environment)
         nodes = self.started()
         self.deploy()
         line = nodes["line"]
 
-        # Participants without an identity: Takt's own tool, plain Fast DDS, plain Cyclone DDS.
+        # These participants have no identity: takt, a program of Fast DDS, and a program of Cyclone DDS.
         run = self.as_one("", "stop", "line.quiet_sink", machine="stranger")
         self.assertEqual(1, run.status)
         self.assertIn("not found: no answer", run.err)
@@ -222,27 +223,27 @@ class Security(takt_system.Case):
                                               "<AllowMulticast>true</AllowMulticast></General></Domain></CycloneDDS>"))
             self.assertNotEqual(0, cyclone.returncode, cyclone.stdout)
 
-        # An identity of the same name from another authority.
+        # This identity has the name of the operator, but another authority issued it.
         run = self.as_one(os.path.join(self.folder, "evil", "operators", "anna"), "stop", "line.quiet_sink", machine="stranger")
         self.assertEqual(1, run.status)
         line.wait_for_line("rejected: operator anna at 10.77.0.4: its identity is from another authority")
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
-        self.assertEqual(1, sum("'takt' at 10.77.0.4" in text for text in line.raw), "each must be reported once")
+        self.assertEqual(1, sum("'takt' at 10.77.0.4" in text for text in line.raw), "each participant must be reported once")
         self.end(nodes)
 
-    def test_members_cannot_exceed_their_permissions(self):
+    def test_members_of_a_cell_cannot_exceed_their_permissions(self):
         nodes = self.started()
         self.deploy()
         robot, line = nodes["robot"], nodes["line"]
         identity = lambda path: os.path.join(self.keys, path)
 
-        # A device that publishes the status of another device (in the peer's cell "test").
+        # Device line publishes the status of device robot (in the peer's cell "test").
         impostor = Peer(self, "stranger", "device", "robot", PEER_SECURITY=identity("devices/line"))
         self.assertEqual("ready", impostor.line())
-        robot.wait_for_line("rejected: device line at 10.77.0.4 publishes on takt/device for test/robot, which is not its own")
+        robot.wait_for_line("rejected: device line at 10.77.0.4 publishes on takt/device for test/robot, but may publish only for itself")
         impostor.end()
 
-        # A device that writes a topic of another device. Its own program prevents that; a manipulated one is ignored.
+        # Device line writes a topic of device robot. Its own Fast DDS prevents that. The others ignore a manipulated program that writes anyway.
         shape = self.write("type.json", json.dumps(SHAPE))
         topic = "takt/guarded/robot/plainly_visible/out"
         wanted = "rejected: device line at 10.77.0.4 writes %s without permission" % topic
@@ -254,7 +255,7 @@ class Security(takt_system.Case):
         self.assertEqual("ready", cheat.line())
         line.wait_for_line(wanted)
 
-        # A manipulated program of an observer that writes commands.
+        # A manipulated program of an observer writes commands.
         forge = Peer(self, "stranger", "forge", "takt/command", "takt::Command", "plain", "1", "00" * 64,
                      PEER_SECURITY=identity("observers/eve"), PEER_CHEATS="1")
         robot.wait_for_line("rejected: observer eve at 10.77.0.4 writes takt/command without permission")
@@ -291,33 +292,34 @@ class Security(takt_system.Case):
         self.assertEqual(1, run.status)
         nodes["robot"].wait_for_line("rejected: operator anna at 10.77.0.4: its identity was revoked")
         self.assertEqual(0, self.as_one("operators/bert", "status").status)
-        # With the whole folder, takt uses the first valid identity.
+        # Given the whole folder, takt uses the first valid identity.
         whole = self.as_one(".", "status")
         self.assertEqual(0, whole.status, whole.err)
         self.assertRegex(whole.err, r"anna/identity.cert.pem: it was revoked\nusing the identity of operator bert instead")
         self.end(nodes)
 
-    def test_takt_reports_an_identity_of_the_wrong_kind(self):
+    def test_takt_commands_reject_an_identity_of_the_wrong_kind(self):
         run = self.as_one("devices/line", "stop", "robot.plainly_visible")
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"^\S+keys/devices/line: error: this is the identity of device line, not of an operator or observer; "
-                                  r"give the folder of one, such as DIR/operators/NAME$")
+                                  r"give the folder of an operator or observer, such as DIR/operators/NAME$")
         self.refused({"secure add keys program mes": "cell guarded has no topics for a program: each of its connections has two ends; leave out",
                       "sign cell.xml --key keys/operators/anna": "keys/operators/anna: error: this is the identity of one participant, not an "
                       "authority; its authority is in .*keys$"})
         self.assertFalse(os.path.exists(os.path.join(self.keys, "programs")))
 
-    def test_secure_update_warns_about_a_device_removed_from_the_cell(self):
+    def test_takt_secure_update_warns_about_a_device_removed_from_the_cell(self):
         with open(self.beside("cell.xml")) as file:
             text = file.read()
         self.assertNotIn("no longer in the cell", self.secure("update", "keys", self.beside("cell.xml")).err)
         less = self.write("less.xml", re.sub(r'(?s)<device name="line">.*</device>|<connection.*?/>', "", text))
         update = self.secure("update", "keys", less)
-        self.assertIn("device line is no longer in the cell, but its identity is still valid; takt secure revoke keys line", update.err)
+        self.assertIn("device line is no longer in the cell, but its identity is still valid; "
+                      "use takt secure revoke keys line to revoke it", update.err)
         self.secure("revoke", "keys", "line")
         self.assertEqual("", self.secure("update", "keys", less).err)
 
-    def test_rejects_identity_files_that_are_missing_exposed_or_wrong(self):
+    def test_a_node_rejects_identity_files_that_are_missing_or_exposed_or_wrong(self):
         folder = os.path.join(self.keys, "devices", "robot")
 
         def refused(pattern, **options):
@@ -344,7 +346,7 @@ class Security(takt_system.Case):
         self.assertEqual(1, again.status)
         self.assertIn("an authority already exists", again.err)
 
-    def test_warns_about_an_identity_that_expires_soon(self):
+    def test_a_node_warns_about_an_identity_that_expires_soon(self):
         run = self.secure("renew", "keys", "robot", "--days", "10")
         self.assertRegex(run.out, r"device +robot .*it expires in (9|10) days")
         robot = self.node("robot")
@@ -390,17 +392,17 @@ class Components(takt_system.Case):
         self.assertEqual(1, len({run.status for run in runs}), [run.err for run in runs])
         return runs[0].status, runs[0].err + runs[1].err
 
-    def test_rejects_components_that_everybody_may_write(self):
+    def test_takt_rejects_components_that_everybody_may_write(self):
         self.assertEqual(0, self.try_it()[0])
         os.chmod(self.file, 0o757)
         status, said = self.try_it()
         self.assertEqual(1, status)
-        self.assertIn("everybody may write to %s; chmod o-w %s" % (self.file, self.file), said)
+        self.assertIn("everybody may write to %s; run chmod o-w %s" % (self.file, self.file), said)
         os.chmod(self.file, 0o755)
         os.chmod(self.components, 0o777)
-        self.assertIn("everybody may write to %s; chmod o-w" % self.components, self.try_it()[1])
+        self.assertIn("everybody may write to %s; run chmod o-w" % self.components, self.try_it()[1])
 
-    def test_rejects_unsigned_components_if_signatures_are_required(self):
+    def test_takt_rejects_unsigned_components_if_signatures_are_required(self):
         self.assertEqual(0, self.takt("secure", "init", self.cell, "keys").status)
         signed = self.takt("sign", self.file, "--key", "keys")
         self.assertEqual(0, signed.status, signed.err)
@@ -417,7 +419,7 @@ class Components(takt_system.Case):
             file.write(b"x")
         status, said = self.try_it(TAKT_SIGNED_BY=certificate)
         self.assertEqual(1, status)
-        self.assertIn("its signature is not of this file", said)
+        self.assertIn("its signature does not match its contents", said)
         os.remove(self.file + ".sig")
         self.assertIn("it is not signed, and only signed components are accepted here", self.try_it(TAKT_SIGNED_BY=certificate)[1])
         self.assertEqual(0, self.try_it()[0], "no signature is required")
@@ -431,7 +433,7 @@ class Components(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertIn("it is not signed", run.err)
 
-    def test_reports_an_invalid_signing_certificate(self):
+    def test_takt_reports_an_invalid_signing_certificate(self):
         other = self.write("other.pem", "nothing")
         for file, what in (("nosuch.pem", "there is no such file"), (other, "it is not a certificate")):
             self.assertIn("module mine: %s: %s; name the certificate that takt sign prints" % (file, what), self.try_it(TAKT_SIGNED_BY=file)[1])

@@ -27,7 +27,7 @@ class Services(takt_system.Case):
         run.wait(30)
         self.assertEqual(status, run.status, run.err)
 
-    def test_every_client_gets_its_own_answers(self):
+    def test_every_client_of_a_service_gets_its_own_replies(self):
         run = self.running("cell.xml")
         run.wait_for_state("far", "EXECUTING")
         time.sleep(3)
@@ -71,7 +71,7 @@ class Services(takt_system.Case):
         self.assertEqual(2, self.takt("call", "serve.answers.handled", "--timeout", "0").status)
         self.done("stop serve.answers")
         self.refused({"call serve.answers.handled":
-                      "module serve.answers is in START, but answers only in EXECUTING; start it: takt start serve.answers",
+                      "module serve.answers is in START, but answers only in EXECUTING; run takt start serve.answers",
                       "echo serve.answers.handled": "serve.answers"})
         begun = len(run.raw)
         self.done("start serve.answers")
@@ -81,10 +81,10 @@ class Services(takt_system.Case):
         seen = self.seen("near")
         print("stopped for a while: %s" % seen)
         self.assertEqual(0, seen["wrong"])
-        # Meanwhile, calls with a handler are rejected. Calls that run() takes time out, or a late run() takes them.
+        # While the module was stopped, calls with a handler were rejected. Calls without a handler timed out, or a late run() took them.
         self.assertGreater(seen["refused"], 20)
 
-    def test_a_service_answers_again_after_a_restart_of_its_host(self):
+    def test_a_service_replies_again_after_a_restart_of_its_host(self):
         nodes = self.nodes("serve", "ask")
         self.deploy("cell.xml")
         for module in ("far", "far_polled"):
@@ -103,7 +103,7 @@ class Services(takt_system.Case):
             self.assertGreater(seen["replied"], 50, name)
         self.end(nodes)
 
-    def test_clients_of_a_dead_node_find_no_service(self):
+    def test_a_client_of_a_service_on_a_killed_node_finds_no_service(self):
         nodes = self.nodes("serve", "ask")
         self.deploy("cell.xml")
         nodes["ask"].wait_for_state("far", "EXECUTING")
@@ -120,8 +120,8 @@ class Services(takt_system.Case):
         self.assertGreater(seen["nobody"], 100)
         self.end({"ask": nodes["ask"]})
 
-    @takt_system.timing("the other clients must get their answers within a second while a handler hangs")
-    def test_a_hanging_handler_ends_only_its_module(self):
+    @takt_system.timing("the other clients must get their replies within a second while a handler hangs")
+    def test_a_service_handler_that_hangs_ends_only_its_module(self):
         run = self.running("hang.xml")
         run.wait_for_line("answers: EXECUTING -> RECOVER .*the handler of a service did not return within 5 s", limit=30)
         run.wait_for_state("answers", "DESTRUCT")
@@ -140,7 +140,7 @@ class Services(takt_system.Case):
         self.assertLess(other["timed_out"], 5)
         self.assertGreater(other["replied"], 100)
 
-    def test_a_crashing_handler_ends_only_its_module(self):
+    def test_a_service_handler_that_crashes_ends_only_its_module(self):
         run = self.running("crash.xml")
         run.wait_for_line("the host .*in the handler of a service", limit=30)
         run.wait_for_state("answers", "DESTRUCT")
@@ -150,7 +150,7 @@ class Services(takt_system.Case):
         run.wait(30)
         self.assertEqual(0, self.seen("other")["wrong"])
 
-    def test_takt_check_reports_wrong_services(self):
+    def test_takt_check_reports_wrong_service_elements(self):
         check = self.takt("check", "bad.xml")
         self.assertEqual(1, check.status)
         for line, what in {

@@ -17,7 +17,7 @@ class Simulate(takt_system.Case):
         with open(os.path.join(self.folder, "trace.txt"), "rb") as file:
             return file.read()
 
-    def test_the_same_seed_gives_the_same_trace_byte_for_byte(self):
+    def test_two_simulations_with_the_same_seed_write_identical_traces(self):
         faults = ("--faults", "20", "--for", "0.5")
         # With these seeds no module is given up, so the exit status is 0.
         first = self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt"))
@@ -29,7 +29,7 @@ class Simulate(takt_system.Case):
         self.assertGreater(len(random.out), 100000)
         self.assertEqual(random.out, again.out)
 
-    def test_the_report_has_the_form_of_takt_run(self):
+    def test_the_report_of_takt_simulate_has_the_form_of_the_report_of_takt_run(self):
         run = self.takt("simulate", EXAMPLE, "--for", "2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(["cell", "devices"], list(run.report))
@@ -48,7 +48,7 @@ class Simulate(takt_system.Case):
         self.assertIn("cell module", text.out)
         self.assertIn("overruns: not done by the next", text.out)
 
-    def test_the_faults_of_a_script_happen_when_written(self):
+    def test_takt_simulate_injects_the_faults_of_a_script_at_their_times(self):
         lines = self.trace(DEMO, "--for", "1.5", "--script", self.beside("faults.txt")).decode().splitlines()
 
         def has(pattern):
@@ -66,7 +66,7 @@ class Simulate(takt_system.Case):
         times = [float(line.split(" ")[0]) for line in lines]
         self.assertEqual(sorted(times), times)
 
-    def test_rejects_a_wrong_script_and_names_its_lines(self):
+    def test_takt_simulate_rejects_a_wrong_script_and_names_its_lines(self):
         wrong = self.beside("wrong.txt")
         run = self.takt("simulate", DEMO, "--for", "1", "--script", wrong, "--trace", "trace.txt")
         self.assertEqual((1, ""), (run.status, run.out))
@@ -78,14 +78,14 @@ class Simulate(takt_system.Case):
         self.assertEqual((1, ""), (absent.status, absent.out))
         self.assertIn("absent.txt: error: ", absent.err)
 
-    def test_the_same_number_gives_the_same_random_cell(self):
+    def test_takt_simulate_generates_the_same_random_cell_from_the_same_number(self):
         traces = [self.takt("simulate", "--random-cell", str(n), "--trace", "-") for n in (3, 3, 4)]
         for run in traces:
             self.assertNotIn("invariant violated", run.err)
         self.assertEqual(traces[0].out, traces[1].out)
         self.assertNotEqual(traces[0].out, traces[2].out)
 
-    def test_rejects_wrong_usage(self):
+    def test_takt_simulate_exits_with_status_2_on_wrong_arguments(self):
         for arguments in ([], [DEMO, "--for", "0"], [DEMO, "--for", "soon"], [DEMO, "--cpus", "0"], [DEMO, "--random-cell", "1"],
                           [DEMO, "--faults", "-1"], [DEMO, "--faults", "nan"], [DEMO, "--for", "nan"], [DEMO, "--seed", "x"],
                           [DEMO, "--seed", "-1"], [DEMO, "--seed", "99999999999999999999"], [DEMO, "--trace", "-", "--json"],
@@ -98,7 +98,7 @@ class Simulate(takt_system.Case):
         self.assertEqual((1, ""), (nowhere.status, nowhere.out))
         self.assertIn("cannot be written", nowhere.err)
 
-    def test_warns_about_unknown_run_times(self):
+    def test_takt_simulate_warns_about_modules_with_unknown_run_times(self):
         guessed = self.takt("simulate", DEMO, "--for", "0.1")
         self.assertRegex(guessed.err, r"warning: the run times of these modules are not known.*robot\.trajectory.*line\.conveyor")
         times = '{"runs": 9, "min_ns": 1000, "p50_ns": 2000, "p99_ns": 3000, "p999_ns": 4000, "max_ns": 5000}'
@@ -115,7 +115,7 @@ class Simulate(takt_system.Case):
             self.assertEqual((1, ""), (refused.status, refused.out))
             self.assertIn("error: ", refused.err)
 
-    def test_prints_how_many_times_faster_than_real_time_it_was(self):
+    def test_takt_simulate_prints_how_many_times_faster_than_real_time_it_was(self):
         run = self.takt("simulate", DEMO, "--for", "100")
         self.assertEqual(0, run.status, run.err)
         print("\n" + run.err)

@@ -53,7 +53,7 @@ class Soak(networks.NetworkCase):
         self.assertEqual(value, self.operator("get", "right.answers", "burst").out.strip())
 
     def kill_host(self):
-        time.sleep(max(0.0, self.hosts_killed_at + 25 - time.monotonic()))  # else the host would be given up, as it should be
+        time.sleep(max(0.0, self.hosts_killed_at + 25 - time.monotonic()))  # Takt gives up a host that ends more often
         self.hosts_killed_at = time.monotonic()
         hosts = [p for p in self.running["left"].processes() if p.program == "takt-host"]
         os.kill(self.random.choice(hosts).pid, signal.SIGKILL)
@@ -88,13 +88,13 @@ class Soak(networks.NetworkCase):
         self.assertEqual(0, run.status, run.err)
 
     def measure(self):
-        """Notes what each node uses while it waits for a deployment."""
+        """Records the resources of each node while it waits for a deployment."""
         for device in DEVICES:
             wait_until(lambda d=device: not [p for p in self.running[d].processes() if p.program != "takt-node"], 10,
                        "the host and programs of %s to end" % device)
             self.wear[device].look(self.node_pid(device), at_s=round(time.monotonic() - self.began, 1))
 
-    def test_a_node_uses_no_more_after_hours_than_after_minutes(self):
+    def test_a_node_uses_no_more_resources_after_a_long_run_than_after_its_warm_up(self):
         self.random = random.Random(SEED)
         self.hosts_killed_at = 0.0
         self.crashes = 0
@@ -103,7 +103,7 @@ class Soak(networks.NetworkCase):
             self.start_node(device)
         self.began = time.monotonic()
         self.deploy()
-        # Killing a node resets its figures, so this is rare.
+        # A killed node begins a new series of figures, so the test rarely kills a node.
         events = [self.order] * 6 + [self.property] * 6 + [self.kill_host] * 1 + [self.kill_program] * 4 + \
             [self.pull_cable] * 3 + [self.redeploy] * 6
         while time.monotonic() - self.began < SECONDS:
@@ -118,7 +118,7 @@ class Soak(networks.NetworkCase):
         self.take_down()
         self.measure()
         self.assertGreater(self.crashes, 0)
-        # Files from before the test may belong to others.
+        # Files that existed before the test may belong to other programs.
         new = {name for name in os.listdir("/dev/shm") if "takt" in name or "fast" in name} - before
         self.assertEqual(set(), new, "left in /dev/shm")
 

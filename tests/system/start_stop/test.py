@@ -25,7 +25,7 @@ class StartStop(takt_system.Case):
         for module in MODULES:
             self.assertEqual(LIFE, run.states(module))
 
-    def test_repeated_runs_leave_nothing_behind(self):
+    def test_repeated_runs_leave_no_process_and_no_shared_memory_behind(self):
         for _ in range(takt_system.how_much("TAKT_STARTS", 5, 50)):
             run = self.takt("run", "cell.xml", "--for", "0.3", "--json")
             self.assert_ended_well(run)
@@ -34,35 +34,35 @@ class StartStop(takt_system.Case):
             self.assert_grid(run, "program", every=2)
             self.runs.remove(run)
 
-    def test_a_termination_signal_ends_the_run_in_order(self):
+    def test_a_termination_signal_to_takt_run_shuts_the_cell_down_cleanly(self):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             with self.subTest(signal=number):
                 run = self.running()
                 run.signal(number)
                 self.assert_ended_well(run.wait(20))
 
-    def test_ctrl_c_to_the_whole_process_group_ends_the_run_in_order(self):
+    def test_ctrl_c_to_the_whole_process_group_shuts_the_cell_down_cleanly(self):
         run = self.running()
         os.killpg(run.pid, signal.SIGINT)
         self.assert_ended_well(run.wait(20))
 
-    def test_sigterm_to_the_node_ends_its_device_in_order(self):
+    def test_sigterm_to_a_node_shuts_its_device_down_cleanly(self):
         run = self.running()
         run.one("takt-node").kill(signal.SIGTERM)
         self.assert_ended_well(run.wait(20))
 
-    def test_a_termination_signal_during_startup_leaves_nothing_behind(self):
+    def test_a_termination_signal_during_the_start_leaves_no_process_behind(self):
         for step in range(16):
             run = self.start("run", "cell.xml")
             time.sleep(0.01 * step)
             number = signal.SIGTERM if step % 2 else signal.SIGINT
             run.signal(number)
             run.wait(20)
-            # Before takt handles the signal, the signal ends it directly. It has started no process by then.
+            # At first, takt does not handle the signal yet, so the signal kills takt. takt has started no process by then.
             self.assertIn(run.status, (0, -number), run.err)
             self.assert_nothing_left(run)
 
-    def test_sigkill_during_startup_leaves_nothing_behind(self):
+    def test_sigkill_during_the_start_leaves_no_process_behind(self):
         for step in range(10):
             run = self.start("run", "cell.xml")
             time.sleep(0.015 * step)
@@ -70,7 +70,7 @@ class StartStop(takt_system.Case):
             run.wait(20)
             self.assert_nothing_left(run)
 
-    def test_killing_takt_leaves_nothing_behind(self):
+    def test_killing_takt_run_leaves_no_process_behind(self):
         run = self.running()
         run.signal(signal.SIGKILL)
         run.wait(20)
@@ -78,7 +78,7 @@ class StartStop(takt_system.Case):
             self.assertEqual(LIFE, run.states(module), "the node must end in order")
         self.assert_nothing_left(run)
 
-    def test_killing_the_node_is_reported_and_leaves_nothing_behind(self):
+    def test_the_end_of_a_killed_node_is_reported_and_no_process_is_left_behind(self):
         run = self.running()
         run.one("takt-node").kill()
         run.wait(20)
@@ -90,7 +90,7 @@ class StartStop(takt_system.Case):
         # The host still ends its modules in order, although no process reads their output.
         self.assertEqual(["initialize", "start", "destruct"], self.read("diary").splitlines())
 
-    def test_a_killed_host_restarts_and_the_other_processes_live_on(self):
+    def test_a_killed_host_is_restarted_and_the_other_processes_run_on(self):
         run = self.running()
         node = run.one("takt-node").pid
         programs = [run.one(program).pid for program in PROGRAMS]
@@ -113,11 +113,11 @@ class StartStop(takt_system.Case):
             self.assertEqual(LIFE, run.states(module))
         for module in ("fine", "sporadic", "diary"):
             self.assertEqual(LIFE[:4] + ["DESTRUCT"] + LIFE, run.states(module))
-        # The grid stayed the same: rows during the restart count as missed, also for the program.
+        # The grid stayed the same. Rows during the restart count as missed, also for the program.
         self.assertGreater(run.executor()["missed"], 0)
         self.assert_grid(run, "program", every=2)
 
-    def test_a_host_killed_four_times_ends_the_device(self):
+    def test_a_host_that_is_killed_four_times_in_a_minute_ends_the_device(self):
         run = self.running()
         for _ in range(4):
             host = run.one("takt-host")

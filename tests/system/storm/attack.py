@@ -1,13 +1,13 @@
-"""Attacks a cell from the network. Runs in a network namespace of its own.
+"""Attacks a cell from the network. Runs in its own network namespace.
 
 attack.py ports                        prints the open UDP and TCP ports of this namespace as JSON
-attack.py capture FILE SECONDS         records the UDP payloads on the network to FILE, each once
+attack.py capture FILE SECONDS         records each different UDP payload on the network to FILE
 attack.py storm SECONDS RATE SEED KINDS TARGETS [FILE]
     KINDS      a comma-separated list: random, rtps (valid header, broken submessages), tcp, mutated (altered copies of FILE)
     TARGETS    JSON: {"udp": [[address, port], ...], "tcp": [...]}
-attack.py forge FILE SECONDS TARGETS   sends heartbeats in the name of every participant in FILE, for every writer it may have
-attack.py crowd FILE SECONDS TARGETS   sends announcements as in FILE, each of another participant that does not exist
-Prints how many packets of each kind it sent, as JSON."""
+attack.py forge FILE SECONDS TARGETS   sends HEARTBEATs with the GUID of every participant in FILE, for every writer that it may have
+attack.py crowd FILE SECONDS TARGETS   sends copies of the announcements in FILE, each for another participant that does not exist
+Each attack prints as JSON how many packets of each kind it sent."""
 
 import json
 import os
@@ -90,12 +90,12 @@ class Thrower:
         """A parameter list as in discovery, with random lengths and contents."""
         data = b""
         for _ in range(self.r.randrange(0, 12)):
-            # Parameters of the specification, of DDS Security and of vendors.
+            # These are parameters of the specification, of DDS Security and of vendors.
             number = self.r.choice((0x02, 0x05, 0x07, 0x0F, 0x15, 0x16, 0x1A, 0x1D, 0x2F, 0x30, 0x31, 0x32, 0x33, 0x34, 0x40, 0x44, 0x50, 0x52,
                                     0x58, 0x59, 0x5A, 0x60, 0x62, 0x70, 0x71, 0x72, 0x73, 0x75, 0x77, 0x1001, 0x1002, 0x8000, 0x8007,
                                     self.r.randrange(65536)))
             value = self.r.randbytes(4 * self.r.randrange(0, 10))
-            if len(value) >= 4 and self.r.random() < 0.6:  # as a count or a length
+            if len(value) >= 4 and self.r.random() < 0.6:  # the value begins with a count or a length
                 value = self.number(order, "I") + value[4:]
             size = len(value) if self.r.random() < 0.8 else self.r.choice(EDGES) & 0xFFFF
             data += struct.pack(order + "HH", number, size) + value
@@ -261,7 +261,7 @@ def main():
         path, seconds, targets = arguments
         print(json.dumps((forge if what == "forge" else crowd)(path, float(seconds), json.loads(targets))))
     else:
-        os.nice(10)  # it plays another machine, so it must not slow down the cell's processes
+        os.nice(10)  # the attacker stands for another machine, so it must not slow down the cell's processes
         seconds, rate, seed, kinds, targets, *path = arguments
         print(json.dumps(storm(float(seconds), float(rate), int(seed), kinds.split(","), json.loads(targets), path[0] if path else None)))
 

@@ -1,4 +1,4 @@
-"""A cell in network namespaces, and an attacker who sends hostile packets to every open port.
+"""Tests a cell in network namespaces while an attacker sends hostile packets to every open port.
 
 TAKT_STORM_SECONDS: duration of each storm and of the quiet phase before it (5; 20 in the full form).
 TAKT_STORM_RATE: packets a second (5000). TAKT_STORM_SEED: seed of the packets (random, printed)."""
@@ -41,13 +41,13 @@ class Storm(networks.NetworkCase):
         self.machines = {device: self.node(device, *options[device]) for device in DEVICES}
 
     def order(self, *arguments):
-        """Runs a command, which must succeed. The attacker's altered copies of authentication packets can spoil the authentication of a
-        new participant. So in a secured cell, a command that found no node, and thus changed nothing, is repeated."""
+        """Runs a command, which must succeed. Altered copies of authentication packets can spoil the authentication of a new participant. So in
+        a secured cell, this repeats a command that found no node, and thus changed nothing."""
         for _ in range(3 if self.secured else 1):
             run = self.operator(*arguments, environment=self.identity)
             if "not found: no answer" not in run.err:
                 break
-            print("takt %s found nobody, and is given again" % " ".join(arguments))
+            print("takt %s found no node and is repeated" % " ".join(arguments))
         self.assertEqual(0, run.status, "takt %s: %s" % (" ".join(arguments), run.err))
         return run
 
@@ -64,7 +64,7 @@ class Storm(networks.NetworkCase):
         return json.loads(out)
 
     def targets(self):
-        """Every open port on the machines of the cell, and the multicast port of discovery."""
+        """Returns every open port on the machines of the cell, and the multicast port of discovery."""
         targets = {"udp": [["239.255.0.1", 7400]], "tcp": [], "from": self.net.address("stranger")}
         for device in DEVICES:
             ports = self.attack(device, "ports")
@@ -81,13 +81,14 @@ class Storm(networks.NetworkCase):
         self.hosts = {device: self.machines[device].one("takt-host").pid for device in DEVICES}
 
     def undeploy(self):
-        """Repeats the command if a machine stalled for longer than a lease: the first one was then carried out but not answered."""
+        """Undeploys the cell. Repeats the command if a machine stalled for longer than a lease: then the first command was carried out, but
+        its reply was lost."""
         for _ in range(3):
             run = self.operator("undeploy", "harbour", environment=self.identity)
             if run.status == 0:
                 return
             self.assertIn("was lost before it answered", run.err)
-            print("undeploy is asked again: " + run.err)
+            print("takt undeploy is repeated: " + run.err)
         self.fail("no node answered to undeploy")
 
     def wait_until_all_execute(self, limit=15):
@@ -113,7 +114,7 @@ class Storm(networks.NetworkCase):
             time.sleep(min(1.0, max(0.0, end - time.monotonic())))
 
     def read_back(self, what):
-        """Prints how the 1 kHz loop ran, checks its steps, and undeploys the cell. Returns what the sink saw."""
+        """Prints how the 1 kHz loop ran, checks its steps, and undeploys the cell. Returns the record of the sink."""
         status = self.wait_until_all_execute()
         for device in DEVICES:
             self.assertIsNone(self.machines[device].status, "the node of %s ended: %s" % (device, self.machines[device].err))
@@ -142,7 +143,7 @@ class Storm(networks.NetworkCase):
         quiet = self.read_back("quiet")
         self.assertEqual((0, True), (quiet["wrong"], quiet["read"] > 0))
         for run in self.machines.values():
-            self.assertNotIn("RTPS message", run.err, "packets of members must never be rejected")
+            self.assertNotIn("RTPS message", run.err, "a node must never reject packets of members")
         listening.wait(60)
 
         self.deploy()
@@ -151,10 +152,10 @@ class Storm(networks.NetworkCase):
         self.hold(SECONDS)
         out, _ = storm.communicate(timeout=60)
         thrown = json.loads(out)
-        print("thrown: %s at %d UDP and %d TCP ports" % (thrown, len(targets["udp"]), len(targets["tcp"])))
+        print("sent: %s to %d UDP and %d TCP ports" % (thrown, len(targets["udp"]), len(targets["tcp"])))
         self.assertEqual(0, storm.returncode)
         self.assertTrue(all(n > 0 for n in thrown["sent"].values()), thrown)
-        self.stop_and_start()  # once more after the storm
+        self.stop_and_start()  # one more time after the storm
         sink = self.read_back("storm")
         for device, run in self.machines.items():
             self.assertIn("dropped a packet from %s: it is not a valid RTPS message" % self.net.address("stranger"), run.err)
@@ -166,7 +167,7 @@ class Storm(networks.NetworkCase):
 
 
 class InTheOpen(Storm):
-    def test_a_cell_survives_malformed_packets(self):
+    def test_a_cell_works_during_a_storm_of_malformed_packets(self):
         sink = self.weather(["random", "rtps", "tcp"])
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
@@ -175,13 +176,13 @@ class InTheOpen(Storm):
 class Secured(Storm):
     secured = True
 
-    def test_a_secured_cell_survives_altered_copies_of_its_packets(self):
+    def test_a_secured_cell_works_during_a_storm_of_altered_copies_of_its_packets(self):
         sink = self.weather(["random", "rtps", "tcp", "mutated"], quiet_seconds=5)
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
 
     def deceive(self, how, seconds):
-        """Gives commands during and after the attack. Returns what the attacker sent and what the sink saw."""
+        """Runs commands during and after the attack. Returns the report of the attacker and the record of the sink."""
         captured = os.path.join(self.folder, "captured")
         listening = self.attack("robot", "capture", captured, "3", wait=False)
         self.assertEqual("ready\n", listening.stdout.readline())
@@ -203,7 +204,7 @@ class Secured(Storm):
         for run in self.machines.values():
             self.assertIn("dropped a packet from %s: it is not encrypted" % self.net.address("stranger"), run.err)
 
-    def test_fake_participants_do_not_keep_members_out(self):
+    def test_commands_to_a_secured_cell_work_despite_a_thousand_fake_participants(self):
         sent, _ = self.deceive("crowd", 10)
         self.assertGreater(sent["participants"], 1000)
         for run in self.machines.values():

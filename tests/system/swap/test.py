@@ -16,7 +16,7 @@ COMPONENTS = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
 
 
 class BareLoop:
-    """Wakes up every ms at a higher priority on the CPU of the executor. If it is late too, the machine stalled."""
+    """Wakes up every ms at a higher priority on the CPU of the executor. If this loop is late too, the machine stalled."""
 
     def __init__(self):
         self._run = subprocess.Popen([sys.executable, "-c", self._LOOP], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -44,17 +44,17 @@ while not select.select([sys.stdin], [], [], 0)[0]:
             self._run.communicate()
 
     def end(self):
-        """The periods (from, to) in which it was late by more than 0.5 ms, in ns since 1970."""
+        """Ends the loop. Returns the periods (from, to) in which the loop was late by more than 0.5 ms, in ns since 1970."""
         out, _ = self._run.communicate("end\n", timeout=10)
         return [tuple(map(int, line.split())) for line in out.splitlines()]
 
 
 class Traced:
-    """Collects the rows of the executor from overlapping traces. The key is the release in ms since that of the first row."""
+    """Collects the rows of the executor from overlapping traces. The key of a row is its release, in ms since the release of the first row."""
 
     def __init__(self):
         self.rows = {}
-        self.swaps = []  # the rows that began with a new instance
+        self.swaps = []  # the rows from which on a new instance ran
 
     def add(self, trace):
         about = trace["otherData"]
@@ -80,14 +80,14 @@ class Traced:
         def took(rows):
             times = sorted(self.rows[row]["took_us"] for row in rows)
             return "p50 %.1f p99 %.1f max %.1f us" % (times[len(times) // 2], times[len(times) * 99 // 100], times[-1])
-        print("rows seen in traces: %d, that begin with a swap: %d" % (len(self.rows), len(self.swaps)))
+        print("rows in the traces: %d, of which with a swap: %d" % (len(self.rows), len(self.swaps)))
         print("a row with a swap took", took(self.swaps))
-        print("one without          ", took(set(self.rows) - set(self.swaps)))
+        print("a row without a swap took", took(set(self.rows) - set(self.swaps)))
         missed = list(self.missed())
         both = [any(begin - 2e6 < m[4] < end + 2e6 for begin, end in late) for m in missed]
-        print("%d rows missed; a bare loop beside it was late %d times, at %d of them" % (len(missed), len(late), sum(both)))
+        print("%d rows missed; a bare loop on the same CPU was late %d times, during %d of the missed rows" % (len(missed), len(late), sum(both)))
         for (row, since, cause, why, _), also in zip(missed, both):
-            print("row %d missed, %s rows after a swap%s: %s: %s" % (row, since, ", as by the bare loop" if also else "", cause, why))
+            print("row %d missed, %s rows after a swap%s: %s: %s" % (row, since, ", while the bare loop was late too" if also else "", cause, why))
 
 
 class Swap(takt_system.Case):
@@ -113,7 +113,7 @@ class Swap(takt_system.Case):
         return next(m for m in self.status_of("d")["modules"] if m["name"] == "ticks")["cycles"]
 
     def versions(self, run):
-        """What each instance printed in start()."""
+        """Returns what each instance printed in start()."""
         found = [re.match(r"version (\d) (from|begins at) (\d+), label (\w+)", line.text.lstrip("| ")) for line in run.lines]
         return [(int(m[1]), m[2], int(m[3]), m[4]) for m in found if m]
 
@@ -141,7 +141,7 @@ class Swap(takt_system.Case):
         self.assertEqual(LIFE, run.states("ticks"))
         self.assertEqual(LIFE, run.states("reader"))
 
-    def test_swaps_miss_no_release_and_keep_the_saved_state(self):
+    def test_takt_swap_misses_no_release_and_keeps_the_saved_state(self):
         run = self.running()
         self.done("set d.ticks label mine")
         files = ["ticks_more.so", "ticks.so", "ticks.so"]
@@ -159,7 +159,7 @@ class Swap(takt_system.Case):
                 traced.add(json.loads(self.read("trace.json")))
         self.finish(run)
         traced.report(bare.end())
-        # Only rows right after a swap that were missed by the executor's own fault count. Stalls of the machine do not.
+        # The test fails only for rows right after a swap that the executor missed by its own fault, not because the machine stalled.
         self.assertEqual(COUNT, len(traced.swaps))
         self.assertEqual([], [missed for missed in traced.missed()
                               if missed[1] is not None and missed[1] <= 2 and missed[2] in ("own overrun", "predecessor")])
@@ -172,7 +172,7 @@ class Swap(takt_system.Case):
         self.assertGreater(counts[-1], counts[1])
         self.assert_nothing_missed(run)
 
-    def test_a_version_whose_first_runs_fail_is_replaced_by_the_old_one(self):
+    def test_a_swapped_version_that_fails_in_its_first_runs_is_replaced_by_the_old_version(self):
         run = self.running()
         self.refused({"swap d.ticks ticks_fails.so":
                       r"module d\.ticks: error: the old instance was put back in cycle \d+: failure: the third is not for me"})
@@ -183,12 +183,12 @@ class Swap(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual((0, LIFE), (modules["ticks"]["errors"], run.states("ticks")))
         seen = json.loads(self.read("seen"))
-        # The old instance counts the numbers of the two good runs of the new one again.
+        # The old instance writes the numbers of the two good runs of the new instance again.
         self.assertEqual((1, 0, 1), (seen["first"], seen["gaps"], seen["wrong"]))
         self.assertEqual(modules["ticks"]["cycles"] - 2, seen["last"])
         self.assert_grid(run, "ticks")
 
-    def test_a_version_that_crashes_is_not_loaded_again(self):
+    def test_a_swapped_version_that_crashes_is_not_loaded_again(self):
         run = self.running()
         before = self.count()
         self.refused({"swap d.ticks ticks_crashes.so":
@@ -196,18 +196,18 @@ class Swap(takt_system.Case):
         wait_until(lambda: len(self.versions(run)) == 3, 10, "the old version to be loaded again")
         version, how, count, _ = self.versions(run)[2]
         self.assertEqual((1, "from"), (version, how))
-        self.assertGreaterEqual(count, before, "it must restore what it had saved up to the swap")
+        self.assertGreaterEqual(count, before, "the old version must restore the state that it had saved before the swap")
         self.wait_for_states({"d": "EXECUTING"})
         modules = self.finish(run)
         self.assertEqual(0, run.status, run.err)
-        # The numbers of two runs of the new version are counted again; its third run never ended.
+        # The numbers of two runs of the new version are written again. Its third run never ended.
         self.assertEqual(modules["ticks"]["cycles"] - 2, json.loads(self.read("seen"))["last"])
 
     def test_a_restarted_host_loads_the_swapped_file(self):
         mine = os.path.join(self.folder, "mine.so")
         shutil.copy(os.path.join(COMPONENTS, "ticks.so"), mine)
         run = self.running(("ticks.so", "mine.so"))
-        # Another file with the same name: the loader must not reuse the one that is loaded.
+        # The file is replaced by another one of the same name. The loader must not reuse the file that is loaded.
         shutil.copy(os.path.join(COMPONENTS, "ticks_more.so"), mine + ".new")
         os.replace(mine + ".new", mine)
         self.swap("mine.so")
@@ -221,7 +221,7 @@ class Swap(takt_system.Case):
         self.wait_for_states({"d": "EXECUTING"})
         self.finish(run)
 
-    def test_rejects_unsuitable_files_without_losing_a_run(self):
+    def test_takt_swap_rejects_unsuitable_files_without_losing_a_run(self):
         run = self.running()
         everybody = self.write("everybody.so", "")
         shutil.copy(os.path.join(COMPONENTS, "ticks.so"), everybody)
@@ -229,7 +229,7 @@ class Swap(takt_system.Case):
         for commands in (
                 {"swap d.ticks nothing.so": r"^file nothing\.so: error: .*there is no file nothing\.so .*looked in",
                  "swap d.ticks not_a_library.so": r"^file not_a_library\.so: error: .*not_a_library\.so is not a shared object",
-                 "swap d.ticks everybody.so": r"everybody may write to .*; chmod o-w"},
+                 "swap d.ticks everybody.so": r"everybody may write to .*; run chmod o-w"},
                 {"swap d.ticks ticks_other.so":
                  r"its ports and properties differ from those of the running module: port 'more' is new, "
                  r"property 'step' is of type integer, not double; undeploy the cell and deploy it with this file"},
@@ -243,7 +243,7 @@ class Swap(takt_system.Case):
             for command, pattern in commands.items():
                 self.refused({command: pattern})
         self.done("stop d.ticks")
-        self.refused({"swap d.ticks ticks.so": r"module d\.ticks is in START; it can be swapped only in EXECUTING; takt start d\.ticks"})
+        self.refused({"swap d.ticks ticks.so": r"module d\.ticks is in START; it can be swapped only in EXECUTING; run takt start d\.ticks"})
         self.done("start d.ticks")
         self.swap("ticks_more.so")  # the hanging thread does not block this swap
         self.finish(run)
@@ -267,10 +267,10 @@ class Swap(takt_system.Case):
         self.wait_for_states({"d": "EXECUTING"})
         self.refused({"swap d.ticks ticks_fails.so": r"it is not signed, and only signed components are accepted here"})
         self.refused({"swap d.ticks ticks_hangs.so": r"^file ticks_hangs\.so: error: .*there is no file ticks_hangs\.so on this device's component path"})
-        # A path is rejected, because it could name another file on the device.
+        # The node rejects a path, because it could name another file on the device.
         for path in ("somewhere/else/ticks_more.so", "./ticks_more.so", os.path.join(folder, "ticks_more.so")):
             self.refused({"swap d.ticks " + path: r"^file %s: error: it has a path, but device d searches its component path for the file "
-                          r"name only; copy the file there, then: takt swap d\.ticks ticks_more\.so$" % re.escape(path)})
+                          r"name only; copy the file there, then run takt swap d\.ticks ticks_more\.so$" % re.escape(path)})
         self.assertIn(folder + "/ticks_more.so", self.swap("ticks_more.so"))
         log = self.done("log --device d --kind command,refused-command --json")[0]
         self.assertIn("swap to ticks_more.so was carried out", log)

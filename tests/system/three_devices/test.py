@@ -11,7 +11,7 @@ DEVICES = {"robot": ["grid", "program"], "line": ["grid", "sporadic"], "station"
 
 
 class ThreeDevices(takt_system.Case):
-    def test_all_devices_start_at_one_instant(self):
+    def test_all_devices_of_takt_run_start_at_one_instant(self):
         run = self.start("run", "cell.xml", "--for", "3", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         nodes = run.processes("takt-node")
@@ -33,7 +33,7 @@ class ThreeDevices(takt_system.Case):
 
         grids = [self.read(name).split() for name in ("robot", "line", "fast", "slow")]
         grids.append(re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program"))).groups())
-        # One instant on the wall clock. Each node reads its two clocks as close together as it can.
+        # All grids begin at one instant of the wall clock. Each node converts this instant with its own readings of two clocks.
         instants = [int(t0) for t0, _, _ in grids]
         self.assertLess(max(instants) - min(instants), 20000, grids)
         self.assertEqual({"0"}, {strayed for _, _, strayed in grids})
@@ -42,7 +42,7 @@ class ThreeDevices(takt_system.Case):
                                                 ("slow", "station", 1, "slow")):
             self.assert_grid(run, module, every=every, executor=executor, device=device)
 
-    def test_if_one_device_fails_to_initialise_none_runs(self):
+    def test_if_a_module_of_one_device_fails_to_initialise_no_device_runs(self):
         run = self.takt("run", "one_refuses.xml", "--for", "5", "--json", limit=30)
         self.assert_refused(run)
         self.assertEqual(["module line.bad: error: initialize() failed: threw: initialize() threw as it was asked to"], run.other_lines)
@@ -57,7 +57,7 @@ class ThreeDevices(takt_system.Case):
         run.wait_for_state("monitoring", "EXECUTING")
         line = next(node for node in run.processes("takt-node") if "line" in node.arguments)
         line.kill()
-        wait_until(lambda: len(run.processes("takt-host")) == 2, 15, "its host to end")
+        wait_until(lambda: len(run.processes("takt-host")) == 2, 15, "the host of line to end")
         self.assertEqual(2, len(run.processes("takt-node")))
         self.assertIsNone(run.status)
         run.signal(signal.SIGINT)

@@ -41,7 +41,7 @@ class Trace(takt_system.Case):
         return node
 
     def sound(self, trace):
-        """Checks that Chrome can read the trace, and what holds for every trace. Returns its spans by thread and category."""
+        """Checks that Chrome can read the trace, and that the trace is consistent. Returns its spans by thread and category."""
         spans = collections.defaultdict(list)
         names = {}
         for event in trace["traceEvents"]:
@@ -92,8 +92,8 @@ class Trace(takt_system.Case):
             self.assertIn(culprit, {e["args"].get("culprit") for e in found})
         return found
 
-    @takt_system.alone("its program keeps a CPU busy")
-    def test_traces_a_running_device(self):
+    @takt_system.alone("the program slow.exe keeps a CPU busy")
+    def test_takt_trace_records_the_rows_and_runs_of_a_running_device(self):
         node = self.deployed(module("source", "port_source.so", 1), module("sink", "port_sink.so", 2),
                              module("slow", "slow.exe", 3, kind="process"),
                              connections='<connection from="robot.source.out" to="robot.sink.in"/>')
@@ -111,7 +111,7 @@ class Trace(takt_system.Case):
         self.assertEqual(["slow"], sorted({body["name"] for events in bodies for body in events}))
         self.end({"robot": node})
 
-    def test_attributes_delays_to_an_overrun_and_to_a_predecessor(self):
+    def test_takt_trace_attributes_a_delay_to_an_overrun_or_to_a_predecessor(self):
         node = self.deployed(module("long", "slow.so", 1, ns=7000000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(1.5)
@@ -120,7 +120,7 @@ class Trace(takt_system.Case):
         self.caused(report, trace, "predecessor", "long")
         self.end({"robot": node})
 
-    def test_attributes_a_delay_to_page_faults(self):
+    def test_takt_trace_attributes_a_delay_to_page_faults(self):
         node = self.deployed(module("maps", "maps.so", 1, pages=8000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(1.5)
@@ -129,7 +129,7 @@ class Trace(takt_system.Case):
         self.end({"robot": node})
 
     @unittest.skipUnless(os.geteuid() == 0, "needs a priority")
-    def test_attributes_a_delay_to_preemption(self):
+    def test_takt_trace_attributes_a_delay_to_preemption(self):
         node = self.deployed(module("fine", "fine.so", 1))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(0.5)
@@ -138,7 +138,7 @@ class Trace(takt_system.Case):
         self.caused(report, trace, "preemption")
         self.end({"robot": node})
 
-    def test_attributes_a_delay_to_a_stopped_host(self):
+    def test_takt_trace_attributes_a_delay_to_a_stopped_host(self):
         node = self.deployed(module("fine", "fine.so", 1))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(0.5)
@@ -148,7 +148,7 @@ class Trace(takt_system.Case):
         os.kill(host, signal.SIGCONT)
         time.sleep(0.3)
         report, trace = self.trace()
-        # The machine may also have stalled, and for longer.
+        # The machine may also have stalled for longer than the test stopped the host.
         stopped = [e for e in self.caused(report, trace, "preemption") if "stopped by a signal" in e["args"]["why"]]
         self.assertTrue(stopped, report)
         late = max(stopped, key=lambda e: e["args"]["begins_late_us"])
@@ -156,7 +156,7 @@ class Trace(takt_system.Case):
         self.end({"robot": node})
 
     @takt_system.timing("the rows before the crash must still be in the recorder")
-    def test_a_crash_leaves_a_trace_of_its_last_rows(self):
+    def test_a_node_writes_a_trace_of_the_last_rows_before_a_crash(self):
         node = self.deployed(module("segv", "segv.so", 1), module("fine", "fine.so", 2))
         node.wait_for_line(r"takt trace (\S+\.trace\.json)")
         files = glob.glob(os.path.join(self.folder, "state", "traces", "robot.*.trace.json"))
@@ -177,14 +177,14 @@ class Trace(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.end({"robot": node})
 
-    def test_rejects_what_cannot_be_traced(self):
+    def test_takt_trace_rejects_devices_and_files_that_have_no_trace(self):
         node = self.node("robot")
         self.write("none.json", "{}")
         self.write("text.json", "no")
         self.refused({"trace robot": "device robot has no deployment to trace",
                       "trace none.json": r"none\.json: error: is not a Takt trace",
                       "trace text.json": r"text\.json: error: is not a Takt trace",
-                      "trace nothing.json": "is not a file that exists, and not a valid device name",
+                      "trace nothing.json": "is neither an existing file nor a valid device name",
                       "trace nobody": "device nobody: error: not found: no answer"})
         self.assertEqual(2, self.takt("trace", "robot", "--last", "0").status)
         self.end({"robot": node})

@@ -51,7 +51,7 @@ class Update(takt_system.Case):
         return {device: node.one("takt-host").pid for device, node in nodes.items()}
 
     def versions(self, node):
-        """What each instance of ticks printed in start(): its version, how it began, its label."""
+        """Returns what each instance of ticks printed in start(): its version, how it began, and its label."""
         found = [re.match(r"version (\d) (from|begins at) \d+, label (\w+)", line.text.lstrip("| ")) for line in list(node.lines)]
         return [m.groups() for m in found if m]
 
@@ -61,7 +61,7 @@ class Update(takt_system.Case):
                    "versions %s to be printed" % (expected,))
 
     def t0(self, name):
-        """T0 of an ended module in ns. All its releases must have been on the grid."""
+        """Returns the T0 of an ended module, in ns. Checks that all its releases were on the grid."""
         t0, runs, strayed = (int(n) for n in self.read(name).split())
         self.assertEqual((True, 0), (runs > 0, strayed))
         return t0
@@ -70,7 +70,7 @@ class Update(takt_system.Case):
         print("the grids differ by %d ns" % (other - one))
         self.assertLess(abs(other - one), 20000)
 
-    def test_changes_a_file_and_a_property_while_running_and_resumes_them(self):
+    def test_an_update_changes_a_file_and_a_property_while_the_modules_run(self):
         nodes = self.running()
         hosts = self.hosts(nodes)
         self.done("set robot.live label mine")
@@ -104,7 +104,7 @@ class Update(takt_system.Case):
         self.assertGreater(seen["read"], 0)
         self.end(nodes)
 
-    def test_a_changed_period_restarts_one_device_on_its_grid(self):
+    def test_an_update_of_a_period_restarts_only_its_device_on_the_same_grid(self):
         nodes = self.running()
         robot = nodes["robot"].one("takt-host").pid
         self.done("set line.grid file operator")
@@ -115,7 +115,7 @@ class Update(takt_system.Case):
         self.assertEqual(robot, nodes["robot"].one("takt-host").pid)
         self.assertEqual([RUNS, RUNS], [nodes["robot"].states(module) for module in ("ticks", "live")])
         self.assertEqual(["operator"], self.done("get line.grid file"))
-        # Samples from the device that ran on arrive again.
+        # The restarted device gets samples from the other device again.
         reader = lambda: next(m for m in self.status_of("line")["modules"] if m["name"] == "reader")["ports"][0]
         wait_until(lambda: reader()["samples"] > 0, 15, "samples from the other device")
         self.done("undeploy cell")
@@ -123,7 +123,7 @@ class Update(takt_system.Case):
         self.assertGreater(json.loads(self.read("seen"))["read"], 0)
         self.end(nodes)
 
-    def test_an_error_on_one_device_changes_nothing(self):
+    def test_an_update_with_an_error_changes_nothing_on_any_device(self):
         nodes = self.nodes("robot", "line")
         more = ("ticks.so", "ticks_more.so")
         run = self.update_fails(more)
@@ -161,7 +161,7 @@ class Update(takt_system.Case):
         self.assertRegex(run.err, r"module robot\.ticks: error: file: ticks\.so -> ticks_fails\.so: the old instance was put back "
                                   r"in cycle \d+: failure: the third is not for me")
         self.assertIn("cell cell is not updated; all changes were undone", run.err)
-        # Each node reports the change when it begins, and the reason for going back before it does so.
+        # Each node reports the change when it begins, and the reason before it undoes the change.
         for node, change in (("robot", "robot.ticks: label: given -> other; file: "), ("line", "line is restarted: ")):
             nodes[node].wait_for_line("is not updated: ")
             said = nodes[node].err
@@ -187,7 +187,7 @@ class Update(takt_system.Case):
         self.assert_same_grid(first, self.t0("line"))
         self.end(nodes)
 
-    def test_adds_and_removes_devices(self):
+    def test_an_update_adds_and_removes_devices(self):
         connection = re.search(r"  <connection.*\n", self.cell)[0]
         self.cell = self.cell.replace(connection, "")
         nodes = self.running("robot", "line", "station")

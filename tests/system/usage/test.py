@@ -8,7 +8,7 @@ EXAMPLE = os.path.join(takt_system.SOURCE, "deploy", "module.xml")
 
 
 class Usage(takt_system.Case):
-    def test_wrong_usage_exits_with_status_2(self):
+    def test_takt_exits_with_status_2_on_wrong_arguments(self):
         for arguments in ([], ["nonsense"], ["run"], ["check"], ["graph"], ["describe", "--json", "--xml"], ["run", EXAMPLE, "more"], ["run", EXAMPLE, "--nope"],
                           ["check", "--for", "1", EXAMPLE], ["run", EXAMPLE, "--for"], ["run", EXAMPLE, "--for", "soon"],
                           ["run", EXAMPLE, "--for", "-1"], ["run", EXAMPLE, "--for", "0"], ["run", EXAMPLE, "--for", "inf"],
@@ -23,14 +23,14 @@ class Usage(takt_system.Case):
                     self.assertEqual("takt %s --help explains all options" % arguments[0], run.err.splitlines()[2])
                 self.assertLess(max(map(len, run.err.splitlines())), 200)
 
-    def test_suggests_the_intended_command(self):
+    def test_takt_suggests_the_intended_command_for_a_misspelled_command(self):
         run = self.takt("staus")
         self.assertEqual((2, "", "takt: there is no command 'staus'; did you mean status?"), (run.status, run.out, run.err.strip()))
         run = self.takt("get", "line.belt.speed", "speed")
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertIn("'line.belt.speed' is not the name of a module; write DEVICE.MODULE, a space and the property", run.err)
 
-    def test_log_lists_every_kind_of_event(self):
+    def test_takt_log_lists_every_kind_of_event_if_a_kind_is_unknown(self):
         kinds = self.takt("log", "--help").out.split("Kinds:")[1].rstrip(".\n").replace(",", " ").split()
         self.assertLess(20, len(kinds))
         run = self.takt("log", "--kind", "nosuchkind")
@@ -40,13 +40,13 @@ class Usage(takt_system.Case):
         self.assertNotRegex(run.err, r"\d more")
         self.refused({"log --file /nowhere --kind " + ",".join(kinds): "there is no such file"})
 
-    def test_help_and_version_exit_with_status_0(self):
+    def test_the_options_help_and_version_exit_with_status_0(self):
         for arguments in (["--help"], ["run", "--help"], ["--version"]):
             run = self.takt(*arguments)
             self.assertEqual((0, ""), (run.status, run.err))
             self.assertNotEqual("", run.out)
 
-    def test_rejects_an_invalid_descriptor_at_its_line(self):
+    def test_takt_rejects_an_invalid_descriptor_and_names_the_line(self):
         garbage = self.write("garbage.xml", "\0\1\2 no descriptor")
         empty = self.write("empty.xml", "")
         for command in (["check"], ["check", "--json"], ["graph"], ["graph", "--json"], ["run", "--json"]):
@@ -58,7 +58,7 @@ class Usage(takt_system.Case):
                     self.assertEqual(1, len(run.err.splitlines()), run.err)
                     self.assertTrue(run.err.startswith("%s%s: error: " % (file, line)), run.err)
 
-    def test_graph_needs_no_component(self):
+    def test_takt_graph_draws_a_cell_without_its_components(self):
         cell = self.write("cell.xml", """<cell name="c">
   <device name="d">
     <module><filename>nowhere.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
@@ -82,7 +82,7 @@ class Usage(takt_system.Case):
         self.assertEqual((1, ""), (refused.status, refused.out))
         self.assertIn("cannot be written", refused.err)
 
-    def test_describes_a_component_in_cpp(self):
+    def test_takt_describe_describes_a_component_in_cpp(self):
         run = self.takt("describe", "cpp_properties.so", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertEqual(["name", "text", "interface", "operation", "hooks", "properties", "ports", "saved", "file"], list(run.report))
@@ -96,7 +96,7 @@ class Usage(takt_system.Case):
         for word in list(properties) + ["c++", "1 to 10", "parts", "At a time."]:
             self.assertIn(word, text)
 
-    def test_describes_a_module_in_c_and_a_program(self):
+    def test_takt_describe_describes_a_component_in_c_and_a_program(self):
         c = self.takt("describe", "fine.so", "--json").report
         self.assertEqual(("fine", "c", []), (c["name"], c["interface"], c["properties"]))
         self.assertEqual(["initialize", "start", "run", "error", "recover", "destruct"], c["hooks"])
@@ -106,7 +106,7 @@ class Usage(takt_system.Case):
                          tuple(process[key] for key in ("name", "interface", "operation", "hooks", "properties", "ports")))
         self.assertIn("process", self.takt("describe", "fine.exe").out)
 
-    def test_the_module_element_that_describe_prints_runs(self):
+    def test_takt_run_accepts_the_module_element_that_takt_describe_prints(self):
         elements = ""
         for component in ("cpp_properties.so", "fine.so", "fine_sporadic.so", "grid.exe"):
             elements += self.takt("describe", component, "--xml").out
@@ -115,7 +115,7 @@ class Usage(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(4, len(run.modules()))
 
-    def test_the_element_of_an_event_component_needs_only_a_connection(self):
+    def test_the_printed_element_of_a_component_with_event_ports_needs_only_a_connection(self):
         events = self.takt("describe", "port_events.so", "--xml").out
         for line in ("<name>port_events</name>", "<operationtype>sporadic</operationtype>", "<deadline>1000000</deadline>",
                      "<dispatch>immediate</dispatch>"):
@@ -129,7 +129,7 @@ class Usage(takt_system.Case):
         fed = self.takt("check", self.write("fed.xml", cell % (modules, connection)))
         self.assertEqual((0, ""), (fed.status, fed.err))
 
-    def test_describe_rejects_what_is_not_a_component(self):
+    def test_takt_describe_rejects_files_that_are_not_components(self):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),
                             ("wrong_default.so", "a property 'speed' whose default 20 is out of its range: 0 to 10"),

@@ -48,7 +48,7 @@ class Watch(takt_system.Case):
         self.assertEqual([], terminal.strange)
         self.assertEqual("", run.err)
 
-    def test_shows_devices_and_modules_and_follows_them(self):
+    def test_takt_watch_shows_devices_and_modules_and_their_state_changes(self):
         terminal, run = self.open()
         terminal.wait_for("no devices found on this domain")
         self.assertTrue(terminal.alternate)
@@ -60,12 +60,12 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^[> ] robot +\* running$")
         terminal.wait_for(r"^[> ] line +! running +module fails is in RECOVER")
         number = r"\d+(\.\d+)?"
-        # p50, p99, a last minute that is not empty, budget, overruns, errors, cycles
+        # The columns are: p50, p99, a last minute that is not empty, budget, overruns, errors, cycles.
         terminal.wait_for(r"^ +grid +\* EXECUTING +%s +%s +[_.,\-=+*# ]*[_.,\-=+*#] +\d+ %% +\d+ +0 +\d+$" % (number, number))
         terminal.wait_for(r"^ +program +\* EXECUTING +%s +%s +[_.,\-=+*# ]+ - +\d+ +0 +\d+$" % (number, number))
         terminal.wait_for(r"^ +fails +! RECOVER .*failure: run\(\)")
         terminal.wait_for(r"^takt watch  cell  domain %d  2 devices  4 modules  1 RECOVER +\d\d:\d\d:\d\d$" % self.domain)
-        # The last event, and the keys.
+        # The lines at the bottom show the last event and the keys.
         terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line\.fails: EXECUTING -> RECOVER")
         terminal.wait_for(r"^Enter details .*q quit")
         self.running["robot"].signal(signal.SIGKILL)
@@ -88,7 +88,7 @@ class Watch(takt_system.Case):
         terminal.wait_for("no devices found on this domain")
         self.leave(terminal, run, lambda: terminal.press("q"))
 
-    def test_keys_command_the_selected_module(self):
+    def test_keys_in_takt_watch_command_the_selected_module(self):
         self.cell()
         terminal, run = self.open()
         terminal.wait_for(r"^ +fails +! RECOVER")
@@ -125,7 +125,7 @@ class Watch(takt_system.Case):
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_draws_within_a_terminal_of_any_size(self):
+    def test_takt_watch_draws_within_a_terminal_of_any_size(self):
         self.cell()
         for rows, columns in ((1, 1), (2, 3), (3, 200), (5, 10), (60, 20)):
             with self.subTest(rows=rows, columns=columns):
@@ -144,11 +144,11 @@ class Watch(takt_system.Case):
             if rows >= 6:
                 terminal.wait_for("^> line")
         terminal.wait_for(r"^Enter details .*q quit")
-        del terminal.strange[:]  # left from drawing for the larger size
+        del terminal.strange[:]  # takt watch drew these for the larger size
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_shows_the_details_of_one_module_or_device(self):
+    def test_takt_watch_shows_the_details_of_one_module_or_device(self):
         self.cell()
         terminal, run = self.open(rows=40)
         terminal.wait_for(r"^ +grid +\* EXECUTING")
@@ -187,7 +187,7 @@ class Watch(takt_system.Case):
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_a_slow_command_does_not_block_the_screen(self):
+    def test_a_slow_command_does_not_block_the_screen_of_takt_watch(self):
         self.cell()
         terminal, run = self.open()
         terminal.wait_for(r"^ +stubborn +\* EXECUTING")
@@ -207,11 +207,11 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"destruct of line\.stubborn, \d+ s \.\.\.$")
         terminal.press(ENTER)
         terminal.wait_for(r"^line\.stubborn$")
-        # Quitting works too.
+        # The key q works too.
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_restores_the_terminal_however_it_ends(self):
+    def test_takt_watch_restores_the_terminal_however_it_ends(self):
         terminals = [self.open(*arguments) for arguments in ((), (), (), ("--for", "3"))]
         for terminal, _ in terminals:
             terminal.wait_for("no device")
@@ -219,13 +219,13 @@ class Watch(takt_system.Case):
                 lambda: terminals[2][1].signal(signal.SIGHUP), lambda: None)
         for (terminal, run), way in zip(terminals, ways):
             self.leave(terminal, run, way)
-        # The terminal may be gone at the end.
+        # takt watch also ends if its terminal is closed.
         terminal, run = self.open()
         terminal.wait_for("no device")
         terminal.close()
         self.assertIn(run.wait(10).status, (0, 1))
 
-    def test_prints_a_line_per_transition_without_a_terminal(self):
+    def test_takt_watch_without_a_terminal_prints_a_line_for_each_transition(self):
         run = self.start("watch")
         self.running = self.nodes("robot", "line")
         for device in self.running:  # a later start prints only the last transition
@@ -250,7 +250,7 @@ class InTmux(takt_system.Case):
         self.addCleanup(tmux.close)
         return tmux
 
-    def test_works_in_tmux_at_80_by_24(self):
+    def test_takt_watch_works_in_tmux_at_80_by_24_characters(self):
         running = self.nodes("robot", "line")
         self.deploy("cell.xml")
         tmux = self.open()
@@ -270,7 +270,7 @@ class InTmux(takt_system.Case):
         tmux.press("v")
         tmux.wait_for("module +▼state")
         self.assertRegex(tmux.lines[5], r"line\.fails +▲ RECOVER")
-        # Filter by typing.
+        # Typed text filters the rows.
         tmux.press("<", "/")
         tmux.type("grix")
         tmux.wait_for("^/grix_$")
@@ -291,7 +291,7 @@ class InTmux(takt_system.Case):
         tmux.wait_for("^>   grid")
         tmux.press("Escape")
         tmux.wait_for("^    program")
-        # Other sizes, while it runs.
+        # The size of the terminal changes while takt watch runs.
         for columns, rows in ((40, 10), (200, 60), (20, 5), (80, 24)):
             tmux.resize(columns, rows)
             wait_until(lambda: len(tmux.lines) == rows and tmux.lines[-1].startswith("Enter details"[:columns - 1]), 5,
@@ -305,7 +305,7 @@ class InTmux(takt_system.Case):
         self.done("undeploy cell")
         self.end(running)
 
-    def test_shows_a_hundred_modules_in_tmux(self):
+    def test_takt_watch_shows_a_hundred_modules_in_tmux(self):
         descriptor = self.write("many.xml", "<cell name='many'><device name='robot'>%s</device></cell>" % "".join(
             "<module><name>m%03d</name><filename>fine.so</filename><moduletype>thread</moduletype>"
             "<operationtype>periodic</operationtype><period>10000000</period><priority>1</priority></module>" % i

@@ -1,5 +1,5 @@
-"""Acts as a person at a web page: opens it, reads it, clicks and presses keys. Uses headless Chromium, whose files all lie in a folder of
-the test."""
+"""Acts like a user of a web page: opens the page, reads it, clicks and presses keys. Uses headless Chromium, whose files are all in a
+folder of the test."""
 
 import os
 
@@ -15,7 +15,7 @@ OPTIONS = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", 
            "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--disable-breakpad",
            "--force-device-scale-factor=1")
 
-# Records every change of a row's state with its time, which the page itself does not keep.
+# This script records every change of a row's state with its time, because the page does not keep these.
 WATCH_STATES = """
 window.seen = {};
 const note = (row) => (window.seen[row.dataset.module] ??= []).push([row.dataset.state, Date.now()]);
@@ -58,7 +58,7 @@ class Browser:
         return self.driver.execute_script(text, *arguments)
 
     def wait_script(self, text, *arguments):
-        """Runs a script and waits until it calls done(...). Returns the value that it passes."""
+        """Runs a script and waits until it calls done(VALUE). Returns this value."""
         self.driver.set_script_timeout(120)
         return self.driver.execute_async_script("const done = arguments[arguments.length - 1];\n" + text, *arguments)
 
@@ -91,7 +91,7 @@ class Browser:
             raise AssertionError("%s; it is %r" % (error, self.attribute(selector, name))) from None
 
     def click(self, selector):
-        """Clicks at the place of the element. An element that covers it gets the click."""
+        """Clicks at the place of the element. If another element covers it, that element gets the click."""
         self.driver.find_element("css selector", selector).click()
 
     def write(self, selector, text):
@@ -117,7 +117,7 @@ class Browser:
                 raise AssertionError("the focus on %r is not visible" % self.focused())
             if holds(self.focused()):
                 return
-        raise AssertionError("%d times %r did not reach it; the focus is on %r" % (most, key, self.focused()))
+        raise AssertionError("pressing %d times %r did not move the focus to the wanted element; the focus is on %r" % (most, key, self.focused()))
 
     def states(self):
         """The states of the modules in the list: {"device.module": "EXECUTING"}."""
@@ -128,12 +128,12 @@ class Browser:
         self.script(WATCH_STATES)
 
     def seen(self, module=None):
-        """The states since watch_states(): those of one module, or of all with the time of each in ms of the browser's clock."""
+        """Returns the states since watch_states(): those of one module, or those of all modules with their times in ms of the browser's clock."""
         seen = self.script("return window.seen")
         return seen if module is None else [state for state, _ in seen[module]]
 
     def errors(self, apart=()):
-        """The errors and warnings on the console since the last call, without lines that contain one of `apart`."""
+        """Returns the errors and warnings on the console since the last call. Leaves out lines that contain one of `apart`."""
         try:
             lines = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
         except WebDriverException as error:

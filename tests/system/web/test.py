@@ -16,7 +16,7 @@ from selenium.webdriver.common.keys import Keys
 from browser import Browser
 
 TOKEN = "a-token-that-only-this-test-knows"
-LONG = 60  # seconds; a browser shares the two CPUs
+LONG = 60  # seconds, because the browser and the cell share two CPUs
 MODULES = ("robot.source", "robot.tuned", "robot.program", "line.sink", "line.fails")
 VIEWS = ("cell", "modules", "connections", "faults", "table", "plots")
 
@@ -62,7 +62,7 @@ class Web(takt_system.Case):
                 wait_until(lambda: self.page.states() == told, 3)
                 return told
             except AssertionError:
-                pass  # a state changed meanwhile
+                pass  # a state changed between the two readings
         self.assertEqual(told, self.page.states())
 
     def select(self, module):
@@ -75,8 +75,8 @@ class Web(takt_system.Case):
                    "the button %s" % verb)
         self.page.click(button)
 
-    @takt_system.timing("it looks for the last faults, and a stall of the machine would add newer ones")
-    def test_shows_the_states_that_dds_carries(self):
+    @takt_system.timing("the test looks for the last faults, and a stall of the machine would add newer faults")
+    def test_the_web_page_shows_the_states_that_are_on_dds(self):
         web = self.serve()
         page = self.look("#/modules")
         page.wait_for("#summary", "no devices found")
@@ -87,7 +87,7 @@ class Web(takt_system.Case):
         self.assertEqual(set(MODULES), set(told))
         page.wait_for("#summary", r"^running: 4 of 5 modules EXECUTING, line.fails in RECOVER$")
 
-        # The graph shows the same in words, not by colour alone.
+        # The graph shows the states in words too, not by colour alone.
         page.go("#/cell")
         for module, state in told.items():
             page.wait_for("[data-module='%s'] .state-word" % module, "^%s$" % state)
@@ -98,7 +98,7 @@ class Web(takt_system.Case):
         self.assertEqual("good", page.attribute("[data-module='robot.tuned']", "data-look"))
         page.wait_for_attribute("path.wire", "data-line", "good", LONG)
 
-        # A killed program goes to RECOVER and comes back. Modules of a killed host do so too fast to see, but the details keep the steps.
+        # A killed program goes to RECOVER and comes back. The states of a killed host change too fast to see, but the details keep the steps.
         page.go("#/modules")
         page.wait_for("tr[data-module='robot.program'] .word", "EXECUTING")
         page.watch_states()
@@ -127,7 +127,7 @@ class Web(takt_system.Case):
         page.wait_for("#details .last-faults li", "host-restart", LONG)
         self.assertNotIn("program-restart", " ".join(page.texts("#details .last-faults li")))
 
-        # A killed node: its device, its modules and their connections are lost.
+        # If a node is killed, its device, its modules and their connections are shown as lost.
         self.running["robot"].signal(signal.SIGKILL)
         self.running["robot"].wait(10)
         page.wait_for("#summary", "robot lost", LONG)
@@ -147,7 +147,7 @@ class Web(takt_system.Case):
         self.wait_until_as_on_dds()
         self.finish(web, apart=("504",))  # the page may have asked the node that was killed
 
-    def test_an_operator_with_the_token_can_command(self):
+    def test_an_operator_with_the_token_can_command_modules_on_the_web_page(self):
         web = self.serve()
         self.cell()
         page = self.look("#token=" + TOKEN)
@@ -185,7 +185,7 @@ class Web(takt_system.Case):
         self.order("recover")
         wait_until(lambda: "EXECUTING" in page.seen("line.fails"), LONG, "line.fails to execute again")
 
-        # Set a property, within and outside its range.
+        # A property is set to a value in its range, then to a value out of its range.
         self.select("robot.tuned")
         gain = "[data-property=gain]"
         page.wait_for(gain + " .about", "0 to 100", LONG)
@@ -205,7 +205,7 @@ class Web(takt_system.Case):
         self.assertEqual(0, page.script("return document.querySelectorAll('img').length"))
         self.finish(web, apart=("409",))
 
-    def test_the_page_is_read_only_without_the_token(self):
+    def test_the_web_page_is_read_only_without_the_token(self):
         web = self.serve()
         self.cell()
         page = self.look("#/modules?select=robot.tuned")
@@ -215,7 +215,7 @@ class Web(takt_system.Case):
         page.wait_for("[data-property=gain] .name", "gain", LONG)
         self.assertTrue(page.script("return [...document.querySelectorAll('.commands button, .property input, .property button')]"
                                     ".every((one) => one.disabled)"))
-        # Requests without the page are rejected too.
+        # Requests that do not come from the page are rejected too.
         order = json.dumps({"device": "robot", "module": "tuned", "verb": "stop"})
         self.assertEqual(403, page.wait_script("fetch('/api/command', {method: 'POST', body: arguments[0]}).then((a) => done(a.status))",
                                                order))
@@ -233,7 +233,7 @@ class Web(takt_system.Case):
         self.assertNotIn(TOKEN, page.script("return location.href"))
         self.finish(web, apart=("403",))
 
-    def test_everything_works_with_the_keyboard(self):
+    def test_every_function_of_the_web_page_works_with_the_keyboard(self):
         web = self.serve()
         self.cell()
         page = self.look("#token=" + TOKEN)
@@ -243,7 +243,7 @@ class Web(takt_system.Case):
             page.press(Keys.ARROW_RIGHT)
             wait_until(lambda: page.script("return location.hash").startswith("#/" + view), LONG, view)
         page.press(Keys.HOME)
-        # In the graph: enter it, go from box to box, select a box.
+        # In the graph, keys enter the graph, go from box to box, and select a box.
         page.press_until(Keys.TAB, lambda focused: focused.startswith("graph of the cell"))
         page.press_until(Keys.TAB, lambda focused: focused.startswith(("device ", "robot.", "line.")))
         reached = set()
@@ -255,7 +255,7 @@ class Web(takt_system.Case):
         page.wait_for("#details h2", r"\w")
         page.press(Keys.ESCAPE)
         wait_until(lambda: page.text("#details h2") is None, LONG, "the details to be closed")
-        # In the list: select a module and stop it.
+        # In the list, keys select a module and stop it.
         page.press_until(Keys.TAB, lambda focused: focused == "Cell")
         page.press(Keys.ARROW_RIGHT)
         page.wait_for("tr[data-module='robot.tuned'] .word", "EXECUTING", LONG)
@@ -267,13 +267,13 @@ class Web(takt_system.Case):
         page.press(Keys.ENTER)
         self.wait_for_states({"robot": {"tuned": "START"}}, LONG)
         page.wait_for("#details .mark .word", "^START", LONG)
-        # A screen reader is told.
+        # The page announces the change to a screen reader.
         page.wait_for("#spoken", r"robot\.tuned START", LONG)
         page.press(Keys.ESCAPE)
         wait_until(lambda: page.focused() == "tuned", LONG, "the focus to return")
         self.finish(web)
 
-    def test_shows_the_loss_and_the_return_of_the_gateway(self):
+    def test_the_web_page_shows_the_loss_and_the_return_of_the_gateway(self):
         web = self.serve()
         port = int(re.search(r":(\d+)/", self.address)[1])
         self.cell()
@@ -300,7 +300,7 @@ class Web(takt_system.Case):
         self.wait_for_states({"robot": {"tuned": "EXECUTING"}}, LONG)
         self.finish(web, apart=("ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED", "ERR_EMPTY", "ERR_CONNECTION_RESET"))
 
-    def test_draws_port_values_and_the_table(self):
+    def test_the_web_page_draws_port_values_and_the_table_of_an_executor(self):
         web = self.serve()
         self.cell()
         page = self.look("#/plots")
@@ -325,9 +325,9 @@ class Web(takt_system.Case):
         page.wait_for("#details .bar .words", r"p99 run time .* us of 5 ms budget", LONG)
         self.finish(web)
 
-    def test_an_open_view_shows_a_later_deployment(self):
+    def test_an_open_view_of_the_web_page_shows_a_later_deployment(self):
         web = self.serve()
-        page = self.look("#/constructor")  # not a view, although every JavaScript object has this member
+        page = self.look("#/constructor")  # there is no such view, although every JavaScript object has a member of this name
         page.wait_for("#tabs [aria-selected=true]", "^Cell$", LONG)
         page.go("#/table?device=robot")
         page.wait_for(".table-view .answer", "no cell runs", LONG)
@@ -355,7 +355,7 @@ class Web(takt_system.Case):
         self.assertIsNone(page.text("[data-property=gain]"))
         self.finish(web, apart=("409", "404"))
 
-    def test_the_overrun_filter_adds_a_module_that_starts_to_overrun(self):
+    def test_the_overrun_filter_shows_a_module_from_its_first_overrun_on(self):
         web = self.serve()
         page = self.look("#/faults")
         self.assertEqual([0, 1], page.wait_script("""
@@ -381,7 +381,7 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_a_link_keeps_the_filters_and_a_pause_counts_new_events(self):
+    def test_a_link_keeps_the_filters_and_a_paused_list_counts_new_events(self):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
@@ -406,7 +406,7 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_follows_the_states_of_a_hundred_modules(self):
+    def test_the_web_page_shows_every_state_change_of_a_hundred_modules(self):
         modules = "".join("<module><name>m%d</name><filename>cpp_properties.so</filename><moduletype>thread</moduletype>"
                           "<operationtype>periodic</operationtype><period>10000000</period><priority>%d</priority></module>\n" % (i, i)
                           for i in range(100))
@@ -439,7 +439,7 @@ class Web(takt_system.Case):
             print("from a step until it is shown: %d steps, ms: p50 %.0f, p99 %.0f, longest %.0f"
                   % (len(ages), ages[len(ages) // 2], ages[len(ages) * 99 // 100], ages[-1]))
         for module, seen in seen_at.items():
-            seen = [state for state, _ in seen if state != "lost"]  # shown for a moment if the machine stalls
+            seen = [state for state, _ in seen if state != "lost"]  # the page shows this for a moment if the machine stalls
             self.assertEqual(["EXECUTING"] + told, [state for i, state in enumerate(seen) if i == 0 or seen[i - 1] != state], module)
         frames = sorted(page.script("return window.frames_ms"))
         print("frames with a hundred modules: %d, ms: p50 %.1f, p99 %.1f, longest %.1f"
@@ -448,7 +448,7 @@ class Web(takt_system.Case):
         page.wait_for("[data-module='robot.m0'] .state-word", "EXECUTING", LONG)
         self.finish(web)
 
-    def test_fits_screens_and_fingers_and_is_legible(self):
+    def test_the_web_page_is_legible_and_fits_small_screens_and_fingers(self):
         web = self.serve()
         self.cell()
         page = self.look("#token=" + TOKEN)
@@ -492,7 +492,7 @@ class Web(takt_system.Case):
                              "the lines of a legend must have the colour of the curves")
         self.finish(web)
 
-    def test_strips_active_content_from_a_drawing(self):
+    def test_the_web_page_removes_scripts_and_links_from_drawings(self):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
@@ -511,7 +511,7 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_draws_a_plot_of_any_values_and_width(self):
+    def test_the_web_page_draws_a_plot_of_any_values_and_width(self):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
@@ -537,11 +537,11 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_a_pending_command_is_not_sent_twice(self):
+    def test_the_web_page_does_not_send_a_pending_command_twice(self):
         web = self.serve()
         page = self.look()
         page.wait_for("#link", "^live$", LONG)
-        web.signal(signal.SIGSTOP)  # it takes requests and does not answer
+        web.signal(signal.SIGSTOP)  # a stopped gateway accepts connections and does not answer
         try:
             limits, said = page.wait_script("""
                 import("/api.js").then(async ({get, post}) => {
@@ -565,7 +565,7 @@ class Web(takt_system.Case):
               commands.hold("robot", "robot.one");
               const stop = commands.buttons.find((button) => button.dataset.verb === "stop");
               stop.click();
-              commands.update();  // a state arrives meanwhile
+              commands.update();  // a state arrives while the command is pending
               stop.click();
               const seen = [given.length, Number(stop.disabled)];
               commands.hold("robot", "robot.two");
@@ -579,7 +579,7 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_dates_and_hours_use_the_same_time_zone(self):
+    def test_dates_and_hours_on_the_web_page_use_the_same_time_zone(self):
         web = self.serve()
         page = self.look()
         page.driver.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "Asia/Tokyo"})
@@ -589,7 +589,7 @@ class Web(takt_system.Case):
         self.assertEqual(0, web.wait(20).status, web.err)
 
 
-# Finds texts with less contrast to their background than WCAG level AA requires. As there, disabled elements do not count.
+# This script finds texts with less contrast to their background than WCAG level AA requires. As in WCAG, disabled elements do not count.
 CONTRAST = """
 const parts = (text) => text.match(/[\\d.]+/g).map(Number);
 const light = ([r, g, b]) => [r, g, b].map((c) => c / 255).map((c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)

@@ -111,7 +111,7 @@ class Gateway(takt_system.Case):
         self.takt("undeploy", "seen")
         self.end(self.running)
 
-    def test_streams_the_states_that_dds_carries(self):
+    def test_the_gateway_streams_the_states_that_are_on_dds(self):
         run = self.web()
         events = self.events()
         events.wait(lambda e: e.of("cell"))
@@ -135,7 +135,7 @@ class Gateway(takt_system.Case):
         began = time.monotonic()
         self.done("stop right.live")
         events.wait(lambda e: e.states()["right.live"] == "START")
-        print("a stop was told after at most %.0f ms, with the command" % ((time.monotonic() - began) * 1e3))
+        print("the stream showed a stop at most %.0f ms after takt stop began" % ((time.monotonic() - began) * 1e3))
         self.done("set left.fails after 1")
         events.wait(lambda e: e.states()["left.fails"] == "RECOVER")
         self.assertIn("as it was asked to", events.modules["left.fails"]["text"])
@@ -146,7 +146,7 @@ class Gateway(takt_system.Case):
         self.running["right"].signal(signal.SIGKILL)
         events.wait(lambda e: not e.devices["right"]["alive"])
         self.assertEqual("EXECUTING", events.states()["right.sink"], "the last known state must remain")
-        # A new stream shows the same.
+        # A new stream shows the same states.
         other = self.events()
         other.wait(lambda e: e.of("faults"))
         self.assertEqual(events.devices["right"], other.devices["right"])
@@ -162,12 +162,12 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: e.ended, what="the end of the stream")
 
     def faults(self, events):
-        """The faults as a page lists them."""
+        """Returns the faults as the page lists them."""
         told = events.of("faults")
         last = max((i for i, data in enumerate(told) if data["whole"]), default=0)
         return [f for data in told[last:] for f in data["events"]]
 
-    def test_commands_need_the_token(self):
+    def test_the_gateway_accepts_commands_only_with_the_token(self):
         run = self.cell()
         self.assertIsNone(self.token)
         stop = {"device": "right", "module": "live", "verb": "stop"}
@@ -203,14 +203,14 @@ class Gateway(takt_system.Case):
         status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "0"}, token=self.token)
         self.assertEqual(409, status)
         self.assertRegex(said["what"], "1 to 1000|at least 1|less than")
-        # For a program, the gateway shows the values from its start, and sends the node no request that it would reject.
+        # For a program, the gateway shows the values at its start. It does not ask the node, which would reject this request.
         before = self.done("log --json --kind refused-command")[0].count("refused-command")
         properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
         self.assertEqual({"gain": "2.5", "label": "none"}, properties)
         self.assertEqual(before, self.done("log --json --kind refused-command")[0].count("refused-command"))
         self.finish(run)
 
-    def test_serves_port_values_tables_and_history(self):
+    def test_the_gateway_serves_port_values_tables_and_history(self):
         run = self.cell()
         events = self.events()
         stream = events.wait(lambda e: e.of("stream"))[0]["id"]
@@ -231,7 +231,7 @@ class Gateway(takt_system.Case):
         self.assertEqual([True] + [False] * (len(events.of("points")) - 1), [p["whole"] for p in events.of("points")])
         same = [v for p in events.of("points") for v in p["values"][1]]
         self.assertEqual(numbers()[:len(same)], same[:len(numbers())], "all fields must be of the same sample")
-        # A later stream gets the earlier values too.
+        # A stream that is opened later gets the earlier values too.
         other = self.events()
         later = other.wait(lambda e: e.of("stream"))[0]["id"]
         self.ask("api/streams/%s/ports" % later, {"ports": ["left.source.out"]}, "PUT")
@@ -278,7 +278,7 @@ class Gateway(takt_system.Case):
         self.assertEqual([], self.ask("api/history?module=left.nobody")[1]["times_ms"])
         self.finish(run)
 
-    def test_follows_an_update_and_forgets_an_undeployed_cell(self):
+    def test_the_gateway_shows_an_updated_cell_and_forgets_an_undeployed_cell(self):
         run = self.cell()
         spare = self.node("spare")
         events = self.events()
@@ -310,7 +310,7 @@ class Gateway(takt_system.Case):
         self.runs.remove(spare)
         self.finish(run)
 
-    def test_lists_but_does_not_count_old_faults_of_a_node_found_late(self):
+    def test_the_gateway_lists_but_does_not_count_old_faults_of_a_node_that_it_finds_late(self):
         node = self.node("left")
         self.refused({"stop left.before": "left"})
         node.signal(signal.SIGSTOP)
@@ -333,7 +333,7 @@ class Gateway(takt_system.Case):
         self.assertEqual(0, run.wait(10).status, run.err)
         self.end({"left": node})
 
-    def test_prometheus_reads_its_metrics(self):
+    def test_prometheus_can_read_the_metrics_of_the_gateway(self):
         run = self.cell()
         self.done("stop right.live")
 
@@ -377,7 +377,7 @@ class Gateway(takt_system.Case):
                 self.assertGreaterEqual(now[tuple(sorted(sample.labels.items()))], sample.value, name)
         self.finish(run)
 
-    def test_malformed_requests_disturb_nobody(self):
+    def test_malformed_http_requests_do_not_disturb_other_clients_of_the_gateway(self):
         run = self.cell("--commands")
         events = self.events()
         events.wait(lambda e: len(e.modules) == 5 and e.of("cell")[-1]["cell"] == "seen")
@@ -417,7 +417,7 @@ class Gateway(takt_system.Case):
         with urllib.request.urlopen(self.address, timeout=30) as page:
             self.assertIn("default-src 'self'", page.headers["Content-Security-Policy"])
             self.assertIn(b"<title>", page.read())
-        # The number of streams is limited, and the existing ones go on.
+        # The number of streams is limited. The existing streams continue.
         more = []
         for _ in range(63):
             more.append(Events(self.address))
@@ -442,7 +442,7 @@ class Gateway(takt_system.Case):
             error.close()
             return False
 
-    def test_reports_why_it_cannot_start(self):
+    def test_takt_web_reports_why_it_cannot_start(self):
         taken = socket.socket()
         self.addCleanup(taken.close)
         taken.bind(("127.0.0.1", 0))

@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(AgentCommands, InspectsOnceForAllDescribeCommands) {
+TEST(AgentCommands, InspectsComponentsOnceForSeveralDescribeCommands) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
@@ -124,7 +124,7 @@ TEST(AgentCommands, RejectsAPropertyOfAnUnknownModule) {
   EXPECT_TRUE(device.work.properties.empty());
 }
 
-TEST(AgentCommands, TracesTheRequestedTimeOfADeployment) {
+TEST(AgentCommands, TracesADeploymentForTheRequestedTime) {
   FakeDevice device;
   const auto ask = [&device](const char* value) {
     wire::WholeCommand trace = device.command(COMMAND_TRACE);
@@ -158,12 +158,12 @@ TEST(AgentCommands, RejectsASwapToAFileWithAPath) {
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
     EXPECT_THAT(device.text(),
                 HasSubstr("file " + std::string{file} + ": it has a path, but device robot searches"));
-    EXPECT_THAT(device.text(), HasSubstr("copy the file there, then: takt swap robot.arm arm2.so"));
+    EXPECT_THAT(device.text(), HasSubstr("copy the file there, then run takt swap robot.arm arm2.so"));
   }
   EXPECT_EQ(device.work.inspections.size(), 1U) << "only the inspection of the deployment";
 }
 
-TEST(AgentCommands, ReportsAWrongSwapFileByItsName) {
+TEST(AgentCommands, NamesTheFileOfARejectedSwap) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();

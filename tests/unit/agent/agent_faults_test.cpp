@@ -34,7 +34,7 @@ class AgentFaultsTest : public testing::Test {
   FakeDevice device_;
 };
 
-TEST_F(AgentFaultsTest, TellsACleanShutdownFromACrashOfThePreviousNode) {
+TEST_F(AgentFaultsTest, DetectsACrashOfThePreviousNode) {
   const auto record = std::make_shared<node::FaultRecord>();
   const auto note_start = [&record] {
     FakeDevice device{{}, false, record};
@@ -146,7 +146,7 @@ TEST_F(AgentFaultsTest, RejectsAWrongLogFilterWithASuggestion) {
   EXPECT_THAT(device_.text(), HasSubstr("did you mean error"));
 }
 
-TEST_F(AgentFaultsTest, EmitsAllPendingCountsAtTheEndOfADeployment) {
+TEST_F(AgentFaultsTest, EmitsPendingEventCountsAtTheEndOfADeployment) {
   device_.become_running();
   for (int i = 0; i < 5; ++i)
     device_.work.noted({.module = "servo", .kind = FaultKind::overrun, .count = 2}, "");

@@ -22,7 +22,7 @@ DeviceStatus other(const std::string& device, const std::string& node) {
   return status;
 }
 
-TEST(AgentAndOthers, RejectsDeploymentsWhileAnotherNodeHasItsName) {
+TEST(AgentWithOtherNodes, RejectsDeploymentsWhileAnotherNodeHasItsName) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "there"), 1);
   device.agent.step();
@@ -38,7 +38,7 @@ TEST(AgentAndOthers, RejectsDeploymentsWhileAnotherNodeHasItsName) {
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
 }
 
-TEST(AgentAndOthers, ReportsNoNameClashWithItselfOrOtherDevices) {
+TEST(AgentWithOtherNodes, ReportsNoNameClashWithItselfOrOtherDevices) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "here"), 1);
   device.agent.others().heard(other("line", "there"), 2);
@@ -46,7 +46,7 @@ TEST(AgentAndOthers, ReportsNoNameClashWithItselfOrOtherDevices) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST(AgentAndOthers, ListsTheLiveNodesThatItReceivesInItsReport) {
+TEST(AgentWithOtherNodes, ListsTheLiveNodesThatItReceivesInItsReport) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "here"), 1);
   device.agent.others().heard(other("line", "there"), 2);
@@ -58,7 +58,7 @@ TEST(AgentAndOthers, ListsTheLiveNodesThatItReceivesInItsReport) {
   EXPECT_EQ(device.data()["heard"], (nlohmann::ordered_json{"twin", "here"}));
 }
 
-TEST(AgentAndOthers, ReportsThatItIsSearchingDuringTheFirstSecond) {
+TEST(AgentWithOtherNodes, ReportsThatItIsSearchingDuringTheFirstSecond) {
   FakeDevice device;
   device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["searching"], true);
@@ -67,7 +67,7 @@ TEST(AgentAndOthers, ReportsThatItIsSearchingDuringTheFirstSecond) {
   EXPECT_EQ(device.data()["searching"], false);
 }
 
-TEST(AgentAndOthers, ListsLostDevicesOfItsCellInItsReport) {
+TEST(AgentWithOtherNodes, ListsLostDevicesOfItsCellInItsReport) {
   FakeDevice device;
   device.become_running();
   DeviceStatus line = other("line", "there");
@@ -91,7 +91,7 @@ TEST(AgentAndOthers, ListsLostDevicesOfItsCellInItsReport) {
   EXPECT_EQ(device.data()["lost"][0]["modules"][0]["state"], "EXECUTING");
 }
 
-// A cell in which a failure of this module stops the cell.
+// A cell that stops if this module fails.
 std::string cell_stopped_by(const std::string& module) {
   std::string text = FakeDevice::kCell;
   const std::size_t at = text.find("</priority>", text.find("<name>" + module + "<"));
@@ -107,7 +107,7 @@ DeviceStatus runs_with_us(const std::string& device, const std::string& node) {
   return status;
 }
 
-TEST(AgentAndOthers, StopsWhenAnotherDeviceStopsTheCell) {
+TEST(AgentWithOtherNodes, StopsWhenAnotherDeviceStopsTheCell) {
   FakeDevice device;
   device.become_running();
   DeviceStatus line = runs_with_us("line", "there");
@@ -127,7 +127,7 @@ TEST(AgentAndOthers, StopsWhenAnotherDeviceStopsTheCell) {
   EXPECT_TRUE(device.status().stops_cell()) << "for devices that do not receive the status of line";
 }
 
-TEST(AgentAndOthers, IgnoresAStoppedCellOfAnotherDeployment) {
+TEST(AgentWithOtherNodes, IgnoresAStoppedCellOfAnotherDeployment) {
   FakeDevice device;
   device.become_running();
   DeviceStatus line = runs_with_us("line", "there");
@@ -138,7 +138,7 @@ TEST(AgentAndOthers, IgnoresAStoppedCellOfAnotherDeployment) {
   EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST(AgentAndOthers, StopsWhenADeviceWithAStopCellModuleIsLost) {
+TEST(AgentWithOtherNodes, StopsWhenADeviceWithAStopCellModuleIsLost) {
   for (const bool vital : {false, true}) {
     FakeDevice device;
     device.become_running(vital ? cell_stopped_by("belt") : FakeDevice::kCell);
@@ -150,14 +150,14 @@ TEST(AgentAndOthers, StopsWhenADeviceWithAStopCellModuleIsLost) {
   }
 }
 
-TEST(AgentAndOthers, KeepsRunningWhenAnotherDeviceShutsDownCleanly) {
+TEST(AgentWithOtherNodes, KeepsRunningWhenAnotherDeviceShutsDownCleanly) {
   FakeDevice device;
   device.become_running(cell_stopped_by("belt"));
   DeviceStatus line = runs_with_us("line", "there");
   device.agent.others().heard(line, 3);
   line.state(DEVICE_STOPPING);
   device.agent.others().heard(line, 3);
-  device.agent.others().lost(3);  // the loss is seen before the withdrawal of its status
+  device.agent.others().lost(3);  // the agent sees the loss before the status is withdrawn
   device.agent.step();
   EXPECT_FALSE(device.work.stop_called);
   device.agent.others().heard(runs_with_us("line", "again"), 4);
@@ -167,7 +167,7 @@ TEST(AgentAndOthers, KeepsRunningWhenAnotherDeviceShutsDownCleanly) {
   EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST(AgentAndOthers, StopsWithAStopCellModuleWhenAllOtherDevicesAreLost) {
+TEST(AgentWithOtherNodes, StopsWithAStopCellModuleWhenAllOtherDevicesAreLost) {
   for (const bool vital : {false, true}) {
     FakeDevice device;
     device.become_running(vital ? cell_stopped_by("servo") : FakeDevice::kCell);

@@ -19,14 +19,14 @@ using std::chrono::seconds;
 using testing::HasSubstr;
 using Phase = Supervised::Phase;
 
-class Resuming : public testing::Test {
+class AgentResume : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
   node::DeploymentFile file_{folder_, "robot", 7};
 };
 
-TEST_F(Resuming, SavesARunningDeploymentUntilItIsUndeployed) {
+TEST_F(AgentResume, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
   device.become_ready();
   EXPECT_FALSE(file_.kept()->has_value()) << "the deployment does not run yet";
@@ -41,7 +41,7 @@ TEST_F(Resuming, SavesARunningDeploymentUntilItIsUndeployed) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Resuming, RestoresADeploymentOnTheSameGrid) {
+TEST_F(AgentResume, RestoresADeploymentOnTheSameGrid) {
   std::int64_t t0 = 0;
   {
     FakeDevice device{file_};
@@ -65,7 +65,7 @@ TEST_F(Resuming, RestoresADeploymentOnTheSameGrid) {
   EXPECT_TRUE(device.published.replies.empty()) << "no command was sent";
 }
 
-TEST_F(Resuming, KeepsTheGridWhenTheWallClockIsSetBeforeTheNextBoot) {
+TEST_F(AgentResume, KeepsTheGridWhenTheWallClockIsSetBeforeTheNextBoot) {
   Instant t0{};
   {
     FakeDevice device{file_};
@@ -94,7 +94,7 @@ TEST_F(Resuming, KeepsTheGridWhenTheWallClockIsSetBeforeTheNextBoot) {
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
 }
 
-TEST_F(Resuming, ReportsAFailedSaveOnceAndSavesWhenThereIsSpace) {
+TEST_F(AgentResume, ReportsAFailedSaveOnceAndSavesWhenThereIsSpace) {
   std::ofstream{folder_} << "a file where a folder should be";
   FakeDevice device{file_};
   device.become_running();
@@ -117,7 +117,7 @@ TEST_F(Resuming, ReportsAFailedSaveOnceAndSavesWhenThereIsSpace) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Resuming, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
+TEST_F(AgentResume, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -135,7 +135,7 @@ TEST_F(Resuming, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Resuming, RejectsASavedDeploymentThatStartsFarAhead) {
+TEST_F(AgentResume, RejectsASavedDeploymentThatStartsFarAhead) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -157,7 +157,7 @@ TEST_F(Resuming, RejectsASavedDeploymentThatStartsFarAhead) {
   }
 }
 
-TEST_F(Resuming, ReportsADamagedFileUntilTheNextDeployment) {
+TEST_F(AgentResume, ReportsADamagedFileUntilTheNextDeployment) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -174,7 +174,7 @@ TEST_F(Resuming, ReportsADamagedFileUntilTheNextDeployment) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST_F(Resuming, WaitsWithoutASavedDeployment) {
+TEST_F(AgentResume, WaitsWithoutASavedDeployment) {
   FakeDevice device{file_};
   device.agent.resume();
   device.agent.step();

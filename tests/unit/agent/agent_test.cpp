@@ -74,7 +74,7 @@ TEST(Agent, AnswersAQuestionAfterItsDeadline) {
   }
 }
 
-TEST(Agent, AcceptsTimesOfAnySize) {
+TEST(Agent, HandlesExtremeTimesInCommands) {
   constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   FakeDevice device;
@@ -434,7 +434,7 @@ TEST(Agent, SetsTheSafeValuesOfTheCellBeforeItRuns) {
   EXPECT_EQ(device.work.safe, (std::vector<model::SafeOutput>{output}));
 }
 
-TEST(Agent, StopsItsDeploymentBeforeItEnds) {
+TEST(Agent, StopsItsDeploymentBeforeTheNodeEnds) {
   FakeDevice device;
   device.become_running();
   device.agent.end(false);
@@ -496,7 +496,7 @@ TEST(Agent, StaysReadyWhileTheClientSendsKeepAlives) {
   EXPECT_EQ(device.work.phase, Phase::stopping) << "only keep-alives for this deployment count";
 }
 
-TEST(Agent, AnswersThePrepareCommandWhenItEndsDuringPreparation) {
+TEST(Agent, AnswersThePrepareCommandWhenTheNodeEndsMeanwhile) {
   FakeDevice device;
   device.prepare();
   device.agent.end(false);

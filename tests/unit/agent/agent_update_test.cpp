@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Phase = Supervised::Phase;
 
-/// The text with `part` replaced by `other`.
+/// Returns the text with `part` replaced by `other`.
 std::string with(const std::string& part, const std::string& other, std::string text = FakeDevice::kCell) {
   const auto at = text.find(part);
   EXPECT_NE(at, std::string::npos) << part;
@@ -94,7 +94,7 @@ class AgentUpdate : public testing::Test {
   FakeDevice device{file_};
 };
 
-TEST_F(AgentUpdate, KeepsAnEqualDescriptorWithoutChanges) {
+TEST_F(AgentUpdate, SavesAnEquivalentDescriptorWithoutChangingModules) {
   start_running();
   ASSERT_TRUE(accepts(with("</cell>", "<!-- the same --></cell>")));
   EXPECT_EQ(device.data()["change"], "none");
@@ -107,7 +107,7 @@ TEST_F(AgentUpdate, KeepsAnEqualDescriptorWithoutChanges) {
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
-TEST_F(AgentUpdate, InspectsSwapsAndKeepsANewFile) {
+TEST_F(AgentUpdate, InspectsAndThenSwapsAChangedComponent) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   EXPECT_EQ(device.data()["change"], "in place");
@@ -132,7 +132,7 @@ TEST_F(AgentUpdate, RestoresTheSetValueOfAPropertyNotTheDescriptorsValue) {
   ASSERT_TRUE(accepts(kGain2));
   const auto change = step(COMMAND_CHANGE);
   send(change);
-  done(REPLY_OK, "1.5");  // an operator had set it
+  done(REPLY_OK, "1.5");  // the value that an operator has set
   EXPECT_EQ(device.work.properties.back(), "1 gain = 2");
   done();
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
@@ -420,7 +420,7 @@ TEST_F(AgentUpdate, RejectsASecondUpdateAtTheSameTime) {
   EXPECT_TRUE(accepts(kFile, "u3"));
 }
 
-TEST_F(AgentUpdate, UndoesTheUpdateWhenTheClientIsSilent) {
+TEST_F(AgentUpdate, IsUndoneWhenTheClientIsSilent) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   send(step(COMMAND_CHANGE));
@@ -438,7 +438,7 @@ TEST_F(AgentUpdate, UndoesTheUpdateWhenTheClientIsSilent) {
   EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
 }
 
-TEST_F(AgentUpdate, UndoesOnlyAfterTheStepInProgress) {
+TEST_F(AgentUpdate, FinishesTheCurrentStepBeforeItIsUndone) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   const auto change = step(COMMAND_CHANGE);
@@ -452,7 +452,7 @@ TEST_F(AgentUpdate, UndoesOnlyAfterTheStepInProgress) {
   EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
 }
 
-TEST_F(AgentUpdate, EndsTheUpdateWithTheDeploymentOrTheNode) {
+TEST_F(AgentUpdate, FailsWhenTheCellIsUndeployedOrTheNodeEnds) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   const auto change = step(COMMAND_CHANGE);
@@ -474,7 +474,7 @@ TEST_F(AgentUpdate, EndsTheUpdateWithTheDeploymentOrTheNode) {
   EXPECT_TRUE(device.agent.ended());
 }
 
-TEST_F(AgentUpdate, FailsTheUpdateWhenTheDeploymentEndsByItself) {
+TEST_F(AgentUpdate, FailsWhenTheDeploymentEndsByItself) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   const auto change = step(COMMAND_CHANGE);

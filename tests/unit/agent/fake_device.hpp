@@ -37,7 +37,7 @@ class RecordingPublisher final : public Publisher {
 /// The calls that the fakes received, and the results that they give.
 struct Work {
   std::vector<InspectionRequest> inspections;
-  std::optional<Result<Inspected>> inspected;  ///< none: the inspection is not finished
+  std::optional<Result<Inspected>> inspected;  ///< empty while the inspection is in progress
   Result<void> prepared{};
   Supervised::Phase phase = Supervised::Phase::preparing;
   Problems failures;
@@ -46,12 +46,12 @@ struct Work {
   std::vector<model::SafeOutput> safe;
   bool stop_called = false;
   int supervised = 0;  ///< number of FakeSupervised objects that exist
-  model::Cell cell;    ///< of the newest one
+  model::Cell cell;    ///< the cell of the newest FakeSupervised
   std::vector<std::string> paths;
   std::function<void(const Step&)> stepped;
   std::function<void(model::Fault, const std::string&)> noted;
   std::vector<std::pair<std::uint32_t, Verb>> commands;
-  std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
+  std::vector<std::string> properties;  ///< requests: "0 gain" reads gain of module 0, "0 gain = 2" sets it
   Result<void> may_swap{};
   std::vector<std::pair<std::uint32_t, std::string>> swaps;
   std::vector<std::function<void(const Outcome&)>> done;

@@ -76,7 +76,7 @@ TEST_F(FaultRateLimiterTest, LimitsEachModuleKindErrorAndOriginSeparately) {
   EXPECT_THAT(through_, SizeIs(6));
 }
 
-TEST_F(FaultRateLimiterTest, AlwaysEmitsSingleActions) {
+TEST_F(FaultRateLimiterTest, NeverLimitsCommandsDeploymentsAndRestarts) {
   for (const FaultKind kind : {FaultKind::host_restart, FaultKind::command, FaultKind::deployed,
                                FaultKind::undeployed, FaultKind::given_up, FaultKind::node_restart}) {
     through_.clear();
@@ -85,7 +85,7 @@ TEST_F(FaultRateLimiterTest, AlwaysEmitsSingleActions) {
   }
 }
 
-TEST_F(FaultRateLimiterTest, BoundsItsMemoryForEverNewOrigins) {
+TEST_F(FaultRateLimiterTest, LimitsItsMemoryForManyOrigins) {
   for (int i = 0; i < 10'000; ++i) put("", FaultKind::refused_command, 1, "no", std::to_string(i));
   EXPECT_LE(through_.size(), FaultRateLimiter::kMost + 1);
   filter_.flush();

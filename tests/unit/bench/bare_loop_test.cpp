@@ -19,7 +19,7 @@ Loop loop_with(const std::vector<Nanoseconds>& late, std::vector<Instant>* relea
       });
 }
 
-TEST(LoopOnGrid, HasACycleAtEachInstant) {
+TEST(LoopOnGrid, RunsOneCycleAtEachInstant) {
   std::vector<Instant> releases;
   const Loop loop = loop_with({}, &releases);
   EXPECT_EQ(std::vector<std::int64_t>(10, 0), loop.jitter);
@@ -29,14 +29,14 @@ TEST(LoopOnGrid, HasACycleAtEachInstant) {
   EXPECT_EQ(kGrid.first + 9 * kGrid.period, releases.back());
 }
 
-TEST(LoopOnGrid, JitterIsReleaseMinusStart) { EXPECT_EQ(-5000, loop_with({0us, 5us}).jitter.at(1)); }
+TEST(LoopOnGrid, MeasuresJitterAsReleaseMinusStart) { EXPECT_EQ(-5000, loop_with({0us, 5us}).jitter.at(1)); }
 
-TEST(LoopOnGrid, MissesPassedInstantsAndKeepsTheGrid) {
+TEST(LoopOnGrid, SkipsMissedInstantsAndKeepsTheGrid) {
   std::vector<Instant> releases;
   const Loop loop = loop_with({0us, 250us}, &releases);
   EXPECT_EQ(2U, loop.missed);
   ASSERT_EQ(8U, loop.jitter.size());
-  EXPECT_EQ(-50'000, loop.jitter.at(1));  // relative to the slot in which it began
+  EXPECT_EQ(-50'000, loop.jitter.at(1));  // jitter is relative to the slot in which the cycle began
   EXPECT_EQ(kGrid.first + 3 * kGrid.period, releases.at(1));
   EXPECT_EQ(0, loop.jitter.at(2));
 }
@@ -47,7 +47,7 @@ TEST(LoopOnGrid, EndsIfTheLastInstantsWereMissed) {
   EXPECT_EQ(50U, loop.missed);
 }
 
-TEST(LoopOnGrid, HasNoCycleWithoutAnInstant) {
+TEST(LoopOnGrid, RunsNoCycleWithoutAnInstant) {
   const Grid grid{.first = from_ns(0), .period = 1ms, .length = 100us};
   EXPECT_TRUE(loop_on_grid(grid, [](Instant release) { return release; }).jitter.empty());
 }

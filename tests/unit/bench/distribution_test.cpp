@@ -23,7 +23,7 @@ TEST(Distribution, OfOneValueIsThatValue) {
   for (const double size : {d.min, d.p50, d.p90, d.p99, d.p999, d.max}) EXPECT_EQ(7, size);
 }
 
-TEST(Distribution, PercentilesUseTheNearestRank) {
+TEST(Distribution, ComputesPercentilesByNearestRank) {
   std::vector<std::int64_t> values(1000);
   std::iota(values.rbegin(), values.rend(), 1);
   const Distribution d = distribution_of(values);
@@ -35,7 +35,7 @@ TEST(Distribution, PercentilesUseTheNearestRank) {
   EXPECT_EQ(1000, d.max);
 }
 
-TEST(Distribution, OnlyMeanAndVarianceAreSigned) {
+TEST(Distribution, KeepsTheSignOnlyInMeanAndVariance) {
   const Distribution d = distribution_of({-3, 3, -1, 1});
   EXPECT_EQ(0, d.mean);
   EXPECT_EQ(5, d.variance);

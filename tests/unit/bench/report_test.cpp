@@ -51,19 +51,19 @@ TEST(AddOnce, AddsEachProblemOnce) {
   EXPECT_EQ((Problems{fail("a"), fail("b")}), all);
 }
 
-TEST(TimeColumns, MatchTheNumberOfValues) {
+TEST(TimeColumns, HaveOneHeadingPerValue) {
   EXPECT_EQ(time_columns().size(), in_columns({.count = 1}).size());
   EXPECT_TRUE(std::isnan(in_columns({}).front()));
 }
 
-TEST(Surroundings, ShowMissingValues) {
+TEST(MachineText, ShowsMissingValuesInWords) {
   const std::string text = machine_text({});
   EXPECT_THAT(text, ContainsRegex("governor +none visible"));
   EXPECT_THAT(text, ContainsRegex("isolated +no CPU"));
   EXPECT_THAT(text, ContainsRegex("throttling +off"));
 }
 
-TEST(Surroundings, TimesHaveThreeSignificantDigits) {
+TEST(TimeText, HasThreeSignificantDigits) {
   EXPECT_EQ("0.05", in_us(52));
   EXPECT_EQ("-12.3", in_us(-12'300));
   EXPECT_EQ("1450", in_us(1'450'400));

@@ -47,7 +47,7 @@ TEST(Table1Cases, HaveTheNumbersOfThePaper) {
   EXPECT_EQ(15, kTable1[1].so);
 }
 
-TEST(Table1Cases, DescriptorsHaveTheModulesOfTheCase) {
+TEST(Table1Cases, HaveDescriptorsWithTheirModules) {
   for (const Table1Case& one : kTable1) {
     const std::string text = descriptor_of(
         one, {.period = 100us, .cpu = 3, .priority = 70, .file = "/tmp/a & b", .releases = 500});
@@ -91,7 +91,7 @@ CaseResult result_of(std::size_t place, double p50_ns, double p99_ns, double bar
   return result;
 }
 
-TEST(Judge, LimitsMedianAndP99OfAThreadModule) {
+TEST(Table1Verdict, LimitsMedianAndP99OfAThreadModule) {
   EXPECT_EQ(Verdict::held, judge(result_of(0, 100, 5000, 10'000), 100us, 1).verdict);
   const Judgement late = judge(result_of(0, 101, 5000, 10'000), 100us, 1);
   EXPECT_EQ(Verdict::not_held, late.verdict);
@@ -101,25 +101,25 @@ TEST(Judge, LimitsMedianAndP99OfAThreadModule) {
   EXPECT_THAT(spread.why, HasSubstr("half the bare loop's"));
 }
 
-TEST(Judge, LimitsP99ToAMicrosecondFromAPeriodOfAMillisecond) {
+TEST(Table1Verdict, LimitsP99ToOneMicrosecondForPeriodsFromOneMillisecond) {
   EXPECT_EQ(Verdict::held, judge(result_of(0, 50, 1001, 10'000), 999us, 1).verdict);
   EXPECT_EQ(Verdict::held, judge(result_of(0, 50, 1000, 10'000), 1ms, 1).verdict);
   EXPECT_EQ(Verdict::not_held, judge(result_of(0, 50, 1001, 10'000), 1ms, 1).verdict);
 }
 
-TEST(Judge, LimitsOnlyTheMedianOfAProcessModule) {
+TEST(Table1Verdict, LimitsOnlyTheMedianOfAProcessModule) {
   EXPECT_EQ(Verdict::held, judge(result_of(3, 1000, 90'000, 10), 100us, 4).verdict);
   EXPECT_EQ(Verdict::not_held, judge(result_of(3, 1001, 0, 10), 100us, 4).verdict);
 }
 
-TEST(Judge, SaysIfTheMachineHasTooFewCpus) {
+TEST(Table1Verdict, SaysIfTheMachineHasTooFewCpus) {
   const Judgement crowded = judge(result_of(3, 1001, 0, 10), 100us, 3);
   EXPECT_EQ(Verdict::more_modules, crowded.verdict);
   EXPECT_THAT(crowded.why, HasSubstr("it needs 4 CPUs and has 3"));
   EXPECT_EQ(Verdict::held, judge(result_of(3, 1000, 0, 10), 100us, 2).verdict);
 }
 
-TEST(Judge, IsNotHeldWithoutSamplesOrRealTime) {
+TEST(Table1Verdict, IsNotHeldWithoutSamplesOrRealTime) {
   CaseResult nothing = result_of(0, 0, 0, 10'000);
   nothing.takt.count = 0;
   EXPECT_EQ(Verdict::not_held, judge(nothing, 100us, 4).verdict);
@@ -167,7 +167,7 @@ TEST(Table1Report, HasRowsForTaktThePaperAndTheBareLoop) {
               HasSubstr("more modules than cores: nothing was recorded"));
 }
 
-TEST(Table1Report, JsonHasEachCase) {
+TEST(Table1Report, ContainsEachCaseAsJson) {
   const auto json = table1_json(all_cases());
   ASSERT_EQ(10U, json["cases"].size());
   EXPECT_EQ(100, json["period_us"]);
@@ -227,7 +227,7 @@ TEST(JitterOverTime, HasAGapWhereNothingWasReleased) {
   EXPECT_EQ(2U + 1U, count_medians(jitter_over_time("t", served, 100us)));
 }
 
-TEST(JitterOverTime, DrawsFewerValuesThanColumns) {
+TEST(JitterOverTime, DrawsEvenAFewValues) {
   const std::string one = jitter_over_time("t", {{7, -100}}, 100us);
   EXPECT_THAT(one, AllOf(HasSubstr("class=\"alone\""), Not(HasSubstr("nan"))));
   std::vector<Served> served;
@@ -251,7 +251,7 @@ TEST(JitterCharts, HaveALegendAndAxisTitles) {
   EXPECT_THAT(jitter_histogram("t", served, {}), Not(HasSubstr("bare loop")));
 }
 
-TEST(ClassesOf, AreTenPerDecadeAboveTheSmallest) {
+TEST(HistogramClasses, AreTenPerDecadeAboveTheSmallest) {
   EXPECT_EQ((std::vector<std::size_t>{2}), classes_of({0, -9}));
   EXPECT_EQ((std::vector<std::size_t>{0, 1}), classes_of({10}));
   const auto classes = classes_of({-100, 99, 1000});

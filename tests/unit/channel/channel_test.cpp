@@ -11,7 +11,7 @@
 namespace takt::channel::channel_test {
 namespace {
 
-/// A second descriptor of the same memory, as another process would hold.
+/// Returns a second file descriptor of the same memory, like that of another process.
 os::Fd again(const os::Fd& fd) { return os::Fd{::dup(fd.get())}; }
 
 TEST(Channel, IsAllZeroExceptForTheNamesWhenCreated) {
@@ -43,7 +43,7 @@ TEST(Channel, IsSharedWithEveryProcessThatAttaches) {
   EXPECT_EQ(mine->host(0).t0_ns.load(), 11);
 }
 
-TEST(Channel, MayHaveNoExecutorsAndNoModules) {
+TEST(Channel, WorksWithoutExecutorsAndModules) {
   const auto mine = Channel::create(1, {}, {});
   ASSERT_TRUE(mine.ok());
   EXPECT_TRUE(Channel::attach(again(mine->fd())).ok());
@@ -59,7 +59,7 @@ TEST(Channel, OutlivesItsCreator) {
   EXPECT_EQ(theirs.module(0).cycles.load(), 3U);
 }
 
-TEST(Channel, BlocksDoNotShareCacheLines) {
+TEST(Channel, PutsEachBlockOnItsOwnCacheLines) {
   const auto channel = Channel::create(1, {"main", "other"}, {"a", "b"});
   for (const void* block :
        {static_cast<const void*>(&channel->host(0)), static_cast<const void*>(&channel->executor(1)),

@@ -50,7 +50,7 @@ TEST(FlightRecord, ClampsValuesToTheirBounds) {
   EXPECT_EQ(copy.entries[1], (FlightSample{2, FlightKind::run, 3, 0}));
 }
 
-// A copy leaves one entry out, because a reader cannot see whether the writer is writing there.
+// A copy of a full ring omits the oldest entry, because the writer may be overwriting it.
 TEST(FlightRecord, HoldsTheNewestEntries) {
   for (std::uint64_t n = 0; n <= 5 * kCapacity; ++n) {
     const auto record = FlightRecord::create({kCapacity});
@@ -65,7 +65,7 @@ TEST(FlightRecord, HoldsTheNewestEntries) {
   }
 }
 
-TEST(FlightRecord, ContinuesWithTheNextWriter) {
+TEST(FlightRecord, ContinuesWhenAnotherWriterTakesOver) {
   const auto record = FlightRecord::create({kCapacity});
   {
     FlightWriter first = record->writer(0);
@@ -80,7 +80,7 @@ TEST(FlightRecord, ContinuesWithTheNextWriter) {
   EXPECT_EQ(copy.entries[1].value, 1U);
 }
 
-TEST(FlightRecord, RingsDoNotAffectEachOther) {
+TEST(FlightRecord, KeepsItsRingsIndependent) {
   const auto record = FlightRecord::create({2, 0, 4});
   FlightWriter first = record->writer(0);
   FlightWriter none = record->writer(1);
@@ -106,10 +106,10 @@ TEST(FlightRecord, RejectsMemoryOfAnotherLayout) {
     std::memcpy(memory->data() + offset, &value, sizeof value);
     return !FlightRecord::attach(os::Fd{::dup(record->fd().get())}).ok();
   };
-  EXPECT_TRUE(rejected(0, 1));  // the magic number
-  EXPECT_TRUE(rejected(8, 3));  // the number of rings
+  EXPECT_TRUE(rejected(0, 1));  // changes the magic number
+  EXPECT_TRUE(rejected(8, 3));  // changes the number of rings
   EXPECT_TRUE(rejected(8, ~std::uint64_t{0}));
-  EXPECT_TRUE(rejected(64, kCapacity * 2));  // a capacity
+  EXPECT_TRUE(rejected(64, kCapacity * 2));  // changes a capacity
   EXPECT_TRUE(rejected(64, kCapacity - 1));
   EXPECT_TRUE(rejected(64, std::uint64_t{1} << 63));
 }

@@ -51,7 +51,7 @@ class Fiber {
   void learn(std::uint64_t value) { known = mixed(known, value); }
 
   bool done = true;
-  /// Hash of everything that the side has read. Together with its script it determines the side's state.
+  /// Hash of everything that the side has read. The hash and the side's script determine the side's state.
   std::uint64_t known = 0;
 
  private:
@@ -105,7 +105,7 @@ class Stepped {
 struct Limits {
   std::uint32_t depth;
   int samples;       ///< samples that each writer publishes
-  int takes;         ///< takes that each reader tries
+  int takes;         ///< how often each reader tries to take a sample
   int writer_kills;  ///< how often a writer may be killed and replaced
   int reader_kills;
 };
@@ -176,8 +176,8 @@ class World {
     return hash;
   }
 
-  /// Checks the end, when both sides (or their successors) are done: every buffer has one owner, and the
-  /// remaining samples are complete.
+  /// Checks the final state, after both sides (or their successors) are done: every buffer has one owner, and
+  /// the remaining samples are complete.
   void check_end() {
     LinkWriter writer{link_};
     LinkReader reader{link_};
@@ -235,7 +235,7 @@ class World {
         writer.publish(16, 1);
       }
     });
-    writer_.resume();  // up to its first step
+    writer_.resume();  // run the writer up to its first step
   }
   void begin_reader() {
     reader_.begin([this] {
@@ -326,7 +326,7 @@ std::string in_letters(const std::vector<Move>& path) {
 
 class LinkModel : public testing::TestWithParam<Limits> {};
 
-TEST_P(LinkModel, NeverLosesDoublesOrTearsASampleInAnyOrderOfStepsAndDeaths) {
+TEST_P(LinkModel, NeverLosesDuplicatesOrTearsASample) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizers do not support the stacks of the two sides";
 #endif

@@ -21,7 +21,7 @@
 namespace takt::channel::link_test {
 namespace {
 
-/// A link in memory of its own.
+/// A link in its own memory.
 class Memory {
  public:
   explicit Memory(const Link::Options& options)
@@ -40,7 +40,7 @@ Link::Options queue(std::uint32_t depth, std::uint32_t payload = 64) {
   return {.depth = depth, .payload = payload, .is_queue = depth > 1};
 }
 
-/// Writes a sample whose words are all its own number.
+/// Writes a sample in which every word is the number of the sample.
 void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
   const std::uint64_t value = writer.next();
   const std::uint32_t words = writer.link().stride() / 8;
@@ -51,7 +51,7 @@ void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
 void write(LinkWriter& writer, int samples) {
   for (int i = 0; i < samples; ++i) write(writer);
 }
-/// The number in the sample; 0 if the sample is torn, or if the number differs from that of its info.
+/// Returns the number in the sample, or 0 if the sample is torn or its number differs from that of its info.
 std::uint64_t value_of(const LinkReader& reader) {
   const std::uint32_t words = reader.link().stride() / 8;
   const std::byte* payload = reader.link().payload(reader.buffer());
@@ -67,7 +67,7 @@ std::vector<std::uint64_t> read_all(LinkReader& reader) {
   while (reader.take()) values.push_back(value_of(reader));
   return values;
 }
-/// Whether every buffer has exactly one owner: a slot, the writer or the reader.
+/// Returns whether every buffer has exactly one owner: a slot, the writer or the reader.
 bool is_whole(const LinkWriter& writer, const LinkReader& reader) {
   const Link link = writer.link();
   std::set<std::uint32_t> owned{writer.buffer(), reader.buffer()};
@@ -106,7 +106,7 @@ TEST(Link, DeliversEachSampleOnceAndInOrder) {
   }
 }
 
-TEST(Link, AFullQueueDropsItsOldestSamplesAndCountsThem) {
+TEST(Link, DropsAndCountsTheOldestSamplesOfAFullQueue) {
   const Memory memory{queue(7)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
@@ -120,19 +120,19 @@ TEST(Link, AFullQueueDropsItsOldestSamplesAndCountsThem) {
   EXPECT_EQ(read_all(reader), (std::vector<std::uint64_t>{1004, 1005, 1006, 1007, 1008, 1009, 1010}));
 }
 
-TEST(Link, AReaderSkipsTheSamplesThatWereOverwritten) {
+TEST(Link, SkipsOverwrittenSamplesWhenRead) {
   const Memory memory{queue(3)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
   write(writer, 3);
   ASSERT_TRUE(reader.take());
   EXPECT_EQ(value_of(reader), 1U);
-  write(writer, 2);  // 4 goes into the slot of 1, and 5 overwrites 2
+  write(writer, 2);  // sample 4 takes the slot of 1, and 5 overwrites 2
   EXPECT_EQ(memory.link().block().overwritten.load(), 1U);
   EXPECT_EQ(read_all(reader), (std::vector<std::uint64_t>{3, 4, 5}));
 }
 
-TEST(Link, HoldsTheLatestValueAtDepthOne) {
+TEST(Link, HoldsOnlyTheLatestValueAtDepthOne) {
   const Memory memory{queue(1)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
@@ -142,7 +142,7 @@ TEST(Link, HoldsTheLatestValueAtDepthOne) {
   EXPECT_EQ(read_all(reader), std::vector<std::uint64_t>{51});
 }
 
-TEST(Link, ShowsTheNewestStampWithoutARead) {
+TEST(Link, ShowsTheTimeOfTheNewestSampleBeforeItIsRead) {
   const Memory memory{queue(2)};
   LinkWriter writer{memory.link()};
   EXPECT_EQ(memory.link().block().newest_ns.load(), 0);
@@ -150,7 +150,7 @@ TEST(Link, ShowsTheNewestStampWithoutARead) {
   EXPECT_EQ(memory.link().block().newest_ns.load(), 1234);
 }
 
-TEST(Link, ASuccessorContinuesWhereTheFormerSideStopped) {
+TEST(Link, LetsANewWriterOrReaderContinueWhereTheOldOneStopped) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     const Memory memory{queue(depth)};
     std::uint64_t read = 0;
@@ -171,7 +171,7 @@ TEST(Link, ASuccessorContinuesWhereTheFormerSideStopped) {
   }
 }
 
-TEST(Link, IsEmptyAndContinuesAfterItsPayloadsWereLost) {
+TEST(Link, IsEmptyButUsableAfterItsSamplesWereDropped) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     for (int unread = 0; unread < 20; ++unread) {
       const Memory memory{queue(depth)};

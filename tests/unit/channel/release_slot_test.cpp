@@ -28,12 +28,12 @@ struct Shared {
   ReleaseSlot slot;
   WakeWord wake_word;
   std::atomic<std::uint64_t> served;
-  std::atomic<std::uint64_t> sum;    // of the cycles that the program was released for
+  std::atomic<std::uint64_t> sum;    // sum of the cycles for which the program was released
   std::atomic<std::uint64_t> wrong;  // releases that came twice, or with the instant of another release
   std::atomic<std::uint64_t> sleeps;
 };
 
-/// A program that behaves like one with libtakt_process, in a process of its own. It reads the slot
+/// A program that behaves like one with libtakt_process, in its own process. It reads the slot
 /// `patience` times before it sleeps.
 class Program {
  public:
@@ -102,7 +102,7 @@ class ReleaseSlotOfTwoProcesses : public testing::Test {
     shared.wake_word.rings.fetch_add(1);
     os::futex_wake(shared.wake_word.rings, bits);
   }
-  /// Waits until `holds` is true. False if it is not within ten seconds: a release was lost.
+  /// Waits until `holds` is true. Returns false after ten seconds, because then a release was lost.
   template <class Predicate>
   bool until(const Predicate& holds) {
     const Instant limit = os::now() + std::chrono::seconds{10};
@@ -112,7 +112,8 @@ class ReleaseSlotOfTwoProcesses : public testing::Test {
     }
     return true;
   }
-  /// Releases the program `n` times, each time as soon as it waits. Each attempt is a cycle.
+  /// Releases the program `n` times, each time as soon as the program waits. Each attempt uses one cycle
+  /// number.
   void release_times(std::uint32_t n) {
     for (std::uint32_t given = 0; given < n;) {
       const Release outcome = release(shared.slot, cycle, static_cast<std::int64_t>(cycle) * 1000);
@@ -234,7 +235,7 @@ TEST_F(SelfReleasingProgram, IsInItsBodyFromItsReleaseOn) {
   EXPECT_TRUE(slot.waiting());
 }
 
-TEST_F(SelfReleasingProgram, DoesNotBeginWhileOutOfTheTables) {
+TEST_F(SelfReleasingProgram, DoesNotBeginWhileRemovedFromTheTables) {
   EXPECT_FALSE(begin(slot, 5));
   EXPECT_TRUE(slot.waiting());
   EXPECT_EQ(slot.begun.load(), 0U);
@@ -262,7 +263,7 @@ TEST_F(SelfReleasingProgram, KeepsTheInterarrivalTimeAcrossARestart) {
 }
 
 // The body and the node both write `shared`, the node while the module is out. Only the slot separates them.
-TEST_F(SelfReleasingProgram, RunsNoBodyOnceTheSlotIsClosedAndItWaits) {
+TEST_F(SelfReleasingProgram, RunsNoBodyAfterItsSlotIsClosed) {
   std::uint64_t shared = 0;
   std::atomic<bool> inside{false};
   std::atomic<bool> end{false};
@@ -337,7 +338,7 @@ TEST_F(WakeWordOfTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
     }
     const Instant limit = os::now() + std::chrono::seconds{10};
     while (seen.load(std::memory_order_acquire) != i && !lost) {
-      if (i % 3 != 0) ::sched_yield();  // otherwise the next sample comes while it goes to sleep
+      if (i % 3 != 0) ::sched_yield();  // otherwise publish the next sample while the gateway goes to sleep
       lost = os::now() > limit;
     }
     EXPECT_FALSE(lost) << "the wake-up for sample " << i << " was lost";
@@ -351,7 +352,7 @@ TEST_F(WakeWordOfTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
   EXPECT_GT(rings, 0U) << "the gateway never slept";
 }
 
-// At the end of its cycle each writer takes all pending bits, its own and those of others.
+// At the end of its cycle, each writer takes all pending bits: its own and those of the other writer.
 TEST_F(WakeWordOfTwoThreads, LosesNoBitBetweenSeveralWriters) {
   constexpr std::uint32_t kSamples = kReleases / 4;
   constexpr int kWriters = 2;

@@ -13,7 +13,7 @@ namespace {
 
 using Words = std::array<std::uint64_t, 64>;
 
-class Saved : public testing::Test {
+class SavedStateTest : public testing::Test {
  protected:
   static Words words(std::uint64_t value) {
     Words all;
@@ -32,12 +32,12 @@ class Saved : public testing::Test {
   std::unique_ptr<SavedState> state = std::make_unique<SavedState>();
 };
 
-TEST_F(Saved, IsEmptyAtFirst) {
+TEST_F(SavedStateTest, IsEmptyAtFirst) {
   EXPECT_EQ(state->saved(), nullptr);
   EXPECT_FALSE(state->copy().has_value());
 }
 
-TEST_F(Saved, ReturnsTheStateThatWasSavedLast) {
+TEST_F(SavedStateTest, ReturnsTheStateThatWasSavedLast) {
   for (std::uint64_t value = 1; value <= 5; ++value) {
     save(value, 7);
     ASSERT_NE(state->saved(), nullptr);
@@ -49,7 +49,7 @@ TEST_F(Saved, ReturnsTheStateThatWasSavedLast) {
   }
 }
 
-TEST_F(Saved, HoldsTheMaximumSize) {
+TEST_F(SavedStateTest, HoldsTheMaximumSize) {
   std::array<std::byte, kMostSaved> all;
   all.fill(std::byte{9});
   state->save(all.data(), kMostSaved, 1, 0);
@@ -57,7 +57,7 @@ TEST_F(Saved, HoldsTheMaximumSize) {
 }
 
 // A process that dies while saving has written parts of one place, but not the number.
-TEST_F(Saved, KeepsTheLastStateIfTheProcessDiesWhileSaving) {
+TEST_F(SavedStateTest, KeepsTheLastStateIfTheProcessDiesWhileSaving) {
   save(1);
   save(2);
   SavedState::Place& next = state->places[3 % 2];
@@ -70,7 +70,7 @@ TEST_F(Saved, KeepsTheLastStateIfTheProcessDiesWhileSaving) {
   EXPECT_EQ(read(*state->saved()), words(3));
 }
 
-TEST_F(Saved, IsEmptyIfTheMemoryIsDamaged) {
+TEST_F(SavedStateTest, IsEmptyIfTheMemoryIsDamaged) {
   save(1);
   state->places[1].size = kMostSaved + 1;
   EXPECT_EQ(state->saved(), nullptr);
@@ -79,7 +79,7 @@ TEST_F(Saved, IsEmptyIfTheMemoryIsDamaged) {
   EXPECT_EQ(state->saved(), nullptr);
 }
 
-TEST_F(Saved, IsEmptyAfterClear) {
+TEST_F(SavedStateTest, IsEmptyAfterClear) {
   save(1);
   state->clear();
   EXPECT_EQ(state->saved(), nullptr);
@@ -87,7 +87,7 @@ TEST_F(Saved, IsEmptyAfterClear) {
   EXPECT_EQ(read(*state->saved()), words(4));
 }
 
-TEST_F(Saved, CopiesAConsistentStateWhileTheModuleSaves) {
+TEST_F(SavedStateTest, CopiesAConsistentStateWhileTheModuleSaves) {
   std::atomic<bool> end{false};
   save(1);
   std::thread saver{[&] {

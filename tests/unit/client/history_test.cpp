@@ -86,7 +86,7 @@ TEST(History, KeepsTheLastTenMinutes) {
 
 TEST(History, ComputesTheMeansBetweenTwoStatistics) {
   History history;
-  // 1000 cycles with a jitter of -2 us, then 1000 with one of -3 us and 5 us in turn.
+  // 1000 cycles have a jitter of -2 us. The next 1000 alternate between -3 us and 5 us.
   ModuleStatistics statistics = servo(0, 1000);
   statistics.jitter_us().mean(-2);
   statistics.run_us().mean(10);

@@ -57,7 +57,7 @@ TEST(Component, ComputesWithTheTimeOfItsCycle) {
   EXPECT_NEAR(ramp.value, 1, 1e-12);
 }
 
-TEST(Component, HooksThatAreNotOverriddenDoNothingAndSucceed) {
+TEST(Component, SucceedsInHooksThatItDoesNotOverride) {
   Ramp ramp;
   EXPECT_TRUE(ramp.initialize().ok());
   EXPECT_TRUE(ramp.start().ok());
@@ -67,7 +67,7 @@ TEST(Component, HooksThatAreNotOverriddenDoNothingAndSucceed) {
   ramp.destruct();
 }
 
-TEST(Failure, IsReportedByAComponentAndTakenOnce) {
+TEST(Failure, IsReturnedOnceAfterAComponentReportsIt) {
   Ramp ramp;
   EXPECT_EQ(take_failure(), nullptr);
   ramp.run({.number = 0, .time = {}, .period = 3s});
@@ -80,7 +80,7 @@ TEST(Failure, IsReportedByAModuleInTheCForm) {
   EXPECT_STREQ(take_failure(), "no sensor");
 }
 
-TEST(Failure, NeedsNoReason) {
+TEST(Failure, MayHaveNoReason) {
   takt_fail(nullptr);
   EXPECT_STREQ(take_failure(), "no reason given");
   takt_fail("");
@@ -101,12 +101,12 @@ TEST(Failure, CutsLongTextToItsBound) {
   EXPECT_EQ(take_failure(), fits);
 }
 
-TEST(Failure, BelongsToTheThreadThatReportedIt) {
+TEST(Failure, IsReturnedOnlyOnTheThreadThatReportedIt) {
   std::thread([] { report_failure("of another thread"); }).join();
   EXPECT_EQ(take_failure(), nullptr);
 }
 
-TEST(CurrentCycle, IsTheServedCycleAndZeroOutside) {
+TEST(CurrentCycle, IsZeroOutsideACallOfTheModule) {
   EXPECT_EQ(takt_period_ns(), 0);
   const Cycle cycle{.number = 7, .time = from_ns(5'000), .period = Nanoseconds{600'000}};
   serve_cycle(&cycle);

@@ -74,7 +74,7 @@ TEST(IrpProperty, RejectsANumberThatDoesNotFitItsTypeAndStatesTheRange) {
   expect_rejected("1e39", 1.0f, "a number");
 }
 
-TEST(IrpProperty, IncludesItsBounds) {
+TEST(IrpProperty, AcceptsItsBoundsButNothingBeyondThem) {
   EXPECT_EQ(one("1").get("value", 5, 1, 10), 1);
   EXPECT_EQ(one("10").get("value", 5, 1, 10), 10);
   EXPECT_EQ(one("0.5").get("value", 1.0, 0.5, 2), 0.5);

@@ -40,7 +40,7 @@ TEST(Property, HasItsDefaultUntilItIsSet) {
   EXPECT_EQ(component.label.value(), "none");
 }
 
-TEST(Property, HasTheTextsForADescription) {
+TEST(Property, DescribesItsTypeRangeAndUnitAsText) {
   const Everything component;
   EXPECT_STREQ(to_text(component.enabled.type()), "bool");
   EXPECT_STREQ(to_text(component.count.type()), "integer");
@@ -79,7 +79,7 @@ TEST(Property, ReadsBackTheTextOfItsValue) {
   }
 }
 
-TEST(Property, RejectsAWrongValueByNameAndKeepsItsOwn) {
+TEST(Property, NamesItselfWhenItRejectsAValue) {
   Everything component;
   EXPECT_EQ(reason(component.count, "11"),
             "error: property 'count' cannot be '11'; it takes a whole number, 1 to 10");
@@ -105,12 +105,12 @@ TEST(Property, RejectsTextThatIsNotANumber) {
 TEST(Property, RejectsANumberThatItsTypeCannotHold) {
   Everything component;
   EXPECT_THAT(reason(component.wide, "9223372036854775808"), HasSubstr("'wide'"));
-  EXPECT_THAT(reason(component.count, "4294967297"), HasSubstr("'count'"));  // would be 1 if cut to 32 bits
+  EXPECT_THAT(reason(component.count, "4294967297"), HasSubstr("'count'"));  // 1 if truncated to 32 bits
   EXPECT_THAT(reason(component.narrow, "-1e39"), HasSubstr("'narrow'"));     // too large for a float
   EXPECT_EQ(component.narrow, 0.0f);
 }
 
-TEST(Property, IncludesItsBounds) {
+TEST(Property, AcceptsItsBoundsButNothingBeyondThem) {
   Everything component;
   EXPECT_EQ(reason(component.count, "1"), "");
   EXPECT_EQ(reason(component.count, "10"), "");
@@ -118,7 +118,7 @@ TEST(Property, IncludesItsBounds) {
   EXPECT_EQ(reason(component.gain, "0"), "");
 }
 
-TEST(Property, IsListedOnceIfItHasNoComponent) {
+TEST(Property, IsListedOnceWithoutAComponent) {
   static_cast<void>(take_loose_properties());
   Property<double> speed{"speed", 0.5, {.unit = "m/s", .min = 0.0, .max = 2.0}};
   Property<std::string> label{"label", "none"};
@@ -178,7 +178,7 @@ struct CProperties {
   std::vector<PropertyBase*> taken;
 };
 
-TEST(CProperty, HasTheTextsOfItsDeclaration) {
+TEST(CProperty, DescribesItsDeclarationAsText) {
   const CProperties c;
   ASSERT_EQ(c.taken.size(), 4U);
   EXPECT_EQ(c.taken[0]->range_text(), "0 to 2");
@@ -230,9 +230,9 @@ TEST(Property, CanBeNarrowedByTheModule) {
   ASSERT_FALSE(rejected);
   EXPECT_EQ(in_words(rejected.problems()),
             "property 'cutoff' cannot be '500'; it takes a number, 1 to 450 at a period of 1 ms, in Hz");
-  EXPECT_TRUE(cutoff.narrow({}, 5000, "at a period of 100 us"));  // never widens the range
+  EXPECT_TRUE(cutoff.narrow({}, 5000, "at a period of 100 us"));  // narrow() never widens the range
   EXPECT_FALSE(cutoff.assign("451"));
-  EXPECT_FALSE(cutoff.narrow({}, 5, "at a period of 90 ms"));  // its value must be in the new range
+  EXPECT_FALSE(cutoff.narrow({}, 5, "at a period of 90 ms"));  // the current value must be in the new range
 }
 
 }  // namespace

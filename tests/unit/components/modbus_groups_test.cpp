@@ -41,7 +41,7 @@ TEST(ModbusGroups, ReadOverlappingPointsOnce) {
   EXPECT_EQ(text(groups_of(points("a in register 0 float32; b in register 0; c in register 1 uint32"), false,
                            kReadLimits)),
             "register 0+3: 0 1 2\n");
-  // The second lies within the first.
+  // Point b lies within point a.
   EXPECT_EQ(
       text(groups_of(points("a in register 0 uint32; b in register 1; c in register 2"), false, kReadLimits)),
       "register 0+3: 0 1 2\n");
@@ -53,7 +53,7 @@ TEST(ModbusGroups, StayWithinARequestAndNeverSplitAPoint) {
   EXPECT_EQ(text(groups_of(map, false, {.bits = 8, .registers = 6})), "register 0+6: 0 1 2\n");
 }
 
-TEST(ModbusGroups, ReachTheLastAddress) {
+TEST(ModbusGroups, IncludeTheLastAddress) {
   EXPECT_EQ(text(groups_of(points("a in coil 65534; b in coil 65535"), false, kReadLimits)),
             "coil 65534+2: 0 1\n");
 }

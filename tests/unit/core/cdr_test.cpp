@@ -35,7 +35,7 @@ TEST(CdrWriter, StartsWithTheEncapsulation) {
   for (const std::size_t room : {0U, 1U, 2U, 3U}) EXPECT_EQ(written([](CdrWriter&) {}, room), Bytes{});
 }
 
-TEST(CdrWriter, AlignsFromTheEndOfTheEncapsulation) {
+TEST(CdrWriter, AlignsValuesRelativeToTheEncapsulation) {
   EXPECT_EQ(written([](CdrWriter& to) {
               to.put(std::uint8_t{1});
               to.put(std::uint16_t{2});
@@ -135,7 +135,7 @@ TEST(CdrReader, AcceptsOnlyATextThatEndsAtItsLength) {
   EXPECT_EQ(text({4, 0, 0, 0, 'a', 'b', 'c'}), "wrong");
 }
 
-TEST(CdrReader, IsCompleteIfLessThanAWordIsLeft) {
+TEST(CdrReader, IsCompleteIfFewerThanFourBytesAreLeft) {
   for (std::size_t more = 0; more < 6; ++more) {
     Bytes bytes{0, 1, 0, 0, 7};
     bytes.resize(bytes.size() + more);

@@ -18,7 +18,7 @@ std::unique_ptr<Statistics> empty() {
   return statistics;
 }
 
-TEST(HistogramScale, PutsEveryValueInTheBucketThatHoldsIt) {
+TEST(HistogramScale, PutsEachValueIntoTheBucketOfItsRange) {
   for (int shift = 0; shift < 39; ++shift) {
     for (std::int64_t delta = -1; delta <= 1; ++delta) {
       const std::int64_t value = (std::int64_t{1} << shift) + delta;
@@ -39,7 +39,7 @@ TEST(Statistics, IsAllZeroWhenEmpty) {
   EXPECT_EQ(s.quantile(0.99), 0);
 }
 
-TEST(Statistics, KeepsTheSignInMeanAndVarianceOnly) {
+TEST(Statistics, KeepsTheSignOnlyInMeanAndVariance) {
   auto statistics = empty();
   statistics->record(-300);
   statistics->record(100);
@@ -51,7 +51,7 @@ TEST(Statistics, KeepsTheSignInMeanAndVarianceOnly) {
   EXPECT_EQ(s.max, 300);
 }
 
-TEST(Statistics, AgreesWithTheSortedValues) {
+TEST(Statistics, MatchesValuesComputedFromAllSamples) {
   std::mt19937_64 random{7};
   std::lognormal_distribution<double> draw{8, 2};
   auto statistics = empty();
@@ -77,11 +77,11 @@ TEST(Statistics, AgreesWithTheSortedValues) {
   }
 }
 
-TEST(Statistics, ReaderSeesAConsistentSnapshotDuringWrites) {
+TEST(Statistics, GivesAConsistentSnapshotDuringWrites) {
   auto statistics = empty();
   std::atomic<bool> end{false};
   // Every value is 1000, so any mixture of two states shows in the mean or in the buckets. A module records a
-  // few times in 100 us. This writer is faster, yet leaves a reader the time for one pass.
+  // few times in 100 us. This writer is faster, but leaves the reader enough time for one pass.
   std::thread writer{[&] {
     while (!end) {
       statistics->record(1000);

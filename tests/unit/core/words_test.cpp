@@ -13,7 +13,7 @@ namespace {
 
 using std::string_literals::operator""s;
 
-TEST(Words, QuotedTextCannotBreakItsLine) {
+TEST(QuotedText, StaysOnOneLine) {
   EXPECT_EQ(in_quotes("a\nb"), "'a\\nb'");
   EXPECT_EQ(in_quotes("a\rb\tc"), "'a\\x0db\\x09c'");
   EXPECT_EQ(in_quotes("\x1b[31m"), "'\\x1b[31m'");
@@ -27,7 +27,7 @@ TEST(Words, QuotedTextCannotBreakItsLine) {
   EXPECT_EQ(in_quotes("gr\u00f6\u00dfe \u20ac"), "'gr\u00f6\u00dfe \u20ac'");
 }
 
-TEST(Words, LongQuotesAreCutBetweenCharacters) {
+TEST(QuotedText, IsCutBetweenCharacters) {
   EXPECT_EQ(in_quotes(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
   EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(40, 'x') + "..." + std::string(20, 'x') + "'");
   for (int shift = 0; shift < 4; ++shift) {
@@ -37,14 +37,14 @@ TEST(Words, LongQuotesAreCutBetweenCharacters) {
   }
 }
 
-TEST(Words, PlaceAlwaysHasALine) {
+TEST(Place, AlwaysNamesALine) {
   EXPECT_EQ(place("a.xml", 7), "a.xml:7");
   EXPECT_EQ(place("a.xml", 0), "a.xml:1");
   EXPECT_EQ(place("a\nb.xml", 1), "a\\nb.xml:1");
   EXPECT_EQ(place("", 7), "line 7");
 }
 
-/// The edit distance (letters to change, insert, drop or swap with their neighbour), from the whole table.
+/// The edit distance: how many letters must be changed, inserted, removed or swapped with their neighbour.
 std::size_t letters_apart(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> table(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -63,7 +63,7 @@ std::size_t letters_apart(const std::string& a, const std::string& b) {
   return table[a.size()][b.size()];
 }
 
-TEST(Words, NearestAllowsAtMostThreeEditsAndFewerInAShortWord) {
+TEST(NearestWord, DiffersByAtMostThreeEdits) {
   std::mt19937 random{1};
   std::size_t near = 0;
   const int count = how_often(200'000);
@@ -91,7 +91,7 @@ TEST(Words, NearestAllowsAtMostThreeEditsAndFewerInAShortWord) {
   EXPECT_LT(near, static_cast<std::size_t>(count) / 20 * 19);
 }
 
-TEST(Words, NearestFindsTyposOnly) {
+TEST(NearestWord, IsFoundOnlyForATypo) {
   const std::vector<std::string_view> choices{"period", "priority", "deadline"};
   EXPECT_EQ(nearest("perod", choices), "period");
   EXPECT_EQ(nearest("preiod", choices), "period");
@@ -104,7 +104,7 @@ TEST(Words, NearestFindsTyposOnly) {
   EXPECT_EQ(nearest("period", {}), "");
 }
 
-TEST(Words, SuggestionNamesTheChoicesIfNoneIsSimilar) {
+TEST(Suggestion, ListsTheChoicesIfNoneIsSimilar) {
   EXPECT_EQ(suggestion("quue", {"latest", "queue"}), "did you mean queue?");
   EXPECT_EQ(suggestion("x", {"latest", "queue"}), "it can be latest or queue");
   EXPECT_EQ(suggestion("x", {"main"}), "it must be main");
@@ -114,13 +114,13 @@ TEST(Words, SuggestionNamesTheChoicesIfNoneIsSimilar) {
   EXPECT_NE(suggestion("xyz", many).find("and 10 more"), std::string::npos);
 }
 
-TEST(Words, SuggestionNamesADuplicateChoiceOnce) {
+TEST(Suggestion, ListsADuplicateChoiceOnce) {
   EXPECT_EQ(suggestion("x", {"sensor", "sensor"}), "it must be sensor");
   EXPECT_EQ(suggestion("x", {"sensor", "robot", "sensor"}), "it can be sensor or robot");
   EXPECT_EQ(one_of({"main", "main"}), "main");
 }
 
-TEST(Words, Utf8LengthAcceptsOnlyTheShortestEncoding) {
+TEST(Utf8Length, AcceptsOnlyValidEncodings) {
   EXPECT_EQ(utf8_length(""), 0U);
   EXPECT_EQ(utf8_length("\x7f"), 1U);
   EXPECT_EQ(utf8_length("\u00e9"), 2U);

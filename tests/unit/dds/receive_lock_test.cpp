@@ -43,7 +43,7 @@ TEST(ReceiveLock, HandlesNoPacketDuringAPause) {
   for (std::thread& receiver : receivers) receiver.join();
 }
 
-TEST(ReceiveLock, APauseDoesNotWaitOnTheHandlingThread) {
+TEST(ReceiveLock, DoesNotPauseOnTheThreadThatHandlesAPacket) {
   ReceiveLock receive_lock;
   bool held = true;
   receive_lock.handle([&] { held = ReceiveLock::Pause{receive_lock}.holds(); });
@@ -51,7 +51,7 @@ TEST(ReceiveLock, APauseDoesNotWaitOnTheHandlingThread) {
   EXPECT_TRUE(ReceiveLock::Pause{receive_lock}.holds());
 }
 
-TEST(ReceiveLock, APauseDoesNotWaitForEver) {
+TEST(ReceiveLock, GivesUpAPauseIfAPacketTakesTooLong) {
   ReceiveLock receive_lock;
   std::atomic<bool> handles{false};
   std::atomic<bool> end{false};

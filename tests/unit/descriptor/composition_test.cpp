@@ -69,7 +69,7 @@ std::string module(const std::string& name, const std::string& period, const std
          "</value></property></module>\n";
 }
 
-// Many equal axes, with parameters drawn at random.
+// The cell has many similar axes with random parameters.
 TEST(Composition, EqualsTheSameCellWrittenByHand) {
   std::mt19937 random{1};
   const auto draw = [&random](int most) {
@@ -154,7 +154,7 @@ TEST(Composition, FlattenedAndBundledDescriptorsGiveTheSameCell) {
   EXPECT_GE(files, 40);
 }
 
-TEST(Composition, NamesTheLinesOfTheTemplateAndOfTheUse) {
+TEST(Composition, ReportsTheLinesOfATemplateAndOfItsUse) {
   const Folder folder;
   folder.write("lib/parts.xml", "<fragment>\n<template name='axis'>\n<parameter name='executor'/>\n" +
                                     module("", "1000", "1") +
@@ -165,7 +165,7 @@ TEST(Composition, NamesTheLinesOfTheTemplateAndOfTheUse) {
                    "<cell name='c'>\n<include file='lib/parts.xml'/>\n<device name='d'>\n"
                    "<use template='pair' name='a'/>\n<use template='pair' name='b'/>\n</device></cell>");
   const std::string parts_file = folder.file("lib/parts.xml");
-  // A problem of the template itself has no use.
+  // A problem in the template itself is reported without the line of a use.
   EXPECT_THAT(
       texts_of(load(cell)),
       ElementsAre(HasSubstr(parts_file +
@@ -178,7 +178,7 @@ TEST(Composition, NamesTheLinesOfTheTemplateAndOfTheUse) {
   EXPECT_THAT(texts_of(load(cell)),
               ElementsAre(HasSubstr(parts_file + ":3: error: <period> is out of range: '0' (used at " +
                                     parts_file + ":6, used at " + cell + ":4, and 1 more); ")));
-  // Later checks name both lines too: the executor does not exist.
+  // Later checks also name both lines. Here the executor does not exist.
   std::string named = module("", "1000", "1");
   named.insert(named.find("<period>"), "<executor>fast</executor>");
   folder.write(
@@ -192,7 +192,7 @@ TEST(Composition, NamesTheLinesOfTheTemplateAndOfTheUse) {
                   HasSubstr("of module 'b_l' (used at " + parts_file + ":6, used at " + cell + ":5); ")));
 }
 
-TEST(Composition, ChecksTextOfAFragmentAgainstTheIncludingElement) {
+TEST(Composition, RejectsStrayTextInAFragment) {
   const Folder folder;
   folder.write("parts.xml", "<fragment>\nstray words\n</fragment>");
   const std::string cell =

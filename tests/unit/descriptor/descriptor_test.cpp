@@ -111,7 +111,7 @@ TEST(Descriptor, DoesNotReportConsequencesOfAMistakeInAConnection) {
     return texts_of("<cell name='c'><device name='d'>" + module("a") + module("b") +
                     "</device>\n<connection " + attributes + "/></cell>");
   };
-  // A misspelled end or topic does not count as missing, and the domain then has a topic.
+  // A misspelled end or topic does not count as missing. So the domain does not lack a topic here.
   EXPECT_THAT(of("form='d.a.x' to='d.b.x'"), ElementsAre(HasSubstr("unknown attribute form")));
   EXPECT_THAT(of("from='d.a.x' topc='t' domain='3'"), ElementsAre(HasSubstr("unknown attribute topc")));
   EXPECT_THAT(of("from='d.a.x' topic='' domain='3'"), ElementsAre(HasSubstr("attribute topic is empty")));
@@ -186,7 +186,7 @@ TEST(Descriptor, ReportsAtMostAThousandProblems) {
             1000U);
 }
 
-TEST(Descriptor, QuotesLongTextShortenedAndOnOneLine) {
+TEST(Descriptor, ShortensLongQuotesToOneLine) {
   const auto texts = texts_of(
       "<root>" + module("a", "<executor>" + std::string(100000, 'x') + "\n&#x85;</executor>") + "</root>");
   ASSERT_EQ(texts.size(), 1U);
@@ -212,7 +212,7 @@ TEST(Descriptor, AcceptsAByteOrderMark) {
   EXPECT_TRUE(parse("\xef\xbb\xbf<root>" + module("a") + "</root>", "f.xml"));
 }
 
-TEST(Descriptor, NamesTheLineEvenWithoutAFile) {
+TEST(Descriptor, ReportsTheLineOfAProblemEvenWithoutAFile) {
   const auto cell = parse("<root>\n<x/>" + module("a") + "</root>", "");
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.problems()[0].where, "line 2");
@@ -228,7 +228,7 @@ TEST(Descriptor, NamesTheCellAfterItsFile) {
   EXPECT_TRUE(model::is_valid_name(name_after("\xff\n\xc3\xa9")));
 }
 
-TEST(DescriptorText, RejectsFaultsOfXmlWithTheirLine) {
+TEST(DescriptorText, RejectsMalformedXmlWithItsLine) {
   const std::vector<std::pair<std::string, std::pair<int, std::string>>> faults{
       {"", {1, "the file is empty"}},
       {"\n\n", {1, "the file is empty"}},

@@ -1,5 +1,6 @@
 // Malicious texts: a node parses text from the network with the same parse(). Each text is rejected with
-// short messages and without using many times its size in memory. None throws or ends the process.
+// short messages, and the parser does not use many times its size in memory. No text makes the parser throw
+// or end the process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <full_form.hpp>

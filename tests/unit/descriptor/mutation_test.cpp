@@ -121,7 +121,7 @@ class Mutations {
   void break_attributes(const Element& e);
   void break_document();
 
-  /// The number of different mutated texts.
+  /// Returns the number of different mutated texts.
   [[nodiscard]] std::size_t count() const { return seen_.size(); }
 
  private:
@@ -194,8 +194,8 @@ void Mutations::break_structure(const Element& e) {
     expect_rejected("out of its parent " + tag,
                     replaced(inserted(xml_, e.parent_end, whole), {e.start.begin, e.past()}, ""));
   }
-  // These are optional: a name may come from the filename, and the others may be left out if nothing refers
-  // to them.
+  // These elements are optional: a name may come from the filename, and the others may be left out if nothing
+  // refers to them.
   static const std::set<std::string> kOptional{"name",   "budget",     "recovery", "property",
                                                "value",  "connection", "dispatch", "interarrival",
                                                "offset", "overrun",    "retain"};
@@ -242,7 +242,7 @@ void Mutations::break_text(const Element& e) {
   std::vector<std::string> wrong;
   if (number) wrong = kNoNumber;
   if (number && !priority && e.name != "offset") wrong.emplace_back("0");
-  if (e.name == "offset") wrong.emplace_back("1000000");  // its period
+  if (e.name == "offset") wrong.emplace_back("1000000");  // equal to its period
   if (priority) wrong.insert(wrong.end(), {"2147483648", "-2147483649"});
   if (e.name == "moduletype" || e.name == "operationtype" || e.name == "dispatch" || e.name == "overrun")
     wrong = kNoWord;
@@ -345,7 +345,7 @@ void Mutations::break_attributes(const Element& e) {
       expect_rejected(what + " is " + text, replaced(xml_, a.value, text), line);
     }
   }
-  // Both ends are the same port.
+  // Connects a port to itself.
   if (e.name != "connection" || e.attributes[0].name != "from" || e.attributes[1].name != "to") return;
   expect_rejected("to itself", replaced(xml_, e.attributes[1].value, part(xml_, e.attributes[0].value)),
                   line);
@@ -392,8 +392,8 @@ struct Base {
 
 const std::vector<Base>& bases() {
   static const std::string kGood = "/tests/unit/descriptor/cases/good/";
-  // Optional in any descriptor. Others depend on the file: in cell.xml some belong together, and in
-  // everything.xml a topic or a queue requires some.
+  // These attributes are optional in any descriptor. Whether others are optional depends on the file: in
+  // cell.xml some belong together, and in everything.xml a topic or a queue requires some.
   static const std::set<std::string> kDefaults{"domain",   "cpu",     "priority", "wakeup",
                                                "attempts", "backoff", "then"};
   std::set<std::string> cell = kDefaults;
@@ -432,7 +432,7 @@ TEST(DescriptorMutations, AreAllRejectedWithALine) {
   }
 }
 
-// Shows that the test above does not pass because everything is rejected.
+// Shows that the parser does not simply reject every text.
 TEST(DescriptorMutations, ThatChangeNothingAreAccepted) {
   for (const Base& base : bases()) {
     const std::string xml = content_of(TAKT_SOURCE_DIR + base.file);
@@ -447,7 +447,7 @@ TEST(DescriptorMutations, ThatChangeNothingAreAccepted) {
             0)
           continue;
         if (element.name == "connection" && attribute.name == "from" && element.attributes[1].name != "to")
-          continue;  // its only end
+          continue;  // without this attribute, the connection has no end
         const auto cell = parse(replaced(xml, attribute.whole, ""), "base.xml");
         EXPECT_TRUE(cell) << "without " << attribute.name << "\n" << to_text(cell.problems());
       }

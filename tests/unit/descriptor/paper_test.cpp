@@ -66,7 +66,7 @@ TEST(PaperDescriptor, HasTheSevenModulesOfFigure1) {
   EXPECT_EQ(device.modules[0].properties[0].value, "5");
 }
 
-TEST(CellDescriptor, ReadsTheCellOfTheDesign) {
+TEST(CellDescriptor, ReadsACellOfTwoDevices) {
   const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/cell.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->name, "palletizing");

@@ -11,7 +11,7 @@
 
 namespace takt::descriptor {
 
-/// All values of a cell as text, without their lines.
+/// Converts all values of a cell to text, without their line numbers.
 class CellText {
  public:
   explicit CellText(const model::Cell& cell) {

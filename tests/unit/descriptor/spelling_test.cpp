@@ -32,7 +32,7 @@ std::string cell_text(const std::string& xml) {
   return cell ? text_of_cell(*cell) : "rejected: " + to_text(cell.problems());
 }
 
-/// The text with each match of the pattern replaced.
+/// Returns the text with each match of the pattern replaced.
 std::string each(const std::string& text, const std::string& pattern,
                  const std::function<std::string(const std::smatch&)>& make) {
   const std::regex expression{pattern};

@@ -1,4 +1,4 @@
-// What is asked of modules that run for real: properties, and being on time.
+// Properties, commands and deadlines of the modules of a real device.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -31,17 +31,17 @@ class DeviceProperties : public RealDevice {
   }
   template <class Ask>
   Outcome wait(const Ask& ask) {
-    std::optional<Outcome> told;
-    ask([&told](const Outcome& outcome) {
-      EXPECT_FALSE(told) << "answered twice";
-      told = outcome;
+    std::optional<Outcome> answer;
+    ask([&answer](const Outcome& outcome) {
+      EXPECT_FALSE(answer) << "answered twice";
+      answer = outcome;
     });
-    EXPECT_TRUE(step_until([&] { return told.has_value(); }));
-    return told.value_or(Outcome{.code = REPLY_LATE, .text = {}});
+    EXPECT_TRUE(step_until([&] { return answer.has_value(); }));
+    return answer.value_or(Outcome{.code = REPLY_LATE, .text = {}});
   }
 };
 
-TEST_F(DeviceProperties, AreSetWhileTheModuleRunsAndTold) {
+TEST_F(DeviceProperties, CanBeReadAndSetWhileTheModuleRuns) {
   bring_up(live(value("step", "2")));
   ASSERT_TRUE(step_until([&] { return module_of("live")["cycles"] > 20; }));
   const Outcome before = get(0, "step");
@@ -54,15 +54,15 @@ TEST_F(DeviceProperties, AreSetWhileTheModuleRunsAndTold) {
     EXPECT_EQ(get(0, "step").value, std::to_string(step));
     run_for(milliseconds{50});
   }
-  EXPECT_EQ(set(0, "label", "a text that has memory of its own, which run() frees never").code, REPLY_OK);
+  EXPECT_EQ(set(0, "label", "a long text in its own memory, which run() never frees").code, REPLY_OK);
   run_for(milliseconds{50});
   take_down();
   EXPECT_EQ(seen("live")["steps"], json::array({2, 5, 1000, 7}));
   EXPECT_EQ(seen("live")["changed"], 0);
-  EXPECT_THAT(seen("live")["label"].get<std::string>(), HasSubstr("memory of its own"));
+  EXPECT_THAT(seen("live")["label"].get<std::string>(), HasSubstr("its own memory"));
 }
 
-TEST_F(DeviceProperties, AreRefusedInTheWordsOfTheComponentAndStay) {
+TEST_F(DeviceProperties, RejectAnInvalidValueAndKeepTheOldOne) {
   bring_up(live());
   const Outcome high = set(0, "step", "1001");
   EXPECT_EQ(high.code, REPLY_REFUSED);
@@ -76,7 +76,7 @@ TEST_F(DeviceProperties, AreRefusedInTheWordsOfTheComponentAndStay) {
   EXPECT_EQ(seen("live")["steps"], json::array({1}));
 }
 
-TEST_F(DeviceProperties, AreSetBeforeTheFirstRun) {
+TEST_F(DeviceProperties, CanBeSetBeforeTheFirstRun) {
   bring_up(live(), "", false);
   EXPECT_EQ(set(0, "step", "3").code, REPLY_OK);
   EXPECT_EQ(set(0, "step", "4").code, REPLY_OK);
@@ -86,7 +86,7 @@ TEST_F(DeviceProperties, AreSetBeforeTheFirstRun) {
   EXPECT_EQ(seen("live")["steps"], json::array({4}));
 }
 
-TEST_F(DeviceProperties, OfAModuleThatIsNotRealTimeAreSetToo) {
+TEST_F(DeviceProperties, CanBeSetInANonRealTimeModule) {
   bring_up(module("tick", "fine.so", kEvery) +
            live("", "<operationtype>non-real</operationtype><period>2000000</period>"));
   ASSERT_TRUE(step_until([&] { return module_of("live")["cycles"] > 5; }));
@@ -96,7 +96,7 @@ TEST_F(DeviceProperties, OfAModuleThatIsNotRealTimeAreSetToo) {
   EXPECT_EQ(seen("live")["steps"], json::array({1, 9}));
 }
 
-TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
+TEST_F(DeviceProperties, AreReadOnlyInCModulesAndPrograms) {
   bring_up(module("c", "slow.so", kEvery, value("ns", "1000")) +
            module("p", "fine.exe", kEvery, value("every", "3")));
   EXPECT_EQ(get(0, "ns").value, "1000");
@@ -114,39 +114,39 @@ TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
   take_down();
 }
 
-TEST_F(DeviceProperties, OfAHostThatEndsAreAnsweredForAndStayWhenItIsStartedAgain) {
+TEST_F(DeviceProperties, SurviveARestartOfTheHost) {
   bring_up(live());
   EXPECT_EQ(set(0, "step", "6").code, REPLY_OK);
   run_for(milliseconds{30});
   const int host = module_of("live")["pid"];
   ASSERT_EQ(::kill(host, SIGSTOP), 0);
-  std::optional<Outcome> told;
-  device->get(0, "step", [&told](const Outcome& outcome) { told = outcome; });
+  std::optional<Outcome> answer;
+  device->get(0, "step", [&answer](const Outcome& outcome) { answer = outcome; });
   run_for(milliseconds{20});
-  EXPECT_FALSE(told);
+  EXPECT_FALSE(answer);
   ASSERT_EQ(::kill(host, SIGKILL), 0);
-  ASSERT_TRUE(step_until([&] { return told.has_value(); }));
-  EXPECT_EQ(told->code, REPLY_FAILED);
-  EXPECT_EQ(told->text, "the host of device d has ended");
-  EXPECT_EQ(get(0, "step").code, REPLY_REFUSED) << "it is loaded afresh";
+  ASSERT_TRUE(step_until([&] { return answer.has_value(); }));
+  EXPECT_EQ(answer->code, REPLY_FAILED);
+  EXPECT_EQ(answer->text, "the host of device d has ended");
+  EXPECT_EQ(get(0, "step").code, REPLY_REFUSED) << "the module is being loaded again";
   ASSERT_TRUE(step_until([&] { return module_of("live")["state"] == "EXECUTING"; }));
   EXPECT_EQ(get(0, "step").value, "6");
   take_down();
 }
 
-class DeviceOrders : public RealDevice {
+class DeviceCommands : public RealDevice {
  protected:
-  /// Crashes in its first run, in a host of its own.
+  /// A module that crashes in its first run, in its own host.
   static std::string crashes() {
     return R"(<executor name="own" host="own"/>)" +
            module("culprit", "segv.so", kEvery, R"(<value name="after">1</value>)",
                   R"(<executor>own</executor><recovery attempts="1" backoff="10000000"/>)");
   }
-  Outcome order(Verb verb) {
-    std::optional<Outcome> told;
-    device->command(0, verb, [&told](const Outcome& outcome) { told = outcome; });
-    EXPECT_TRUE(step_until([&] { return told.has_value(); }));
-    return told.value_or(Outcome{.code = REPLY_LATE, .text = {}});
+  Outcome send(Verb verb) {
+    std::optional<Outcome> answer;
+    device->command(0, verb, [&answer](const Outcome& outcome) { answer = outcome; });
+    EXPECT_TRUE(step_until([&] { return answer.has_value(); }));
+    return answer.value_or(Outcome{.code = REPLY_LATE, .text = {}});
   }
   bool comes_to(const std::string& name, const std::string& state) {
     return step_until([&] { return module_of(name)["state"] == state; });
@@ -158,13 +158,13 @@ class DeviceOrders : public RealDevice {
   }
 };
 
-TEST_F(DeviceOrders, AStartThatCrashesAsItBeginsIsToldAndItsRecoveryGoesOnToWhereItWasToGo) {
+TEST_F(DeviceCommands, FailIfTheModuleCrashesInItsFirstRun) {
   bring_up(crashes());
   ASSERT_TRUE(comes_to("culprit", "DESTRUCT"));
-  EXPECT_EQ(order(Verb::reset).code, REPLY_OK);
-  EXPECT_EQ(order(Verb::initialize).code, REPLY_OK);
+  EXPECT_EQ(send(Verb::reset).code, REPLY_OK);
+  EXPECT_EQ(send(Verb::initialize).code, REPLY_OK);
   steps.clear();
-  const Outcome start = order(Verb::start);
+  const Outcome start = send(Verb::start);
   EXPECT_EQ(start.code, REPLY_FAILED);
   EXPECT_EQ(start.state, lifecycle::State::recover);
   EXPECT_THAT(start.text, MatchesRegex("it went to RECOVER: crash: the host of executor own was killed by "
@@ -174,20 +174,21 @@ TEST_F(DeviceOrders, AStartThatCrashesAsItBeginsIsToldAndItsRecoveryGoesOnToWher
   EXPECT_EQ(story(), "START EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ");
 }
 
-TEST_F(DeviceOrders, OneWhoseHostEndsMeanwhileIsToldWhyAndWhereItsModuleGoes) {
+TEST_F(DeviceCommands, FailIfTheHostIsKilledBeforeItAnswers) {
   bring_up(module("live", "live.so", kEvery, file("live")));
   ASSERT_TRUE(comes_to("live", "EXECUTING"));
-  for (const Verb verb : {Verb::stop, Verb::destruct, Verb::reset}) ASSERT_EQ(order(verb).code, REPLY_OK);
+  for (const Verb verb : {Verb::stop, Verb::destruct, Verb::reset}) ASSERT_EQ(send(verb).code, REPLY_OK);
   const int host = module_of("live")["pid"];
   ASSERT_EQ(::kill(host, SIGSTOP), 0);
-  std::optional<Outcome> told;
-  device->command(0, Verb::initialize, [&told](const Outcome& outcome) { told = outcome; });
+  std::optional<Outcome> answer;
+  device->command(0, Verb::initialize, [&answer](const Outcome& outcome) { answer = outcome; });
   run_for(milliseconds{20});
-  EXPECT_FALSE(told);
+  EXPECT_FALSE(answer);
   ASSERT_EQ(::kill(host, SIGKILL), 0);
-  ASSERT_TRUE(step_until([&] { return told.has_value(); }));
-  EXPECT_EQ(told->code, REPLY_FAILED);
-  EXPECT_EQ(told->text, "the host was killed by SIGKILL (Killed); it is loaded again and goes to INITIALIZE");
+  ASSERT_TRUE(step_until([&] { return answer.has_value(); }));
+  EXPECT_EQ(answer->code, REPLY_FAILED);
+  EXPECT_EQ(answer->text,
+            "the host was killed by SIGKILL (Killed); it is loaded again and goes to INITIALIZE");
   ASSERT_TRUE(comes_to("live", "INITIALIZE"));
   run_for(milliseconds{50});
   EXPECT_EQ(module_of("live")["state"], "INITIALIZE");
@@ -196,7 +197,7 @@ TEST_F(DeviceOrders, OneWhoseHostEndsMeanwhileIsToldWhyAndWhereItsModuleGoes) {
 
 class DeviceDeadlines : public RealDevice {
  protected:
-  /// Takes 20 ms of its 5 ms, once in 50 rows.
+  /// A module with a deadline of 5 ms that needs 20 ms once in 50 rows.
   static std::string late(const std::string& file, const std::string& miss, const std::string& recovery) {
     return module("late", file,
                   "<operationtype>sporadic</operationtype><deadline miss=\"" + miss + "\">5000000</deadline>",
@@ -214,7 +215,7 @@ class DeviceDeadlines : public RealDevice {
   }
 };
 
-TEST_F(DeviceDeadlines, MissedAreCounted) {
+TEST_F(DeviceDeadlines, AreCountedWhenMissed) {
   for (const std::string file : {"fine_sporadic.so", "fine_sporadic.exe"}) {
     SCOPED_TRACE(file);
     steps.clear();
@@ -226,7 +227,7 @@ TEST_F(DeviceDeadlines, MissedAreCounted) {
   }
 }
 
-TEST_F(DeviceDeadlines, MissedAreErrorsWhereTheDescriptorSaysSo) {
+TEST_F(DeviceDeadlines, AreErrorsWhenMissedIfTheDescriptorSaysSo) {
   for (const std::string file : {"fine_sporadic.so", "fine_sporadic.exe"}) {
     SCOPED_TRACE(file);
     steps.clear();
@@ -235,8 +236,8 @@ TEST_F(DeviceDeadlines, MissedAreErrorsWhereTheDescriptorSaysSo) {
     const int pid = module_of("late")["pid"];
     ASSERT_TRUE(step_until([&] { return module_of("late")["state"] == "DESTRUCT"; }));
     EXPECT_EQ(story(), "INITIALIZE START EXECUTING RECOVER EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ")
-        << "two attempts, and each success short";
-    EXPECT_EQ(module_of("late")["pid"], pid) << "a program that was late is not started again";
+        << "there are two attempts, and no success lasts";
+    EXPECT_EQ(module_of("late")["pid"], pid) << "a late program is not restarted";
     EXPECT_EQ(module_of("late")["errors"], 3);
     for (const Step& step : steps) {
       if (step.transition.event != lifecycle::Event::error) continue;

@@ -1,4 +1,4 @@
-// Ports of modules that run for real.
+// Ports of the modules of a real device.
 #include <signal.h>
 
 #include "real_device.hpp"
@@ -31,7 +31,7 @@ class DevicePorts : public RealDevice {
     }
     return {};
   }
-  /// It read every number from 1 on, at least so many.
+  /// Expects that the sink read every number from 1 on, and at least `least` numbers.
   void expect_all(const std::string& name, int least) const {
     SCOPED_TRACE(name);
     const json sink = seen(name);
@@ -47,17 +47,17 @@ std::string connection(const std::string& from, const std::string& to, const std
   return "<connection from=\"d." + from + "\" to=\"d." + to + "\" " + what + "/>";
 }
 
-// ---- Values ----------------------------------------------------------------------------------------------
+// ---- Values
 
-TEST_F(DevicePorts, AValueGoesFromOneModuleToAnother) {
+TEST_F(DevicePorts, CarryValuesFromOneModuleToAnother) {
   bring_up(source() + sink("sink"), connection("source.out", "sink.in"));
   run_for(milliseconds{300});
   take_down();
   expect_all("sink", 200);
-  EXPECT_LT(seen("sink")["oldest_ns"], 1'000'000) << "both are in one row";
+  EXPECT_LT(seen("sink")["oldest_ns"], 1'000'000) << "both modules run in the same row";
 }
 
-TEST_F(DevicePorts, AValueGoesThroughAProgramAndAModuleInC) {
+TEST_F(DevicePorts, CarryValuesThroughProgramsAndCModules) {
   bring_up(source() + module("relay", "port_relay.exe", kEvery) +
                module("relay_c", "port_relay_c.so", kEvery) +
                module("program_c", "port_relay_c.exe", kEvery) + sink("sink"),
@@ -70,7 +70,7 @@ TEST_F(DevicePorts, AValueGoesThroughAProgramAndAModuleInC) {
   expect_all("sink", 200);
 }
 
-TEST_F(DevicePorts, AFullQueueDropsItsOldestSamples) {
+TEST_F(DevicePorts, DropTheOldestSamplesOfAFullQueue) {
   bring_up(source("<value name=\"burst\">10</value>") + sink("sink", "<value name=\"most\">3</value>"),
            connection("source.out", "sink.in", "kind=\"queue\" depth=\"7\""));
   run_for(milliseconds{200});
@@ -82,10 +82,10 @@ TEST_F(DevicePorts, AFullQueueDropsItsOldestSamples) {
   const json sink = seen("sink");
   EXPECT_GT(sink["read"], 300);
   EXPECT_EQ(sink["wrong"], 0);
-  EXPECT_GE(sink["gaps"], sink["read"]) << "three of ten are read";
+  EXPECT_GE(sink["gaps"], sink["read"]) << "the sink reads only three of ten";
 }
 
-TEST_F(DevicePorts, SeveralReadersEachGetAll) {
+TEST_F(DevicePorts, GiveEachReaderAllSamples) {
   bring_up(source() + sink("one") + sink("two") + module("relay", "port_relay.exe", kEvery) + sink("three"),
            connection("source.out", "one.in", "kind=\"queue\" depth=\"9\"") +
                connection("source.out", "two.in") +
@@ -96,7 +96,7 @@ TEST_F(DevicePorts, SeveralReadersEachGetAll) {
   for (const char* name : {"one", "two", "three"}) expect_all(name, 200);
 }
 
-TEST_F(DevicePorts, SeveralWritersShareAQueue) {
+TEST_F(DevicePorts, LetSeveralWritersShareAQueue) {
   bring_up(source() + module("other", "port_source.so", kEvery) + sink("sink"),
            connection("source.out", "sink.in", "kind=\"queue\" depth=\"9\"") +
                connection("other.out", "sink.in", "kind=\"queue\" depth=\"9\""));
@@ -107,7 +107,7 @@ TEST_F(DevicePorts, SeveralWritersShareAQueue) {
   take_down();
 }
 
-TEST_F(DevicePorts, CopiesOfAModuleInCHavePortsOfTheirOwn) {
+TEST_F(DevicePorts, AreSeparateForEachInstanceOfACModule) {
   bring_up(source() + module("first", "port_relay_c.so", kEvery) +
                module("second", "port_relay_c.so", kEvery) + module("third", "port_relay_c.so", kEvery) +
                sink("one") + sink("three"),
@@ -122,9 +122,8 @@ TEST_F(DevicePorts, CopiesOfAModuleInCHavePortsOfTheirOwn) {
 }
 
 // ---- Events
-// ------------------------------------------------------------------------------------------------
 
-TEST_F(DevicePorts, AnEventReleasesASporadicModule) {
+TEST_F(DevicePorts, ReleaseASporadicModuleByAnEvent) {
   for (const std::string& dispatch : {kRow, kImmediate}) {
     bring_up(slow_source() + module("events", "port_events.so", kSporadic + dispatch, file("events")) +
                  sink("echo"),
@@ -132,14 +131,14 @@ TEST_F(DevicePorts, AnEventReleasesASporadicModule) {
                  connection("events.echo", "echo.in", "kind=\"queue\" depth=\"8\""));
     run_for(milliseconds{400});
     EXPECT_EQ(module_of("events")["cycles"], port_of("events", "event")["samples"])
-        << "it runs for events and else never";
+        << "the module runs only for events";
     take_down();
     expect_all("events", 30);
     expect_all("echo", 30);
   }
 }
 
-TEST_F(DevicePorts, AnEventReleasesASporadicProgram) {
+TEST_F(DevicePorts, ReleaseASporadicProgramByAnEvent) {
   for (const std::string& dispatch : {kRow, kImmediate}) {
     bring_up(slow_source() + module("events", "port_events_program.exe", kSporadic + dispatch) + sink("echo"),
              connection("source.out", "events.event", "kind=\"queue\" depth=\"8\"") +
@@ -148,7 +147,7 @@ TEST_F(DevicePorts, AnEventReleasesASporadicProgram) {
     const int cycles = module_of("events")["cycles"];
     const int samples = port_of("events", "event")["samples"];
     if (dispatch == kImmediate) {
-      EXPECT_GE(samples, cycles - 1);  // one may be just between the two
+      EXPECT_GE(samples, cycles - 1);  // one sample may arrive between the two reads
       EXPECT_LE(samples, cycles + 1);
     }
     take_down();
@@ -156,7 +155,7 @@ TEST_F(DevicePorts, AnEventReleasesASporadicProgram) {
   }
 }
 
-TEST_F(DevicePorts, AnEventOfASporadicModuleReleasesTheNextAtOnce) {
+TEST_F(DevicePorts, PassEventsAlongAChainOfSporadicModules) {
   bring_up(slow_source() + module("first", "port_events.so", kSporadic + kImmediate, file("first")) +
                module("second", "port_events_program.exe", kSporadic + kImmediate) +
                module("third", "port_events.so", kSporadic + kImmediate, file("third")),
@@ -169,21 +168,20 @@ TEST_F(DevicePorts, AnEventOfASporadicModuleReleasesTheNextAtOnce) {
   expect_all("third", 30);
 }
 
-TEST_F(DevicePorts, InterarrivalHoldsAProgramBack) {
+TEST_F(DevicePorts, ReleaseAProgramAtMostOncePerInterarrivalTime) {
   bring_up(source() + module("events", "port_events_program.exe",
                              kSporadic + kImmediate + "<interarrival>20000000</interarrival>"),
            connection("source.out", "events.event", "kind=\"queue\" depth=\"64\""));
   run_for(milliseconds{400});
   EXPECT_GT(module_of("events")["cycles"], 10);
   EXPECT_LE(module_of("events")["cycles"], 22);
-  EXPECT_EQ(port_of("events", "event")["dropped"], 0) << "each body reads all there is";
+  EXPECT_EQ(port_of("events", "event")["dropped"], 0) << "each body reads all waiting events";
   take_down();
 }
 
-// ---- Whoever dies
-// --------------------------------------------------------------------------------------------
+// ---- Killed programs and hosts
 
-TEST_F(DevicePorts, AProgramThatIsKilledAgainAndAgainLeavesItsLinksUsable) {
+TEST_F(DevicePorts, StayUsableAfterAProgramIsKilledRepeatedly) {
   bring_up(
       source() +
           module("relay", "port_relay.exe", kEvery, "", "<recovery attempts=\"100\" backoff=\"1000000\"/>") +
@@ -200,10 +198,10 @@ TEST_F(DevicePorts, AProgramThatIsKilledAgainAndAgainLeavesItsLinksUsable) {
   take_down();
   const json sink = seen("sink");
   EXPECT_EQ(sink["wrong"], 0);
-  EXPECT_LE(sink["gaps"], 64 * 10) << "what came while nobody read, beyond the queue";
+  EXPECT_LE(sink["gaps"], 64 * 10) << "samples that the full queue dropped while no program read it";
 }
 
-TEST_F(DevicePorts, TheLinksOutliveTheHost) {
+TEST_F(DevicePorts, StayUsableAfterTheHostIsKilledRepeatedly) {
   bring_up(source() + module("relay", "port_relay.exe", kEvery) + sink("sink") + sink("typed"),
            connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
                connection("relay.out", "sink.in", "kind=\"queue\" depth=\"64\"") +
@@ -216,18 +214,17 @@ TEST_F(DevicePorts, TheLinksOutliveTheHost) {
     ::kill(module_of("source")["pid"], SIGKILL);
     ASSERT_TRUE(step_until([&] { return port_of("sink", "in")["samples"] > before + 20; }))
         << "after kill " << i;
-    EXPECT_GT(port_of("typed", "in")["samples"], typed) << "the counts go on";
+    EXPECT_GT(port_of("typed", "in")["samples"], typed) << "the counts continue after the restart";
     EXPECT_EQ(module_of("relay")["pid"], program);
   }
   take_down();
   EXPECT_EQ(seen("typed")["wrong"], 0);
-  EXPECT_EQ(seen("typed")["first"], 1) << "of the present life of both";
+  EXPECT_EQ(seen("typed")["first"], 1) << "counted since the restart of the source and the sink";
 }
 
 // ---- Stale inputs
-// ----------------------------------------------------------------------------------------------
 
-TEST_F(DevicePorts, AStaleInputIsAnErrorWhereTheConnectionSaysSo) {
+TEST_F(DevicePorts, RaiseAnErrorForAStaleInputIfTheConnectionSaysSo) {
   const std::string deadline = "deadline=\"50000000\" stale=\"";
   const std::string recovery = "<recovery attempts=\"3\" backoff=\"1000000\"/>";
   bring_up(
@@ -245,7 +242,7 @@ TEST_F(DevicePorts, AStaleInputIsAnErrorWhereTheConnectionSaysSo) {
   ASSERT_TRUE(step_until([&] { return module_of("program")["state"] == "RECOVER"; }, milliseconds{350}));
   EXPECT_EQ(module_of("calm")["state"], "EXECUTING");
   run_for(milliseconds{150});
-  EXPECT_EQ(module_of("strict")["state"], "RECOVER") << "it waits for the input";
+  EXPECT_EQ(module_of("strict")["state"], "RECOVER") << "the module waits for its input";
   EXPECT_GT(port_of("calm", "in")["age_us"], 50'000.0);
   ASSERT_TRUE(step_until([&] { return module_of("strict")["state"] == "EXECUTING"; }));
   ASSERT_TRUE(step_until([&] { return module_of("program")["state"] == "EXECUTING"; }));
@@ -257,20 +254,18 @@ TEST_F(DevicePorts, AStaleInputIsAnErrorWhereTheConnectionSaysSo) {
   take_down();
 }
 
-TEST_F(DevicePorts, AnInputThatNeverGotAValueIsStaleAfterItsDeadline) {
+TEST_F(DevicePorts, TreatAnInputWithoutAValueAsStaleAfterItsDeadline) {
   bring_up(source("<value name=\"burst\">0</value>") + sink("sink"),
            connection("source.out", "sink.in", "deadline=\"100000000\" stale=\"error\""));
   run_for(milliseconds{80});
-  EXPECT_EQ(module_of("sink")["state"], "EXECUTING")
-      << "it is given the deadline's time from its first release on";
+  EXPECT_EQ(module_of("sink")["state"], "EXECUTING") << "the deadline counts from the first release";
   ASSERT_TRUE(step_until([&] { return module_of("sink")["state"] == "RECOVER"; }, milliseconds{500}));
   take_down();
 }
 
-// ---- What the node offers
-// ----------------------------------------------------------------------------------------
+// ---- Unconnected ports
 
-TEST_F(DevicePorts, APortWithoutAConnectionNeverHasNewsAndWritesNowhere) {
+TEST_F(DevicePorts, CarryNoSamplesWithoutAConnection) {
   bring_up(source() + sink("sink"), "");
   run_for(milliseconds{100});
   EXPECT_EQ(port_of("source", "out")["matched"], 0);

@@ -1,4 +1,4 @@
-// Another instance takes the place of one that runs, in a real host.
+// Swaps a running instance of a module for another one, in a real host.
 #include <gmock/gmock.h>
 
 #include <optional>
@@ -15,13 +15,13 @@ using testing::HasSubstr;
 class DeviceSwap : public RealDevice {
  protected:
   Outcome swap(std::uint32_t module, const std::string& file) {
-    std::optional<Outcome> told;
-    device->swap(module, kComponents + "/" + file, [&told](const Outcome& outcome) {
-      EXPECT_FALSE(told) << "answered twice";
-      told = outcome;
+    std::optional<Outcome> answer;
+    device->swap(module, kComponents + "/" + file, [&answer](const Outcome& outcome) {
+      EXPECT_FALSE(answer) << "answered twice";
+      answer = outcome;
     });
-    EXPECT_TRUE(step_until([&] { return told.has_value(); }));
-    return told.value_or(Outcome{.code = REPLY_LATE, .text = {}});
+    EXPECT_TRUE(step_until([&] { return answer.has_value(); }));
+    return answer.value_or(Outcome{.code = REPLY_LATE, .text = {}});
   }
   void wait_for_cycles(const std::string& name, int n) {
     ASSERT_TRUE(step_until([&] { return module_of(name)["cycles"] > n; }));
@@ -32,7 +32,7 @@ class DeviceSwap : public RealDevice {
   }
 };
 
-TEST_F(DeviceSwap, ServicesAnswerOnByHandlersAndInRun) {
+TEST_F(DeviceSwap, KeepsServicesAnswering) {
   bring_up(module("answers", "answers.so", kEvery) + module("one", "asks.so", kEvery, file("one")) +
                module("two", "asks.so", kEvery, file("two")),
            R"(<service client="d.one.ask" server="d.answers.handled"/>)"
@@ -47,14 +47,14 @@ TEST_F(DeviceSwap, ServicesAnswerOnByHandlersAndInRun) {
   expect_executing("answers");
   take_down();
   for (const char* client : {"one", "two"}) {
-    const json told = seen(client);
-    EXPECT_GT(told["replied"], 50) << client;
-    EXPECT_EQ(told["timed_out"], 0) << client;
-    EXPECT_EQ(told["wrong"], 0) << client;
+    const json report = seen(client);
+    EXPECT_GT(report["replied"], 50) << client;
+    EXPECT_EQ(report["timed_out"], 0) << client;
+    EXPECT_EQ(report["wrong"], 0) << client;
   }
 }
 
-TEST_F(DeviceSwap, TheClientOfAServiceAsksOn) {
+TEST_F(DeviceSwap, KeepsAServiceClientCalling) {
   bring_up(module("answers", "answers.so", kEvery) + module("one", "asks.so", kEvery, file("one")),
            R"(<service client="d.one.ask" server="d.answers.handled"/>)");
   wait_for_cycles("one", 50);
@@ -65,7 +65,7 @@ TEST_F(DeviceSwap, TheClientOfAServiceAsksOn) {
   EXPECT_EQ(seen("one")["wrong"], 0);
 }
 
-TEST_F(DeviceSwap, AModuleInCGetsVariablesOfItsOwn) {
+TEST_F(DeviceSwap, GivesTheNewInstanceOfACModuleItsOwnVariables) {
   bring_up(module("keeps", "keeps_c.so", kEvery) + module("counter", "counter.so", kEvery, file("count")));
   wait_for_cycles("keeps", 20);
   for (int n = 0; n < 5; ++n) {
@@ -75,18 +75,19 @@ TEST_F(DeviceSwap, AModuleInCGetsVariablesOfItsOwn) {
   const int before = module_of("counter")["cycles"];
   const Outcome outcome = swap(1, "counter.so");
   ASSERT_EQ(outcome.code, REPLY_OK) << outcome.text;
-  // It writes the file as it ends, after the other has begun.
+  // The old instance writes the file when it ends, after the new instance has begun.
   const auto has_written = [&] {
     const json count = seen("count");
     return count.is_number() && count >= before;
   };
-  EXPECT_TRUE(step_until(has_written)) << "the one that has left has ended in order";
+  EXPECT_TRUE(step_until(has_written)) << "the old instance ended cleanly";
   wait_for_cycles("counter", before + 20);
   take_down();
-  EXPECT_LT(seen("count"), module_of("counter")["cycles"]) << "it saves nothing, so it begins anew";
+  EXPECT_LT(seen("count"), module_of("counter")["cycles"])
+      << "the module saves no state, so the new instance counts from 0";
 }
 
-TEST_F(DeviceSwap, WhatCannotBeSwappedIsRefused) {
+TEST_F(DeviceSwap, RejectsAnImpossibleSwapWithTheReason) {
   bring_up(module("periodic", "fine.so", kEvery) + module("sporadic", "fine_sporadic.so", kSporadic) +
            module("program", "fine.exe", kEvery));
   ASSERT_TRUE(step_until([&] { return module_of("periodic")["state"] == "EXECUTING"; }));
@@ -112,7 +113,7 @@ TEST_F(DeviceSwap, WhatCannotBeSwappedIsRefused) {
   take_down();
 }
 
-TEST_F(DeviceSwap, OneThatFailsOnTrialIsPutBack) {
+TEST_F(DeviceSwap, RestoresTheOldInstanceIfTheNewOneFailsOnTrial) {
   bring_up(module("ticks", "ticks.so", kEvery));
   wait_for_cycles("ticks", 20);
   const Outcome outcome = swap(0, "ticks_fails.so");
@@ -124,9 +125,9 @@ TEST_F(DeviceSwap, OneThatFailsOnTrialIsPutBack) {
   take_down();
 }
 
-TEST_F(DeviceSwap, OneThatCrashesIsNotLoadedAgainHoweverOften) {
+TEST_F(DeviceSwap, RestoresTheOldInstanceAfterEachCrashOfTheNewOne) {
   bring_up(module("ticks", "ticks.so", kEvery) + module("other", "fine.so", kEvery));
-  for (int n = 0; n < 5; ++n) {  // more than a host may end for no reason
+  for (int n = 0; n < 5; ++n) {  // a host that crashed this often otherwise would be given up
     ASSERT_TRUE(step_until([&] { return module_of("ticks")["state"] == "EXECUTING"; }));
     const Outcome outcome = swap(0, "ticks_crashes.so");
     EXPECT_EQ(outcome.code, REPLY_FAILED);
@@ -137,13 +138,13 @@ TEST_F(DeviceSwap, OneThatCrashesIsNotLoadedAgainHoweverOften) {
   take_down();
 }
 
-TEST_F(DeviceSwap, TheEndOfTheDeviceEndsIt) {
+TEST_F(DeviceSwap, DoesNotKeepTheDeviceFromEnding) {
   bring_up(module("ticks", "ticks.so", kEvery));
   wait_for_cycles("ticks", 20);
-  std::optional<Outcome> told;
-  device->swap(0, kComponents + "/ticks_hangs.so", [&told](const Outcome& outcome) { told = outcome; });
+  std::optional<Outcome> answer;
+  device->swap(0, kComponents + "/ticks_hangs.so", [&answer](const Outcome& outcome) { answer = outcome; });
   run_for(milliseconds{200});
-  EXPECT_FALSE(told);
+  EXPECT_FALSE(answer);
   device->command(0, Verb::stop, [](const Outcome& outcome) { EXPECT_EQ(outcome.code, REPLY_REFUSED); });
   take_down();
 }

@@ -1,5 +1,4 @@
-// A device that runs for real: brought up by its supervisor, with its host and its programs, but without a
-// node around it.
+// A real device: its supervisor brings it up with real hosts and programs, but without a node.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -65,8 +64,8 @@ class RealDevice : public testing::Test {
   static inline const std::string kRow = "<dispatch>row</dispatch>";
   static inline const std::string kImmediate = "<dispatch>immediate</dispatch>";
 
-  /// The device d of a cell of it alone, in START; its first row runs at once unless it is not let go.
-  void bring_up(const std::string& modules, const std::string& connections = "", bool let_go = true) {
+  /// Brings up the only device d of a cell until it is ready. Then starts its rows, if `start_rows` is true.
+  void bring_up(const std::string& modules, const std::string& connections = "", bool start_rows = true) {
     const std::string text =
         "<cell name=\"c\"><device name=\"d\">" + modules + "</device>" + connections + "</cell>";
     auto cell = descriptor::parse(text, "test.xml");
@@ -84,7 +83,7 @@ class RealDevice : public testing::Test {
     const auto prepared = device->prepare();
     ASSERT_TRUE(prepared.ok()) << to_text(prepared.problems());
     ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ready; })) << problems();
-    if (let_go) device->go(os::now() + milliseconds{20});
+    if (start_rows) device->go(os::now() + milliseconds{20});
   }
   bool step_until(const std::function<bool()>& holds, milliseconds limit = milliseconds{10000}) {
     const Instant end = os::now() + limit;

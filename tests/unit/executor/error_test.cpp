@@ -29,7 +29,7 @@ class Error : public testing::Test {
   const char* failure = nullptr;
 };
 
-TEST_F(Error, InRunTakesTheModuleOutWithinTheRow) {
+TEST_F(Error, InRunRemovesTheModuleWithinTheSameRow) {
   device->cycle();
   device->cycle();
   failure = "no answer from the drive";
@@ -88,7 +88,7 @@ TEST_F(Error, IsAFailureWhenRunFailsAndExceedsTheBudget) {
   EXPECT_EQ(device->blocks[1].errors.load(), 1U);
 }
 
-TEST_F(Error, KeepsThePhaseWhenTheModuleReturnsToTheTables) {
+TEST_F(Error, DoesNotShiftTheReleasesAfterRecovery) {
   failure = "once";
   device->cycle();
   failure = nullptr;
@@ -107,7 +107,7 @@ TEST_F(Error, KeepsThePhaseWhenTheModuleReturnsToTheTables) {
       << "a row while it is out of the tables does not count as missed";
 }
 
-TEST_F(Error, OverrunAloneDoesNotTakeTheModuleOut) {
+TEST_F(Error, IsNotRaisedByAnOverrunAlone) {
   device->bodies[0].on_run = [this](const Cycle&) {
     device->clock.time += milliseconds{4};
     return nullptr;

@@ -51,7 +51,8 @@ TEST(Interarrival, IsTheMinimumTimeBetweenReleasesByRows) {
     while (device.executor->run_sporadic()) {
     }
   }
-  // Rows at 0, 1, 2, 3 ... ms: the third is the first at least 2.5 ms after the last release.
+  // Rows are at 0, 1, 2, 3 ... ms. After a release at 0 ms, the row at 3 ms is the first one at least 2.5 ms
+  // later.
   ASSERT_EQ(releases.size(), 4U);
   for (std::size_t i = 1; i < releases.size(); ++i) EXPECT_EQ(releases[i] - releases[i - 1], milliseconds{3});
   EXPECT_EQ(device.bodies[1].asked, 4) << "the condition is not checked when no release is allowed";
@@ -64,12 +65,12 @@ TEST(Interarrival, AppliesToProgramsToo) {
   device.join();
   for (int i = 0; i < 12; ++i) {
     device.cycle();
-    device.slots[1].done.store(device.slots[1].released.load());  // the program is quick
+    device.slots[1].done.store(device.slots[1].released.load());  // the program finishes its body at once
   }
   EXPECT_EQ(device.blocks[1].cycles.load(), 3U);
 }
 
-TEST(Immediate, RunsWithoutARow) {
+TEST(ImmediateModule, RunsWithoutARow) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   bool news = false;
   Cycle seen;
@@ -91,7 +92,7 @@ TEST(Immediate, RunsWithoutARow) {
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }
 
-TEST(Immediate, IsWokenButNotRunByARow) {
+TEST(ImmediateModule, IsWokenButNotRunByARow) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   bool news = false;
   device.bodies[1].on_news = [&] { return news; };
@@ -102,7 +103,7 @@ TEST(Immediate, IsWokenButNotRunByARow) {
   EXPECT_EQ(device.bodies[1].asked, 0);
 }
 
-TEST(Immediate, IsWokenByTheFirstRowAfterItsInterarrival) {
+TEST(ImmediateModule, IsWokenByTheFirstRowAfterItsInterarrivalTime) {
   FakeDevice device{{thread(milliseconds{1}),
                      event_module(milliseconds{5}, microseconds{1500}, model::Dispatch::immediate)}};
   device.bodies[1].on_news = [] { return true; };
@@ -117,7 +118,7 @@ TEST(Immediate, IsWokenByTheFirstRowAfterItsInterarrival) {
   EXPECT_TRUE(device.executor->run_sporadic());
 }
 
-TEST(Immediate, DoesNotRunOutOfTheTables) {
+TEST(ImmediateModule, DoesNotRunWhileRemovedFromTheTables) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   device.bodies[1].on_news = [] { return true; };
   device.bodies[1].on_condition = hold;
@@ -128,7 +129,7 @@ TEST(Immediate, DoesNotRunOutOfTheTables) {
   EXPECT_EQ(device.bodies[1].asked, 0);
 }
 
-TEST(Immediate, RunsBeforeAModuleWithALaterDeadline) {
+TEST(ImmediateModule, RunsBeforeAModuleWithALaterDeadline) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{50}, {}, model::Dispatch::row),
                      event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   std::string ran;
@@ -287,7 +288,7 @@ TEST_P(StormOfEvents, NeverDelaysARow) {
   EXPECT_EQ(device.block->missed.load(), 0U);
   EXPECT_EQ(device.block->late.load(), 0U);
   EXPECT_NEAR(static_cast<double>(written) / static_cast<double>(length.count()), 20'000, 83);
-  // Every event was taken, was dropped by the full queue and counted, or waits.
+  // The module took the event, the full queue dropped and counted it, or it is still waiting.
   const std::uint64_t dropped = memory.link().block().overwritten.load();
   std::uint64_t waiting = 0;
   while (reader.take()) ++waiting;
@@ -315,7 +316,7 @@ INSTANTIATE_TEST_SUITE_P(Dispatch, StormOfEvents,
 
 /// Compares random sets with the rule itself: among the released modules the earliest absolute deadline runs
 /// first; priority decides ties.
-TEST(DeadlineOrder, FollowsTheRuleForRandomSets) {
+TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSets) {
   std::mt19937 random{11};
   for (int set = 0; set < 300; ++set) {
     const std::size_t count = 2 + random() % 6;
@@ -350,7 +351,7 @@ TEST(DeadlineOrder, FollowsTheRuleForRandomSets) {
     for (std::size_t i = 1; i <= count; ++i) {
       if (wanted_news[i]) wanted.push_back(i);
     }
-    // All were released at the same instant because the clock does not move.
+    // All modules were released at the same instant, because the clock stands still.
     std::stable_sort(wanted.begin(), wanted.end(), [&](std::size_t a, std::size_t b) {
       return std::pair{*modules[a].deadline, modules[a].priority} <
              std::pair{*modules[b].deadline, modules[b].priority};
@@ -375,7 +376,7 @@ struct Rule {
       return !released && events > 0 && at >= not_before;
     }
   };
-  std::vector<Each> all;  // by their index on the device
+  std::vector<Each> all;  // indexed like the modules of the device
 
   void row(Instant at) {
     for (Each& each : all) {
@@ -397,8 +398,8 @@ struct Rule {
   }
 };
 
-// Random events, bodies of random length, and rows that fall due during bodies.
-TEST(DeadlineOrder, FollowsTheRuleForRandomEventsOverTime) {
+// Simulates random events, bodies of random length, and rows that fall due during bodies.
+TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomEvents) {
   constexpr auto kPeriod = milliseconds{1};
   std::mt19937 random{23};
   const auto up_to = [&random](int most) { return static_cast<int>(random() % static_cast<unsigned>(most)); };

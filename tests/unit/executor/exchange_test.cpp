@@ -43,16 +43,16 @@ class Counting final : public Body {
   Nanoseconds takes{};
   int refuses = 0;
   int taken_over = 0;
-  bool comes = true;  ///< a new body; else take_over() puts an old one back
+  bool comes = true;  ///< true for a new body; false if take_over() restores an old one
 
  private:
   VirtualClock& clock_;
 };
 
 /// Two modules with periods of 1 and 2 ms; tests exchange the body of the second.
-class Exchanging : public testing::Test {
+class BodyExchange : public testing::Test {
  protected:
-  explicit Exchanging(model::Module module = thread(milliseconds{2}, 2))
+  explicit BodyExchange(model::Module module = thread(milliseconds{2}, 2))
       : device({thread(milliseconds{1}, 1), std::move(module)}) {
     old.comes = false;
     device.periodic_units[1].body = &old;
@@ -81,7 +81,7 @@ class Exchanging : public testing::Test {
   Exchange exchange{.index = 1, .body = &next, .runs = 3};
 };
 
-TEST_F(Exchanging, HappensBetweenTwoRowsWithoutAMissedRelease) {
+TEST_F(BodyExchange, HappensBetweenTwoRowsWithoutAMissedRelease) {
   cycles(5);
   device.executor->exchange(exchange);
   EXPECT_EQ(state(), State::waiting);
@@ -99,7 +99,7 @@ TEST_F(Exchanging, HappensBetweenTwoRowsWithoutAMissedRelease) {
   EXPECT_EQ(old.taken_over, 0);
 }
 
-TEST_F(Exchanging, PutsTheOldBodyBackAfterAFailureAndServesTheRelease) {
+TEST_F(BodyExchange, RestoresTheOldBodyAfterAFailureOfTheNewOne) {
   cycles(4);
   next.fails_at = 3;
   device.executor->exchange(exchange);
@@ -117,7 +117,7 @@ TEST_F(Exchanging, PutsTheOldBodyBackAfterAFailureAndServesTheRelease) {
   EXPECT_EQ(old.taken_over, 1);
 }
 
-TEST_F(Exchanging, RaisesAnErrorForAFailureAfterTheTrial) {
+TEST_F(BodyExchange, RaisesAnErrorForAFailureAfterTheTrial) {
   next.fails_at = 3;
   device.executor->exchange(exchange);
   cycles(7);
@@ -127,7 +127,7 @@ TEST_F(Exchanging, RaisesAnErrorForAFailureAfterTheTrial) {
   EXPECT_TRUE(old.served.empty());
 }
 
-TEST_F(Exchanging, WaitsWhileTheModuleIsOutOfTheTablesAndCanBeWithdrawn) {
+TEST_F(BodyExchange, CanBeWithdrawnWhileTheModuleIsRemoved) {
   device.blocks[1].in_tables.store(0);
   device.executor->exchange(exchange);
   cycles(4);
@@ -143,7 +143,7 @@ TEST_F(Exchanging, WaitsWhileTheModuleIsOutOfTheTablesAndCanBeWithdrawn) {
   EXPECT_EQ(state(), State::on_trial);
 }
 
-TEST_F(Exchanging, ChangesNothingIfTheNewBodyDoesNotTakeOver) {
+TEST_F(BodyExchange, ChangesNothingIfTheNewBodyDoesNotTakeOver) {
   next.refuses = 1;
   device.executor->exchange(exchange);
   cycles(3);
@@ -154,7 +154,7 @@ TEST_F(Exchanging, ChangesNothingIfTheNewBodyDoesNotTakeOver) {
   expect_all_served(6, {&old, &next});
 }
 
-TEST_F(Exchanging, IgnoresAModuleOfAnotherExecutor) {
+TEST_F(BodyExchange, IgnoresAModuleOfAnotherExecutor) {
   exchange.index = 7;  // not a module of this executor
   device.executor->exchange(exchange);
   cycles(10);
@@ -162,8 +162,9 @@ TEST_F(Exchanging, IgnoresAModuleOfAnotherExecutor) {
   expect_all_served(10, {&old});
 }
 
-// At any moment, with and without failures, each release is served once and the count continues.
-TEST_F(Exchanging, KeepsTheCountOverThousandsOfExchanges) {
+// Exchanges bodies at random moments, with and without failures. Each release is served once, and the count
+// continues.
+TEST_F(BodyExchange, LosesNoReleaseOverThousandsOfExchanges) {
   std::mt19937 random{1};
   std::vector<std::unique_ptr<Counting>> bodies;
   std::vector<std::unique_ptr<Exchange>> exchanges;
@@ -209,9 +210,9 @@ TEST_F(Exchanging, KeepsTheCountOverThousandsOfExchanges) {
   EXPECT_EQ(device.block->missed.load(), 0U);
 }
 
-class Limited : public Exchanging {
+class LimitedBodyExchange : public BodyExchange {
  protected:
-  Limited() : Exchanging(module()) {}
+  LimitedBodyExchange() : BodyExchange(module()) {}
   static model::Module module() {
     model::Module module = thread(milliseconds{2}, 2);
     module.budget = microseconds{100};
@@ -221,7 +222,7 @@ class Limited : public Exchanging {
   }
 };
 
-TEST_F(Limited, PutsTheOldBodyBackAfterABudgetExcess) {
+TEST_F(LimitedBodyExchange, RestoresTheOldBodyIfTheNewOneExceedsItsBudget) {
   next.takes = microseconds{200};
   device.executor->exchange(exchange);
   cycles(6);
@@ -231,7 +232,7 @@ TEST_F(Limited, PutsTheOldBodyBackAfterABudgetExcess) {
   EXPECT_EQ(next.served.size(), 1U);
 }
 
-TEST_F(Limited, PutsTheOldBodyBackAfterAnOverrunWhichRemainsAnError) {
+TEST_F(LimitedBodyExchange, RestoresTheOldBodyAfterAnOverrunOfTheNewOne) {
   next.takes = milliseconds{3};
   device.executor->exchange(exchange);
   cycles(1);

@@ -17,7 +17,7 @@ using channel::FlightKind;
 using channel::FlightRecord;
 using channel::FlightSample;
 
-class Recorded : public testing::Test {
+class ExecutorRecording : public testing::Test {
  protected:
   void record(FakeDevice& device, std::uint64_t capacity = 1U << 20) {
     memory = std::move(*FlightRecord::create({capacity, capacity}));
@@ -36,7 +36,7 @@ class Recorded : public testing::Test {
 
 std::int64_t ns(Instant instant) { return to_ns(instant); }
 
-TEST_F(Recorded, MatchesTheModelOverThousandsOfRows) {
+TEST_F(ExecutorRecording, MatchesTheModelOverThousandsOfRows) {
   FakeDevice device{{thread(1ms), thread(2ms), thread(3ms), process(2ms, -1)}};
   record(device);
   std::mt19937 random{7};
@@ -103,7 +103,7 @@ TEST_F(Recorded, MatchesTheModelOverThousandsOfRows) {
   }
 }
 
-TEST_F(Recorded, PutsAMadeUpRunIntoTheLateRow) {
+TEST_F(ExecutorRecording, PutsACatchUpRunIntoTheLateRow) {
   auto module = thread(1ms);
   module.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 2};
   FakeDevice device{{module}};
@@ -118,7 +118,7 @@ TEST_F(Recorded, PutsAMadeUpRunIntoTheLateRow) {
   EXPECT_EQ(of_rows()[3].value, 500'000U);
 }
 
-TEST_F(Recorded, PutsASwapIntoTheRowInWhichItBegins) {
+TEST_F(ExecutorRecording, PutsASwapIntoTheRowInWhichItBegins) {
   auto module = thread(1ms);
   module.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 2};
   FakeDevice device{{thread(1ms), module}};
@@ -140,7 +140,7 @@ TEST_F(Recorded, PutsASwapIntoTheRowInWhichItBegins) {
   EXPECT_EQ(seen, expected);
 }
 
-TEST_F(Recorded, PutsASporadicRunIntoItsThreadsRing) {
+TEST_F(ExecutorRecording, PutsASporadicRunIntoItsThreadsRing) {
   FakeDevice device{{thread(1ms), sporadic(model::ModuleType::thread, 5ms)}};
   record(device);
   device.bodies[1].on_condition = [](bool* ready) -> const char* {
@@ -161,7 +161,7 @@ TEST_F(Recorded, PutsASporadicRunIntoItsThreadsRing) {
   EXPECT_EQ(of_sporadic()[0], (FlightSample{ns(device.clock.time), FlightKind::run, 1, 40'000}));
 }
 
-TEST_F(Recorded, HasNoEntryForAModuleOutOfTheTables) {
+TEST_F(ExecutorRecording, HasNoEntryForARemovedModule) {
   FakeDevice device{{thread(1ms)}};
   record(device);
   device.blocks[0].in_tables.store(0);
@@ -171,7 +171,7 @@ TEST_F(Recorded, HasNoEntryForAModuleOutOfTheTables) {
   EXPECT_EQ(of_rows()[1].kind, FlightKind::row_end);
 }
 
-TEST_F(Recorded, AnExecutorRunsWithoutARecord) {
+TEST_F(ExecutorRecording, IsNotRequired) {
   FakeDevice device{{thread(1ms), process(1ms), sporadic(model::ModuleType::thread, 5ms)}};
   device.join();
   for (int i = 0; i < 10; ++i) device.cycle();

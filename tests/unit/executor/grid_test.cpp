@@ -1,6 +1,6 @@
-// Compares a million cycles on virtual time with a model made only from the paper. In slot n the modules are
-// due whose period divides n x basic period minus their offset, by priority, then by position in the file.
-// Releases of passed slots are skipped, or made up for by modules that catch up.
+// Compares a million cycles on virtual time with a model made only from the paper. A module is due in slot n
+// if its period divides n x basic period minus its offset. Modules run by priority, then by position in the
+// file. They skip the releases of missed slots, or make up for them if their contract is catch-up.
 #include <gtest/gtest.h>
 #include <full_form.hpp>
 
@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 
 constexpr int kCyclesPerSeed = kSanitized ? 12'500 : 125'000;
 
-/// A random number that depends only on its arguments, so that model and device draw the same.
+/// A random number that depends only on its arguments, so that the model and the device draw the same number.
 std::uint64_t noise(std::uint64_t a, std::uint64_t b) {
   std::uint64_t x = a * 0x9e3779b97f4a7c15U + b + 1;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
@@ -50,14 +50,14 @@ struct Count {
   std::uint64_t cycles = 0;
   std::uint64_t missed = 0;
   std::uint64_t overruns = 0;
-  Instant busy_until{};  // of a program
+  Instant busy_until{};  // only for a program
 };
 
 /// The model. Slots are counted from T0; each is walked at most once.
 struct Model {
   std::uint64_t seed;
   std::vector<model::Module> modules;
-  std::vector<bool> in;  // the tables
+  std::vector<bool> in;  // whether each module is in the tables
   Nanoseconds basic;
   Instant t0;
   std::vector<Count> counts;
@@ -78,7 +78,7 @@ struct Model {
     return found;
   }
 
-  /// Models a wake-up at `now`. Returns the expected calls and the time when they are done.
+  /// Models a wake-up at `now`. Returns the expected calls; `done` is the time when they have ended.
   std::vector<Call> wake(Instant now, Instant* done) {
     struct Missed {
       std::uint64_t slot;
@@ -272,7 +272,7 @@ TEST_P(Grid, ServesOrCountsEveryReleaseOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Grid, testing::Range<std::uint64_t>(1, 9));
 
-TEST(Executor, WalksTheTableOfFigure3) {
+TEST(Executor, RunsTheTableOfFigure3) {
   FakeDevice device{{thread(microseconds{600}, 4), thread(microseconds{100}, 3), thread(microseconds{100}, 2),
                      thread(microseconds{300}, 5)}};
   device.join();
@@ -292,7 +292,7 @@ TEST(Executor, WalksTheTableOfFigure3) {
                                             "c3 c2 ", "c3 c2 c1 c4 "}));
 }
 
-TEST(Executor, WalksAnEmptyRow) {
+TEST(Executor, AcceptsAnEmptyRow) {
   FakeDevice device{{thread(milliseconds{2}), thread(milliseconds{3})}};
   device.join();
   device.cycle();
@@ -303,25 +303,25 @@ TEST(Executor, WalksAnEmptyRow) {
   EXPECT_EQ(device.executor->next_release(), device.t0 + milliseconds{2});
 }
 
-TEST(Executor, WalksRowsOfConditionsOnly) {
+TEST(Executor, ChecksConditionsInRowsWithoutPeriodicModules) {
   FakeDevice device{{sporadic(model::ModuleType::thread, milliseconds{10})}};
   device.join();
   EXPECT_EQ(device.executor->basic_period(), milliseconds{5});
   device.cycle();
-  device.cycle(milliseconds{23});  // 28 ms: the slots of 5, 10, 15 and 20 ms are over
+  device.cycle(milliseconds{23});  // 28 ms: the slots at 5, 10, 15 and 20 ms are over
   EXPECT_EQ(device.bodies[0].asked, 2);
   EXPECT_EQ(device.block->cycles.load(), 2U);
   EXPECT_EQ(device.block->missed.load(), 4U);
   EXPECT_EQ(device.executor->next_release(), device.t0 + milliseconds{30});
 }
 
-TEST(ExecutorDeathTest, HasNoGridWithoutModules) {
+TEST(ExecutorDeathTest, AbortsIfItJoinsAGridWithoutModules) {
   FakeDevice device{{}};
   EXPECT_EQ(device.executor->basic_period(), Nanoseconds{0});
   EXPECT_DEATH(device.join(), "basic_ > Nanoseconds");
 }
 
-TEST(Executor, WalksAThousandModulesInOneRow) {
+TEST(Executor, RunsAThousandModulesInOneRow) {
   std::vector<model::Module> modules;
   for (int i = 0; i < 1000; ++i) modules.push_back(thread(milliseconds{1}, -i));
   FakeDevice device{modules};
@@ -377,7 +377,7 @@ TEST(Executor, CountsRowsMissedDuringARestart) {
   EXPECT_EQ(number, 12U);
 }
 
-TEST(Executor, KeepsTheLargestRowDelay) {
+TEST(Executor, RecordsTheLargestRowDelay) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.join();
   device.cycle();
@@ -392,7 +392,7 @@ TEST(Executor, KeepsTheLargestRowDelay) {
   EXPECT_EQ(device.block->latest_ns.load(), 50'000'000);
 }
 
-TEST(Executor, JoinsAtAReleaseThatIsExactlyNow) {
+TEST(Executor, JoinsTheGridAtAReleaseThatIsExactlyNow) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.executor->join_grid(device.clock.time - milliseconds{4}, device.clock.time);
   EXPECT_EQ(device.executor->next_row(), 4U);
@@ -400,7 +400,7 @@ TEST(Executor, JoinsAtAReleaseThatIsExactlyNow) {
   EXPECT_EQ(device.block->missed.load(), 4U);
 }
 
-TEST(Executor, CountsARowThatEndsExactlyWithItsSlotAsOnTime) {
+TEST(Executor, AcceptsARowThatEndsExactlyWithItsSlot) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.join();
   Nanoseconds takes = milliseconds{1};
@@ -419,7 +419,7 @@ TEST(Executor, CountsARowThatEndsExactlyWithItsSlotAsOnTime) {
   EXPECT_EQ(device.block->missed.load(), 0U) << "the next row runs, late";
 }
 
-TEST(Executor, MeasuresJitterByEquation1) {
+TEST(Executor, MeasuresJitterByThePapersEquation1) {
   FakeDevice device{{thread(milliseconds{1}), thread(milliseconds{1})}};
   device.bodies[0].on_run = [&device](const Cycle&) {
     device.clock.time += microseconds{40};
@@ -433,7 +433,7 @@ TEST(Executor, MeasuresJitterByEquation1) {
   EXPECT_DOUBLE_EQ(device.blocks[1].jitter.read().mean, -43'000);
 }
 
-TEST(Executor, MarksTheRowWhileItIsWalked) {
+TEST(Executor, MarksARowAsInProgress) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.bodies[0].on_run = [&device](const Cycle&) {
     EXPECT_EQ(device.block->row_sequence.load() % 2, 1U);

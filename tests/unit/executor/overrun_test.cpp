@@ -23,7 +23,7 @@ model::Module with(model::Module module, Overrun what, int limit = 1) {
 }
 
 /// A device that records which module is called in which cycle: "0:3" is module 0 in its cycle 3.
-class Contract : public testing::Test {
+class OverrunContract : public testing::Test {
  protected:
   void make(std::vector<model::Module> modules) {
     const std::size_t count = modules.size();
@@ -39,7 +39,7 @@ class Contract : public testing::Test {
     }
     device->join();
   }
-  /// The calls of one wake-up, `late` after the release.
+  /// Wakes the executor `late` after the release; returns its calls.
   std::vector<std::string> cycle(Nanoseconds late = Nanoseconds{0}) {
     calls.clear();
     device->cycle(late);
@@ -56,7 +56,7 @@ class Contract : public testing::Test {
   std::vector<std::string> calls;
 };
 
-TEST_F(Contract, SkipOmitsMissedReleases) {
+TEST_F(OverrunContract, SkipOmitsMissedReleases) {
   make({thread(milliseconds{1}), thread(milliseconds{2})});
   EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
   EXPECT_THAT(cycle(microseconds{3'500}), ElementsAre("0:4", "1:2")) << "slots 1 to 3 are over";
@@ -66,7 +66,7 @@ TEST_F(Contract, SkipOmitsMissedReleases) {
   EXPECT_EQ(error(0), ErrorType::none);
 }
 
-TEST_F(Contract, CatchUpMakesUpForTheNewestReleasesInOrder) {
+TEST_F(OverrunContract, CatchUpMakesUpForTheNewestReleasesInOrder) {
   make({with(thread(milliseconds{1}, 1), Overrun::catch_up, 2), thread(milliseconds{1}, 2),
         with(thread(milliseconds{2}, 0), Overrun::catch_up, 5)});
   EXPECT_THAT(cycle(), ElementsAre("2:0", "0:0", "1:0"));
@@ -83,12 +83,12 @@ TEST_F(Contract, CatchUpMakesUpForTheNewestReleasesInOrder) {
   EXPECT_THAT(cycle(), ElementsAre("2:3", "0:6", "1:6"));
 }
 
-TEST_F(Contract, CatchUpThatIsLateItselfMakesUpForItsOwnMisses) {
+TEST_F(OverrunContract, CatchUpThatIsLateItselfMakesUpForItsOwnMisses) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 1)});
   takes[0] = microseconds{1'400};
   EXPECT_THAT(cycle(), ElementsAre("0:0"));
-  // At 1.4 ms the slot of 1 ms is not over: its row runs late, until 2.8 ms. This repeats until a slot
-  // passes.
+  // At 1.4 ms the slot of 1 ms is not over, so its row runs late, until 2.8 ms. Each row begins later than
+  // the one before, until a slot is missed.
   EXPECT_THAT(cycle(), ElementsAre("0:1"));
   EXPECT_THAT(cycle(), ElementsAre("0:2")) << "2.8 to 4.2 ms";
   EXPECT_THAT(cycle(), ElementsAre("0:3", "0:4")) << "4.2 ms: cycle 3 is made up for, and 4 runs late";
@@ -97,7 +97,7 @@ TEST_F(Contract, CatchUpThatIsLateItselfMakesUpForItsOwnMisses) {
   EXPECT_EQ(missed(0), 1U);
 }
 
-TEST_F(Contract, CatchUpStopsWhenTheModuleIsTakenOut) {
+TEST_F(OverrunContract, CatchUpStopsWhenTheModuleIsRemoved) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 3)});
   EXPECT_THAT(cycle(), ElementsAre("0:0"));
   device->bodies[0].on_run = [this](const Cycle& cycle) {
@@ -109,7 +109,7 @@ TEST_F(Contract, CatchUpStopsWhenTheModuleIsTakenOut) {
   EXPECT_EQ(device->blocks[0].cycles.load(), 2U);
 }
 
-TEST_F(Contract, CatchUpDoesNotApplyToAHostRestart) {
+TEST_F(OverrunContract, CatchUpDoesNotApplyToAHostRestart) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 100)});
   cycle();
   device->make_executor();
@@ -119,7 +119,7 @@ TEST_F(Contract, CatchUpDoesNotApplyToAHostRestart) {
   EXPECT_THAT(cycle(), ElementsAre("0:10"));
 }
 
-TEST_F(Contract, CatchUpRespectsTheOffset) {
+TEST_F(OverrunContract, CatchUpRespectsTheOffset) {
   model::Module shifted = with(thread(milliseconds{2}), Overrun::catch_up, 2);
   shifted.offset = milliseconds{1};
   make({shifted, thread(milliseconds{1})});
@@ -136,7 +136,7 @@ TEST_F(Contract, CatchUpRespectsTheOffset) {
   EXPECT_EQ(missed(1), 4U);
 }
 
-TEST_F(Contract, ErrorTakesOutAModuleThatMissesARelease) {
+TEST_F(OverrunContract, ErrorRemovesAModuleThatMissesARelease) {
   make({with(thread(milliseconds{1}), Overrun::error), with(thread(milliseconds{4}), Overrun::error)});
   EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
   EXPECT_THAT(cycle(microseconds{2'500}), IsEmpty()) << "slot 3";
@@ -148,7 +148,7 @@ TEST_F(Contract, ErrorTakesOutAModuleThatMissesARelease) {
   EXPECT_THAT(cycle(), ElementsAre("1:1"));
 }
 
-TEST_F(Contract, ErrorTakesOutAModuleThatEndsAfterItsNextRelease) {
+TEST_F(OverrunContract, ErrorRemovesAModuleThatEndsAfterItsNextRelease) {
   for (const Overrun contract : {Overrun::error, Overrun::stop_device}) {
     make({with(thread(milliseconds{1}), contract), thread(milliseconds{1})});
     takes = {milliseconds{1}, Nanoseconds{0}};
@@ -164,7 +164,7 @@ TEST_F(Contract, ErrorTakesOutAModuleThatEndsAfterItsNextRelease) {
   }
 }
 
-TEST_F(Contract, AppliesToAProgramStillInItsBody) {
+TEST_F(OverrunContract, AppliesToAProgramStillInItsBody) {
   make({process(milliseconds{1}), with(process(milliseconds{1}), Overrun::error),
         with(process(milliseconds{1}), Overrun::catch_up, 2)});
   for (int row = 0; row < 5; ++row) device->cycle();
@@ -195,7 +195,7 @@ TEST_F(Contract, AppliesToAProgramStillInItsBody) {
   EXPECT_EQ(device->blocks[2].cycles.load() + overruns(2) - 2, 6U) << "two of its overruns were served";
 }
 
-class Budget : public Contract {
+class Budget : public OverrunContract {
  protected:
   void make_with(model::BudgetTolerance tolerance) {
     model::Module module = thread(milliseconds{1});

@@ -55,7 +55,7 @@ TEST(ProcessUnit, IsNotReleasedBeforeItsFirstWait) {
   EXPECT_EQ(device.blocks[0].cycles.load(), 0U);
 }
 
-TEST(ProcessUnit, IsNotReleasedOutOfTheTables) {
+TEST(ProcessUnit, IsNotReleasedWhileRemovedFromTheTables) {
   FakeDevice device{{process(milliseconds{1})}};
   device.blocks[0].in_tables.store(0);
   device.join();
@@ -77,7 +77,7 @@ TEST(ProcessUnit, IsWokenOnceWhileItSleeps) {
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }
 
-// Both sides run at their own speed, with the memory words that libtakt_process uses.
+// The executor and the program run at their own speeds, with the memory words that libtakt_process uses.
 TEST(ProcessUnit, ServesEachReleaseOnceAtAnyProgramSpeed) {
   constexpr std::uint64_t kReleases = 20'000;
   FakeDevice device{{process(milliseconds{1})}};

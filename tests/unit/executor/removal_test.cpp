@@ -59,7 +59,7 @@ struct Shared {
 };
 
 TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
-  constexpr std::size_t kModules = 3;  // periodic, released by rows, immediate
+  constexpr std::size_t kModules = 3;  // one periodic, one released by rows, one immediate
   constexpr std::uint64_t kTimes = 1'500;
   FakeDevice device{
       {thread(milliseconds{1}), sporadic(kThread, milliseconds{5}), immediate(milliseconds{5})}};
@@ -93,7 +93,7 @@ TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
   std::mt19937 random{5};
   std::array<channel::Removal, kModules> removals;
   std::array<std::uint64_t, kModules> outs{};
-  const auto busy = [&] {  // until each has run often and was often removed
+  const auto busy = [&] {  // until each module has run often and was removed often
     for (std::size_t i = 0; i < kModules; ++i) {
       if (device.blocks[i].cycles.load(std::memory_order_relaxed) < kTimes || outs[i] < kTimes / kModules)
         return true;
@@ -123,7 +123,7 @@ TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
 }
 
 // A row checks for unread events while the sporadic thread may be reading them.
-TEST(Immediate, IsCheckedByRowsWhileItRuns) {
+TEST(ImmediateModule, MayBeCheckedByARowWhileItRuns) {
   constexpr std::uint64_t kEvents = 20'000;
   FakeDevice device{{thread(milliseconds{1}), immediate(milliseconds{5})}};
   TickingClock clock;
@@ -171,7 +171,7 @@ TEST(Immediate, IsCheckedByRowsWhileItRuns) {
   EXPECT_GT(taken.load(), 0U);
 }
 
-/// Steps through a removal: which activities it waits for.
+/// Tests step by step which activities a removal waits for.
 class RemovalStep : public testing::Test {
  protected:
   std::unique_ptr<channel::ExecutorBlock> executor = std::make_unique<channel::ExecutorBlock>();

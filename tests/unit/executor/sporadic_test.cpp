@@ -18,7 +18,7 @@ const char* hold(bool* ready) {
   return nullptr;
 }
 
-class Sporadic : public testing::Test {
+class SporadicModule : public testing::Test {
  protected:
   /// Makes one sporadic thread module for each deadline. Module 0 is periodic with 1 ms.
   void make(const std::vector<Nanoseconds>& deadlines) {
@@ -42,7 +42,7 @@ class Sporadic : public testing::Test {
   std::string ran;
 };
 
-TEST_F(Sporadic, DoesNotRunWithoutItsCondition) {
+TEST_F(SporadicModule, DoesNotRunWithoutItsCondition) {
   make({milliseconds{5}});
   EXPECT_EQ(device->cycle(), 0U);
   EXPECT_FALSE(device->executor->run_sporadic());
@@ -50,7 +50,7 @@ TEST_F(Sporadic, DoesNotRunWithoutItsCondition) {
   EXPECT_EQ(ran, "0 ");
 }
 
-TEST_F(Sporadic, IsCheckedOnlyAtTheEndOfARow) {
+TEST_F(SporadicModule, IsCheckedOnlyAtTheEndOfARow) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = [this](bool* ready) {
     ran += "? ";
@@ -66,7 +66,7 @@ TEST_F(Sporadic, IsCheckedOnlyAtTheEndOfARow) {
   EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
 }
 
-TEST_F(Sporadic, SeesTheRowThatReleasedIt) {
+TEST_F(SporadicModule, GetsNumberAndTimeOfTheRowThatReleasedIt) {
   make({milliseconds{5}});
   Cycle seen;
   device->bodies[1].on_condition = hold;
@@ -84,16 +84,16 @@ TEST_F(Sporadic, SeesTheRowThatReleasedIt) {
   EXPECT_EQ(seen.period, milliseconds{1});
 }
 
-TEST_F(Sporadic, RunsTheEarliestAbsoluteDeadlineFirst) {
+TEST_F(SporadicModule, RunsFirstIfItsAbsoluteDeadlineIsEarliest) {
   make({milliseconds{9}, milliseconds{3}, milliseconds{6}});
   device->bodies[1].on_condition = hold;
-  device->cycle();  // 1 is due at 9 ms
+  device->cycle();  // the deadline of module 1 is at 9 ms
   device->cycle();
   device->cycle();
   device->cycle();
   device->bodies[2].on_condition = hold;
   device->bodies[3].on_condition = hold;
-  device->cycle();  // released at 4 ms: 2 at 7, 3 at 10 ms
+  device->cycle();  // releases 2 and 3 at 4 ms; their deadlines are at 7 and 10 ms
   ran.clear();
   while (device->executor->run_sporadic()) {
     device->bodies[2].on_condition = nullptr;
@@ -101,7 +101,7 @@ TEST_F(Sporadic, RunsTheEarliestAbsoluteDeadlineFirst) {
   EXPECT_EQ(ran, "2 1 3 ");
 }
 
-TEST_F(Sporadic, RunsEqualDeadlinesInTheOrderOfTheTable) {
+TEST_F(SporadicModule, RunsInTableOrderIfDeadlinesAreEqual) {
   std::vector<model::Module> modules{thread(milliseconds{1}), sporadic(kThread, milliseconds{5}, 7),
                                      sporadic(kThread, milliseconds{5}, 3),
                                      sporadic(kThread, milliseconds{5}, 7)};
@@ -120,11 +120,11 @@ TEST_F(Sporadic, RunsEqualDeadlinesInTheOrderOfTheTable) {
   EXPECT_EQ(ran, "2 1 3 ") << "by priority, then by position in the file";
 }
 
-TEST_F(Sporadic, IsNotCheckedAgainWhileReady) {
+TEST_F(SporadicModule, IsNotCheckedAgainWhileReady) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   EXPECT_EQ(device->cycle(), channel::kSporadicBit);
-  EXPECT_EQ(device->cycle(), 0U) << "the wake word is rung once";
+  EXPECT_EQ(device->cycle(), 0U) << "the wake word is set once";
   device->cycle();
   EXPECT_EQ(device->bodies[1].asked, 1);
   run_all();
@@ -133,7 +133,7 @@ TEST_F(Sporadic, IsNotCheckedAgainWhileReady) {
   EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
 }
 
-TEST_F(Sporadic, IsNotCheckedByARowThatPreemptsIt) {
+TEST_F(SporadicModule, IsNotCheckedByARowThatInterruptsIt) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   device->bodies[1].on_run = [this](const Cycle&) {
@@ -148,7 +148,7 @@ TEST_F(Sporadic, IsNotCheckedByARowThatPreemptsIt) {
   EXPECT_EQ(device->block->sporadic.module.load(), 0U);
 }
 
-TEST_F(Sporadic, CountsAnOverrunPastItsDeadline) {
+TEST_F(SporadicModule, CountsAnOverrunIfItEndsAfterItsDeadline) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   Nanoseconds takes = milliseconds{5} - microseconds{20};
@@ -157,7 +157,7 @@ TEST_F(Sporadic, CountsAnOverrunPastItsDeadline) {
     return nullptr;
   };
   device->cycle(microseconds{20});
-  run_all();  // ends at its deadline, which counts from the release
+  run_all();  // the run ends at the deadline, which counts from the release
   EXPECT_EQ(device->blocks[1].overruns.load(), 0U);
 
   takes += Nanoseconds{1};
@@ -168,7 +168,7 @@ TEST_F(Sporadic, CountsAnOverrunPastItsDeadline) {
   EXPECT_EQ(device->blocks[1].errors.load(), 0U);
 }
 
-TEST_F(Sporadic, IsTakenOutAfterAnErrorInItsCondition) {
+TEST_F(SporadicModule, IsRemovedAfterAnErrorInItsCondition) {
   make({milliseconds{5}, milliseconds{5}});
   device->bodies[1].on_condition = [](bool* ready) {
     *ready = true;
@@ -188,7 +188,7 @@ TEST_F(Sporadic, IsTakenOutAfterAnErrorInItsCondition) {
   EXPECT_EQ(block.errors.load(), 1U);
 }
 
-TEST_F(Sporadic, DoesNotRunAfterItWasTakenOutOfTheTables) {
+TEST_F(SporadicModule, DoesNotRunAfterItsRemoval) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   device->cycle();
@@ -205,7 +205,7 @@ TEST_F(Sporadic, DoesNotRunAfterItWasTakenOutOfTheTables) {
   EXPECT_EQ(ran, "0 0 0 1 ");
 }
 
-TEST_F(Sporadic, IsTakenOutPastItsBudget) {
+TEST_F(SporadicModule, IsRemovedIfItExceedsItsBudget) {
   model::Module module = sporadic(kThread, milliseconds{5});
   module.budget = microseconds{100};
   FakeDevice fake{{thread(milliseconds{1}), module}};
@@ -221,14 +221,14 @@ TEST_F(Sporadic, IsTakenOutPastItsBudget) {
   EXPECT_EQ(fake.blocks[1].in_tables.load(), 0U);
 }
 
-TEST_F(Sporadic, ReleasesAProgramInEachRowThatFindsItWaiting) {
+TEST_F(SporadicModule, IsReleasedByEachRowIfItIsAWaitingProgram) {
   FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};
   channel::ReleaseSlot& slot = fake.slots[0];
   fake.join();
   fake.cycle();
   EXPECT_EQ(slot.released.load(), 1U);
   EXPECT_EQ(slot.cycle(slot.released.load()), 0U);
-  fake.cycle();  // in its body
+  fake.cycle();  // the program is in its body
   EXPECT_EQ(slot.released.load(), 1U);
   slot.done.store(1);
   fake.cycle();

@@ -27,20 +27,20 @@ Made one_late_row() {
   return made;
 }
 
-TEST(Causes, FindNothingIfNothingIsLate) {
+TEST(Causes, AreNotGivenIfNothingIsLate) {
   Made made;
   made.good(0, 1000);
   EXPECT_TRUE(judged(made).empty());
 }
 
-TEST(Causes, FindNothingInAnEmptyRecording) {
+TEST(Causes, AreNotGivenForAnEmptyRecording) {
   EXPECT_TRUE(judged(Made{}).empty());
   Made one;
   one.good(5, 1);
   EXPECT_TRUE(judged(one).empty());
 }
 
-TEST(Causes, UseAnExactThreshold) {
+TEST(Causes, AreGivenOnlyAboveTheThreshold) {
   for (const std::int64_t late : {20 * kUs, 20 * kUs + 1}) {
     Made made;
     made.good(0, 10);
@@ -49,7 +49,7 @@ TEST(Causes, UseAnExactThreshold) {
   }
 }
 
-TEST(Causes, DoNotCountUsualLateness) {
+TEST(Causes, AreNotGivenForUsualLateness) {
   Made made;
   for (std::int64_t i = 0; i < 100; ++i) made.row(i * kMs, (15 + i % 10) * kUs, {{0, 40 * kUs}});
   made.row(100 * kMs, 190 * kUs, {{0, 40 * kUs}});
@@ -58,7 +58,7 @@ TEST(Causes, DoNotCountUsualLateness) {
   EXPECT_EQ(judged(made).size(), 1U);
 }
 
-TEST(Causes, NameTheModuleThatCausedAnOwnOverrun) {
+TEST(Causes, NameTheModuleThatRanTooLongInTheRowBefore) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 40 * kUs}, {1, 1500 * kUs}});
@@ -74,7 +74,7 @@ TEST(Causes, NameTheModuleThatCausedAnOwnOverrun) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "m1 ran 1.50 ms in the row before (usually 60.0 us)");
 }
 
-TEST(Causes, MeasureTheDelayFromTheFirstMissedRow) {
+TEST(Causes, IncludeADelayMeasuredFromTheFirstMissedRow) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 3100 * kUs}});
@@ -155,7 +155,7 @@ TEST(Causes, TreatAStoppedProcessAsPreempted) {
   EXPECT_EQ(judged(made)[0].cause, Cause::preemption);
 }
 
-TEST(Causes, WeighPageFaultsByTheirNumber) {
+TEST(Causes, IncludeManyPageFaults) {
   Made made = one_late_row();
   made.sample(99 * kMs).minor_faults = 1000;
   made.sample(102 * kMs).minor_faults = 1200;
@@ -190,7 +190,7 @@ TEST(Causes, IgnoreStealOnAnotherCpu) {
   EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
 }
 
-TEST(Causes, BlameTheGreaterOfTwoAndShowBoth) {
+TEST(Causes, BlameTheGreaterOfTwoCausesAndShowBoth) {
   for (const bool steal : {false, true}) {
     Made made = one_late_row();
     made.sample(99 * kMs);
@@ -249,7 +249,7 @@ TEST(Causes, HaveDistinctTexts) {
   EXPECT_EQ(words.size(), kCauses.size());
 }
 
-TEST(InShort, HasThreeDigits) {
+TEST(ShortTime, HasThreeDigits) {
   EXPECT_EQ(in_short(999ns), "999 ns");
   EXPECT_EQ(in_short(1us), "1.00 us");
   EXPECT_EQ(in_short(99'960ns), "100 us");

@@ -37,7 +37,7 @@ class Made {
     recording.taken_ns = now;
     return now;
   }
-  /// Adds `count` rows on time, from the millisecond `first` on, of 100 us each.
+  /// Adds `count` punctual rows of 100 us, one per millisecond, from `first` ms on.
   void good(std::int64_t first, std::int64_t count) {
     for (std::int64_t i = first; i < first + count; ++i) row(i * kMs, 100, {{0, 40 * kUs}, {1, 60 * kUs}});
   }

@@ -34,22 +34,22 @@ std::uint64_t bytes(const std::vector<std::uint64_t>& entries) {
   return std::accumulate(entries.begin(), entries.end(), std::uint64_t{0}) * sizeof(channel::FlightEntry);
 }
 
-TEST(Size, CoversTheTimeToKeep) {
-  // 5000 rows, each of 2 entries and 10 runs of 4.
+TEST(RecordingSize, CoversTheTimeToKeep) {
+  // There are 5000 rows. Each row has 2 entries, and 4 entries for each of its 10 runs.
   EXPECT_EQ(entries_for(plan_of(10, 1ms), 5s), (std::vector<std::uint64_t>{262'144, 0}));
 }
 
-TEST(Size, IsZeroForAnExecutorWithoutModules) {
+TEST(RecordingSize, IsZeroForAnExecutorWithoutModules) {
   EXPECT_EQ(entries_for(plan_of(0, 1ms), 5s), (std::vector<std::uint64_t>{0, 0}));
 }
 
-TEST(Size, IncludesARingForSporadicModules) {
+TEST(RecordingSize, IncludesARingForSporadicModules) {
   const auto entries = entries_for(plan_of(1, 10ms, 2), 5s);
   ASSERT_EQ(entries.size(), 2U);
   EXPECT_GE(entries[1], 500U * 2 * 4);
 }
 
-TEST(Size, IsLimitedForEveryCell) {
+TEST(RecordingSize, IsLimitedForEveryCell) {
   for (const std::size_t modules : {1U, 10U, 1000U}) {
     for (const Nanoseconds period : {Nanoseconds{1}, Nanoseconds{1us}, Nanoseconds{50us}, Nanoseconds{1ms}}) {
       const auto entries = entries_for(plan_of(modules, period));

@@ -56,7 +56,7 @@ TEST(Timeline, BeginsWithTheFirstRequestedRow) {
   EXPECT_EQ(read(made, 50 * kMs).rows.size(), 0U);
 }
 
-TEST(Timeline, GivesSamplesTheBeginningOfTheirRun) {
+TEST(Timeline, PlacesSamplesAtTheBeginningOfTheirRun) {
   Made made;
   made.add(FlightKind::row, 5 * kMs, 0, 0);
   made.add(FlightKind::event, 1, 1, 3);
@@ -97,7 +97,7 @@ TEST(Timeline, DoesNotRepeatARunThatHasEndedMeanwhile) {
   EXPECT_EQ(read(made).runs.size(), 2U);
 }
 
-TEST(Timeline, ListsABodyThatTwoHostsRecordedOnce) {
+TEST(Timeline, ListsAProgramRunOnceIfTwoHostsRecordedIt) {
   Made made;
   for (const std::int64_t ended : {3 * kMs, 3 * kMs, 4 * kMs}) {
     made.add(FlightKind::row, 5 * kMs, 0, 0);

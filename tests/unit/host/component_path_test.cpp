@@ -38,10 +38,10 @@ TEST_F(ComponentPath, FindsAFileBesideTheDescriptor) { EXPECT_EQ(problem(), "");
 
 TEST_F(ComponentPath, RejectsAFileOrFolderThatEverybodyMayWriteTo) {
   fs::permissions(file_, fs::perms::others_write, fs::perm_options::add);
-  EXPECT_THAT(problem(), HasSubstr("everybody may write to " + file_ + "; chmod o-w " + file_));
+  EXPECT_THAT(problem(), HasSubstr("everybody may write to " + file_ + "; run chmod o-w " + file_));
   fs::permissions(file_, fs::perms::others_write, fs::perm_options::remove);
   fs::permissions(folder_, fs::perms::others_write, fs::perm_options::add);
-  EXPECT_THAT(problem(), HasSubstr("everybody may write to " + folder_.string() + "; chmod o-w"));
+  EXPECT_THAT(problem(), HasSubstr("everybody may write to " + folder_.string() + "; run chmod o-w"));
 }
 
 TEST_F(ComponentPath, AppliesAnAdditionalCheck) {

@@ -133,7 +133,7 @@ TEST_F(LivePropertiesTest, NeverChangeDuringACallAndAlwaysChangeTogether) {
         {"low", std::to_string(n)}, {"high", std::to_string(n + 1)}, {"label", text_of(n)}};
     for (const auto& each : more) values.emplace_back(each->name(), text_of(n));
     ASSERT_TRUE(live.set(values).ok());
-    // Soon enough to happen in the middle of the previous takeover.
+    // This may happen in the middle of the previous takeover.
     if (random() % 2 == 0) {
       ASSERT_TRUE(live.set({{"gain", std::to_string(n % 100)}}).ok());
     }

@@ -17,7 +17,8 @@ namespace {
 
 using Sample = samples::Count;
 
-/// Two outputs and two inputs of one link; the second of each stands by. The parameter: samples as objects.
+/// Two outputs and two inputs of one link; the second of each stands by. The parameter says
+/// whether samples are passed as objects.
 class PortTakeOver : public testing::TestWithParam<bool> {
  protected:
   void connect(std::uint32_t depth, bool safe = false) {
@@ -44,7 +45,7 @@ class PortTakeOver : public testing::TestWithParam<bool> {
     fill(sample, ++written);
     EXPECT_EQ(out[by].write(sample), Written::yes);
   }
-  /// The next number; 0 if there is none.
+  /// Reads the next number; returns 0 if there is none.
   std::uint64_t read(std::size_t by) {
     if (!in[by].read()) return 0;
     EXPECT_TRUE(is_whole(in[by].value()));

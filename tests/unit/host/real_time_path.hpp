@@ -171,7 +171,7 @@ class RealTimePath : public testing::Test {
   }
 
   std::array<Script, 5> bodies;
-  executor::Body* replaced = nullptr;  // in place of bodies[1]
+  executor::Body* replaced = nullptr;  // replaces bodies[1] if set
   std::array<channel::ModuleBlock, 5> blocks{};
   std::unique_ptr<channel::ExecutorBlock> block = std::make_unique<channel::ExecutorBlock>();
   channel::ReleaseSlot slot{};
@@ -180,7 +180,7 @@ class RealTimePath : public testing::Test {
   std::array<channel::FlightWriter, 2> flight;
   std::unique_ptr<SystemCallTrap> row_trap;
   std::unique_ptr<SystemCallTrap> sporadic_trap;
-  std::unique_ptr<ExecutorThreads> threads;  // ends before the traps of its threads do
+  std::unique_ptr<ExecutorThreads> threads;  // destroyed before the traps of its threads
   std::atomic<int> trap_error{0};
   std::vector<SystemCall> row_calls;
   std::vector<SystemCall> sporadic_calls;

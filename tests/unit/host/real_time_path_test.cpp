@@ -1,5 +1,5 @@
 // Checks the promise of the real-time code on its own threads: no lock, no allocation, and no system call
-// except its sleep and one ring of the wake word per cycle.
+// except its sleep and one wake-up through the wake word per cycle.
 #include "real_time_path.hpp"
 
 #include <takt/channel/saved_state.hpp>
@@ -14,7 +14,7 @@
 namespace takt::host::real_time_path_test {
 namespace {
 
-TEST_F(RealTimePath, MakesNoSystemCallExceptItsSleepAndOneRingPerCycle) {
+TEST_F(RealTimePath, MakesNoSystemCallExceptSleepAndOneWakeUpPerCycle) {
   run(4000);
   ASSERT_FALSE(row_calls.empty());
   std::map<std::uint64_t, int> sleeps;  // by cycle
@@ -29,7 +29,7 @@ TEST_F(RealTimePath, MakesNoSystemCallExceptItsSleepAndOneRingPerCycle) {
     }
   }
   for (const auto& [cycle, n] : sleeps) EXPECT_EQ(n, 1) << "sleeps before cycle " << cycle;
-  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
+  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "wake-ups after cycle " << cycle;
   EXPECT_GT(rings.size(), 1000U) << "the program should have slept";
 
   ASSERT_FALSE(sporadic_calls.empty());
@@ -118,7 +118,7 @@ struct Connected {
   InPort<samples::Count> in{"in"};
 };
 
-TEST_F(RealTimePath, PortsNeverAllocateOrLockAndRingOncePerCycle) {
+TEST_F(RealTimePath, PortsNeverAllocateOrLockAndWakeOncePerCycle) {
   Connected objects{true, 0};
   Connected bytes{false, channel::kSporadicBit};
   PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
@@ -154,10 +154,10 @@ TEST_F(RealTimePath, PortsNeverAllocateOrLockAndRingOncePerCycle) {
     EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
     if (is_futex(call, FUTEX_WAKE_BITSET, &wake_word, sizeof wake_word)) ++rings[call.stamp];
   }
-  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
+  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "wake-ups after cycle " << cycle;
 }
 
-// A node withholds the samples and trusts them again while they are being written.
+// While samples are written, the node repeatedly switches the reader to the safe value and back to samples.
 TEST_F(RealTimePath, SafeValuesNeverAllocateOrLock) {
   Connected objects{true, 0, true};
   Connected bytes{false, 0, true};
@@ -218,7 +218,7 @@ TEST_F(RealTimePath, SavingNeverAllocatesOrLocks) {
   EXPECT_GT(place->saved()->number, 1000U);
 }
 
-TEST_F(RealTimePath, ServicesNeverAllocateOrLockAndRingOncePerCycle) {
+TEST_F(RealTimePath, ServicesNeverAllocateOrLockAndWakeOncePerCycle) {
   struct Answers : Plain {
     Service<samples::Count, samples::Count> answer{*this, "answer"};
   } server;
@@ -270,7 +270,7 @@ TEST_F(RealTimePath, ServicesNeverAllocateOrLockAndRingOncePerCycle) {
     EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
     if (is_futex(call, FUTEX_WAKE_BITSET, &wake_word, sizeof wake_word)) ++rings[call.stamp];
   }
-  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
+  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "wake-ups after cycle " << cycle;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace takt::host::real_time_swap_test {
 namespace {
 
-/// Real components in the place of module 1. Each counts its runs in its saved state and writes the count.
+/// Real components that replace module 1. Each counts its runs in its saved state and writes the count.
 class RealTimeSwap : public RealTimePath {
  protected:
   static inline const std::string kFolder = std::string{TAKT_BINARY_DIR} + "/tests/components/";
@@ -88,7 +88,7 @@ TEST_F(RealTimeSwap, NeverAllocatesOrLocksAndLosesNoSample) {
   std::string failure;
   std::thread swapper{[&] {
     while (!end && failure.empty()) {
-      const bool other = kept % 3 == 0;  // covers both state that is copied and state that is translated
+      const bool other = kept % 3 == 0;  // so that the state is sometimes copied and sometimes translated
       const Swapped swapped = swap(other ? "ticks_more.so" : "ticks.so");
       if (swapped.kept) {
         ++kept;

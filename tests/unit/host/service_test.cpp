@@ -109,7 +109,7 @@ TEST_P(ServiceTest, ReportsTheReasonOfARejection) {
   EXPECT_STREQ(client.ask.reason(), "");
 }
 
-TEST_P(ServiceTest, ReportsAtOnceThatNobodyServes) {
+TEST_P(ServiceTest, ReportsAMissingServerAtOnce) {
   EXPECT_EQ(client.ask.call(count_of(1), 1s), CallStatus::nobody);
   const ConnectedService link{client, server, "answer", GetParam()};
   link.requests.link.block().enabled = 0;  // the node does this while the other device is away
@@ -131,7 +131,7 @@ TEST_P(ServiceTest, TimesOutByCycleTimeAndDropsALateReply) {
   EXPECT_EQ(client.ask.poll(), CallStatus::timed_out);
   EXPECT_EQ(client.ask.late(), 1U);
   EXPECT_EQ(link.replies.link.block().late.load(), 1U);
-  // Nor does a late reply count as the answer to the next call.
+  // A late reply does not answer the next call either.
   client.ask.call(count_of(3), 10ms);
   ASSERT_TRUE(server.answer.take());
   pass(10ms);
@@ -309,7 +309,7 @@ TEST_F(ServiceThreadTest, ServesWaitingRequestsAndShowsItsActivity) {
   until([&] { return activity.module.load() == 0; });
 }
 
-TEST_F(ServiceThreadTest, CallsNoHandlerWhileExcluded) {
+TEST_F(ServiceThreadTest, CallsNoHandlerWhileHandlersAreExcluded) {
   start([&] {
     --waiting;
     ++served;
@@ -388,7 +388,7 @@ TEST_F(ServiceThreadTest, GivesUpAHandlerThatNeverReturns) {
   until([&] { return activity.module.load() == 5; });
   EXPECT_TRUE(thread->give_up());
   EXPECT_EQ(activity.module.load(), 0U);
-  thread.reset();  // does not wait
+  thread.reset();  // reset() does not wait for the handler
   EXPECT_EQ(served, 0);
   activity.begin(6, channel::Doing::serve, 0);  // another thread uses the activity by now
   let_go = true;

@@ -56,7 +56,7 @@ std::vector<DeviceDifference> after(const Edit& edit) {
 }
 DeviceDifference robot_after(const Edit& edit) {
   auto all = after(edit);
-  EXPECT_EQ(all.at(1).change, Change::none) << "the other device";
+  EXPECT_EQ(all.at(1).change, Change::none) << "only one device differs";
   return all.at(0);
 }
 Module& arm(Cell& cell) { return cell.devices[0].modules[0]; }
@@ -104,7 +104,7 @@ TEST(Difference, RestartsTheDeviceIfAPropertyIsNoLongerSet) {
   EXPECT_THAT(in_words(robot), ElementsAre("robot is restarted: module arm: label is no longer set"));
 }
 
-TEST(Difference, SwapsAPeriodicThreadModuleInPlaceAfterSettingItsProperties) {
+TEST(Difference, SetsPropertiesBeforeItSwapsAModuleInPlace) {
   const auto robot = robot_after([](Cell& changed) {
     arm(changed).filename = "arm2.so";
     arm(changed).properties[1].value = "b";
@@ -203,7 +203,7 @@ TEST(Difference, ReportsAddedRemovedAndReorderedParts) {
               ElementsAre("executor slow is new"));
 }
 
-TEST(Difference, AChangedConnectionConcernsTheDevicesAtBothEnds) {
+TEST(Difference, ListsAChangedConnectionForBothDevices) {
   const auto both = [](const Edit& edit, const std::string& reason) {
     for (const DeviceDifference& one : after(edit)) {
       EXPECT_EQ(one.change, Change::anew) << one.device;
@@ -221,7 +221,7 @@ TEST(Difference, AChangedConnectionConcernsTheDevicesAtBothEnds) {
   both([&](Cell& c) { only(c).topic = "t"; }, ": topic: none -> t");
   both([&](Cell& c) { only(c).domain = 3; }, ": domain: none -> 3");
   both([](Cell& c) { c.connections.clear(); }, " is removed");
-  // The reader of the connection has the safe value, too.
+  // A safe value of an output also changes the device that reads it.
   both([](Cell& c) { c.devices[1].modules[0].safe = {{"out", {{"x", "1"}}}}; }, ": safe: none -> out {x: 1}");
 }
 
@@ -261,7 +261,7 @@ TEST(Difference, RejectsChangesOfTheWholeCell) {
   }
 }
 
-TEST(Difference, MakeAnewPutsItsReasonFirst) {
+TEST(Difference, PutsTheReasonForARestartFirst) {
   auto robot = robot_after([](Cell& changed) { arm(changed).properties[0].value = "0.7"; });
   robot.make_anew("module arm reads gain in initialize() alone");
   EXPECT_EQ(robot.change, Change::anew);

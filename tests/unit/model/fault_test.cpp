@@ -46,7 +46,7 @@ TEST(Fault, RejectsJsonThatIsNotAnEvent) {
   EXPECT_EQ(fault_from(value), std::nullopt);
 }
 
-TEST(FaultKind, EachKindHasItsOwnWord) {
+TEST(FaultKind, HasADifferentWordForEachKind) {
   const auto words = fault_words();
   ASSERT_THAT(words, SizeIs(kFaultKinds));
   for (std::size_t i = 0; i < words.size(); ++i) {

@@ -30,7 +30,7 @@ std::string json(const std::vector<std::string>& words) {
   return result ? *result : "error: " + to_text(result.problems());
 }
 
-TEST(FieldValues, TextsAndEnumeratorsNeedNoQuotes) {
+TEST(FieldValues, MayOmitTheQuotesOfTextsAndEnumerators) {
   EXPECT_EQ(json({}), "{}");
   EXPECT_EQ(json({"force=2.5", "kind=box", "mode=ON", "pose.x=1", "pose.y=-2", "way=[1,2]", "hold=true"}),
             R"({"force":2.5,"kind":"box","mode":"ON","pose":{"x":1,"y":-2},"way":[1,2],"hold":true})");

@@ -74,7 +74,7 @@ TEST(Server, IsAHostAndAPort) {
   }
 }
 
-TEST(TopicOf, IsGivenByTheConnectionOrNamedAfterItsWriter) {
+TEST(TopicName, IsGivenByTheConnectionOrNamedAfterItsWriter) {
   Cell cell;
   cell.name = "cell";
   Connection connection;

@@ -7,9 +7,9 @@ namespace takt::model::safe_test {
 namespace {
 
 /// robot.servo with the output `effort` (torque, mode), and the input `measured`.
-class Safe : public testing::Test {
+class SafeValueTest : public testing::Test {
  protected:
-  Safe() {
+  SafeValueTest() {
     cell.name = "cell";
     cell.file = "cell.xml";
     Device robot;
@@ -35,20 +35,20 @@ class Safe : public testing::Test {
   CellPorts ports;
 };
 
-TEST_F(Safe, IsEmptyIfNothingDefinesIt) {
+TEST_F(SafeValueTest, IsEmptyIfNothingDefinesIt) {
   EXPECT_EQ(value(), "");
   EXPECT_TRUE(safe_bytes(servo(), effort()).empty());
   EXPECT_TRUE(safe_outputs(cell, ports).empty());
 }
 
-TEST_F(Safe, FieldsNotInTheDescriptorKeepTheComponentsValue) {
+TEST_F(SafeValueTest, KeepsTheComponentsValueForFieldsNotInTheDescriptor) {
   effort().safe = R"({"torque":[1.0,2.0],"mode":"HOLD"})";
   EXPECT_EQ(value(), R"({"torque":[1.0,2.0],"mode":"HOLD"})");
   servo().safe = {{"effort", {{"torque", "[3, 4]"}}}};
   EXPECT_EQ(value(), R"({"torque": [3, 4], "mode": "HOLD"})");
 }
 
-TEST_F(Safe, UndefinedFieldsAreZero) {
+TEST_F(SafeValueTest, IsZeroInUndefinedFields) {
   servo().safe = {{"effort", {}}};
   EXPECT_EQ(value(), R"({"torque": [0, 0], "mode": "OFF"})");
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
@@ -56,7 +56,7 @@ TEST_F(Safe, UndefinedFieldsAreZero) {
   EXPECT_EQ(problems(), "");
 }
 
-TEST_F(Safe, ReportsEachMistakeWithItsLine) {
+TEST_F(SafeValueTest, ReportsEachMistakeWithItsLine) {
   servo().safe = {
       {"effort", {{"torqe", "1", 7}, {"torque", "[1]", 8}, {"mode", "hold", 9}, {"mode", "OFF", 10}}, 6},
       {"measured", {}, 11},
@@ -77,7 +77,7 @@ TEST_F(Safe, ReportsEachMistakeWithItsLine) {
       "cell.xml:12: error: module robot.servo has no output 'efort'; did you mean effort?");
 }
 
-TEST_F(Safe, OutputsSurviveARoundTripThroughJson) {
+TEST_F(SafeValueTest, SurvivesARoundTripThroughJson) {
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
   const auto outputs = safe_outputs(cell, ports);
   ASSERT_EQ(outputs.size(), 1U);
@@ -87,7 +87,7 @@ TEST_F(Safe, OutputsSurviveARoundTripThroughJson) {
   EXPECT_TRUE(parse_safe("[1]")[0].json.empty());
 }
 
-TEST_F(Safe, ReadsTheComponentsValueFromHexAndFromJson) {
+TEST_F(SafeValueTest, IsReadFromHexAndFromJson) {
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
   std::string hex;
   for (const std::byte byte : safe_bytes(servo(), effort())) {
@@ -104,7 +104,7 @@ TEST_F(Safe, ReadsTheComponentsValueFromHexAndFromJson) {
   EXPECT_EQ(read_safe({}, (*again)[0]).json, R"({"torque":[0,0],"mode":"HOLD"})");
 }
 
-TEST_F(Safe, QueuesEventsAndExternalWritersHaveNone) {
+TEST_F(SafeValueTest, DoesNotExistForQueuesEventsAndExternalWriters) {
   Connection connection;
   connection.from = {"robot", "servo", "effort"};
   connection.to = {"robot", "servo", "measured"};

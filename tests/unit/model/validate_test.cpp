@@ -1,4 +1,5 @@
-// The rules for cells that a program builds. tests/unit/descriptor/cases has the mistakes of descriptors.
+// Tests the rules for cells that a program builds. The files in tests/unit/descriptor/cases test those for
+// descriptors.
 #include <takt/model/validate.hpp>
 
 #include <gmock/gmock.h>
@@ -205,7 +206,7 @@ TEST(Validate, RejectsModulesThatWaitForEachOtherForever) {
   EXPECT_THAT(with({stale("a", "b", 8), holds}), IsEmpty());
 }
 
-/// As connection(), but with only one end and a topic.
+/// Makes a connection from a topic to the port `to` of module b.
 Connection from_topic(const std::string& topic, const std::string& to, int line) {
   Connection outside = connection("", to, line);
   outside.from = {};
@@ -435,7 +436,7 @@ TEST(Validate, NamesTheLineOfTheFirstDuplicate) {
   EXPECT_THAT(problems[0].fix, HasSubstr("line 3"));
 }
 
-TEST(Validate, KnowsTheModulesOfDevicesWithTheSameName) {
+TEST(Validate, FindsModulesOnDevicesWithTheSameName) {
   const auto problems = [](const std::string& module) {
     return problems_after([&](Cell& c) {
       Device second = c.devices[0];
@@ -453,7 +454,7 @@ TEST(Validate, KnowsTheModulesOfDevicesWithTheSameName) {
   EXPECT_EQ(unknown[1].fix, "it can be a, b or gauge");
 }
 
-TEST(Validate, ReportsNothingThatOnlyFollowsFromAGap) {
+TEST(Validate, DoesNotReportConsequencesOfAnUnreadElement) {
   Cell broken = cell();
   broken.connections = {connection("out", "in", 8)};
   broken.connections[0].to.module = "unread";

@@ -82,7 +82,7 @@ TEST(Conditions, WarnsOfSwapWithoutLockedMemory) {
   EXPECT_THAT(warnings(any, {.memory_locked = false, .swap_bytes = 0}), IsEmpty());
 }
 
-TEST(Throttled, IsAGapAboutAsLongAsTheKernelsThrottling) {
+TEST(ThrottledExecutor, IsDetectedByTheLengthOfItsGap) {
   model::Executor spins;
   spins.wakeup = model::Wakeup::spin;
   EXPECT_FALSE(throttled(spins, milliseconds{1}, kOld).has_value());
@@ -95,7 +95,7 @@ TEST(Throttled, IsAGapAboutAsLongAsTheKernelsThrottling) {
   EXPECT_FALSE(throttled(spins, Nanoseconds{0}, os::Throttling{}).has_value());
 }
 
-TEST(Throttled, NamesTheExecutorAndTheCure) {
+TEST(ThrottledExecutor, IsReportedWithItsNameAndTheCure) {
   model::Executor executor;
   executor.name = "motion";
   executor.wakeup = model::Wakeup::spin;

@@ -165,7 +165,7 @@ TEST_F(FaultRecordTest, IgnoresAForgedLastNumber) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
 }
 
-TEST_F(FaultRecordTest, DropsOverwrittenEventsEvenIfTheNewerOnesAreMissing) {
+TEST_F(FaultRecordTest, DropsEventsOlderThanAFullRecordBeforeTheNewest) {
   {
     FaultRecord record = open();
     append(record, 3);
@@ -180,7 +180,7 @@ TEST_F(FaultRecordTest, DropsOverwrittenEventsEvenIfTheNewerOnesAreMissing) {
   EXPECT_EQ(read_record_file(path_)->events, record.events());
 }
 
-TEST_F(FaultRecordTest, LosesOneEventByAWriteCutAnywhere) {
+TEST_F(FaultRecordTest, LosesOnlyTheEventOfAnInterruptedWrite) {
   {
     FaultRecord record = open();
     append(record, 3);
@@ -214,7 +214,7 @@ TEST_F(FaultRecordTest, LosesOneEventByAWriteCutAnywhere) {
   }
 }
 
-TEST_F(FaultRecordTest, DoesNotReuseTheNumberOfATornEvent) {
+TEST_F(FaultRecordTest, DoesNotReuseTheNumberOfADamagedEvent) {
   {
     FaultRecord record = open();
     append(record, 2);
@@ -228,7 +228,7 @@ TEST_F(FaultRecordTest, DoesNotReuseTheNumberOfATornEvent) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 4));
 }
 
-TEST_F(FaultRecordTest, ReadsAFileCutShortAnywhere) {
+TEST_F(FaultRecordTest, ReadsATruncatedFile) {
   {
     FaultRecord record = open();
     append(record, 4);
@@ -262,7 +262,7 @@ TEST_F(FaultRecordTest, RenamesARecordOfAnotherVersion) {
 }
 
 TEST_F(FaultRecordTest, RecordsInMemoryWithoutAFile) {
-  std::filesystem::create_directories(path_);  // where the file should be
+  std::filesystem::create_directories(path_);  // a folder is where the file should be
   FaultRecord record = open();
   EXPECT_EQ(record.problems().size(), 1U);
   EXPECT_EQ(record.file(), "");
@@ -321,7 +321,7 @@ TEST_F(FaultRecordTest, RenumbersEventsFromMemoryAfterThoseOfAnotherRecord) {
   EXPECT_EQ(read_record_file(path_)->events, second.events());
 }
 
-TEST_F(FaultRecordTest, LeavesNoPartOfAFileWithoutSpace) {
+TEST_F(FaultRecordTest, LeavesNoPartialFileOnAFullDisk) {
   const ShortFiles limit{4096 + kSlotBytes};
   FaultRecord record = open();
   EXPECT_EQ(record.problems().size(), 1U);

@@ -16,7 +16,7 @@ namespace {
 using namespace std::string_literals;
 using testing::HasSubstr;
 
-class Kept : public testing::Test {
+class KeptDeploymentTest : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
@@ -30,22 +30,22 @@ class Kept : public testing::Test {
   std::string folder_ = testing::TempDir() + "takt-kept-" + std::to_string(os::process_id());
   DeploymentFile file_{folder_, "robot", 7};
   agent::KeptDeployment deployment_{.id = "a1",
-                             .file = "cell.xml",
-                             .text = "<cell name=\"\u00e9\">\n\"\\</cell>",
-                             .require_real_time = true,
-                             .t0_ns = 1'700'000'000'123'456'789,
-                             .boot = "3f1c",
-                             .t0_monotonic_ns = 123'456'789};
+                                    .file = "cell.xml",
+                                    .text = "<cell name=\"\u00e9\">\n\"\\</cell>",
+                                    .require_real_time = true,
+                                    .t0_ns = 1'700'000'000'123'456'789,
+                                    .boot = "3f1c",
+                                    .t0_monotonic_ns = 123'456'789};
 };
 
-TEST_F(Kept, HasNoDeploymentAtFirst) {
+TEST_F(KeptDeploymentTest, HasNoDeploymentAtFirst) {
   const auto kept = file_.kept();
   ASSERT_TRUE(kept.ok());
   EXPECT_FALSE(kept->has_value());
   EXPECT_TRUE(file_.forget().ok());
 }
 
-TEST_F(Kept, ReadsBackADeploymentUntilItIsForgotten) {
+TEST_F(KeptDeploymentTest, ReadsBackADeploymentUntilItIsForgotten) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_EQ(**file_.kept(), deployment_);
   deployment_.id = "a2";
@@ -55,7 +55,7 @@ TEST_F(Kept, ReadsBackADeploymentUntilItIsForgotten) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Kept, DetectsATruncatedFile) {
+TEST_F(KeptDeploymentTest, DetectsATruncatedFile) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   const std::string whole = content();
   for (std::size_t length = 0; length < whole.size(); ++length) {
@@ -66,7 +66,7 @@ TEST_F(Kept, DetectsATruncatedFile) {
   }
 }
 
-TEST_F(Kept, DetectsAnyChangedByte) {
+TEST_F(KeptDeploymentTest, DetectsAnyChangedByte) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   const std::string whole = content();
   for (std::size_t at = 0; at < whole.size(); ++at) {
@@ -77,13 +77,13 @@ TEST_F(Kept, DetectsAnyChangedByte) {
   }
 }
 
-TEST_F(Kept, RejectsAnInvalidTime) {
+TEST_F(KeptDeploymentTest, RejectsAnInvalidTime) {
   for (const char* other : {"-1", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
     const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":)";
     for (const std::string& rest : {other + R"(,"boot":"3f1c","t0_monotonic_ns":1,"safe":""})"s,
                                     R"(1,"boot":"3f1c","t0_monotonic_ns":)"s + other + R"(,"safe":""})"s}) {
       if (rest.find("t0_monotonic_ns\":-1") != std::string::npos)
-        continue;  // valid: before the machine was booted
+        continue;  // a negative time is valid: it is before the machine booted
       ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body + rest).ok());
       const auto kept = file_.kept();
       ASSERT_FALSE(kept.ok()) << rest;
@@ -92,7 +92,7 @@ TEST_F(Kept, RejectsAnInvalidTime) {
   }
 }
 
-TEST_F(Kept, ReadsAFileWithoutAMonotonicTime) {
+TEST_F(KeptDeploymentTest, ReadsAFileWithoutAMonotonicTime) {
   const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":7,"safe":""})";
   ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
   const auto kept = file_.kept();
@@ -101,13 +101,13 @@ TEST_F(Kept, ReadsAFileWithoutAMonotonicTime) {
   EXPECT_EQ((*kept)->boot, "");
 }
 
-TEST_F(Kept, UsesOneFilePerDeviceAndDomain) {
+TEST_F(KeptDeploymentTest, UsesOneFilePerDeviceAndDomain) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_FALSE((DeploymentFile{folder_, "robot", 8}).kept()->has_value());
   EXPECT_FALSE((DeploymentFile{folder_, "line", 7}).kept()->has_value());
 }
 
-TEST_F(Kept, ReportsAFolderThatCannotBeWritten) {
+TEST_F(KeptDeploymentTest, ReportsAFolderThatCannotBeWritten) {
   const DeploymentFile nowhere{"/proc/takt", "robot", 0};
   const auto kept = nowhere.keep(deployment_);
   ASSERT_FALSE(kept.ok());

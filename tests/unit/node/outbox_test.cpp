@@ -60,7 +60,7 @@ TEST(Outbox, SendsASecondStateOfAModuleAfterTheFirstIsAcknowledged) {
   outbox.put(status("a", 1));
   outbox.put(status("b", 1));
   outbox.put(status("a", 2));
-  outbox.put(status("b", 2));  // acknowledged with the first of a
+  outbox.put(status("b", 2));  // acknowledged together with the first status of a
   outbox.put_disposal(status("a", 0));
   while (outbox.serve(sink, milliseconds{0})) {
   }

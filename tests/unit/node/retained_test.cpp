@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class Retain : public testing::Test {
+class RetainedState : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
@@ -43,7 +43,7 @@ class Retain : public testing::Test {
   std::unique_ptr<channel::SavedState> state = std::make_unique<channel::SavedState>();
 };
 
-TEST_F(Retain, WritesTheSavedStateWithItsVersion) {
+TEST_F(RetainedState, IsWrittenWithItsVersion) {
   const std::string bytes{"\0\xff\x10 end", 7};
   save(bytes, 42);
   ASSERT_TRUE(file_.write(*state->saved()).ok());
@@ -54,9 +54,9 @@ TEST_F(Retain, WritesTheSavedStateWithItsVersion) {
   EXPECT_EQ(other->saved()->version, 42U);
 }
 
-TEST_F(Retain, ReadsNothingWithoutAFile) { EXPECT_EQ(read_back(), "nothing"); }
+TEST_F(RetainedState, IsEmptyWithoutAFile) { EXPECT_EQ(read_back(), "nothing"); }
 
-TEST_F(Retain, DetectsEveryDamagedByte) {
+TEST_F(RetainedState, IsRejectedIfAnyByteIsDamaged) {
   save("some state");
   ASSERT_TRUE(file_.write(*state->saved()).ok());
   std::ifstream in{file_.path()};
@@ -71,7 +71,7 @@ TEST_F(Retain, DetectsEveryDamagedByte) {
   }
 }
 
-TEST_F(Retain, RejectsAnInvalidVersion) {
+TEST_F(RetainedState, IsRejectedIfItsVersionIsInvalid) {
   for (const char* version : {"-1", "1.5", "1e300", "4294967296"}) {
     const std::string body = "{\"version\":" + std::string{version} + R"(,"bytes":"00"})";
     ASSERT_TRUE(write_whole(file_.path(), "takt saved 1", body).ok());
@@ -79,7 +79,7 @@ TEST_F(Retain, RejectsAnInvalidVersion) {
   }
 }
 
-TEST_F(Retain, WritesTheLastStateAtTheEndAndRemovesAClearedOne) {
+TEST_F(RetainedState, IsWrittenAtTheEndAndRemovedWhenCleared) {
   {
     auto retained = Retained::start({{.file = file_, .state = state.get()}}, [](const std::string&) {});
     ASSERT_TRUE(retained.ok());
@@ -95,7 +95,7 @@ TEST_F(Retain, WritesTheLastStateAtTheEndAndRemovesAClearedOne) {
   EXPECT_EQ(read_back(), "nothing");
 }
 
-TEST_F(Retain, ReportsAFailedWriteAndItsRecoveryOnce) {
+TEST_F(RetainedState, ReportsAFailedWriteAndItsRecoveryOnce) {
   std::ofstream{folder_} << "a file where a folder should be";
   std::mutex mutex;
   std::vector<std::string> reports;

@@ -7,7 +7,7 @@
 namespace takt::os::core_dump_test {
 namespace {
 
-TEST(CoreGlob, FillsInKnownPartsAndMatchesAnyTextForTheOthers) {
+TEST(CoreDumpPattern, MatchesAnyTextForUnknownParts) {
   EXPECT_EQ(core_glob("core", 12, 11), "core");
   EXPECT_EQ(core_glob("/var/core/%e.%p.%s-%t%%", 12, 11), "/var/core/*.12.11-*%");
   EXPECT_EQ(core_glob("a*[b]%", 12, 11), "a\\*\\[b]");

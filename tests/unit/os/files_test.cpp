@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class Files : public testing::Test {
+class FileAccess : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = testing::TempDir() + "takt-files-" + std::to_string(::getpid());
@@ -26,7 +26,7 @@ class Files : public testing::Test {
   std::string folder_;
 };
 
-TEST_F(Files, AMissingFileHasNoContentAndCanBeRemoved) {
+TEST_F(FileAccess, FindsNoContentInAMissingFile) {
   const auto read = read_file(folder_ + "/file", 100);
   ASSERT_TRUE(read.ok());
   EXPECT_FALSE(read->has_value());
@@ -34,7 +34,7 @@ TEST_F(Files, AMissingFileHasNoContentAndCanBeRemoved) {
 }
 
 // The descriptor stays open after the thread has ended; reading it then fails.
-TEST_F(Files, TextOfAnEndedThreadIsEmpty) {
+TEST_F(FileAccess, ReadsNoTextFromTheFileOfAnEndedThread) {
   std::promise<int> opened;
   std::promise<void> end;
   std::thread thread{[&] {
@@ -50,13 +50,13 @@ TEST_F(Files, TextOfAnEndedThreadIsEmpty) {
   ::close(file);
 }
 
-TEST_F(Files, TextOfOmitsTheLastLineFeed) {
+TEST_F(FileAccess, OmitsTheLastLineFeedOfAText) {
   ASSERT_TRUE(replace_file(folder_ + "/file", "one\ntwo\n").ok());
   EXPECT_EQ(text_of(folder_ + "/file"), "one\ntwo");
   EXPECT_EQ(text_of(folder_ + "/no_such"), "");
 }
 
-TEST_F(Files, ReportsTheRightsOfOtherUsers) {
+TEST_F(FileAccess, ReportsTheRightsOfOtherUsers) {
   EXPECT_FALSE(rights_of(folder_ + "/file").has_value());
   ASSERT_TRUE(replace_file(folder_ + "/file", "mine").ok());
   const Rights mine = rights_of(folder_ + "/file").value();
@@ -71,7 +71,7 @@ TEST_F(Files, ReportsTheRightsOfOtherUsers) {
   EXPECT_TRUE(rights_of(folder_)->is_folder);
 }
 
-TEST_F(Files, OnlyTheOwnerMayEnterAPrivateFolder) {
+TEST_F(FileAccess, OnlyTheOwnerMayEnterAPrivateFolder) {
   ASSERT_TRUE(make_private_folder(folder_ + "/deeper/private").ok());
   struct stat status {};
   ASSERT_EQ(::stat((folder_ + "/deeper/private").c_str(), &status), 0);
@@ -85,7 +85,7 @@ TEST_F(Files, OnlyTheOwnerMayEnterAPrivateFolder) {
   EXPECT_FALSE(make_private_folder(folder_ + "/file").ok());
 }
 
-TEST_F(Files, ReplaceFileOverwritesAndCreatesTheFolder) {
+TEST_F(FileAccess, CreatesTheFolderOfAFileThatItReplaces) {
   const std::string path = folder_ + "/deeper/file";
   ASSERT_TRUE(replace_file(path, "a long first content").ok());
   ASSERT_TRUE(replace_file(path, std::string{"second\0", 7}).ok());
@@ -94,7 +94,7 @@ TEST_F(Files, ReplaceFileOverwritesAndCreatesTheFolder) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ + "/deeper")) << "no temporary file is left";
 }
 
-TEST_F(Files, RejectsAFileLargerThanTheLimit) {
+TEST_F(FileAccess, RejectsAFileLargerThanTheLimit) {
   const std::string path = folder_ + "/file";
   ASSERT_TRUE(replace_file(path, "12345678").ok());
   const auto read = read_file(path, 7);
@@ -102,7 +102,7 @@ TEST_F(Files, RejectsAFileLargerThanTheLimit) {
   EXPECT_THAT(read.problems()[0].what, HasSubstr("more than 7 bytes"));
 }
 
-TEST_F(Files, IgnoresTheRestOfAnInterruptedReplacement) {
+TEST_F(FileAccess, IgnoresTheTemporaryFileOfAnInterruptedReplacement) {
   const std::string path = folder_ + "/file";
   ASSERT_TRUE(replace_file(path, "whole").ok());
   std::ofstream{path + ".new"} << "ha";
@@ -111,7 +111,7 @@ TEST_F(Files, IgnoresTheRestOfAnInterruptedReplacement) {
   EXPECT_EQ(**read_file(path, 100), "next");
 }
 
-TEST_F(Files, AFailedReplacementNamesTheFileAndKeepsTheOldContent) {
+TEST_F(FileAccess, KeepsTheOldContentIfAReplacementFails) {
   const std::string path = folder_ + "/file";
   ASSERT_TRUE(replace_file(path, "old").ok());
   std::filesystem::create_directories(path + ".new/in the way");
@@ -124,14 +124,14 @@ TEST_F(Files, AFailedReplacementNamesTheFileAndKeepsTheOldContent) {
 
 __attribute__((used, section("takt_test"))) const char kInASection[] = "in a section";
 
-TEST_F(Files, ReadsASectionOfAProgramByName) {
+TEST_F(FileAccess, ReadsASectionOfAProgramByName) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   EXPECT_EQ(read_section(self, "takt_test"), std::string(kInASection, sizeof kInASection));
   EXPECT_FALSE(read_section(self, "takt_tes"));
   EXPECT_FALSE(read_section(self, ".bss")) << "it has no content in the file";
 }
 
-TEST_F(Files, FindsNoSectionInAnIncompleteOrOtherFile) {
+TEST_F(FileAccess, FindsNoSectionInATruncatedOrOtherFile) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   std::filesystem::create_directories(folder_);
   EXPECT_FALSE(read_section(folder_, "takt_test"));

@@ -51,7 +51,7 @@ TEST(Library, EachOwnLoadStartsWithFreshGlobals) {
     auto library = Library::open(kPlain, Library::Globals::own);
     ASSERT_TRUE(library.ok()) << to_text(library.problems());
     EXPECT_EQ(count_up(*library), 1);
-    if (i % 2 == 0) library->abandon();  // it stays in memory
+    if (i % 2 == 0) library->abandon();  // an abandoned library stays in memory
   }
 }
 

@@ -41,7 +41,7 @@ class MachineTree : public testing::Test {
   std::string root_;
 };
 
-TEST_F(MachineTree, AllValuesAreAbsentInAnEmptyTree) {
+TEST_F(MachineTree, GivesNoValuesIfItIsEmpty) {
   const Machine machine = read();
   EXPECT_FALSE(machine.preemption.has_value());
   EXPECT_FALSE(machine.throttling.has_value());
@@ -72,7 +72,7 @@ TEST_F(MachineTree, RecognizesAPatchedRealTimeKernel) {
   EXPECT_EQ(read().preemption, Preemption::real_time);
 }
 
-TEST_F(MachineTree, DynamicPreemptionIsTheModeChosenLast) {
+TEST_F(MachineTree, ReadsTheDynamicPreemptionModeChosenLast) {
   kernel("6.1.0-31-amd64", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.128-1");
   EXPECT_FALSE(read().preemption.has_value());
   put("boot/config-6.1.0-31-amd64",
@@ -84,7 +84,7 @@ TEST_F(MachineTree, DynamicPreemptionIsTheModeChosenLast) {
   EXPECT_EQ(read().preemption, Preemption::none);
 }
 
-TEST_F(MachineTree, ThrottlingKeepsThePeriodMinusTheRuntime) {
+TEST_F(MachineTree, ReadsTheThrottledTimeAsPeriodMinusRuntime) {
   kernel("6.1.0", "");
   put("proc/sys/kernel/sched_rt_period_us", "1000000");
   put("proc/sys/kernel/sched_rt_runtime_us", "950000");
@@ -200,7 +200,7 @@ TEST_F(MachineTree, ReadsProgramsClocksPagesSwapAndBuffers) {
   EXPECT_EQ(machine.swap_bytes, 3072U * 1024);
 }
 
-TEST_F(MachineTree, SwapIsZeroBytesIfThereIsNone) {
+TEST_F(MachineTree, ReadsZeroBytesOfSwapIfThereIsNone) {
   put("proc/swaps", "Filename Type Size Used Priority");
   EXPECT_EQ(read().swap_bytes, 0U);
 }
@@ -217,7 +217,7 @@ TEST_F(MachineTree, DetectsVirtualMachinesAndContainers) {
   EXPECT_EQ(read().container, "/.dockerenv");
 }
 
-TEST_F(MachineTree, StolenShareIsOfTheTimeOfAllCpus) {
+TEST_F(MachineTree, RelatesStolenTimeToTheTimeOfAllCpus) {
   put("proc/stat", "cpu  100 0 100 700 50 10 10 30 40 0\ncpu0 1 2 3 4 5 6 7 8 9 0");
   const auto before = read_processor_time(root_);
   ASSERT_TRUE(before.has_value());
@@ -230,7 +230,7 @@ TEST_F(MachineTree, StolenShareIsOfTheTimeOfAllCpus) {
   EXPECT_FALSE(read_processor_time(root_).has_value());
 }
 
-TEST_F(MachineTree, InvalidValuesAreAbsent) {
+TEST_F(MachineTree, GivesNoValueForInvalidText) {
   kernel("nonsense", "");
   put("proc/sys/kernel/sched_rt_period_us", "0");
   put("proc/sys/kernel/sched_rt_runtime_us", "x");
@@ -251,14 +251,14 @@ TEST(Machine, ReadsAndWritesListsOfCpus) {
   EXPECT_EQ(cpus_text({0, 1, 2, 5}), "0-2,5");
 }
 
-TEST(Machine, ThisMachineHasAKernelAndCpus) {
+TEST(Machine, ReadsTheKernelAndCpusOfThisMachine) {
   const Machine machine = read_machine();
   EXPECT_NE(machine.kernel, "");
   EXPECT_FALSE(machine.online.empty());
   EXPECT_TRUE(machine.time.has_value());
 }
 
-TEST(KernelNews, KernelTextIsBetweenTheHeaderAndTheKeys) {
+TEST(KernelNews, ContainsOnlyTheTextOfAMessage) {
   EXPECT_EQ(kernel_text("4,812,5123456,-;sched: RT throttling activated\n SUBSYSTEM=cpu\n"),
             "sched: RT throttling activated");
   EXPECT_EQ(kernel_text("no record"), "");

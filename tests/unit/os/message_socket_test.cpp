@@ -14,9 +14,9 @@
 namespace takt::os::message_socket_test {
 namespace {
 
-class TwoEnds : public testing::Test {
+class MessageSocketTest : public testing::Test {
  protected:
-  TwoEnds() {
+  MessageSocketTest() {
     auto ends = std::move(MessageSocket::pair().value());
     mine = std::move(ends.first);
     theirs = std::move(ends.second);
@@ -25,7 +25,7 @@ class TwoEnds : public testing::Test {
   MessageSocket theirs;
 };
 
-TEST_F(TwoEnds, PassWholeMessagesInOrder) {
+TEST_F(MessageSocketTest, PassesWholeMessagesInOrder) {
   EXPECT_TRUE(mine.send("first"));
   EXPECT_TRUE(mine.send(""));
   EXPECT_TRUE(mine.send(std::string{"\0\n\xff", 3}));
@@ -36,7 +36,7 @@ TEST_F(TwoEnds, PassWholeMessagesInOrder) {
   EXPECT_FALSE(theirs.closed());
 }
 
-TEST_F(TwoEnds, PassAMessageLargerThanTheKernelsBuffer) {
+TEST_F(MessageSocketTest, PassesAMessageLargerThanTheKernelsBuffer) {
   std::string large(20'000'000, ' ');
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>(i * 31 >> 3);
   std::thread sender{[&] {
@@ -49,7 +49,7 @@ TEST_F(TwoEnds, PassAMessageLargerThanTheKernelsBuffer) {
   sender.join();
 }
 
-TEST_F(TwoEnds, NeverWaitForEachOther) {
+TEST_F(MessageSocketTest, NeverBlocksIfBothEndsSend) {
   // One thread sends more than the kernel buffers, in both directions at once.
   const std::string large(2'000'000, 'x');
   EXPECT_TRUE(mine.send(large));
@@ -65,7 +65,7 @@ TEST_F(TwoEnds, NeverWaitForEachOther) {
   EXPECT_TRUE(*here == large && *there == large);
 }
 
-TEST_F(TwoEnds, DeliverMessagesSentBeforeTheOtherEndClosed) {
+TEST_F(MessageSocketTest, DeliversMessagesSentBeforeTheOtherEndClosed) {
   mine.send("last words");
   mine.close();
   EXPECT_EQ(theirs.receive_wait(), "last words");
@@ -75,14 +75,14 @@ TEST_F(TwoEnds, DeliverMessagesSentBeforeTheOtherEndClosed) {
   EXPECT_EQ(theirs.receive(), std::nullopt);
 }
 
-TEST_F(TwoEnds, ReportThatTheOtherEndIsGone) {
+TEST_F(MessageSocketTest, ReportsThatTheOtherEndIsGone) {
   theirs.close();
   EXPECT_FALSE(mine.send("hello"));
   EXPECT_EQ(mine.receive(), std::nullopt);
   EXPECT_TRUE(mine.closed());
 }
 
-TEST_F(TwoEnds, DiscardAnIncompleteMessage) {
+TEST_F(MessageSocketTest, DiscardsAnIncompleteMessage) {
   const std::uint32_t length = 100;
   ::send(mine.fd().get(), &length, sizeof length, 0);
   ::send(mine.fd().get(), "half", 4, 0);
@@ -93,7 +93,7 @@ TEST_F(TwoEnds, DiscardAnIncompleteMessage) {
   EXPECT_TRUE(theirs.closed());
 }
 
-TEST_F(TwoEnds, CloseAfterAnImpossibleLength) {
+TEST_F(MessageSocketTest, ClosesAfterAnImpossibleLength) {
   const std::uint32_t length = ~0U;
   ::send(mine.fd().get(), &length, sizeof length, 0);
   EXPECT_EQ(theirs.receive_wait(), std::nullopt);

@@ -9,7 +9,7 @@
 namespace takt::os::notice_test {
 namespace {
 
-TEST(Notice, IsTakenOnceEvenIfGivenTwice) {
+TEST(Notice, IsReceivedOnceEvenIfGivenTwice) {
   auto notice = Notice::create();
   ASSERT_TRUE(notice.ok());
   EXPECT_FALSE(wait_readable({&notice->fd()}, 0));
@@ -22,7 +22,7 @@ TEST(Notice, IsTakenOnceEvenIfGivenTwice) {
   EXPECT_FALSE(wait_readable({&notice->fd()}, 0));
 }
 
-TEST(Notice, EndsAWait) {
+TEST(Notice, EndsTheWaitOfAnotherThread) {
   auto notice = Notice::create();
   ASSERT_TRUE(notice.ok());
   std::thread other{[&] { notice->give(); }};

@@ -29,10 +29,11 @@ TEST(ThreadTime, IncreasesWhileComputingButNotWhileSleeping) {
   sleep_until(now() + std::chrono::milliseconds{20});
   const Nanoseconds slept = thread_time();
   EXPECT_LT(slept - before, std::chrono::milliseconds{20});
-  while (thread_time() - slept < std::chrono::milliseconds{1}) continue;  // ends only if computing counts
+  while (thread_time() - slept < std::chrono::milliseconds{1})
+    continue;  // the loop ends only if computing increases thread_time()
 }
 
-TEST(MemoryOf, IsZeroOnlyIfThereIsNoSuchProcess) {
+TEST(ProcessMemory, IsZeroOnlyIfThereIsNoSuchProcess) {
   EXPECT_GT(memory_of(process_id()), 100'000U);
   EXPECT_EQ(0U, memory_of(-1));
 }

@@ -139,7 +139,7 @@ TEST(Child, DiesWithItsParent) {
   EXPECT_TRUE(dead());
 }
 
-TEST(InChild, ReturnsTheResultOfTheWork) {
+TEST(WorkInChild, ReturnsItsResult) {
   EXPECT_EQ(in_child(
                 "it", [] { return std::string{"result"}; }, seconds{30})
                 .value(),
@@ -154,7 +154,7 @@ TEST(InChild, ReturnsTheResultOfTheWork) {
             "");
 }
 
-TEST(InChild, ACrashEndsOnlyTheChild) {
+TEST(WorkInChild, CrashesOnlyTheChild) {
   const auto result = in_child(
       "loading it",
       []() -> std::string {
@@ -167,7 +167,7 @@ TEST(InChild, ACrashEndsOnlyTheChild) {
   EXPECT_EQ(result.problems()[0].what, "loading it was killed by SIGSEGV (Segmentation fault)");
 }
 
-TEST(InChild, AHangIsKilledAfterTheLimit) {
+TEST(WorkInChild, IsKilledIfItHangs) {
   const auto result = in_child(
       "loading it",
       []() -> std::string {
@@ -178,7 +178,7 @@ TEST(InChild, AHangIsKilledAfterTheLimit) {
   EXPECT_EQ(result.problems()[0].what, "loading it did not end within 50 ms");
 }
 
-TEST(InChild, ReturnsNoResultIfTheWorkExits) {
+TEST(WorkInChild, HasNoResultIfItExits) {
   const auto result = in_child(
       "loading it", []() -> std::string { ::_exit(0); }, seconds{30});
   EXPECT_TRUE(!result.ok() || result->empty());

@@ -12,7 +12,7 @@ TEST(SystemCalls, HaveNames) {
   EXPECT_EQ(system_call_name(SYS_futex), "futex");
 }
 
-TEST(SystemCalls, UnknownOnesAreShownAsNumbers) {
+TEST(SystemCalls, AreShownAsNumbersIfUnknown) {
   EXPECT_EQ(system_call_name(-1), "system call -1");
   EXPECT_EQ(system_call_name(123456), "system call 123456");
 }

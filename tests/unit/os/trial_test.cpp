@@ -32,7 +32,7 @@ TEST(WakeUps, QuantilesDoNotDependOnTheOrder) {
   EXPECT_EQ(wake_ups.max, microseconds{1000});
 }
 
-TEST(Trial, WakesNoThreadBeforeItsInstant) {
+TEST(Trial, WakesNoThreadEarly) {
   const WakeUps wake_ups = try_wake_ups(5, microseconds{200});
   EXPECT_EQ(wake_ups.count, 5U);
   EXPECT_GE(wake_ups.p50, Nanoseconds{0});

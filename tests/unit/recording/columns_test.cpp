@@ -44,7 +44,7 @@ std::vector<std::string> texts(const Columns& columns, const model::Type& type, 
   return texts;
 }
 
-TEST(Columns, NamesEveryElement) {
+TEST(Columns, HaveANameForEveryElement) {
   const Columns columns{type_of(kAll)};
   EXPECT_THAT(names(columns), ElementsAre("mode", "label", "grid[0][0]", "grid[0][1]", "grid[1][0]",
                                           "grid[1][1]", "way[0]", "way[1]", "way[2]", "poses[0].x",
@@ -53,7 +53,7 @@ TEST(Columns, NamesEveryElement) {
   EXPECT_TRUE(Columns{type_of(R"({"name":"a","type":"double","array":[2]})")}.fixed());
 }
 
-TEST(Columns, PutsEachValueIntoItsPlace) {
+TEST(Columns, HoldEachValueInItsPlace) {
   const auto type = type_of(kAll);
   const Columns columns{type};
   EXPECT_THAT(texts(columns, type,
@@ -63,7 +63,7 @@ TEST(Columns, PutsEachValueIntoItsPlace) {
                           "18446744073709551615"));
 }
 
-TEST(Columns, FindsAFieldWithItsSubfieldsAndElements) {
+TEST(Columns, AreFoundByFieldSubfieldAndElement) {
   const Columns columns{type_of(kAll)};
   EXPECT_THAT(columns.named("mode"), ElementsAre(0));
   EXPECT_THAT(columns.named("grid"), ElementsAre(2, 3, 4, 5));

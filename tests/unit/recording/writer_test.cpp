@@ -68,7 +68,7 @@ class RecordingFile : public testing::Test {
   std::uintmax_t on_disk() const {
     std::uintmax_t bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator{folder_}) {
-      // Ignores the index of the log, which is in memory and always 32 kB.
+      // The index of the log does not count: it is in memory and always has 32 kB.
       if (entry.path().extension() != ".takt-shm") bytes += entry.file_size();
     }
     return bytes;
@@ -127,7 +127,7 @@ TEST_F(RecordingFile, RejectsAnExistingFileWithoutAppend) {
     auto writer = RecordingWriter::create(options);
     ASSERT_TRUE(writer) << to_text(writer.problems());
     add(**writer, (*writer)->add_port(number_port()), 2, 2);
-    // The same name with another type is another port.
+    // A port with this name but another type counts as another port.
     add(**writer, (*writer)->add_port(number_port("d.m.p", "basic::Other")), 3, 3);
   }
   auto recording = Recording::open(file());
@@ -191,7 +191,7 @@ TEST_F(RecordingFile, StopsAtItsSizeLimit) {
 }
 
 TEST_F(RecordingFile, DropsTheOldestSamplesAtItsSizeLimit) {
-  constexpr int kSamples = 200'000;  // several times what fits
+  constexpr int kSamples = 200'000;  // several times as many as fit
   auto options = quick(file());
   options.max_bytes = kLeastRecording;
   options.full = Full::oldest;

@@ -136,7 +136,9 @@ TEST(CheckText, NamesModulesWithoutABudget) {
 
 TEST(CheckText, WarnsOfADeadlineShorterThanTheBasicPeriod) {
   const std::string late = text(cell("c", {device("d", {periodic("a", 10ms), sporadic("alarm", 1ms)})}));
-  EXPECT_THAT(late, HasSubstr("late by design, checked only every 10 ms:\n      alarm\n"));
+  EXPECT_THAT(
+      late,
+      HasSubstr("late by design, because their conditions are checked only every 10 ms:\n      alarm\n"));
   EXPECT_THAT(text(figure1()), Not(HasSubstr("late by design")));
 }
 
@@ -204,7 +206,7 @@ TEST(CheckText, WarnsIfTheTotalLoadExceedsOneCpu) {
   };
   EXPECT_THAT(together(500us), Not(HasSubstr("more than")));
   EXPECT_THAT(together(501us),
-              HasSubstr("more than one CPU can do if all occur as often as allowed: 100.1 %\n"));
+              HasSubstr("more than one CPU can do if all events occur as often as allowed: 100.1 %\n"));
 }
 
 TEST(CheckText, PredictsNoLoadForProgramsOnly) {
@@ -452,7 +454,7 @@ model::Cell crowded_cell() {
   return cell("crowded", {device("d", modules)});
 }
 
-class CellState : public testing::TestWithParam<int> {
+class DrawnCell : public testing::TestWithParam<int> {
  protected:
   static model::Cell drawn() {
     switch (GetParam()) {
@@ -472,11 +474,11 @@ class CellState : public testing::TestWithParam<int> {
   }
 };
 
-TEST_P(CellState, IsWellFormed) { EXPECT_TRUE(is_well_formed(svg(drawn()))); }
+TEST_P(DrawnCell, IsWellFormed) { EXPECT_TRUE(is_well_formed(svg(drawn()))); }
 
-TEST_P(CellState, CutsNoTextOffAndPutsNoneOnAnother) { expect_readable(svg(drawn())); }
+TEST_P(DrawnCell, HasNoClippedOrOverlappingText) { expect_readable(svg(drawn())); }
 
-INSTANTIATE_TEST_SUITE_P(CheckSvg, CellState, testing::Range(0, 6));
+INSTANTIATE_TEST_SUITE_P(CheckSvg, DrawnCell, testing::Range(0, 6));
 
 TEST(CheckSvg, NumbersReleasesByTheirPlaceInTheRow) {
   const std::string drawing = svg(figure1());

@@ -20,7 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(Plot, MarksAreRoundNumbers) {
+TEST(Plot, HasMarksAtRoundNumbers) {
   EXPECT_THAT(ticks(0, 10, 5),
               ElementsAre(DoubleEq(0), DoubleEq(2), DoubleEq(4), DoubleEq(6), DoubleEq(8), DoubleEq(10)));
   EXPECT_THAT(ticks(-0.11, 0.26, 4),
@@ -76,7 +76,7 @@ std::vector<std::string> value_marks(const std::string& svg) {
   return found;
 }
 
-TEST(Plot, MarksOfLargeNumbersAreDistinguishable) {
+TEST(Plot, HasDistinctMarksForLargeNumbers) {
   for (const auto& [low, high] : {std::pair{-1234568.0, -1234566.5}, {1e6, 1e6 + 2e-3}, {1e-9, 4e-9}}) {
     const std::string svg = plot_svg(plot_of({{0, low}, {10, high}}));
     const auto marks = value_marks(svg);
@@ -96,7 +96,7 @@ TEST(Plot, ShowsTheTimeOfASingleSample) {
   EXPECT_THAT(svg, HasSubstr(">3<"));
 }
 
-TEST(Plot, WholeNumbersHaveNoMarksInBetween) {
+TEST(Plot, HasNoMarksBetweenWholeNumbers) {
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2}, {10, 3}}))), ElementsAre("1", "2", "3"));
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 7}, {10, 7}}))), ElementsAre("7"));
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2.5}}))), testing::Contains("1.5"));
@@ -108,7 +108,7 @@ std::size_t shapes(const Plot& plot) {
   return drawings::occurrences(svg, "<circle") + drawings::occurrences(svg, "z\" class=\"d");
 }
 
-TEST(Plot, CurvesDifferInShapeToo) {
+TEST(Plot, DistinguishesCurvesByShapeToo) {
   Plot plot = plot_of({{0, 1}, {10, 2}});
   EXPECT_EQ(shapes(plot), 0U) << "a single curve needs no shape";
   PlotSeries same = plot.panels[0].series[0];

@@ -9,7 +9,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-TEST(ShareText, IsABarAndANumber) {
+TEST(ShareText, ShowsABarAndANumber) {
   EXPECT_EQ(share_text(0, "none", {}), "[....................]   0 %  none");
   EXPECT_EQ(share_text(0.42, "4.2 of 10 s", {}), "[########............]  42 %  4.2 of 10 s");
   EXPECT_EQ(share_text(1, "all", {}), "[####################] 100 %  all");

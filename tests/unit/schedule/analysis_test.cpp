@@ -63,7 +63,7 @@ class Cells {
   [[nodiscard]] Problems missed(int number_of_cpus = 2) {
     return missed_deadlines(cell, device(), worst(number_of_cpus));
   }
-  /// The response of each module, in the order of the descriptor; -1 us: no bound.
+  /// The response of each module, in the order of the descriptor; -1 us if it has no bound.
   [[nodiscard]] std::vector<Nanoseconds> responses(int number_of_cpus = 2) {
     std::vector<Nanoseconds> all;
     for (const WorstCase& one : worst(number_of_cpus)) all.push_back(one.response.value_or(-1us));
@@ -92,7 +92,7 @@ Module& process(Module& module) {
 
 // ---- one executor, alone
 
-TEST(WorstCase, InARowAddsTheRunsBefore) {
+TEST(WorstCase, InARowIncludesTheRunsBeforeIt) {
   Cells cells;
   cells.periodic("a", 100us, 20us);
   cells.periodic("b", 100us, 30us);
@@ -110,7 +110,7 @@ TEST(WorstCase, IsExactToTheNanosecond) {
 }
 
 // Row 0 runs a and b until 150, 50 too late. Row 100 begins at 150 and ends at 180. Row 200 ends at 230 ...
-TEST(WorstCase, ALateRowDelaysTheNext) {
+TEST(WorstCase, IncludesTheDelayByALateRow) {
   Cells cells;
   cells.periodic("a", 100us, 30us);
   cells.periodic("b", 200us, 120us);
@@ -132,7 +132,7 @@ TEST(WorstCase, ReportsASkippedRow) {
 
 // With periods of 2 and 3, row 1 is empty, so it may be skipped. Row 0 ends at 2, row 2 at 2.5, row 3 at 4.5,
 // row 4 at 5.
-TEST(WorstCase, SkippingAnEmptyRowIsHarmless) {
+TEST(WorstCase, IsUnaffectedByASkippedEmptyRow) {
   Cells cells;
   cells.periodic("a", 2ms, 500us);
   cells.periodic("b", 3ms, 1500us);
@@ -192,7 +192,7 @@ TEST(WorstCase, OfAProgramIncludesAnInterruptionAtTheEndOfItsRow) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 100us, 140us));
 }
 
-TEST(WorstCase, OfExecutorsWithEqualPriorityIncludesTheOther) {
+TEST(WorstCase, OfAnExecutorIncludesOthersOfEqualPriority) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(1).priority = cells.executor(0).priority;
@@ -216,7 +216,8 @@ TEST(WorstCase, OfALowerExecutorIncludesTheSpinningOfTheHigherOne) {
   cells.executor(0).spin_share = 0.2;
   cells.periodic("fast", 100us, 30us, 0);
   cells.periodic("slow", 400us, 40us, 1);
-  EXPECT_THAT(cells.responses(), ElementsAre(30us, 90us));  // 20 of spinning, 30, 40
+  EXPECT_THAT(cells.responses(),
+              ElementsAre(30us, 90us));  // 20 us of spinning + 30 us of fast + 40 us of slow
 }
 
 TEST(WorstCase, IncludesAtMost100MicrosecondsOfSpinning) {
@@ -250,7 +251,7 @@ TEST(WorstCase, OfASporadicModuleIncludesInterruptingRows) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));
 }
 
-TEST(WorstCase, OfASporadicModuleIncludesTheRunningOne) {
+TEST(WorstCase, OfASporadicModuleIncludesTheOneInProgress) {
   Cells cells;
   cells.periodic("row", 1ms, 100us);
   cells.sporadic("urgent", 500us, 100us);
@@ -284,7 +285,7 @@ TEST(WorstCase, OfAProgramOnTheOnlyCpuIncludesTheRows) {
 
 // With a period of 300 us, a program spins for at most 100 us; two programs on one CPU spin for half of that.
 // They also spin after the release until the row is over.
-TEST(WorstCase, OfProgramsOfOneExecutorIncludesEachOther) {
+TEST(WorstCase, OfAProgramIncludesOtherProgramsOfItsExecutor) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.periodic("p", 300us, 20us));
@@ -292,7 +293,7 @@ TEST(WorstCase, OfProgramsOfOneExecutorIncludesEachOther) {
   EXPECT_THAT(cells.responses(2), ElementsAre(10us, 10us + 20us + 40us + 60us, 10us + 40us + 20us + 60us));
 }
 
-TEST(WorstCase, OfProgramsOnSeveralCpusSharesTheWaitingTime) {
+TEST(WorstCase, OfAProgramOnSeveralCpusSharesTheWaitingTime) {
   Cells cells;
   cells.periodic("row", 1ms, 10us);
   for (const char* name : {"p", "q"}) process(cells.periodic(name, 1ms, 200us));
@@ -304,7 +305,7 @@ TEST(WorstCase, OfProgramsOnSeveralCpusSharesTheWaitingTime) {
 }
 
 // Three programs on two CPUs: each may have to wait while the other two occupy both CPUs.
-TEST(WorstCase, OfProgramsOnSeveralCpusIncludesEqualPriorities) {
+TEST(WorstCase, OfAProgramOnSeveralCpusIncludesEqualPriorities) {
   Cells cells;
   cells.executor().spin_share = 0;
   for (const char* name : {"p", "q", "r"}) process(cells.periodic(name, 1ms, 200us));
@@ -356,7 +357,7 @@ TEST(MissedDeadlines, NamesTheModuleTheLineAndTheLateness) {
                           "executor or CPU"}));
 }
 
-TEST(WorstCase, LeavesOutNonRealTimeModules) {
+TEST(WorstCase, IsNotComputedForNonRealTimeModules) {
   Cells cells;
   cells.periodic("row", 100us, 80us);
   cells.device().modules.emplace_back().operation = Operation::non_real;

@@ -7,8 +7,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Rows with 1, 5 and 2 of work, every 10.
-TEST(RowDemand, IsThatOfTheFullestConsecutiveRows) {
+// Rows with 1, 5 and 2 ns of work; a row begins every 10 ns.
+TEST(RowDemand, IsTheSumOfTheFullestConsecutiveRows) {
   const RowDemand rows{{1, 5, 2}, 10ns, 0ns};
   EXPECT_TRUE(rows.in(0) == 0);
   EXPECT_TRUE(rows.in(1) == 5);
@@ -23,7 +23,7 @@ TEST(RowDemand, IncludesTheSpinningOfEachRow) {
   EXPECT_TRUE(rows.in(11) == 7 + 2 * 3);
 }
 
-TEST(RowDemand, OfALongTableIsASafeBound) {
+TEST(RowDemand, IsASafeUpperBoundForALongTable) {
   std::vector<Wide> work(10'000, 1);
   work[17] = 6;
   work[18] = 6;
@@ -33,7 +33,7 @@ TEST(RowDemand, OfALongTableIsASafeBound) {
   EXPECT_TRUE(rows.in(Wide{100'000}) == 10'010);
 }
 
-TEST(Recurring, FreshCountsReleasesInTheWindow) {
+TEST(RecurringWork, CountsReleasesInTheWindow) {
   const Recurring job{.work = 3, .apart = 10, .jitter = 4, .response = 8};
   EXPECT_TRUE(job.fresh(1) == 3);
   EXPECT_TRUE(job.fresh(6) == 3);
@@ -42,7 +42,7 @@ TEST(Recurring, FreshCountsReleasesInTheWindow) {
 
 // The first release runs at the latest, so that it ends 8 after its release: 3 at the beginning of the
 // window. The next one starts at 5.
-TEST(Recurring, CarriedAlsoCountsEarlierReleases) {
+TEST(RecurringWork, CanCountEarlierReleasesToo) {
   const Recurring job{.work = 3, .apart = 10, .jitter = 0, .response = 8};
   EXPECT_TRUE(job.carried(3) == 3);
   EXPECT_TRUE(job.carried(5) == 3);
@@ -50,7 +50,7 @@ TEST(Recurring, CarriedAlsoCountsEarlierReleases) {
   EXPECT_TRUE(job.carried(8) == 6);
 }
 
-TEST(Contender, CarriedCountsRowsReleasedBeforeTheWindow) {
+TEST(Contender, CanCountRowsReleasedBeforeTheWindow) {
   Contender rows;
   rows.rows = RowDemand{{4}, 10ns, 2ns};
   rows.rows_response = 9;
@@ -58,7 +58,7 @@ TEST(Contender, CarriedCountsRowsReleasedBeforeTheWindow) {
   EXPECT_TRUE(rows.carried(9) == 12) << "released at most 9 before the window, spinning since 11 before";
 }
 
-TEST(Contender, ASleepingProgramGoesBeforeAnEqualOnlyOnce) {
+TEST(Contender, RunsOnceBeforeAnEqualProgramIfItSleeps) {
   Contender program;
   program.kind = Contender::Kind::program;
   program.jobs = {{.work = 3, .apart = 10, .response = 10}};
@@ -67,7 +67,7 @@ TEST(Contender, ASleepingProgramGoesBeforeAnEqualOnlyOnce) {
   EXPECT_TRUE(program.before_equal(100) == 3);
 }
 
-TEST(Recurring, AnOverloadTakesTheWholeWindow) {
+TEST(RecurringWork, TakesTheWholeWindowInAnOverload) {
   EXPECT_TRUE((Recurring{.work = 30, .apart = 10, .response = 10}.carried(100)) == 100);
   EXPECT_TRUE((Recurring{.work = 1, .apart = 0}.fresh(1)) >= kForever);
 }

@@ -35,7 +35,7 @@ model::Profile profile() {
                       {"robot.b", {}}}};
 }
 
-TEST(LongestRuns, AreMeasuredRunsElseBudgets) {
+TEST(LongestRuns, AreMeasuredTimesOrElseBudgets) {
   auto all = cell();
   all.devices[0].modules[0].budget = 9us;
   all.devices[0].modules[1].budget = 7us;
@@ -74,10 +74,10 @@ TEST(LongestRuns, RejectAProfileOfAnotherCell) {
   const auto runs = longest_runs(all, &measured, 1);
   ASSERT_FALSE(runs);
   EXPECT_THAT(runs.problems(),
-              ElementsAre(Field(&Problem::what, HasSubstr("the profile is of cell 'other'"))));
+              ElementsAre(Field(&Problem::what, HasSubstr("the profile belongs to cell 'other'"))));
 }
 
-TEST(AllStateBudgets, IgnoresNonRealTimeModules) {
+TEST(BudgetCheck, IgnoresNonRealTimeModules) {
   auto all = cell();
   EXPECT_FALSE(all_state_budgets(all));
   all.devices[0].modules[0].budget = 1us;

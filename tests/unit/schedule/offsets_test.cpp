@@ -41,7 +41,7 @@ std::vector<Nanoseconds> unshifted(const std::vector<Shiftable>& modules) {
   return offsets;
 }
 
-/// The lightest fullest row of all combinations of offsets.
+/// The smallest weight of the fullest row over all combinations of offsets.
 std::int64_t lightest(const std::vector<Shiftable>& modules, std::vector<Nanoseconds>& offsets, std::size_t i,
                       Nanoseconds basic) {
   if (i == modules.size()) return fullest(modules, offsets);

@@ -95,7 +95,7 @@ model::Device programs(int count) {
   return device;
 }
 
-TEST(ProgramsOnOne, CountsReleasedProgramsAndRoundsUp) {
+TEST(ProgramsPerCpu, AreCountedAndRoundedUp) {
   const Placement two{.executors = {}, .background = {0, 1}, .warnings = {}};
   EXPECT_EQ(programs_on_one(programs(0), two), 1);
   EXPECT_EQ(programs_on_one(programs(2), two), 1);

@@ -60,7 +60,7 @@ class Thread {
   const int priority;
   const std::vector<int> cpus;
   bool ready = true;
-  Tick wake_at = 0;        ///< while it sleeps
+  Tick wake_at = 0;        ///< valid while the thread sleeps
   std::uint64_t turn = 0;  ///< the order in which it became ready
 
  protected:

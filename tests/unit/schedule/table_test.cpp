@@ -37,7 +37,7 @@ std::string problem_of(const std::vector<Task>& tasks) {
 
 // ---- the paper's example, and edge cases
 
-TEST(Table, OfFigure1IsThatOfFigure3) {
+TEST(Table, OfFigure1EqualsFigure3) {
   enum : Table::Index { controller1, control2, control3, control4 };
   const std::vector<Task> tasks{{600us, 3}, {100us, 2}, {100us, 1}, {300us, 4}};
   const auto table = Table::build(tasks);

@@ -87,7 +87,7 @@ TEST(Access, AnObserverReadsEverythingAndWritesOnlyQuestions) {
   EXPECT_THAT(on(of(Role::observer, "eve"), 7).writes, ElementsAre("takt/question"));
 }
 
-TEST(Access, AProgramGetsTheEndsThatNoModuleHas) {
+TEST(Access, AProgramUsesOnlyTheEndsThatNoModuleHas) {
   EXPECT_THAT(on(of(Role::program, "hmi"), 7).reads, ElementsAre("speed"));
   EXPECT_THAT(on(of(Role::program, "hmi"), 7).writes, IsEmpty());
   EXPECT_THAT(on(of(Role::program, "hmi"), 9).writes, ElementsAre("rt/goal"));
@@ -133,7 +133,7 @@ TEST(Subject, SurvivesARoundTrip) {
   }
 }
 
-TEST(Documents, NameTheSubjectAndDenyEverythingElse) {
+TEST(PermissionsDocument, NamesTheSubjectAndDeniesEverythingElse) {
   const Subject robot{"belt", Role::device, "robot"};
   const std::string xml = permissions_xml(robot, {{7, {"a<b"}, {}}}, {0, 86400});
   EXPECT_THAT(xml, HasSubstr("<subject_name>CN=robot,OU=device,O=belt</subject_name>"));

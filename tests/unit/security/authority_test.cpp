@@ -75,7 +75,7 @@ bool names_somebody(const std::string& certificate) {
       {reinterpret_cast<const std::uint8_t*>(certificate.data()), certificate.size()});
 }
 
-TEST_F(AuthorityTest, NamesSomebodyAcceptsOnlyCertificatesWithASubject) {
+TEST_F(AuthorityTest, AcceptsOnlyCertificatesWithASubject) {
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/identity.cert.pem")));
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/ca.cert.pem")));
   EXPECT_FALSE(names_somebody(text_of(of_robot() + "/identity.key.pem")));
@@ -187,7 +187,7 @@ TEST_F(AuthorityTest, RejectsAChangedDocument) {
   std::string text = text_of(of_robot() + "/permissions.smime");
   text.replace(text.find("takt/lifecycle"), 14, "takt/*        ");
   write(of_robot() + "/permissions.smime", text);
-  EXPECT_THAT(wrong_with_robot(), HasSubstr("its signature is not from the authority"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("its signature was not made by the authority"));
 }
 
 TEST_F(AuthorityTest, RejectsFilesOfAnotherAuthority) {
@@ -252,7 +252,7 @@ TEST(Expiry, WarnsInTheLastThirtyDays) {
   EXPECT_EQ(expiry_warning(kNow + 60, kNow), "it expires within a day");
 }
 
-TEST(Prefix, DiffersBetweenSubjects) {
+TEST(ParticipantPrefix, DiffersBetweenSubjects) {
   const Prefix robot = prefix_of({"belt", Role::device, "robot"});
   EXPECT_EQ(robot, prefix_of({"belt", Role::device, "robot"}));
   EXPECT_NE(robot, prefix_of({"belt", Role::operator_, "robot"}));

@@ -44,7 +44,7 @@ TEST_F(Signature, AcceptsTheSignedFile) { EXPECT_EQ(wrong(), ""); }
 
 TEST_F(Signature, RejectsAChangedFile) {
   std::ofstream{file_, std::ios::app} << "!";
-  EXPECT_THAT(wrong(), HasSubstr("its signature is not of this file"));
+  EXPECT_THAT(wrong(), HasSubstr("its signature does not match its contents"));
 }
 
 TEST_F(Signature, RejectsTheSignatureOfAnotherFile) {
@@ -52,13 +52,13 @@ TEST_F(Signature, RejectsTheSignatureOfAnotherFile) {
   auto authority = Authority::open((folder_ / "home").string());
   ASSERT_TRUE(authority->sign_components({(folder_ / "other.so").string()}, kNow).ok());
   fs::rename(folder_ / "other.so.sig", file_ + ".sig");
-  EXPECT_THAT(wrong(), HasSubstr("its signature is not of this file"));
+  EXPECT_THAT(wrong(), HasSubstr("its signature does not match its contents"));
 }
 
 TEST_F(Signature, RejectsTheSignatureOfAnotherAuthority) {
   auto evil = Authority::create((folder_ / "evil").string(), "belt", kNow);
   ASSERT_TRUE(evil->sign_components({file_}, kNow).ok());
-  EXPECT_THAT(wrong(), HasSubstr("or not by " + certificate_));
+  EXPECT_THAT(wrong(), HasSubstr("or was not made with the key of " + certificate_));
 }
 
 TEST_F(Signature, CheckSignerRequiresAValidCertificate) {
@@ -77,7 +77,7 @@ TEST_F(Signature, ReportsAMissingSignature) {
   fs::remove(file_ + ".sig");
   EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are accepted here; sign it"));
   std::ofstream{file_ + ".sig"} << "nonsense";
-  EXPECT_THAT(wrong(), HasSubstr("its signature is not"));
+  EXPECT_THAT(wrong(), HasSubstr("its signature does not match"));
 }
 
 TEST_F(Signature, ExpiresWithTheCertificate) {

@@ -13,10 +13,10 @@ using model::Direction;
 using std::chrono::milliseconds;
 
 /// Device "here" has modules a (C++), b (C++), c (C) and p (a sporadic program with immediate dispatch).
-/// Device "there" is another one.
-class WiringPlanned : public testing::Test {
+/// Device "there" is another device.
+class PlannedWiring : public testing::Test {
  protected:
-  WiringPlanned() {
+  PlannedWiring() {
     cell.name = "cell";
     cell.devices = {{.name = "here", .executors = {{}}, .modules = {}},
                     {.name = "there", .executors = {{}}, .modules = {}}};
@@ -65,7 +65,7 @@ class WiringPlanned : public testing::Test {
   std::vector<model::ModulePorts> ports;
 };
 
-TEST_F(WiringPlanned, GivesEveryOutputAFlowForTaps) {
+TEST_F(PlannedWiring, GivesEveryOutputAFlowForTaps) {
   const WiringPlan plan = this->plan();
   ASSERT_EQ(plan.flows.size(), 4U);
   for (const PlannedFlow& flow : plan.flows) {
@@ -78,7 +78,7 @@ TEST_F(WiringPlanned, GivesEveryOutputAFlowForTaps) {
   EXPECT_EQ(flow(plan, "takt/cell/here/a/out").links.size(), 1U);
 }
 
-TEST_F(WiringPlanned, PassesObjectsBetweenCppModulesAndBytesElsewhere) {
+TEST_F(PlannedWiring, PassesObjectsBetweenCppModulesAndBytesElsewhere) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "a", "out"), end("here", "c", "in"));
   const auto links = local(plan());
@@ -90,7 +90,7 @@ TEST_F(WiringPlanned, PassesObjectsBetweenCppModulesAndBytesElsewhere) {
   EXPECT_EQ(links[1].to, (LinkEnd{2, "in"}));
 }
 
-TEST_F(WiringPlanned, PassesBytesBetweenHosts) {
+TEST_F(PlannedWiring, PassesBytesBetweenHosts) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   model::Device& device = cell.devices[0];
   model::Executor& alone = device.executors.emplace_back();
@@ -103,7 +103,7 @@ TEST_F(WiringPlanned, PassesBytesBetweenHosts) {
   EXPECT_EQ(link.options.payload, model::max_size((*ports[0])[2].type));
 }
 
-TEST_F(WiringPlanned, PassesBytesWithinAnOwnHost) {
+TEST_F(PlannedWiring, PassesBytesWithinAnOwnHost) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   model::Device& device = cell.devices[0];
   model::Executor& alone = device.executors.emplace_back();
@@ -116,7 +116,7 @@ TEST_F(WiringPlanned, PassesBytesWithinAnOwnHost) {
   EXPECT_FALSE(local(plan()).at(0).typed);
 }
 
-TEST_F(WiringPlanned, GivesALinkTheQualityOfItsConnection) {
+TEST_F(PlannedWiring, GivesALinkTheQualityOfItsConnection) {
   auto& connection = connect(end("here", "a", "out"), end("here", "b", "in"));
   connection.kind = model::ConnectionKind::queue;
   connection.depth = 7;
@@ -129,7 +129,7 @@ TEST_F(WiringPlanned, GivesALinkTheQualityOfItsConnection) {
   EXPECT_EQ(link.stale, model::Stale::error);
 }
 
-TEST_F(WiringPlanned, WakesAModuleOnlyByEventsWithImmediateDispatch) {
+TEST_F(PlannedWiring, WakesAModuleOnlyByEventsWithImmediateDispatch) {
   connect(end("here", "a", "out"), end("here", "p", "event"));
   connect(end("here", "a", "out"), end("here", "p", "in"));
   connect(end("here", "a", "out"), end("here", "b", "event"));
@@ -141,7 +141,7 @@ TEST_F(WiringPlanned, WakesAModuleOnlyByEventsWithImmediateDispatch) {
   EXPECT_EQ(local(plan()).at(2).options.wake_bits, channel::kSporadicBit);
 }
 
-TEST_F(WiringPlanned, ServesAllOtherDevicesByOneFlowOfAnOutput) {
+TEST_F(PlannedWiring, ServesAllOtherDevicesByOneFlowOfAnOutput) {
   auto& first = connect(end("here", "a", "out"), end("there", "x", "in"));
   first.deadline = milliseconds{30};
   first.lifespan = milliseconds{5};
@@ -166,7 +166,7 @@ TEST_F(WiringPlanned, ServesAllOtherDevicesByOneFlowOfAnOutput) {
   EXPECT_TRUE(link.options.is_queue);
 }
 
-TEST_F(WiringPlanned, GivesATappedOutputADeepQueue) {
+TEST_F(PlannedWiring, GivesATappedOutputADeepQueue) {
   const auto kept = [this] {
     const WiringPlan plan = this->plan();
     const PlannedFlow& flow = this->flow(plan, "takt/cell/here/a/out");
@@ -181,7 +181,7 @@ TEST_F(WiringPlanned, GivesATappedOutputADeepQueue) {
   EXPECT_EQ(kept().depth, 2U) << "two samples of 8 kB in 16 kB";
 }
 
-TEST_F(WiringPlanned, SharesAFlowBetweenInputsOfOneQuality) {
+TEST_F(PlannedWiring, SharesAFlowBetweenInputsOfOneQuality) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   connect(end("there", "x", "out"), end("here", "b", "in"));
   connect(end("there", "x", "out"), end("here", "c", "in")).deadline = milliseconds{10};
@@ -195,7 +195,7 @@ TEST_F(WiringPlanned, SharesAFlowBetweenInputsOfOneQuality) {
   EXPECT_EQ(readers, (std::vector<std::size_t>{2, 1}));
 }
 
-TEST_F(WiringPlanned, PlansASeparateFlowForAnExplicitTopic) {
+TEST_F(PlannedWiring, PlansASeparateFlowForAnExplicitTopic) {
   auto& out = connect(end("here", "a", "out"), {});
   out.topic = "rt/out";
   auto& in = connect({}, end("here", "b", "in"));
@@ -209,7 +209,7 @@ TEST_F(WiringPlanned, PlansASeparateFlowForAnExplicitTopic) {
   EXPECT_EQ(flow(plan, "rt/in").domain, 5);
 }
 
-TEST_F(WiringPlanned, DoesNotCountObserversAsConnections) {
+TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   auto& other = connect(end("here", "c", "out"), {});
   other.topic = "rt/out";
@@ -223,7 +223,7 @@ TEST_F(WiringPlanned, DoesNotCountObserversAsConnections) {
     });
   };
   for (const Wiring::Wire& wire : wiring->wires())
-    wire.link.block().enabled.store(1);  // as if all were tapped
+    wire.link.block().enabled.store(1);  // as if the link had a tap
   for (const std::uint32_t readers : {0U, 1U}) {
     EXPECT_EQ(health_of(0, readers).connections, 1U);
     EXPECT_EQ(health_of(0, readers).matched, 1U);
@@ -234,7 +234,7 @@ TEST_F(WiringPlanned, DoesNotCountObserversAsConnections) {
   }
 }
 
-TEST_F(WiringPlanned, CountsARequestWithoutAServiceAsUnmatched) {
+TEST_F(PlannedWiring, CountsARequestWithoutAServiceAsUnmatched) {
   auto wiring = [&] {
     connect(end("here", "a", "out"), end("there", "x", "in")).carries = model::Carries::requests;
     return Wiring::create(plan());
@@ -246,7 +246,7 @@ TEST_F(WiringPlanned, CountsARequestWithoutAServiceAsUnmatched) {
   EXPECT_EQ(health.matched, 0U);
 }
 
-TEST_F(WiringPlanned, DeepensTheLinkOfAWriterThatIsAhead) {
+TEST_F(PlannedWiring, DeepensTheLinkOfAWriterThatIsAhead) {
   model::Device& here = cell.devices[0];
   here.executors[0].timing = model::Timing::let;
   for (model::Module& module : here.modules) {
@@ -270,7 +270,7 @@ TEST_F(WiringPlanned, DeepensTheLinkOfAWriterThatIsAhead) {
 }
 
 /// Module a serves with a handler. Its clients are b and device "there".
-TEST_F(WiringPlanned, ConnectsEachClientOfAServiceInTheSameOrder) {
+TEST_F(PlannedWiring, ConnectsEachClientOfAServiceInTheSameOrder) {
   const model::Type type{"t::T", {{.name = "x", .scalar = model::Scalar::float64}}};
   const auto add = [&](std::size_t module, Direction request, Direction reply, model::Role role) {
     ports[module]->push_back({"s/request", request, type, "", true, role});
@@ -309,18 +309,18 @@ TEST_F(WiringPlanned, ConnectsEachClientOfAServiceInTheSameOrder) {
 
   const PlannedFlow& asks_there = flow(plan, "takt/cell/here/b/s/request");
   EXPECT_TRUE(asks_there.outgoing && asks_there.connected);
-  EXPECT_FALSE(plan.links.at(asks_there.links.at(0)).options.enabled) << "until a service is there";
+  EXPECT_FALSE(plan.links.at(asks_there.links.at(0)).options.enabled) << "no service exists yet";
   const PlannedFlow& answers_here = flow(plan, "takt/cell/here/b/s/reply");
   EXPECT_FALSE(answers_here.outgoing);
 }
 
-TEST_F(WiringPlanned, PlansNoLinkForUnknownPorts) {
+TEST_F(PlannedWiring, PlansNoLinkForUnknownPorts) {
   ports[1].reset();
   connect(end("here", "a", "out"), end("here", "b", "in"));
   EXPECT_TRUE(local(plan()).empty());
 }
 
-TEST_F(WiringPlanned, GivesReadersOfTheLatestValueASafeValue) {
+TEST_F(PlannedWiring, GivesReadersOfTheLatestValueASafeValue) {
   (*ports[0])[2].safe = R"({"x": 7})";
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "b", "out"), end("here", "c", "in"));
@@ -338,7 +338,7 @@ TEST_F(WiringPlanned, GivesReadersOfTheLatestValueASafeValue) {
   }
 }
 
-TEST_F(WiringPlanned, PrefersTheDescriptorsSafeValueToTheComponents) {
+TEST_F(PlannedWiring, PrefersTheDescriptorsSafeValueToTheComponents) {
   (*ports[0])[2].safe = R"({"x": 7})";
   cell.devices[0].modules[0].safe = {{"out", {{"x", "2.5"}}}};
   cell.devices[0].modules[1].safe = {{"out", {}}};
@@ -350,7 +350,7 @@ TEST_F(WiringPlanned, PrefersTheDescriptorsSafeValueToTheComponents) {
   EXPECT_EQ(model::sample_json(type, links[1].safe.data(), links[1].safe.size()), R"({"x": 0})");
 }
 
-TEST_F(WiringPlanned, AcceptsTheSafeValueOfAnotherDeviceLater) {
+TEST_F(PlannedWiring, AcceptsTheSafeValueOfAnotherDeviceLater) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   auto wiring = Wiring::create(plan());
   ASSERT_TRUE(wiring);

@@ -351,7 +351,7 @@ TEST(TestedComponent, IsIndependentOfAnotherInstance) {
   EXPECT_EQ(others.value().value(), 0);
 }
 
-TEST(WrongUse, IsReportedForPortsAndSteps) {
+TEST(TestHarness, RejectsWrongUseOfPortsAndSteps) {
   Module module;
   EXPECT_EQ(
       error_of([&] { module.in<basic::Number>("im"); }),
@@ -376,7 +376,7 @@ TEST(WrongUse, IsReportedForPortsAndSteps) {
               HasSubstr("port 'in' is connected already"));
 }
 
-TEST(WrongUse, IsReportedForFiles) {
+TEST(TestHarness, RejectsWrongFilesAndOptions) {
   EXPECT_THAT(error_of([] { Module{{.file = "not_there.so"}}; }), HasSubstr("not_there.so"));
   EXPECT_THAT(error_of([] { Module{{.file = NOTHING}}; }), HasSubstr("has no function run()"));
   EXPECT_THAT(error_of([] { Module{{.file = "vision.exe"}}; }),
@@ -386,8 +386,8 @@ TEST(WrongUse, IsReportedForFiles) {
   EXPECT_THAT(error_of([] { Module{{.period = 0ms}}; }), HasSubstr("it must be positive"));
 }
 
-// What ASSERT_TRUE(module.start()) prints.
-TEST(Answer, ShowsItsReasonInGoogleTest) {
+// ASSERT_TRUE(module.start()) prints this message.
+TEST(FailedCommand, ShowsItsReasonInGoogleTest) {
   Module module;
   ASSERT_TRUE(module.set("how", "initialize"));
   const ::testing::AssertionResult shown = module.start();

@@ -15,7 +15,7 @@ TEST(SporadicProgram, RunsItsBodyWhenItsConditionIsTrue) {
   auto& order = module.in<basic::Count>("order");
   auto& bodies = module.out<basic::Count>("bodies");
   ASSERT_TRUE(module.start());
-  EXPECT_EQ(module.step(9), 9U);  // releases
+  EXPECT_EQ(module.step(9), 9U);  // step() returns the number of releases
   EXPECT_EQ(bodies.value().value(), 3);
   basic::Count ordered;
   ordered.value(10);

@@ -59,7 +59,7 @@ TEST(SporadicComponent, GoesToRecoverWhenItsConditionFails) {
 TEST(SafeValue, IsUsedBeforeTheFirstSampleAndWhenTheWriterIsLost) {
   Module module{{.sporadic = true, .file = WATCHER}};
   auto& level = module.in<basic::Number>("level");
-  level.safe(number(11));  // the module runs above 10
+  level.safe(number(11));  // the module runs while the level is above 10
   ASSERT_TRUE(module.start());
   EXPECT_EQ(module.step(5), 5U);
   level.write(number(1));
@@ -75,7 +75,7 @@ TEST(SafeValue, ReplacesASampleOlderThanTheDeadline) {
   auto& level = module.in<basic::Number>("level", {.deadline = 3ms});
   level.safe(number(11));
   ASSERT_TRUE(module.start());
-  level.write(number(1));  // has the time of the next release
+  level.write(number(1));  // the sample gets the time of the next release
   EXPECT_EQ(module.step(4), 0U) << "a sample as old as the deadline is still valid";
   EXPECT_EQ(module.step(1), 1U);
   level.write(number(1), 3ms + 1ns);

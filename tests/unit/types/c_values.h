@@ -1,4 +1,4 @@
-/* A value as a module in C makes it. */
+/* Fills a C struct as a module in C does. */
 #ifndef TAKT_TEST_C_VALUES_H
 #define TAKT_TEST_C_VALUES_H
 
@@ -7,7 +7,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-/* The same as whole(1) of values.hpp. */
+/* Sets the value that whole(1) of values.hpp returns. */
 void fill_whole(everything_Whole* value);
 #ifdef __cplusplus
 }

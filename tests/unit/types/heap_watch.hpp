@@ -1,4 +1,4 @@
-// What a thread allocates while it is watched; an exception allocates too.
+// Counts the memory allocations of a thread, including those of exceptions.
 #pragma once
 
 #include <cstdint>
@@ -6,15 +6,16 @@
 namespace takt::types_test {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kHeapIsWatched = false;  ///< the sanitizer has an allocator of its own
+inline constexpr bool kHeapIsWatched = false;  ///< the sanitizer has its own allocator
 #else
 inline constexpr bool kHeapIsWatched = true;
 #endif
 
-/// Allocations of this thread while f() runs.
+/// begin_heap_watch() starts the count of this thread at 0. end_heap_watch() returns the allocations since.
 std::uint64_t begin_heap_watch();
 std::uint64_t end_heap_watch();
 
+/// Returns the number of allocations of this thread while f() runs.
 template <class F>
 std::uint64_t allocations_of(F f) {
   begin_heap_watch();

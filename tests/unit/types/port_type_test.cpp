@@ -26,7 +26,7 @@ using types_test::tail;
 using types_test::whole;
 using Bytes = std::vector<std::byte>;
 
-/// What Fast DDS would send.
+/// The bytes that Fast DDS would send for this value.
 template <class T>
 Bytes by_fast_cdr(const T& value, Cdr::Endianness endianness) {
   Bytes bytes(PortType<T>::info.max_size);
@@ -40,7 +40,7 @@ Bytes by_fast_cdr(const T& value, Cdr::Endianness endianness) {
 
 template <class T>
 Bytes encoded(const T& value) {
-  Bytes bytes(PortType<T>::info.max_size, std::byte{0xEE});  // padding is to be zero
+  Bytes bytes(PortType<T>::info.max_size, std::byte{0xEE});  // encode() must set padding to zero
   bytes.resize(PortType<T>::encode(value, bytes.data(), PortType<T>::info.max_size));
   return bytes;
 }
@@ -89,7 +89,7 @@ class EveryValue : public testing::Test {};
 using Cases = testing::Types<Full, Half, Empty, New, Nested, OnlyScalars, OfAnotherFile>;
 TYPED_TEST_SUITE(EveryValue, Cases);
 
-TYPED_TEST(EveryValue, IsEncodedAsFastCdrDoes) {
+TYPED_TEST(EveryValue, IsEncodedLikeByFastCdr) {
   const auto value = TypeParam::value();
   EXPECT_EQ(encoded(value), by_fast_cdr(value, Cdr::LITTLE_ENDIANNESS));
 }
@@ -103,7 +103,7 @@ TYPED_TEST(EveryValue, IsDecodedFromEitherByteOrder) {
   }
 }
 
-TYPED_TEST(EveryValue, ReplacesWhateverTheValueWas) {
+TYPED_TEST(EveryValue, ReplacesTheOldValueWhenDecoded) {
   using T = typename TypeParam::Type;
   const T value = TypeParam::value();
   T other = TypeParam::value();
@@ -113,7 +113,7 @@ TYPED_TEST(EveryValue, ReplacesWhateverTheValueWas) {
   EXPECT_EQ(other, value);
 }
 
-TYPED_TEST(EveryValue, AllocatesNothingOnceThereIsRoom) {
+TYPED_TEST(EveryValue, IsEncodedAndDecodedWithoutAllocation) {
   if (!types_test::kHeapIsWatched) GTEST_SKIP() << "the sanitizer has an allocator of its own";
   using T = typename TypeParam::Type;
   const T value = TypeParam::value();
@@ -129,36 +129,36 @@ TYPED_TEST(EveryValue, AllocatesNothingOnceThereIsRoom) {
   EXPECT_TRUE(decoded);
   EXPECT_EQ(allocations_of([&] { decoded = decodes(big, other); }), 0U);
   EXPECT_TRUE(decoded);
-  // Nor when it fails.
+  // A failed call does not allocate either.
   EXPECT_EQ(allocations_of([&] { decoded = PortType<T>::decode(bytes.data(), size / 2, other); }), 0U);
   EXPECT_FALSE(decoded);
   EXPECT_EQ(allocations_of([&] { size = PortType<T>::encode(value, bytes.data(), size - 1); }), 0U);
   EXPECT_EQ(size, 0U);
 }
 
-TEST(HeapWatch, SeesWhatAllocates) {
+TEST(HeapWatch, CountsAllocations) {
   if (!types_test::kHeapIsWatched) GTEST_SKIP() << "the sanitizer has an allocator of its own";
   std::vector<int> numbers;
   EXPECT_EQ(allocations_of([&] { numbers.resize(100); }), 1U);
   EXPECT_EQ(allocations_of([&] { numbers.resize(50); }), 0U);
-  // A value without room is decoded too, but not in real time.
+  // decode() also works without reserve(), but then it allocates.
   everything::Whole value;
   EXPECT_GT(allocations_of([bytes = encoded(whole(1)), &value] { EXPECT_TRUE(decodes(bytes, value)); }), 5U);
 }
 
-TYPED_TEST(EveryValue, FitsExactlyAndNotInOneByteLess) {
+TYPED_TEST(EveryValue, IsEncodedOnlyIfTheBufferIsLargeEnough) {
   using T = typename TypeParam::Type;
   const T value = TypeParam::value();
   const Bytes right = encoded(value);
   EXPECT_TRUE(PortType<T>::fits(value));
   for (std::uint32_t size = 0; size <= right.size(); ++size) {
-    Bytes bytes(size + 1, std::byte{0x5A});  // one more, which must stay
+    Bytes bytes(size + 1, std::byte{0x5A});  // encode() must not change the last byte
     EXPECT_EQ(PortType<T>::encode(value, bytes.data(), size), size == right.size() ? size : 0);
     EXPECT_EQ(bytes.back(), std::byte{0x5A});
   }
 }
 
-TYPED_TEST(EveryValue, IsNoSampleWhenItIsCutAnywhere) {
+TYPED_TEST(EveryValue, IsRejectedIfItsBytesAreCutShort) {
   using T = typename TypeParam::Type;
   Bytes bytes = encoded(TypeParam::value());
   while (!bytes.empty()) {
@@ -167,7 +167,7 @@ TYPED_TEST(EveryValue, IsNoSampleWhenItIsCutAnywhere) {
   }
 }
 
-TYPED_TEST(EveryValue, MayBeFollowedByTheRestOfAWord) {
+TYPED_TEST(EveryValue, MayBeFollowedByThreeBytesOfPadding) {
   using T = typename TypeParam::Type;
   Bytes bytes = encoded(TypeParam::value());
   for (int i = 0; i < 3; ++i) {
@@ -178,25 +178,25 @@ TYPED_TEST(EveryValue, MayBeFollowedByTheRestOfAWord) {
   EXPECT_FALSE(decodes<T>(bytes));
 }
 
-TEST(PortType, KnowsTheMostBytesOfItsSamples) {
-  // part: kind at 0, number from 8 to 16, label's length to 20, 7 characters and the end to 28; and the
-  // encapsulation.
+TEST(PortType, KnowsTheMaximumSizeOfItsSamples) {
+  // parts::Part: kind is at 0, number at 8, the length of label at 16, its 7 characters and the zero at 20.
+  // That is 28 bytes, and 4 bytes of encapsulation.
   EXPECT_EQ(PortType<parts::Part>::info.max_size, 32U);
   EXPECT_STREQ(PortType<parts::Part>::info.name, "parts::Part");
   EXPECT_STREQ(PortType<everything::deep::Bottom>::info.name, "everything::deep::Bottom");
   EXPECT_EQ(PortType<everything::deep::Bottom>::info.max_size, 20U);
-  // Every field at its bound, but for what whole() leaves shorter: three pieces' labels, and so on.
+  // whole() fills almost every field to its bound; a few labels are shorter.
   EXPECT_LE(encoded(whole(1)).size(), PortType<everything::Whole>::info.max_size);
 }
 
-TEST(PortType, DescribesItselfAsData) {
+TEST(PortType, DescribesItsFieldsAsJson) {
   EXPECT_STREQ(
       PortType<parts::Part>::info.description,
       R"({"name":"parts::Part","fields":[{"name":"kind","type":"octet"},)"
       R"({"name":"number","type":"unsigned long long"},{"name":"label","type":"string","bound":7}]})");
 }
 
-TEST(PortType, ReservesEachSequence) {
+TEST(PortType, ReservesMemoryForEachSequence) {
   everything::Tail value;
   PortType<everything::Tail>::reserve(value);
   EXPECT_EQ(value.end().capacity(), 3U);
@@ -208,7 +208,7 @@ TEST(PortType, ReservesEachSequence) {
   }
 }
 
-// A field beyond its bound
+// ---- Values that do not fit their type
 
 template <class F>
 bool is_encoded(F change) {
@@ -218,7 +218,7 @@ bool is_encoded(F change) {
   return !encoded(value).empty();
 }
 
-TEST(PortType, RefusesToEncodeASequenceThatIsTooLong) {
+TEST(PortType, RejectsASequenceThatIsTooLong) {
   EXPECT_TRUE(is_encoded([](auto&) {}));
   EXPECT_FALSE(is_encoded([](auto& v) { v.flag_list().resize(6); }));
   EXPECT_FALSE(is_encoded([](auto& v) { v.byte_list().resize(8); }));
@@ -230,7 +230,7 @@ TEST(PortType, RefusesToEncodeASequenceThatIsTooLong) {
   EXPECT_FALSE(is_encoded([](auto& v) { v.ways()[1].resize(5); }));
 }
 
-TEST(PortType, RefusesToEncodeWhatIsNoEnumerator) {
+TEST(PortType, RejectsAnInvalidEnumerator) {
   EXPECT_FALSE(is_encoded([](auto& v) { v.scalars().mode(static_cast<parts::Mode>(3)); }));
   EXPECT_FALSE(is_encoded([](auto& v) { v.modes()[2] = static_cast<parts::Mode>(0xFFFFFFFF); }));
   EXPECT_FALSE(is_encoded([](auto& v) { v.mode_list()[0] = static_cast<parts::Mode>(3); }));
@@ -242,17 +242,18 @@ TEST(PortType, EncodesAStringUpToItsFirstZero) {
   parts::Part other;
   ASSERT_TRUE(decodes(encoded(value), other));
   EXPECT_STREQ(other.label().c_str(), "ab");
-  // assign() leaves what was there behind the text.
+  // assign() leaves the old characters behind the new text.
   value.label("1234567");
   value.label().assign("xy", 2);
   ASSERT_TRUE(decodes(encoded(value), other));
   EXPECT_STREQ(other.label().c_str(), "xy");
 }
 
-// Bytes that are no sample of parts::Part: 4 of encapsulation, kind at 4, number at 12, label's length at 20,
-// its text at 24
+// ---- Invalid bytes
 
-class Malformed : public testing::Test {
+/// Changes one byte of a valid sample of parts::Part and decodes it. The sample has 4 bytes of encapsulation,
+/// kind at 4, number at 12, the length of label at 20, and the text of label at 24.
+class SampleDecoder : public testing::Test {
  protected:
   Bytes bytes = encoded(part(3));
   bool with(std::size_t at, std::uint8_t value) {
@@ -262,33 +263,33 @@ class Malformed : public testing::Test {
   }
 };
 
-TEST_F(Malformed, IsAnotherRepresentation) {
-  EXPECT_FALSE(with(1, 2));  // a list of parameters
-  EXPECT_FALSE(with(1, 7));  // XCDR2
+TEST_F(SampleDecoder, RejectsOtherEncapsulations) {
+  EXPECT_FALSE(with(1, 2));  // the encapsulation of a parameter list
+  EXPECT_FALSE(with(1, 7));  // the encapsulation of XCDR2
   EXPECT_FALSE(with(0, 1));
-  EXPECT_TRUE(with(2, 0xFF));  // options
-  EXPECT_TRUE(with(3, 3));     // how many bytes follow, as Cyclone says
+  EXPECT_TRUE(with(2, 0xFF));  // the options are ignored
+  EXPECT_TRUE(with(3, 3));     // Cyclone DDS stores the number of padding bytes here
 }
 
-TEST_F(Malformed, IsAStringWithoutItsEnd) {
+TEST_F(SampleDecoder, RejectsAStringWithoutATerminatingZero) {
   ASSERT_EQ(bytes.size(), 28U);
   EXPECT_TRUE(with(24, 'x'));
-  EXPECT_FALSE(with(27, 'x'));  // no zero
-  EXPECT_FALSE(with(25, 0));    // one too early
-  EXPECT_FALSE(with(20, 0));    // not even the zero
-  EXPECT_FALSE(with(20, 5));    // beyond the bytes
-  EXPECT_FALSE(with(20, 3));    // bytes remain, and the third is no zero
+  EXPECT_FALSE(with(27, 'x'));  // the last character is not zero
+  EXPECT_FALSE(with(25, 0));    // a zero before the end
+  EXPECT_FALSE(with(20, 0));    // the length must include the zero
+  EXPECT_FALSE(with(20, 5));    // longer than the sample
+  EXPECT_FALSE(with(20, 3));    // the third character is not zero
   EXPECT_FALSE(with(23, 0xFF));
   parts::Part longest = part(7);
   bytes = encoded(longest);
   EXPECT_TRUE(decodes<parts::Part>(bytes));
-  bytes[20] = std::byte{9};  // the bytes are there, the bound is 7
+  bytes[20] = std::byte{9};  // the sample is long enough, but the bound is 7
   bytes.push_back(std::byte{0});
   bytes[31] = std::byte{'x'};
   EXPECT_FALSE(decodes<parts::Part>(bytes));
 }
 
-TEST(Booleans, AreZeroOrOne) {
+TEST(DecodedBoolean, IsRejectedUnlessZeroOrOne) {
   Bytes bytes = encoded(scalars());
   for (int value = 0; value < 256; ++value) {
     bytes[4] = static_cast<std::byte>(value);
@@ -296,7 +297,7 @@ TEST(Booleans, AreZeroOrOne) {
   }
 }
 
-TEST(Enumerators, AreThoseOfTheirType) {
+TEST(DecodedEnumerator, IsRejectedUnlessTheTypeHasIt) {
   Bytes bytes = encoded(scalars());
   const std::size_t mode = bytes.size() - 4;
   for (const std::uint32_t value : {0U, 1U, 2U, 3U, 256U, 0x80000000U, 0xFFFFFFFFU}) {
@@ -305,18 +306,18 @@ TEST(Enumerators, AreThoseOfTheirType) {
   }
 }
 
-TEST(Lengths, AreWithinTheBoundAndTheBytes) {
+TEST(DecodedLength, IsRejectedBeyondTheBoundOfItsSequence) {
   const Bytes right = encoded(tail());
-  const std::size_t end = right.size() - 7;  // the length of `end`, before its 3 bytes
+  const std::size_t end = right.size() - 7;  // the position of the length of `end`
   for (const std::uint32_t value : {0U, 2U, 3U, 4U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {
     Bytes bytes = right;
     std::memcpy(&bytes[end], &value, sizeof value);
-    // Fewer than are there leave at most 3 bytes behind.
+    // A smaller length leaves at most 3 bytes unused, which count as padding.
     EXPECT_EQ(decodes<everything::Tail>(bytes), value <= 3) << value;
   }
 }
 
-TEST(Numbers, KeepEveryBit) {
+TEST(DecodedNumber, MayBeNanOrInfinite) {
   everything::Scalars value = scalars();
   const float float_nan = std::numeric_limits<float>::quiet_NaN();
   value.single(-float_nan);

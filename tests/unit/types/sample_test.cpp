@@ -1,4 +1,4 @@
-// A type as data and the code that was made of the same IDL agree on every byte.
+// A type that was parsed from its description agrees with the code generated from the same IDL on every byte.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -41,7 +41,7 @@ Bytes by_fast_cdr(const T& value, Cdr::Endianness endianness) {
 }
 
 template <class T>
-void expect_data_and_code_are_one() {
+void expect_parsed_type_matches_code() {
   const auto type = parse_type(PortType<T>::info.description);
   ASSERT_TRUE(type.ok()) << to_text(type.problems());
   EXPECT_EQ(type->name, PortType<T>::info.name);
@@ -49,15 +49,16 @@ void expect_data_and_code_are_one() {
   EXPECT_EQ(max_size(*type), PortType<T>::info.max_size);
 }
 
-TEST(Type, IsTheDataOfItsCode) {
-  expect_data_and_code_are_one<parts::Part>();
-  expect_data_and_code_are_one<everything::deep::Bottom>();
-  expect_data_and_code_are_one<everything::Scalars>();
-  expect_data_and_code_are_one<everything::Whole>();
-  expect_data_and_code_are_one<everything::Tail>();
+TEST(Type, MatchesTheGeneratedCode) {
+  expect_parsed_type_matches_code<parts::Part>();
+  expect_parsed_type_matches_code<everything::deep::Bottom>();
+  expect_parsed_type_matches_code<everything::Scalars>();
+  expect_parsed_type_matches_code<everything::Whole>();
+  expect_parsed_type_matches_code<everything::Tail>();
 }
 
-/// Samples as Fast DDS sends them are samples, and come through JSON unchanged.
+/// Expects that samples from Fast DDS are valid, and are the same after they were printed as JSON and read
+/// again.
 template <class T>
 void expect_through_json(const T& value) {
   const Type type = type_of<T>();
@@ -73,7 +74,7 @@ void expect_through_json(const T& value) {
   EXPECT_EQ(*again, little);
 }
 
-TEST(Sample, ComesThroughJsonUnchanged) {
+TEST(Sample, SurvivesARoundTripThroughJson) {
   expect_through_json(part(5));
   expect_through_json(scalars());
   for (const double fill : {0.0, 0.5, 1.0}) expect_through_json(whole(fill));
@@ -81,7 +82,7 @@ TEST(Sample, ComesThroughJsonUnchanged) {
   expect_through_json(tail());
 }
 
-TEST(Sample, IsPrintedAsItsFields) {
+TEST(Sample, IsPrintedWithTheNamesOfItsFields) {
   const Bytes bytes = by_fast_cdr(scalars(), Cdr::BIG_ENDIANNESS);
   EXPECT_EQ(
       sample_json(type_of<everything::Scalars>(), bytes.data(), bytes.size()),
@@ -91,13 +92,13 @@ TEST(Sample, IsPrintedAsItsFields) {
       R"("name": "12345678", "mode": "HOLD"})");
 }
 
-TEST(Sample, OfNothingIsADefaultValue) {
+TEST(Sample, HasDefaultsForFieldsMissingInJson) {
   const auto bytes = sample_bytes(type_of<everything::Whole>(), "{}");
   ASSERT_TRUE(bytes.ok());
   EXPECT_EQ(*bytes, by_fast_cdr(everything::Whole{}, Cdr::LITTLE_ENDIANNESS));
 }
 
-/// Bytes like those of real samples, each somewhat wrong.
+/// Makes random invalid samples: copies of valid ones with up to three changes.
 class Mutation {
  public:
   explicit Mutation(std::vector<Bytes> seeds) : seeds_(std::move(seeds)) {}
@@ -134,7 +135,7 @@ class Mutation {
       case 5:
         bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), 4, std::byte{0});
         break;
-      default:  // a length, a boolean, an enumerator or its neighbour
+      default:  // a small number, which may be a length, a boolean or an enumerator
         bytes[at] = static_cast<std::byte>(number(6));
     }
   }
@@ -168,7 +169,7 @@ void expect_agreement(const std::vector<T>& values, std::size_t rounds) {
     if (!is) continue;
     ++samples;
     if (samples % 16 == 0) {
-      // What was accepted can be printed, and encoded again.
+      // A valid sample can be printed, and encoded again.
       ASSERT_FALSE(sample_json(type, bytes.data(), bytes.size()).empty());
       Bytes again(PortType<T>::info.max_size);
       ASSERT_GT(PortType<T>::encode(value, again.data(), PortType<T>::info.max_size), 0U);
@@ -177,12 +178,12 @@ void expect_agreement(const std::vector<T>& values, std::size_t rounds) {
   if (types_test::kHeapIsWatched) {
     EXPECT_EQ(allocations, 0U);
   }
-  // Neither side says the same to everything.
+  // Enough of the samples were valid, and enough were not.
   EXPECT_GT(samples, rounds / 10);
   EXPECT_LT(samples, rounds * 9 / 10);
 }
 
-TEST(Sample, IsOneExactlyWhenItIsDecoded) {
+TEST(Sample, IsValidExactlyIfTheGeneratedCodeDecodesIt) {
   expect_agreement<everything::Scalars>({scalars(), {}}, 40'000);
   expect_agreement<everything::Whole>({whole(0), whole(0.5), whole(1), {}}, 40'000);
   expect_agreement<everything::Tail>({tail(), {}}, 20'000);

@@ -52,7 +52,7 @@ TEST(CellState, KeepsAModuleReceivedBeforeItsDevice) {
   EXPECT_EQ(cell_state.devices()[0].deployment.modules.at("servo").state(), STATE_START);
 }
 
-TEST(CellState, AModuleExecutesOnlyOnALiveDevice) {
+TEST(CellState, ShowsAModuleAsExecutingOnlyOnALiveDevice) {
   CellState cell_state;
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
   cell_state.heard(module("servo", STATE_EXECUTING));
@@ -67,7 +67,7 @@ TEST(CellState, AModuleExecutesOnlyOnALiveDevice) {
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
 }
 
-TEST(CellState, AReturnedDeviceCountsFromItsSecondStatusOn) {
+TEST(CellState, CountsAReturnedDeviceFromItsSecondStatusOn) {
   CellState cell_state;
   DeviceStatus robot = device("cell", "robot", "a");
   robot.sequence_number(5);
@@ -83,7 +83,7 @@ TEST(CellState, AReturnedDeviceCountsFromItsSecondStatusOn) {
   EXPECT_TRUE(cell_state.executes("cell", "robot", "servo"));
 }
 
-TEST(CellState, ALostDeviceKeepsItsLastState) {
+TEST(CellState, KeepsTheLastStateOfALostDevice) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.heard(device("cell", "line", "b"), 2);
@@ -95,7 +95,7 @@ TEST(CellState, ALostDeviceKeepsItsLastState) {
   EXPECT_TRUE(cell_state.devices("line")[0].alive);
 }
 
-TEST(CellState, ADeviceIsAliveAfterANewStatus) {
+TEST(CellState, ShowsALostDeviceAsAliveAfterANewStatus) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
@@ -103,7 +103,7 @@ TEST(CellState, ADeviceIsAliveAfterANewStatus) {
   EXPECT_TRUE(cell_state.devices("robot")[0].alive);
 }
 
-TEST(CellState, ANewNodeReplacesALostNodeOfTheSameName) {
+TEST(CellState, ReplacesALostNodeByANewOneOfTheSameName) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
@@ -113,7 +113,7 @@ TEST(CellState, ANewNodeReplacesALostNodeOfTheSameName) {
   EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
 }
 
-TEST(CellState, ANewNodeDoesNotInheritTheModulesOfALostOne) {
+TEST(CellState, GivesANewNodeNoModulesOfALostNode) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.heard(module("servo", STATE_EXECUTING));
@@ -123,7 +123,7 @@ TEST(CellState, ANewNodeDoesNotInheritTheModulesOfALostOne) {
   EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
 }
 
-TEST(CellState, ANodeThatResumesItsCellKeepsModulesReceivedBefore) {
+TEST(CellState, KeepsModulesReceivedBeforeANodeResumesItsCell) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
@@ -139,7 +139,7 @@ TEST(CellState, ListsTwoLiveNodesOfOneName) {
   EXPECT_EQ(cell_state.devices("robot").size(), 2U);
 }
 
-TEST(CellState, ADeployedDeviceChangesItsKeyAndStays) {
+TEST(CellState, KeepsADeviceThatChangesItsKeyWhenDeployed) {
   CellState cell_state;
   cell_state.heard(device("-", "robot", "a"), 1);
   cell_state.heard(device("cell", "robot", "a"), 1);
@@ -148,7 +148,7 @@ TEST(CellState, ADeployedDeviceChangesItsKeyAndStays) {
   EXPECT_EQ(cell_state.devices()[0].status.cell(), "cell");
 }
 
-TEST(CellState, ADeviceThatDisposesOfItsOnlyKeyHasLeft) {
+TEST(CellState, RemovesADeviceThatDisposesOfItsOnlyKey) {
   CellState cell_state;
   cell_state.heard(device("-", "robot", "a"), 1);
   cell_state.heard(device("-", "robot", "b"), 2);

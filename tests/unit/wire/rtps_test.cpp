@@ -129,7 +129,7 @@ TEST(Rtps, CutsOffStatisticsAtTheEnd) {
   EXPECT_EQ(readable_rtps(both), 0U) << "Fast DDS aborts if anything follows statistics";
 }
 
-// Where a length is not a multiple of four, a reader that continues exactly there sees another submessage.
+// If a length is not a multiple of four, a reader that continues exactly there sees another submessage.
 TEST(Rtps, ReadsSubmessagesWhereFastDdsReadsThem) {
   Bytes both = message(0x81, 0, Body{}.zeros(5));
   // Read from here: a vendor submessage of 128 bytes. Read a byte later: statistics that are not at the end.
@@ -225,7 +225,7 @@ TEST(Rtps, RejectsAParameterThatClaimsMoreThanItHas) {
   EXPECT_FALSE(is_discovery(parameter(0x58, Body{}.zeros(8))));
 }
 
-// Fast DDS allocates or copies these before it checks how many bytes there are.
+// Fast DDS allocates or copies the claimed number before it checks how many bytes there are.
 TEST(Rtps, RejectsATokenThatClaimsMoreThanItHas) {
   const Body all = Body{}.text("PKI").u32(1).text("name").text("value").u32(1).text("c.id").octets("abcde");
   for (const std::uint32_t which : {0x1001U, 0x1002U}) {
@@ -328,7 +328,7 @@ Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {
   append(all, prefix + 1, Body{}.zeros(16).id(readers).zeros(std::size_t{20} * readers));
   return all;
 }
-/// Readable and protected.
+/// Returns whether the message is readable and protected.
 bool is_protected(const Bytes& bytes) { return is_rtps(bytes) && is_protected_rtps(bytes); }
 bool is_unprotected(const Bytes& bytes) { return is_rtps(bytes) && !is_protected_rtps(bytes); }
 
@@ -418,7 +418,7 @@ const Body kSelf = parameter(0x50, Body{}.zeros(12).id(0x1c1));
 const Body kOther = parameter(0x50, Body{}.zeros(11).u8(1).id(0x1c1));
 const Body kLease = parameter(0x02, Body{}.u32(20).u32(0));
 
-TEST(AnnouncementIn, MustComeFromTheAnnouncedParticipant) {
+TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
   using Of = Announcement::Of;
   const auto of = [](const Body& parameters) { return announcement_in(announcement(parameters)).of; };
   const Announcement one = announcement_in(announcement(Body{kSelf}.add(kLease)));
@@ -439,8 +439,8 @@ TEST(AnnouncementIn, MustComeFromTheAnnouncedParticipant) {
   EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
 }
 
-// Fast DDS takes some of these for live participants, so everything with a participant's data counts.
-TEST(AnnouncementIn, CountsLeavingParticipantsToo) {
+// Fast DDS takes some of these for live participants, so each message with a participant's data counts.
+TEST(Announcement, CountsLeavingParticipantsToo) {
   for (const std::uint32_t flags : {0U, 3U, 4U}) {
     const Body status = parameter(0x71, Body{}.id(flags)).add(end_of_list());
     EXPECT_EQ(announcement_in(announcement(kSelf, 6, status)).of, Announcement::Of::sender) << flags;
@@ -448,7 +448,7 @@ TEST(AnnouncementIn, CountsLeavingParticipantsToo) {
   EXPECT_EQ(announcement_in(announcement(kSelf, 8)).of, Announcement::Of::nobody) << "only a key";
 }
 
-TEST(AnnouncementIn, ReadsTheSameParametersAsFastDds) {
+TEST(Announcement, ReadsTheSameParametersAsFastDds) {
   const Body other_lease = parameter(0x4002, Body{}.u32(5).u32(0));
   EXPECT_EQ(announcement_in(announcement(Body{kSelf}.add(kLease).add(other_lease))).lease_s, 20U);
   EXPECT_EQ(announcement_in(announcement(parameter(0x4050, Body{}.zeros(16)))).of, Announcement::Of::other);

@@ -7,17 +7,17 @@
 namespace takt::wire::words_test {
 namespace {
 
-TEST(Cut, KeepsATextThatFits) {
+TEST(CutText, IsUnchangedIfItFits) {
   EXPECT_EQ(cut("", 5), "");
   EXPECT_EQ(cut("12345", 5), "12345");
 }
 
-TEST(Cut, MarksAnOmission) {
+TEST(CutText, MarksAnOmission) {
   EXPECT_EQ(cut("123456", 5), "12...");
   EXPECT_EQ(cut("123456", 2), "12");
 }
 
-TEST(Cut, NeverCutsACharacterInTwo) {
+TEST(CutText, NeverSplitsACharacter) {
   const std::string text = "a\u00e9\u00e9\u20ac\u20ac\U0001f916 and more that does not fit";
   for (std::size_t bytes = 4; bytes < text.size(); ++bytes) {
     const std::string short_text = cut(text, bytes);
@@ -30,11 +30,9 @@ TEST(Cut, NeverCutsACharacterInTwo) {
   }
 }
 
-TEST(Cut, KeepsBytesThatAreNotUtf8WithinTheLimit) {
-  EXPECT_LE(cut(std::string(300, '\x80'), 255).size(), 255U);
-}
+TEST(CutText, KeepsInvalidUtf8WithinTheLimit) { EXPECT_LE(cut(std::string(300, '\x80'), 255).size(), 255U); }
 
-TEST(Words, AFieldHoldsAsMuchAsFits) {
+TEST(TextField, IsFilledWithAsMuchAsFits) {
   LifecycleStatus status;
   set(status.text(), std::string(1000, 'x'));
   EXPECT_EQ(status.text().to_string(), std::string(252, 'x') + "...");
@@ -42,12 +40,12 @@ TEST(Words, AFieldHoldsAsMuchAsFits) {
   EXPECT_EQ(status.name(), "servo");
 }
 
-TEST(Words, APathContainsCellDeviceAndModule) {
+TEST(Path, ContainsCellDeviceAndModule) {
   EXPECT_EQ(path_of(kNoCell, "robot"), "-/robot");
   EXPECT_EQ(path_of("cell", "robot", "servo"), "cell/robot/servo");
 }
 
-TEST(Words, EveryEnumeratorHasAText) {
+TEST(Enumerator, AlwaysHasAText) {
   EXPECT_STREQ(to_text(STATE_DESTRUCT), "DESTRUCT");
   EXPECT_STREQ(to_text(EVENT_GIVE_UP), "give up");
   EXPECT_STREQ(to_text(ERROR_STALE), "stale");

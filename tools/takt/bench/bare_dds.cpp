@@ -64,7 +64,7 @@ Result<std::vector<std::int64_t>> run_bare_dds(const BareDds& settings) {
   if (!tap) return tap.problems();
   const os::ProcessEnd end = writer->wait();
   if (end.signalled || end.code != 0) return fail("the writer of bare DDS " + end.text());
-  os::sleep_until(os::now() + 50ms);  // for samples on their way
+  os::sleep_until(os::now() + 50ms);  // so that the last samples arrive
   const std::scoped_lock lock{mutex};
   return ages;
 }

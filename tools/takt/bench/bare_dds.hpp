@@ -16,8 +16,8 @@ struct BareDds {
   Nanoseconds length{};
 };
 
-/// The time from write() to the listener of the reader in ns, for each sample that arrived. Call it only
-/// while the process has no other threads.
+/// Runs the writer and the reader. Returns the time from write() to the listener of the reader in ns, for
+/// each sample that arrived. Call it only while the process has no other threads.
 Result<std::vector<std::int64_t>> run_bare_dds(const BareDds& settings);
 
 /// The main function of the writer's process. Gets its settings from the environment. Returns the exit

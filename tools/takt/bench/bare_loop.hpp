@@ -23,7 +23,7 @@ struct Loop {
   std::vector<std::int64_t> jitter;  ///< ns, Eq. (1): release minus start, for each cycle in order
   std::uint64_t missed = 0;          ///< instants of the grid that had passed when the previous cycle ended
   Nanoseconds cpu_time{};
-  Problems refused;  ///< a priority or a CPU that the system denied; the loop ran without
+  Problems refused;  ///< a priority or a CPU that the system denied; the loop ran without it
 
   /// Adds another part of the same measurement.
   void add(const Loop& other);
@@ -35,14 +35,14 @@ struct Grid {
   Nanoseconds period{};
   Nanoseconds length{};
 
-  /// A grid that begins shortly, after a time in which threads can start.
+  /// A grid that begins after a short time, in which threads can start.
   static Grid from_now(Nanoseconds period, Nanoseconds length);
   [[nodiscard]] std::size_t instants() const noexcept { return static_cast<std::size_t>(length / period); }
 };
 
 /// Runs a cycle at each instant, in the calling thread. `wait` waits for the given instant and returns the
 /// time; then `body` is called with the instant. A late cycle keeps the grid: the instants that have passed
-/// are missed.
+/// count as missed.
 Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
                   const std::function<void(Instant)>& body = {});
 

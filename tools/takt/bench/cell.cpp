@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 constexpr double kCellSeconds = 10;
 constexpr Nanoseconds kCellPeriod = 10ms;
-constexpr Nanoseconds kCellFound = 60s;  // to discover all nodes
+constexpr Nanoseconds kCellFound = 60s;  // maximum time to discover all nodes
 
 std::string device_name(int device) { return fmt::format("bench{}", device); }
 std::string recording_name(int device, int pair) { return fmt::format("ages{}_{}", device, pair); }
@@ -58,7 +58,7 @@ std::string descriptor_of(const CellSettings& cell, Nanoseconds period, std::siz
   return text + "</cell>\n";
 }
 
-/// Runs the nodes of a cell on this machine, and commands to them.
+/// Runs the nodes of a cell on this machine, and runs commands of `takt` for this cell.
 class Nodes {
  public:
   Nodes(const CellSettings& cell, int domain, const ScratchFolder& folder, Interruption& interruption)

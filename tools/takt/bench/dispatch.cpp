@@ -209,7 +209,7 @@ Result<Section> recorded(const Place& place, Nanoseconds length, Course& course,
 
 // ---- A thousand modules at 1 ms
 
-/// The measurements of one way to run the modules, with the time of each cycle.
+/// The measurements of one way to run the modules. They include the time of each cycle.
 struct SeenCycles {
   Loop loop;
   std::vector<std::int64_t> taken;  ///< ns

@@ -1,5 +1,5 @@
-// Exact statistics of a series of measured times. All values are kept, so a percentile is one of them, not an
-// estimate.
+// Exact statistics of a series of measured times. All values are kept, so a percentile is a measured value,
+// not an estimate.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace takt::bench {
 
-/// In ns (variance: ns^2). As everywhere in Takt, mean and variance are of the signed values, the others of
-/// the absolute values. All are 0 if there are no values.
+/// All members are in ns (variance: ns^2). As everywhere in Takt, mean and variance are of the signed values;
+/// the other members are of the absolute values. All are 0 if there are no values.
 struct Distribution {
   std::size_t count = 0;
   double mean = 0;
@@ -25,7 +25,8 @@ struct Distribution {
 /// Percentiles by the nearest rank: p99 is the smallest value that at least 99 of 100 do not exceed.
 Distribution distribution_of(const std::vector<std::int64_t>& values_ns);
 
-/// The same percentile of sorted absolute values; `share` from 0 to 1. 0 if there are none.
+/// The percentile, by the nearest rank, of sorted absolute values. `share` is from 0 to 1. Returns 0 if there
+/// are no values.
 std::int64_t percentile(const std::vector<std::int64_t>& ascending, double share);
 
 /// The absolute values, sorted.

@@ -44,7 +44,8 @@ std::int64_t size_of(std::int64_t value) { return value < 0 ? -value : value; }
 /// Decades above kLeastSize; smaller values are drawn on the axis.
 double decades(double size) { return std::log10(std::max(size, kLeastSize) / kLeastSize); }
 
-/// The number of decades of a scale up to this value. At least up to 10 us, so that charts can be compared.
+/// The number of decades of a scale up to this value. A scale reaches at least 10 us, so that charts can be
+/// compared.
 int scale_for(double largest) { return std::max(3, static_cast<int>(std::ceil(decades(largest)))); }
 
 std::string size_text(int decade) {
@@ -61,7 +62,7 @@ void begin(Canvas& canvas, const std::string& title) {
 
 struct Sample {
   const char* look;
-  bool area;  // else a line
+  bool area;  // false: a line
   const char* text;
 };
 
@@ -111,7 +112,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
   const std::int64_t first = served.front().number;
   const auto span = static_cast<double>(served.back().number - first + 1);
   const double seconds = span * std::chrono::duration<double>(period).count();
-  // In a short measurement each release has a column, so that neighbours are joined.
+  // In a short measurement each release has a column of its own, so that neighbouring releases are joined.
   const double columns = std::min(static_cast<double>(kColumns), span);
   const auto column_of = [first, span, columns](const Served& one) {
     return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * columns);

@@ -13,16 +13,16 @@
 
 namespace takt::bench {
 
-/// The CSS of the charts, in addition to that of Canvas: for the light and the dark theme.
+/// The CSS of the charts for the light and the dark theme, in addition to the CSS of Canvas.
 extern const char* const kChartColours;
 extern const char* const kDarkChartColours;
 
-/// For each interval of time, the range and the median of the absolute jitter. `served` is sorted by time.
-/// For an HTML page.
+/// Draws the range and the median of the absolute jitter for each interval of time. `served` is sorted by
+/// time. For an HTML page.
 std::string jitter_over_time(const std::string& title, const std::vector<Served>& served, Nanoseconds period);
 
-/// The share of the releases in each class of absolute jitter, with ten classes per decade and a logarithmic
-/// scale of shares. The bare loop is drawn as a line. For an HTML page.
+/// Draws the share of the releases in each class of absolute jitter, with ten classes per decade and a
+/// logarithmic scale of shares. The bare loop is drawn as a line. For an HTML page.
 std::string jitter_histogram(const std::string& title, const std::vector<Served>& served,
                              const std::vector<std::int64_t>& bare);
 

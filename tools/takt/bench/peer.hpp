@@ -17,7 +17,7 @@ namespace takt::bench {
 /// How the peer is woken.
 enum class WakeBy : std::uint32_t { futex, signal };
 
-/// The shared memory of both processes. The answers follow it.
+/// The shared memory of both processes begins with this. The answers follow it.
 struct Mailbox {
   WakeBy by = WakeBy::futex;
   std::int32_t cpu = 0;
@@ -40,8 +40,8 @@ class Peer {
   /// Ends the process.
   ~Peer();
 
-  /// Wakes the process for this release. False, without a wake-up, if it has not answered the previous one.
-  /// Real-time, one system call.
+  /// Wakes the process for this release. Returns false and does not wake it if it has not answered the
+  /// previous release. Real-time, one system call.
   bool wake(Instant release) noexcept;
   /// The jitter of each answer, release minus start in ns, in order. Call it after the last wake().
   [[nodiscard]] std::vector<std::int64_t> jitter() const;

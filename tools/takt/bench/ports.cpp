@@ -69,7 +69,7 @@ class Pair {
   InPort<Sample> in_{"in"};
 };
 
-/// The same with memcpy, to a place and back, hidden from the optimiser.
+/// The reference: copies a sample to a place and back with memcpy, hidden from the optimiser.
 class Copy {
  public:
   void write_and_read() {

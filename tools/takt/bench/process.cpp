@@ -30,7 +30,7 @@ struct SeenWakes {
   std::uint64_t missed = 0;
 };
 
-// The scheduler of the paper without other work: at each release it wakes the other process.
+// Does only the scheduling of the paper: wakes the other process at each release.
 Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanoseconds period,
                               Nanoseconds length, Problems& refused) {
   const Grid now = Grid::from_now(period, length);

@@ -33,7 +33,7 @@ struct Report {
   std::int64_t wall_ns = 0;  ///< begin of the benchmark
   Nanoseconds stolen{};      ///< CPU time, of all CPUs, that other virtual machines took meanwhile
   std::string load{};        ///< the load started by the benchmark; empty: none
-  Problems refused{};        ///< what the system denied; it was measured without
+  Problems refused{};        ///< requests that the system denied; the benchmark ran without them
   std::vector<Section> sections{};
 };
 
@@ -46,7 +46,7 @@ std::vector<double> in_columns(const Distribution& d);
 
 /// Numbers have three significant digits; "-" for no value.
 std::string report_text(const Report& report);
-/// No value is null. The column "p50 us" has the key "p50_us".
+/// A missing value becomes null. The column "p50 us" has the key "p50_us".
 nlohmann::ordered_json report_json(const Report& report);
 
 }  // namespace takt::bench

@@ -36,7 +36,8 @@ struct Settings {
 /// progress would disturb it.
 class Course {
  public:
-  /// `settings` outlive this object. `measurements`: their number; all have about the same length.
+  /// `settings` outlive this object. `measurements` is the number of measurements, which all have about the
+  /// same length.
   Course(const Settings& settings, int measurements)
       : progress_(settings.progress), measurements_(measurements) {}
 

@@ -11,10 +11,10 @@
 
 namespace takt::bench {
 
-/// Pairs of a property and its value; "unknown" or the like if there is no value.
+/// Pairs of a property and its value. A missing value is "unknown" or a similar word.
 std::vector<std::pair<std::string, std::string>> described(const os::Platform& machine);
 
-/// The same as text with a line for each, for the head of a report.
+/// The pairs of described() as text with one line per pair, for the head of a report.
 std::string machine_text(const os::Platform& machine);
 nlohmann::ordered_json machine_json(const os::Platform& machine);
 

@@ -47,7 +47,7 @@ class Table1Run {
   }
 
  private:
-  // Half of the bare loop, in parts of 1 s, so that an interruption takes effect soon.
+  // Runs half of the bare loop in parts of 1 s, so that an interruption takes effect soon.
   Result<void> run_half(CaseResult& measured) {
     constexpr Nanoseconds kPart = std::chrono::seconds{1};
     for (Nanoseconds left = settings_.length(kTable1Seconds) / 2; left >= result_.period; left -= kPart) {

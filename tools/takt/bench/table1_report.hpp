@@ -11,7 +11,7 @@ namespace takt::bench {
 
 /// The lines above the rows.
 std::string table1_head(const Table1Result& result);
-/// The rows of a case: Takt's numbers, the paper's, the bare loop's.
+/// The rows of a case: the numbers of Takt, of the paper and of the bare loop.
 std::string table1_rows(const CaseResult& one, const Table1Result& result);
 /// The explanation of the columns.
 std::string table1_foot();

@@ -15,7 +15,7 @@
 
 namespace takt::bench {
 
-/// One case, with the bare loop: half of it ran before the case, half after.
+/// One case, with the bare loop. Half of the bare loop ran before the case, half after it.
 struct CaseResult {
   Table1Case one;
   std::vector<Served> jitter;      ///< of the measured module, Eq. (1)
@@ -53,8 +53,9 @@ struct Judgement {
   std::string why;  ///< which limits are exceeded; empty if held
 };
 
-/// Limits for a thread module: p50 at most 0.1 us, p99 at most half of the bare loop's and, from a period of
-/// 1 ms on, also at most 1 us. For a process module: p50 at most 1 us.
+/// Compares a case with its limits. For a thread module, p50 is at most 0.1 us, and p99 is at most half of
+/// that of the bare loop; from a period of 1 ms on, p99 is also at most 1 us. For a process module, p50 is at
+/// most 1 us.
 Judgement judge(const CaseResult& result, Nanoseconds period, int cpus);
 
 /// "held", "more modules than cores", "not held".

@@ -8,8 +8,8 @@
 
 namespace takt::bench {
 
-/// The time of each step in ns. Calls batches of the steps in turns, for about `length` in total. Each result
-/// is the median of many batches, so that interruptions of some batches do not count.
+/// Measures the time of each step in ns. Calls batches of the steps in turns, for about `length` in total.
+/// Each result is the median of many batches, so that interruptions of some batches do not count.
 std::vector<double> each_by_turns(Nanoseconds length, const std::vector<std::function<void()>>& steps);
 
 }  // namespace takt::bench

@@ -46,17 +46,17 @@ bench::Settings with_progress(bench::Settings settings, Progress& progress) {
   return settings;
 }
 
-// Without locked memory, a first page fault would look like a late wake-up.
+// Locks the memory, because a first page fault would otherwise look like a late wake-up.
 Problems lock_memory() {
   const auto locked = os::lock_memory();
   return locked ? Problems{} : locked.problems();
 }
 
 int table1(const BenchOptions& options) {
-  static_cast<void>(lock_memory());  // if this fails, real time is denied too, and the report says so
+  static_cast<void>(lock_memory());  // if this fails, the system also denies real time; the report says so
   std::ofstream page;
   if (!options.html.empty()) {
-    page.open(options.html);  // now, so that it cannot fail after minutes of measuring
+    page.open(options.html);  // opened now, so that this cannot fail after minutes of measuring
     if (!page) {
       complain({{options.html, "cannot be written", "name a file in a folder that you may write to"}});
       return 1;

@@ -46,8 +46,8 @@ void BringUpProgress::print(const std::string& text) {
 
 void BringUpProgress::end(bool went_well) {
   if (progress_.is_seen() && went_well) {
-    // The devices answered that they are ready. The states of their modules are on another topic and may
-    // arrive later.
+    // The devices have answered that they are ready. The states of their modules come on another topic and
+    // may arrive later.
     client_.observer->wait([this](const auto& devices) { return are_ready(devices, cell_); }, kLate);
     show();
   }

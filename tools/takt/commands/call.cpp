@@ -37,9 +37,10 @@ struct CallOptions {
   client::Network network;
 };
 
-/// Added to the time for which the node opens the service. The node then closes it by itself.
+/// This is added to the time for which the node opens the service. The node closes the service by itself
+/// after that time.
 constexpr auto kMargin = std::chrono::seconds{2};
-/// The time in which DDS must match the request topic and the reply topic.
+/// DDS must match the request topic and the reply topic within this time.
 constexpr auto kServiceFound = std::chrono::seconds{5};
 
 std::int64_t wall_ns() {

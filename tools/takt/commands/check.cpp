@@ -48,7 +48,7 @@ int check(const CheckOptions& options) {
   }
   loaded->cell.domain = *domain;
   std::optional<Proof> proof;
-  // Also without these options, if the descriptor has everything that a proof needs.
+  // Prove the deadlines even without these options, if the descriptor has everything that a proof needs.
   if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {
     auto proved = prove(loaded->cell, loaded->plans, options.proof);
     if (!proved) {

@@ -8,8 +8,8 @@
 
 namespace takt::tool {
 
-/// Runs the chosen command and returns its exit status: 0 success, 1 rejected or failed, with the reason on
-/// standard error.
+/// Runs the chosen command and returns its exit status. 0 means success. 1 means that the command was
+/// rejected or failed; the reason is then on standard error.
 using Chosen = std::function<int()>;
 /// Adds a command, which sets `chosen` when it is parsed. `app` and `chosen` outlive the parsing.
 using AddCommand = void(CLI::App& app, Chosen& chosen);

@@ -1,4 +1,4 @@
-// takt deploy, takt undeploy: deploy a cell to the nodes of the network, and take it down.
+// takt deploy and takt undeploy: deploy a cell to the nodes of the network, and take the cell down.
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -79,8 +79,8 @@ int deploy(const DeployOptions& options) {
     std::fprintf(stderr, "cell %s was not deployed; nothing was changed\n", loaded->cell.name.c_str());
     return 1;
   }
-  // The cell runs from that instant on. Only then may the output say so: the operator may send commands at
-  // once.
+  // The cell runs from that instant on. Wait for it, because the operator may send commands as soon as the
+  // output says that the cell runs.
   os::sleep_until(os::instant_of_wall(deployed->t0_ns));
   std::string names;
   for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;

@@ -28,7 +28,8 @@ struct DoctorOptions {
 
 double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
 
-/// Security does not affect real time, but it is as important: it decides who may command this machine.
+/// Security does not affect real time, but it is as important, because it decides who may command this
+/// machine.
 node::Finding security_finding() {
   using node::Severity;
   node::Finding finding{
@@ -39,7 +40,7 @@ node::Finding security_finding() {
   if (folder.empty()) {
     finding.severity = Severity::note;
     finding.found = "is off: TAKT_SECURITY names no identity";
-    finding.cure = "takt secure init CELL.xml DIR, or keep others out of the network (docs/secure.md)";
+    finding.cure = "run takt secure init CELL.xml DIR, or keep others out of the network (docs/secure.md)";
     return finding;
   }
   std::error_code error;
@@ -54,14 +55,14 @@ node::Finding security_finding() {
   if (!identity) {
     finding.severity = Severity::note;
     finding.found = "the identity in TAKT_SECURITY is rejected: " + in_words(identity.problems());
-    finding.cure = "takt secure renew, and copy the folder again";
+    finding.cure = "run takt secure renew, and copy the folder again";
     return finding;
   }
   finding.found = "is on: " + to_text(identity->subject);
   if (const std::string warning = security::expiry_warning(identity->until, now); !warning.empty()) {
     finding.severity = Severity::note;
     finding.found += "; " + warning;
-    finding.cure = "takt secure renew, and copy the folder again";
+    finding.cure = "run takt secure renew, and copy the folder again";
   }
   return finding;
 }
@@ -112,7 +113,7 @@ void add_doctor(CLI::App& app, Chosen& chosen) {
       app.add_subcommand("doctor", "List what on this machine would spoil real time, and how to correct it");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(
-      "Changes nothing and takes a second. Works without root, and then says what it could not see.\n"
+      "Changes nothing and takes a second. Without root, it reports which checks need root.\n"
       "Exit status: 0 nothing spoils real time (there may be notes), 1 something does, 2 wrong usage.");
   command->callback([options, &chosen] { chosen = [options] { return doctor(*options); }; });
 }

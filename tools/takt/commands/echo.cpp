@@ -14,11 +14,11 @@
 #include <takt/client/port_names.hpp>
 #include <takt/client/tap.hpp>
 #include <takt/dds/gateway.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
+#include <takt/wire/words.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -38,7 +38,8 @@ struct EchoOptions {
   client::Network network;
 };
 
-/// Samples that arrived and are not printed yet. Bounded, because a terminal may be slower than a port.
+/// Samples that have arrived but are not printed yet. Their number is bounded, because a terminal may be
+/// slower than a port.
 class Samples {
  public:
   void add(const std::byte* bytes, std::size_t size) {
@@ -59,7 +60,7 @@ class Samples {
   std::atomic<std::uint64_t> seen_{0};
 };
 
-/// Prints that no samples arrive, with the state of the module as a hint.
+/// Prints that no samples arrive, and the state of the module as a hint.
 void print_quiet(const client::Connection& client, const client::PortName& name, const std::string& port) {
   std::string state;
   for (const wire::ObservedDevice& seen : client.observer->devices(name.device)) {

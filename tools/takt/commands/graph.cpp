@@ -41,7 +41,8 @@ Result<CellHealth> ask(const model::Cell& cell, const client::Network& network) 
 }
 
 int graph(const GraphOptions& options) {
-  // Not load(): a drawing needs no components, and a cell whose tables are not valid can be drawn too.
+  // Does not use load(): a drawing needs no components, and a cell whose tables are not valid can be drawn
+  // too.
   auto cell = descriptor::load(options.file);
   if (!cell) {
     complain(cell.problems());

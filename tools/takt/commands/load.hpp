@@ -1,4 +1,4 @@
-// Loads a descriptor: the first step of every command that takes one.
+// Loads a descriptor. Every command that takes a descriptor begins with this.
 #pragma once
 
 #include <string>
@@ -24,8 +24,8 @@ struct Loaded {
 /// error.
 Result<Loaded> load(const std::string& file, Problems* missing = nullptr);
 
-/// The same without the components, for a cell whose devices are other machines. `paths` and `ports` are
-/// empty.
+/// Like load(), but does not inspect the components. For a cell whose devices run on other machines. `paths`
+/// and `ports` are empty.
 Result<Loaded> load_remote(const std::string& file);
 
 /// Prints problems on standard error, one per line: `file:line: error: ...`.

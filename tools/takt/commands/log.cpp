@@ -48,7 +48,7 @@ class Printer {
   std::string day_;
 };
 
-// The options are valid: they were checked when the command line was parsed.
+// Assumes valid options, because they were checked when the command line was parsed.
 model::FaultFilter filter_of(const LogOptions& options) {
   model::FaultFilter filter{.device = options.device, .module = options.module, .last = options.last};
   if (!options.kinds.empty()) filter.kinds = *model::kinds_from(options.kinds);
@@ -76,7 +76,7 @@ int log_of_file(const LogOptions& options) {
   return printed ? 0 : 1;
 }
 
-// Why the filter matched nothing, if the cell has no such module.
+// The problem that explains why the filter matched nothing: the cell has no such module. None if it has.
 std::optional<Problem> no_such_module(const LogOptions& options, const client::Observer& observer) {
   std::vector<std::string> names;
   for (const wire::ObservedDevice& seen : observer.devices()) {

@@ -26,7 +26,7 @@ struct NewOptions {
   std::string language = "c++";
 };
 
-/// Never overwrites a file: if any of the files exists, writes none.
+/// Never overwrites a file. If any of the files exists, writes none of them.
 Result<void> write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
   std::error_code error;
   for (const NewFile& file : files) {

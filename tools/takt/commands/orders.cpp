@@ -1,13 +1,13 @@
-// The commands of an operator to a module: takt start, stop, recover, reset, destruct and initialize; takt
-// get and set; takt swap.
+// The commands of an operator to a module: takt start, stop, recover, reset, destruct and initialize, takt
+// get and set, and takt swap.
 #include <cstdio>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <takt/client/connection.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
+#include <takt/wire/words.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -39,7 +39,8 @@ struct Target {
   std::string module;
 };
 
-/// `then`: the argument that follows, if the target must be a module; null if it may also be a device.
+/// `then` names the argument that follows a target that must be a module. Null if the target may also be a
+/// device.
 Result<Target> target_of(const std::string& text, const char* then = nullptr) {
   const bool module_needed = then != nullptr;
   const std::size_t dot = text.find('.');

@@ -76,7 +76,7 @@ int print_recording(const recording::Recording& recording, const std::string& fi
   return print(std::move(page).take()) ? 0 : 1;
 }
 
-/// The ports to play, by number, with the topic of each.
+/// The ports to play, each with its topic, by the number of the port.
 Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Recording& recording,
                                                          const PlayOptions& options,
                                                          const recording::Selection& time) {
@@ -108,7 +108,7 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
       problems.push_back(fail("has no port " + in_quotes(path),
                               known.empty() ? "it has no ports" : suggestion(path, known)));
   }
-  // A topic has one type and one source.
+  // Each topic must have one type and one source.
   for (auto a = topics.begin(); a != topics.end(); ++a) {
     for (auto b = std::next(a); b != topics.end(); ++b) {
       if (a->second != b->second) continue;
@@ -211,7 +211,7 @@ class Player {
   [[nodiscard]] Nanoseconds scaled(std::int64_t ns) const {
     return Nanoseconds{static_cast<std::int64_t>(std::llround(static_cast<double>(ns) / options_.speed))};
   }
-  /// False if playing must end.
+  /// Waits until `due`, and updates the progress meanwhile. False if playing must end.
   bool wait_until(Instant due, std::int64_t at_ns) {
     for (;;) {
       const Instant now = os::now();
@@ -250,8 +250,8 @@ class Player {
   bool ended_ = false;
 };
 
-/// Waits for a reader of each topic, or until the time is over. Topics without readers are played too: a
-/// reader may come later.
+/// Waits for a reader of each topic, or until the time is over. Topics without readers are played too,
+/// because a reader may come later.
 void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& feeds,
                       const std::map<std::int64_t, std::string>& topics, const os::SignalQueue& signals) {
   const auto read = [&](std::int64_t id) { return feeds.at(id)->health().matched > 0; };

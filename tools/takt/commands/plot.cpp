@@ -1,4 +1,4 @@
-// takt plot: fields of a recording as a drawing, as CSV, or as a few numbers.
+// takt plot: shows fields of a recording as a drawing, as CSV, or as a few numbers.
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -30,7 +30,7 @@ namespace takt::tool {
 
 namespace {
 
-/// Curves in one drawing.
+/// The maximum number of curves in one drawing.
 constexpr std::size_t kMostCurves = 200;
 
 struct PlotOptions {
@@ -100,7 +100,7 @@ Result<Choice> choose(const recording::Recording& recording, const PlotOptions& 
   return problems;
 }
 
-/// A file that is overwritten, or standard output for "-".
+/// An output file, which is overwritten if it exists; "-" is standard output.
 class Output {
  public:
   static Result<Output> open(const std::string& file) {

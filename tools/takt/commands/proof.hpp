@@ -34,8 +34,8 @@ struct Proof {
   Problems warnings;  ///< requests of the descriptor that a device with so few CPUs cannot meet
 };
 
-/// Fails if the profile cannot be read, or if a module has a run time neither in the profile nor as a budget.
-/// Reads a file.
+/// Reads the profile and proves the deadlines. Fails if the profile cannot be read, or if a module has
+/// neither a run time in the profile nor a budget.
 Result<Proof> prove(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans,
                     const ProofOptions& options);
 

@@ -1,4 +1,5 @@
-// Checks numbers on the command line. CLI::Range accepts nan, and reads a negative number as one near 2^64.
+// Checks numbers on the command line. CLI::Range does not suffice: it accepts nan, and reads a negative
+// number as a number near 2^64.
 #pragma once
 
 #include <cctype>
@@ -24,7 +25,8 @@ inline CLI::Validator within(double from, double to) {
                         ""};
 }
 
-/// CLI::PositiveNumber accepts inf, and prints its range with 308 digits.
+/// A number of seconds above 0. CLI::PositiveNumber does not suffice: it accepts inf, and prints its range
+/// with 308 digits.
 inline CLI::Validator positive_seconds() {
   return CLI::Validator{[](const std::string& text) -> std::string {
                           constexpr double kLongest = 1e9;

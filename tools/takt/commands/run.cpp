@@ -40,8 +40,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// From the moment at which all nodes are ready to the first row. Short, because all nodes are on this
-/// machine.
+/// The time from the moment at which all nodes are ready to the first row. It is short, because all nodes are
+/// on this machine.
 constexpr std::chrono::milliseconds kLead{500};
 constexpr std::chrono::milliseconds kMargin{50};
 
@@ -84,7 +84,7 @@ class Run {
 
   [[nodiscard]] Json report() const;
   [[nodiscard]] std::vector<std::string> failures() const;
-  /// Whether the nodes agreed on the first row. If not, there is nothing to report but the reason.
+  /// Whether the nodes agreed on the first row. If they did not, there is nothing to report but the reason.
   [[nodiscard]] bool started() const noexcept { return started_; }
 
  private:
@@ -167,13 +167,13 @@ void Run::watch() {
     if (!end) continue;
     node.ended = true;
     if (node.reported) continue;
-    // It ended without a report: it rejected the cell and printed the reason, or it was killed.
+    // The node ended without a report. Either it rejected the cell and printed the reason, or it was killed.
     node.reported = true;
     if (started_ && !undeploying_ && !options_.quiet)
       node::log(node.device, "", "its node " + end->text() + "; the other devices run on");
     const bool rejected = !end->signalled && end->code != 0 && !started_;
     node.failures.push_back("device " + node.device + ": error: its node " +
-                            (rejected ? "rejected it, see above" : end->text()));
+                            (rejected ? "rejected the cell, see above" : end->text()));
   }
 }
 
@@ -257,7 +257,7 @@ void Run::serve(const client::Connection& client) {
   }
 }
 
-// If a device has ended by itself, fetches its report and ends its node, which is not needed any more.
+// If a device has ended by itself, fetches its report. Then ends its node, which is no longer needed.
 void Run::ask_one(const client::Connection& client, Node& node) {
   for (const wire::ObservedDevice& seen : client.observer->devices(node.device)) {
     if (!seen.alive || seen.status.process_id() != node.pid || seen.status.state() != DEVICE_ENDED) continue;

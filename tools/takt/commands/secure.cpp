@@ -1,5 +1,5 @@
-// takt secure: creates and maintains the authority of a cell and the identities that it issues. takt sign:
-// signs components.
+// takt secure: creates and maintains the authority of a cell and the identities that the authority issues.
+// takt sign: signs components.
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -164,7 +164,7 @@ int update_authority(const SecureOptions& options) {
     return refuse(
         {{options.file,
           "describes cell " + plan->cell.name + ", but this is the authority of cell " + authority->cell(),
-          "create an authority for each cell: takt secure init"}});
+          "create an authority for each cell with takt secure init"}});
   }
   if (auto kept = authority->keep(text, plan->domain); !kept) return refuse(kept.problems());
   if (auto admitted = admit_devices(*authority, *plan, options.days); !admitted)
@@ -176,10 +176,10 @@ int update_authority(const SecureOptions& options) {
       return device.name == member.subject.name;
     });
     if (member.subject.role != Role::device || member.revoked || in_cell) continue;
-    std::fprintf(
-        stderr,
-        "device %s is no longer in the cell, but its identity is still valid; takt secure revoke %s %s\n",
-        member.subject.name.c_str(), options.folder.c_str(), member.subject.name.c_str());
+    std::fprintf(stderr,
+                 "device %s is no longer in the cell, but its identity is still valid; "
+                 "use takt secure revoke %s %s to revoke it\n",
+                 member.subject.name.c_str(), options.folder.c_str(), member.subject.name.c_str());
   }
   return show_authority(options.folder);
 }
@@ -193,7 +193,7 @@ Result<std::vector<Subject>> subjects_named(const Authority& authority,
     const auto found = authority.named(name);
     if (found.empty())
       problems.push_back(
-          fail("there is no identity " + in_quotes(name), "takt secure show lists the identities"));
+          fail("there is no identity " + in_quotes(name), "list the identities with takt secure show"));
     subjects.insert(subjects.end(), found.begin(), found.end());
   }
   if (!problems.empty()) return problems;

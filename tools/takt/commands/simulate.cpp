@@ -48,7 +48,7 @@ struct SimulateOptions {
   bool is_random = false;
 };
 
-/// One line for each event.
+/// Writes one line for each event.
 class Trace final : public simulation::Listener {
  public:
   /// "-": standard output.
@@ -68,7 +68,7 @@ class Trace final : public simulation::Listener {
     line_ += '\n';
     written_ &= std::fwrite(line_.data(), 1, line_.size(), to_) == line_.size();
   }
-  /// Whether all of it was written.
+  /// Ends the trace. Returns whether it was written completely.
   bool close() {
     if (to_ == nullptr) return written_;
     written_ &= std::fflush(to_) == 0;
@@ -135,7 +135,7 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
   return course->failures.empty() && course->violations.empty() && printed ? 0 : 1;
 }
 
-/// The random cell in words, because it has no descriptor.
+/// Describes the random cell in words, because it has no descriptor.
 std::string words_of(const simulation::RandomCell& random) {
   const model::Cell& cell = random.cell;
   std::string text;
@@ -199,7 +199,8 @@ int simulate(const SimulateOptions& options) {
       complain(profile.problems());
       return 1;
     }
-    // Reject an incomplete profile, as `takt check` does: run times of other modules would be guesses.
+    // Reject an incomplete profile, as `takt check` does, because the run times of the other modules would be
+    // guesses.
     if (const auto runs = schedule::longest_runs(loaded->cell, &*profile, 1); !runs) {
       complain(runs.problems());
       return 1;
@@ -277,14 +278,12 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
           ->type_name("N")
           ->check(whole_number())
           ->excludes(file);
-  // N determines all of these.
+  // The number N determines the values of all of these options.
   for (auto* fixed : {length, seed, script, profile, faults, cpus}) random->excludes(fixed);
   command->footer(
-      "Exit status: 0 the cell ended cleanly; 1 a module or device was given up, or an invariant was "
-      "violated\n"
-      "that must hold whatever the faults. Without a budget and a profile, a module takes 5 % of its period "
-      "or\n"
-      "deadline.\n\n"
+      "Exit status: 0 the cell ended cleanly; 1 a module or device was given up, or an invariant was\n"
+      "violated. An invariant is a rule that must hold whatever faults occur. A run of a module without a\n"
+      "budget and without a run time in the profile takes 5 % of the module's period or deadline.\n\n"
       "A script; times count from the first row, in ns, us, ms or s:\n" +
       simulation::script_help());
   command->callback([options, file, random, json, &chosen] {

@@ -1,4 +1,4 @@
-// takt status: every device and module on the domain.
+// takt status: prints every device and module on the domain.
 #include <nlohmann/json.hpp>
 
 #include <takt/client/connection.hpp>

@@ -50,7 +50,7 @@ int trace(const TraceOptions& options) {
   if (!content) return refuse(content.problems());
   const bool is_file = content->has_value();
   if (!is_file && options.target.find_first_of("/.") != std::string::npos) {
-    return refuse({{options.target, "is not a file that exists, and not a valid device name",
+    return refuse({{options.target, "is neither an existing file nor a valid device name",
                     "give the name of a device, or a file that takt trace wrote"}});
   }
   const auto text = is_file ? Result<std::string>{std::move(**content)} : read_trace_of_device(options);

@@ -12,12 +12,12 @@
 
 #include <takt/client/connection.hpp>
 #include <takt/core/words.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/keyboard.hpp>
 #include <takt/os/notice.hpp>
 #include <takt/os/signals.hpp>
+#include <takt/wire/words.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -58,7 +58,7 @@ class News {
     const std::lock_guard lock{mutex_};
     return std::exchange(pieces_, {});
   }
-  /// Readable when there is something to take.
+  /// The descriptor is readable when there is an event to take.
   [[nodiscard]] const os::Fd& fd() const noexcept { return notice_.fd(); }
   [[nodiscard]] const os::Notice& notice() const noexcept { return notice_; }
 
@@ -117,10 +117,11 @@ CommandKind kind_of(watch::Verb verb) {
   return COMMAND_START;
 }
 
-/// Questions to nodes. Each runs on its own thread: an answer may take seconds, and the screen must not wait.
+/// Sends questions to nodes. Each question has its own thread, because an answer may take seconds and the
+/// screen must not wait.
 class Questions {
  public:
-  /// `notice` is given for each answer. `asker` and `notice` outlive this object.
+  /// Calls notice.give() for each answer. `asker` and `notice` outlive this object.
   Questions(client::Operator& asker, const os::Notice& notice) : asker_(asker), notice_(notice) {}
   Questions(const Questions&) = delete;
   Questions& operator=(const Questions&) = delete;
@@ -130,7 +131,8 @@ class Questions {
   }
 
   using Then = std::function<void(const Result<wire::WholeReply>&)>;
-  /// take_answers() calls `then` with the answer. False if too many questions are open.
+  /// Sends the question. take_answers() later calls `then` with the answer. False if too many questions are
+  /// open.
   bool ask(client::Question question, std::string words, Then then) {
     if (open_.size() >= kMost) return false;
     auto one = std::make_unique<Open>();
@@ -283,7 +285,8 @@ bool Screen::draw() {
 }
 
 int Screen::show(const os::SignalQueue& signals, double seconds) {
-  constexpr std::chrono::milliseconds kLooks{200};  // between two polls of what is not pushed as an event
+  constexpr std::chrono::milliseconds kLooks{
+      200};  // between two polls of data that does not arrive as events
   const Instant end =
       os::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
   questions_.emplace(*client_.asker, news_.notice());

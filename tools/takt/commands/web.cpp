@@ -40,7 +40,7 @@ Result<std::string> token_of(const WebOptions& options) {
   const fs::perms mode = fs::status(options.token_file, error).permissions();
   if (!error && (mode & (fs::perms::group_all | fs::perms::others_all)) != fs::perms::none) {
     return Problem{options.token_file, "is readable by other users",
-                   "anyone with the token may command the cell: chmod 600 " + options.token_file};
+                   "anyone with the token may command the cell; run chmod 600 " + options.token_file};
   }
   const auto content = os::read_file(options.token_file, kMostToken);
   if (!content) return content.problems();
@@ -49,8 +49,10 @@ Result<std::string> token_of(const WebOptions& options) {
   const bool plain =
       std::all_of(token.begin(), token.end(), [](unsigned char c) { return c > ' ' && c < 127; });
   if (token.size() < kLeastToken || !plain) {
-    return Problem{options.token_file, "its first line is not a valid token",
-                   fmt::format("write at least {} letters and digits: openssl rand -hex 16", kLeastToken)};
+    return Problem{
+        options.token_file, "its first line is not a valid token",
+        fmt::format("write at least {} letters and digits, for example the output of openssl rand -hex 16",
+                    kLeastToken)};
   }
   return token;
 }
@@ -104,8 +106,9 @@ void add_web(CLI::App& app, Chosen& chosen) {
       "print a token; anyone who has it may start, stop and recover modules and set properties. "
       "Without this option the page is read-only");
   command
-      ->add_option("--token-file", options->token_file,
-                   "the same with your own token: the first line of this file, which only you may read")
+      ->add_option(
+          "--token-file", options->token_file,
+          "like --commands, but with your own token: the first line of this file, which only you may read")
       ->type_name("FILE");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });

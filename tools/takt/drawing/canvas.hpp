@@ -12,7 +12,7 @@
 
 namespace takt::tool {
 
-// Pixels. A letter of the monospaced fonts in use is 0.55 to 0.61 of its size wide.
+// All sizes are in pixels. The width of a letter in the monospaced fonts in use is 0.55 to 0.61 of its size.
 inline constexpr double kLetter = 0.63;
 inline constexpr double kSmall = 10;
 inline constexpr double kNormal = 12;
@@ -48,7 +48,8 @@ class Canvas {
   void open_group(std::string_view title, std::string_view classes) {
     append(R"(<g class="{}"><title>{}</title>)", classes, escaped(title));
   }
-  /// With an attribute data-NAME, by which a page that contains the drawing finds the group.
+  /// Like the function above, but with an attribute data-NAME, by which a page that contains the drawing
+  /// finds the group.
   void open_group(std::string_view title, std::string_view classes, std::string_view name,
                   std::string_view value) {
     append(R"(<g class="{}" data-{}="{}"><title>{}</title>)", classes, name, escaped(value), escaped(title));

@@ -74,7 +74,7 @@ class Panel {
   Panel(Canvas& canvas, const Device& device, const ExecutorPlan& plan, double y, double label)
       : canvas_{canvas}, device_{device}, plan_{plan}, y_{y}, left_{kMargin + label} {
     shown_ = std::min(plan.rows(), kSvgRows);
-    // Wide enough for the number in a release mark.
+    // Makes a release mark wide enough for its number.
     std::size_t longest = 1;
     for (std::size_t row = 0; row < shown_; ++row) longest = std::max(longest, plan_.row(row).size());
     badge_ = width_of(count_text(longest), kSmall) + 8;
@@ -153,7 +153,7 @@ class Panel {
     return tasks;
   }
 
-  /// The number of columns that something of this width needs.
+  /// The number of columns that a text or mark of this width needs.
   [[nodiscard]] std::size_t step(double width) const {
     return static_cast<std::size_t>(std::max(1.0, std::ceil(width / column_)));
   }
@@ -290,7 +290,7 @@ class Panel {
   std::size_t shown_ = 0;
 };
 
-/// The width of the labels left of the rows; the same for all panels, so that their rows are aligned.
+/// The width of the labels left of the rows. It is the same for all panels, so that their rows are aligned.
 double label_width(const model::Cell& cell) {
   double widest = width_of("at least: some have no budget", kSmall);
   for (const Device& device : cell.devices) {
@@ -382,7 +382,9 @@ double legend(Canvas& canvas, double y, const Shown& shown) {
         "released");
     canvas.line(sample, y + 8, sample + 34, y + 8, "deadline");
     canvas.line(sample + 34, y + 2, sample + 34, y + 14, "end");
-    entry("deadline of a sporadic module that is ready in the first row; without an end mark it is outside");
+    entry(
+        "deadline of a sporadic module that is ready in the first row; no end mark: it lies beyond the "
+        "drawing");
   }
   if (shown.thread_budgets) {
     canvas.rectangle(sample, y + 9, 10, 5, "low");

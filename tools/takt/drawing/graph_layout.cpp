@@ -20,7 +20,8 @@ using model::Module;
 constexpr double kTrack = 12;  // between two lines side by side
 constexpr double kStub = 18;   // from a column to the first track, at least
 
-/// The distance of two wires with their labels. A running cell needs more, for a line with the health below.
+/// The distance of two wires with their labels. A running cell needs more, because the health is on a line
+/// below the label.
 constexpr double kPitchAtRest = 20;
 constexpr double kPitchLive = 32;
 /// Heights are whole steps. Every second column is half a step lower, so that wires which enter a channel
@@ -42,8 +43,8 @@ std::string shortened(const std::string& text, std::size_t most) {
 /// A vertical line in a channel.
 struct Track {
   std::size_t wire = 0;
-  double from = 0;            // the height at its left end
-  double to = 0;              // the height at its right end, or where it goes if it turns back or goes below
+  double from = 0;  // the height at its left end
+  double to = 0;    // the height at its right end, or where it goes if the wire turns back or goes below
   bool leaves_left = false;   // it ends at the column left of the channel
   bool leaves_right = false;  // it ends at the column right of the channel
   double x = 0;
@@ -93,7 +94,7 @@ class Builder {
   }
 
  private:
-  /// Names a port while ports are still added and not yet sorted.
+  /// Identifies a port while ports are still being added and are not yet sorted.
   struct Named {
     Place place;
     std::string port;
@@ -168,7 +169,7 @@ void Builder::add_device(const model::Device& device) {
   layout_.columns.push_back(std::move(column));
 }
 
-/// The last column, for programs outside Takt. Created on first use.
+/// The last column, for programs outside Takt. It is created on first use.
 Column& Builder::outside() {
   if (layout_.columns.empty() || !layout_.columns.back().outside) {
     Column& column = layout_.columns.emplace_back();
@@ -220,7 +221,8 @@ void Builder::add_wires() {
   }
 }
 
-/// Puts the inputs first; otherwise the ports keep the order in which the connections name them.
+/// Moves the inputs before the outputs. Otherwise the ports keep the order in which the connections name
+/// them.
 void Builder::inputs_first(Box& box) {
   std::stable_partition(box.ports.begin(), box.ports.end(), [](const Port& port) { return port.input; });
 }
@@ -237,7 +239,7 @@ void Builder::name_places() {
   }
 }
 
-/// Each wire leaves its port towards its other end; within a device, on the right.
+/// Each wire leaves its port on the side of its other end. A wire within a device leaves on the right.
 void Builder::choose_sides() {
   for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
     Wire& wire = layout_.wires[i];
@@ -282,8 +284,8 @@ void Builder::set_heights() {
   }
 }
 
-/// A wire within a device or to the next device has one track. One that passes a device has two tracks, and a
-/// horizontal line below all columns.
+/// A wire within a device or to the next device has one track. A wire that passes a device has two tracks,
+/// and a horizontal line below all columns.
 void Builder::add_tracks(std::size_t index) {
   const Wire& wire = layout_.wires[index];
   if (passes(wire)) {
@@ -306,8 +308,8 @@ void Builder::add_tracks(std::size_t index) {
 }
 
 /// Orders the tracks of a channel for few crossings. Wires that turn back or go below stay near their column,
-/// short ones nearest. Of the wires that go down to the right, lower ones come first; of those that go up,
-/// higher ones.
+/// and short wires stay nearest. Of the wires that go down to the right, lower wires come first. Of the wires
+/// that go up, higher wires come first.
 void Builder::order(Channel& channel) {
   const auto rank = [](const Track& track) { return !track.leaves_right ? 0 : track.leaves_left ? 1 : 2; };
   const auto length = [](const Track& track) { return std::abs(track.to - track.from); };

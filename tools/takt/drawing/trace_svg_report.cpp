@@ -192,7 +192,8 @@ class TraceDrawing {
     return ticks(from_us_ / 1e6 / unit_.seconds, to_us_ / 1e6 / unit_.seconds, 9);
   }
 
-  /// Drawn behind the bars. Leaves the titles out, which may be longer than the names of the lanes.
+  /// Draws the grid, behind the bars. Does not reach into the titles, which may be longer than the names of
+  /// the lanes.
   void grid(double top, double bottom) {
     for (const double mark : marks()) {
       const double x = x_of(mark * unit_.seconds * 1e6);

@@ -57,7 +57,7 @@ std::string escaped(std::string_view text) {
   return roff;
 }
 
-/// A line of text. One that begins with a dot is escaped, because roff would take it for a request.
+/// A line of text. A line that begins with a dot is escaped, because roff would take it for a request.
 std::string line(std::string_view text) {
   const bool request = text.starts_with(".");
   return (request ? "\\&" : "") + escaped(text) + "\n";
@@ -96,7 +96,7 @@ std::string option_items(const OptionList& options) {
   return roff;
 }
 
-/// The footer with the line breaks that it has in --help.
+/// The footer of --help, with the same line breaks.
 std::string footer_of(const CLI::App& app) {
   std::string text = app.get_footer();
   while (!text.empty() && text.front() == '\n') text.erase(0, 1);
@@ -126,7 +126,8 @@ std::string completed(const std::string& value) {
   return "";
 }
 
-/// Adds the cases of a command and of its subcommands. `path`: "", "run", "bench table1".
+/// Adds the cases of a command and of its subcommands to the script. `path` is "", "run" or "bench table1",
+/// for example.
 void add_cases(const CLI::App& app, const std::string& path, std::string* values, std::string* words) {
   std::string names;
   for (const auto* option : options_of(app)) {
@@ -267,7 +268,7 @@ void tidy_help(CLI::App& program) {
 
 namespace {
 
-/// The error and the usage line only: with the whole help, the error would scroll off the screen.
+/// Prints only the error and the usage line. With the whole help, the error would scroll off the screen.
 std::string wrong_usage(const CLI::App* program, const CLI::Error& error) {
   const std::string help = program->help();
   const std::string wrong = std::string{"error: "} + error.what() + "\n";

@@ -48,7 +48,7 @@ std::string percent(Nanoseconds part, Nanoseconds whole) {
                      100.0 * static_cast<double>(part.count()) / static_cast<double>(whole.count()));
 }
 
-/// With a shorter basic period, no row is done before the next one is due.
+/// If the basic period is shorter, no row is done before the next row is due.
 constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
 
 std::string in_words(const model::OverrunContract& contract) {
@@ -66,7 +66,7 @@ void executor_heading(Page& page, const model::Executor& executor, int priority)
   page.heading(2, "executor " + executor.name, text);
 }
 
-/// How full a row is: the number of its modules, and the budgets of its thread modules.
+/// The load of a row: the number of its modules, and the budgets of its thread modules.
 struct RowLoad {
   std::size_t modules = 0;
   Nanoseconds budget{};
@@ -82,7 +82,7 @@ RowLoad load_of(const Device& device, const ExecutorPlan& plan, const schedule::
     if (module.type != ModuleType::thread) continue;
     if (!module.budget) {
       load.complete = false;
-    } else {  // budgets are any 64-bit number
+    } else {  // budgets can be any 64-bit number
       load.budget = load.budget > Nanoseconds::max() - *module.budget ? Nanoseconds::max()
                                                                       : load.budget + *module.budget;
     }
@@ -95,7 +95,7 @@ std::string share_of(const RowLoad& load, Nanoseconds basic) {
   return (load.complete ? "" : ">= ") + percent(load.budget, basic);
 }
 
-/// The table without the offsets that offsets="auto" has found; none if it has found none.
+/// The table without the offsets that offsets="auto" has found. None if it has found no offsets.
 std::optional<schedule::Table> unshifted(const Device& device, const ExecutorPlan& plan) {
   if (device.executors[plan.executor].offsets != model::Offsets::automatic) return std::nullopt;
   std::vector<schedule::Task> tasks;
@@ -227,8 +227,8 @@ void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
               fmt::format("... and {} more; --json has them all", plan.sporadic.size() - kTextRows));
   }
   if (!hasty.empty()) {
-    page.line(kDetailIndent,
-              page.warning("late by design, checked only every " + to_text(plan.basic_period) + ":"));
+    page.line(kDetailIndent, page.warning("late by design, because their conditions are checked only every " +
+                                          to_text(plan.basic_period) + ":"));
     page.words(kDetailIndent + 2, "", hasty);
   }
 }
@@ -325,9 +325,9 @@ void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
     page.words(kDetailIndent, "sporadic, immediate and without interarrival: ", without_bound);
   const double together = most + periodic_share(device, plan).value;
   if (together > 1) {
-    page.line(kDetailIndent,
-              page.warning(fmt::format("more than one CPU can do if all occur as often as allowed: {:.4g} %",
-                                       100.0 * together)));
+    page.line(kDetailIndent, page.warning(fmt::format(
+                                 "more than one CPU can do if all events occur as often as allowed: {:.4g} %",
+                                 100.0 * together)));
   }
 }
 

@@ -27,8 +27,8 @@ inline constexpr std::size_t kTextRows = 40;
 /// The object that `takt check --json` prints, with every row. Its keys and their order must not change. A
 /// proof adds "worst_case" to each device: `{"processors": n, "factor": x, "run_times": "profile" |
 /// "budgets", "modules": [{"name": str, "cpus": [n], "run_ns": n, "response_ns": n | null, "deadline_ns": n,
-/// "slack_ns": n | null, "kept": bool, "why": str}]}`. "why" is present if a deadline is not kept for
-/// another reason than the response time.
+/// "slack_ns": n | null, "kept": bool, "why": str}]}`. "why" is present if a deadline is not kept and the
+/// response time is not the reason.
 nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans,
                                   const std::optional<Proof>& proof = std::nullopt);
 

@@ -62,8 +62,9 @@ std::map<std::string, const model::Module*> modules_of(const model::Cell& cell) 
   return modules;
 }
 
-/// The connections whose reader runs, between two writes, at a time when the value is too old. Whatever the
-/// phase of both, the last run before a write sees an age of at least the writer's period minus the reader's.
+/// The connections whose reader always runs at least once, between two writes, when the value is too old.
+/// Whatever the phases are, the last run of the reader before a write sees an age of at least the writer's
+/// period minus the reader's period.
 std::vector<std::string> stale_by_design(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   const auto period_of = [&](const model::Endpoint& end) {
@@ -83,7 +84,7 @@ std::vector<std::string> stale_by_design(const model::Cell& cell) {
   return stale;
 }
 
-/// The readers that do not get the safe value that the descriptor gives to their output.
+/// The readers that do not get the safe value that the descriptor gives to the output that they read.
 std::vector<std::string> without_safe_value(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   std::vector<std::string> without;

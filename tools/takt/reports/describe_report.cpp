@@ -36,8 +36,8 @@ Page::Words wrapped_words(const std::string& text, std::size_t width) {
   return lines;
 }
 
-/// Adds rows with aligned columns. The last column is a sentence, which is wrapped; if the other columns
-/// leave it little room, it goes below them.
+/// Adds rows with aligned columns. The last column is a sentence, which is wrapped. If the other columns
+/// leave little room for the sentence, it goes below them.
 void rows(Page& page, std::size_t indent, const std::vector<Page::Words>& all) {
   constexpr std::size_t kLittle = 30;
   std::vector<Page::Words> columns;

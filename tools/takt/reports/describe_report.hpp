@@ -29,7 +29,8 @@ std::string describe_text(const Described& described, Style style);
 std::string describe_json(const Described& described);
 
 /// A <module> element for a descriptor, with the defaults. The operation type is that of the program, if
-/// known. Otherwise a component with an event port or a condition is sporadic, and any other is periodic.
+/// known. Otherwise a component with an event port or a condition is sporadic, and any other component is
+/// periodic.
 std::string describe_xml(const Described& described);
 
 /// A module profile with the terms of ISO 22166-202; docs/describe.md lists the terms that are used, and why.

@@ -46,8 +46,7 @@ std::string doctor_text(const Json& report, Style style) {
     if (finding["severity"] == "good")
       page.sentence(2, fmt::format("good    {}: {}", text_of(finding, "check"), text_of(finding, "found")));
   }
-  if (!report["root"].get<bool>())
-    page.sentence(2, "Not run as root: a finding says so where it would need root.");
+  if (!report["root"].get<bool>()) page.sentence(2, "Not run as root: each finding that needs root says so.");
   return std::move(page).take();
 }
 

@@ -131,7 +131,8 @@ CellHealth health_of(const Cell& cell, const ObservedCell& observed) {
   }
   for (std::size_t i = 0; i < cell.connections.size(); ++i) {
     const Connection& connection = cell.connections[i];
-    // The reader knows more. A topic for other programs has only a writer in the cell.
+    // Prefer the report of the reader, which knows more. A topic for other programs has only a writer in the
+    // cell.
     const auto* port = find(observed.ports, to_text(connection.to.given() ? connection.to : connection.from));
     if (port == nullptr) continue;
     const auto is_lost = [&](const model::Endpoint& end) {
@@ -189,7 +190,7 @@ CellHealth health_of(const Cell& cell, const Json& status) {
 
 namespace {
 
-// Rounded to a precision that is useful to a reader.
+// Rounds an age to a precision that is useful to a person.
 Nanoseconds rounded(Nanoseconds age) {
   if (age < std::chrono::milliseconds{10}) return std::chrono::round<std::chrono::microseconds>(age);
   return std::chrono::round<std::chrono::milliseconds>(age);

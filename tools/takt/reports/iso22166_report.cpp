@@ -6,8 +6,7 @@ namespace takt::tool {
 
 namespace {
 
-/// Writes XML elements, indented by their depth. Elements without content are left out, because it is not
-/// known.
+/// Writes XML elements, indented by their depth. An element whose content is not known is left out.
 class Elements {
  public:
   void open(const char* name) {

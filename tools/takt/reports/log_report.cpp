@@ -34,7 +34,7 @@ const char* colour_of(model::Severity severity) {
   return "";
 }
 
-/// Marks the severity without colours.
+/// The mark that shows the severity without colours.
 char mark_of(model::Severity severity) {
   switch (severity) {
     case model::Severity::note:

@@ -12,9 +12,9 @@
 
 namespace takt::tool {
 
-/// Events as text, in local time: a line with time, module, kind and cause. A cause that does not fit goes
-/// below. A change of the day gets its own line. `day` is the day of the previous event (empty: none) and is
-/// updated.
+/// Events as text, in local time. Each event has a line with time, module, kind and cause; a cause that does
+/// not fit goes below. A change of the day gets its own line. `day` is the day of the previous event (empty:
+/// none) and is updated.
 std::string log_text(const std::vector<model::Fault>& events, std::string& day, Style style);
 /// One JSON object per line.
 std::string log_json(const std::vector<model::Fault>& events);

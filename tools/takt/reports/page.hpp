@@ -14,7 +14,7 @@ namespace takt::tool {
 std::string count(std::size_t number, std::string_view noun);
 
 /// The text of a report. Aligns columns, highlights words, and wraps lists, sentences and headings to the
-/// width. In a table that is too wide, the other columns go below the first one.
+/// width. In a table that is too wide, the other columns go below the first column.
 class Page {
  public:
   using Words = std::vector<std::string>;

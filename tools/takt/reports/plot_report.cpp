@@ -66,7 +66,7 @@ Extent extent_of(const PlotPanel& panel) {
     high = static_cast<double>(panel.labels.size() - 1);
   }
   if (low > high) return {};
-  // Halves, so that a span over nearly the whole range of a double does not overflow.
+  // Subtract halves, so that a span over nearly the whole range of a double does not overflow.
   const double span = high / 2 - low / 2;
   const double margin = span > 0 ? span * 0.1 : std::max(std::abs(low) * 0.1, 0.5);
   constexpr double kMost = std::numeric_limits<double>::max() * 0.99;  // leaves room for a mark beyond it

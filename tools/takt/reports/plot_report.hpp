@@ -37,8 +37,8 @@ inline constexpr std::size_t kPlotColumns = 900;
 
 std::string plot_svg(const Plot& plot);
 
-/// About `about` marks for an axis between `from` and `to`, spaced by 1, 2 or 5 times a power of ten. At
-/// least one.
+/// Marks for an axis between `from` and `to`, spaced by 1, 2 or 5 times a power of ten. Returns about `about`
+/// marks, at least one.
 std::vector<double> ticks(double from, double to, std::size_t about);
 
 /// The best unit for a duration: "us", "ms", "s", "min" or "h", and its length in seconds.

@@ -13,7 +13,8 @@ model::Profile profile_of(const nlohmann::ordered_json& status) {
       const auto time = [&run](const char* key) {
         return Nanoseconds{std::llround(run[key].get<double>() * 1e3)};
       };
-      // A release counts as a cycle at once. A run that had not returned at the end was not measured.
+      // A release counts as a cycle as soon as it happens. A run that had not returned at the end was not
+      // measured.
       const bool measured = time("max") > Nanoseconds{};
       profile.modules[device["name"].get<std::string>() + "." + module["name"].get<std::string>()] = {
           .runs = measured ? module["cycles"].get<std::uint64_t>() : 0,

@@ -24,7 +24,7 @@ std::string us(const Json& value) {
 // The first line of an error.
 std::string one_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-// A table of the ports that are connected.
+// Makes a table of the connected ports.
 std::string ports_text(const Json& device) {
   struct Row {
     std::string name;

@@ -1,4 +1,4 @@
-// The output of `takt trace`: what was late, and why.
+// The output of `takt trace`: which rows and modules were late, and why.
 #pragma once
 
 #include <cstdint>

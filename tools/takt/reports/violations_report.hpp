@@ -7,8 +7,9 @@
 
 namespace takt::tool {
 
-/// The `realtime_violations` of a status object as text: each with its count and the calls that led there, or
-/// a line that there were none. Empty if nothing was checked. Ends with a line feed.
+/// The `realtime_violations` of a status object as text. Each violation has its count and the calls that led
+/// there. Without violations, the text is a line that says so. It is empty if nothing was checked. Ends with
+/// a line feed.
 std::string violations_text(const nlohmann::ordered_json& status);
 
 }  // namespace takt::tool

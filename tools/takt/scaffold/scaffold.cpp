@@ -32,7 +32,7 @@ std::string filled(std::string_view text, const Values& values) {
     const std::size_t end = begin == text.npos ? text.npos : text.find('@', begin + 1);
     if (end == text.npos) break;
     const auto found = values.find(text.substr(begin + 1, end - begin - 1));
-    if (found == values.end()) {  // an @ that is part of the text
+    if (found == values.end()) {  // the @ is part of the text
       result += text.substr(0, end);
       text.remove_prefix(end);
       continue;
@@ -70,7 +70,7 @@ Result<void> check_name(const std::string& name) {
       name.find("__") != name.npos) {
     return fail("'" + name + "' is not a valid component name", kRule);
   }
-  // Names of targets of CMake and Takt, and of the build folder.
+  // These are names of targets of CMake and Takt, and of the build folder.
   constexpr std::array<std::string_view, 9> kTaken{"all",  "build", "clean",   "help",      "install",
                                                    "test", "takt",  "package", "edit_cache"};
   if (std::find(kTaken.begin(), kTaken.end(), name) != kTaken.end())

@@ -54,8 +54,8 @@ class BringUp {
   /// `modules`: the number of modules of all devices together.
   explicit BringUp(std::size_t modules) : modules_(modules) {}
 
-  /// A line for each change since the last call: a module that reached START or EXECUTING, or a device whose
-  /// state changed.
+  /// Returns a line for each change since the last call. A change is a module that reached START or
+  /// EXECUTING, or a device whose state changed.
   std::vector<std::string> news(const std::vector<BroughtUp>& devices);
   /// The progress of all devices together, and what is still missing.
   [[nodiscard]] std::string text(const std::vector<BroughtUp>& devices, ScreenStyle style) const;

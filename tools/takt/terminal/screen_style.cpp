@@ -13,7 +13,8 @@ namespace takt::tool {
 ScreenStyle screen_style() { return {.colour = terminal_style().colour, .unicode = is_utf8()}; }
 
 bool is_utf8() {
-  // The first variable that is set counts, even if that locale is not installed: it describes the terminal.
+  // The first variable that is set counts, even if its locale is not installed, because it describes the
+  // terminal.
   for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
     std::string value = os::environment(name);
     if (value.empty()) continue;

@@ -18,8 +18,8 @@ std::size_t columns_of(std::string_view text);
 /// Microseconds, with fewer decimals for larger values.
 std::string in_us(double us);
 
-/// Control characters and line feeds in a text are escaped, so that it stays on one line. Without Unicode,
-/// "?" replaces characters that the terminal cannot show.
+/// A line of the screen. Control characters and line feeds in a text are escaped, so that the text stays on
+/// one line. Without Unicode, "?" replaces characters that the terminal cannot show.
 class Line {
  public:
   Line& add(std::string_view text, Ink ink = Ink::plain);
@@ -27,8 +27,8 @@ class Line {
   /// Adds a text exactly `columns` wide: padded, or cut with a mark that shows it.
   Line& left(std::string_view text, std::size_t columns, Ink ink = Ink::plain);
   Line& right(std::string_view text, std::size_t columns, Ink ink = Ink::plain);
-  /// Adds a right-aligned number. One that does not fit is shown in thousands, millions and so on, rounded
-  /// down: 12k, 3M.
+  /// Adds a right-aligned number. A number that does not fit is shown in thousands, millions and so on,
+  /// rounded down: 12k, 3M.
   Line& count(std::uint64_t number, std::size_t columns, Ink ink = Ink::plain);
   Line& gap(std::size_t columns = 1);
   /// Highlights the whole line.

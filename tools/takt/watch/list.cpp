@@ -85,8 +85,8 @@ std::string words_of(const Device& device, const Module& module) {
   return device.name + "." + module.name + " " + (device.alive ? module.state : "LOST") + " " + module.text;
 }
 
-// Devices sorted by name, each followed by its modules sorted by name; both in reverse order if the view asks
-// for it.
+// Sorts the devices by name, and the modules below each device by name. Both are in reverse order if the view
+// asks for it.
 std::vector<Row> below_their_devices(const Snapshot& snapshot, const View& view) {
   const auto ends = [&view](auto& all, const auto& is_less) {
     std::stable_sort(all.begin(), all.end(), is_less);

@@ -19,9 +19,9 @@ struct Row {
   [[nodiscard]] std::string target() const;
 };
 
-/// The rows that match the filter. Sorted by name, each device is followed by its modules. Sorted by another
-/// column, there are only modules, and devices without known modules. The filter searches name, state and
-/// reason; the name of a module includes that of its device.
+/// The rows that match the filter. If the view sorts by name, each device is followed by its modules. If the
+/// view sorts by another column, the rows are only modules, and devices without known modules. The filter
+/// searches name, state and reason; the name of a module includes that of its device.
 std::vector<Row> rows_of(const Snapshot& snapshot, const View& view);
 
 /// The heading, with a mark at the column by which the rows are sorted.
@@ -31,7 +31,7 @@ Line list_line(const Row& row, bool chosen, std::size_t columns, ScreenStyle sty
 /// Whether `text` contains all words of `filter`, ignoring case.
 bool matches(const std::string& text, const std::string& filter);
 
-/// A symbol and a word, so that the state does not depend on colour.
+/// A symbol and a word for a state, so that a user can read the state without colours.
 struct State {
   std::string text;  ///< "● EXECUTING"
   Ink ink = Ink::plain;

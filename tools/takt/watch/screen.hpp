@@ -16,12 +16,12 @@ struct Screen {
   Shown shown;
 };
 
-/// Draws a snapshot. Adapts `view` to it: the selected row is visible, and no page is scrolled past its end.
-/// States are shown as words; `style` may add colour.
+/// Draws a snapshot. Adapts `view` to the snapshot: the selected row is visible, and no page is scrolled past
+/// its end. States are shown as words; `style` may add colour.
 Screen draw(const Snapshot& snapshot, View& view, std::size_t columns, std::size_t lines, ScreenStyle style);
 
-/// What to send to a terminal that shows `before` so that it shows `now`. If the number of lines differs,
-/// that is the whole screen.
+/// The text to send to a terminal that shows `before`, so that it shows `now`. If the number of lines
+/// differs, the text draws the whole screen.
 std::string changes(const std::vector<std::string>& before, const std::vector<std::string>& now);
 
 }  // namespace takt::tool::watch

@@ -1,5 +1,5 @@
-// A snapshot of a domain, as plain data for the screen of `takt watch`: what its nodes report, and what the
-// running descriptor says.
+// A snapshot of a domain, as plain data for the screen of `takt watch`. It has what the nodes report, and
+// what the running descriptor says.
 #pragma once
 
 #include <cstdint>
@@ -66,7 +66,8 @@ struct Module {
   std::vector<Port> ports{};
   std::vector<Transition> transitions{};  ///< oldest first
 
-  /// A run of this length as a share of the budget. None if the module has no budget or no measurements.
+  /// The share of the budget that a run of this length takes. None if the module has no budget or no
+  /// measurements.
   [[nodiscard]] std::optional<double> share(double run_us) const;
 };
 

@@ -31,7 +31,7 @@ std::optional<Verb> verb_of(int key) {
   }
 }
 
-/// By how many rows a key moves, if `room` rows fit on the screen.
+/// The number of rows by which a key moves, if `room` rows fit on the screen. None if the key does not move.
 std::optional<std::ptrdiff_t> steps_of(int key, std::size_t room) {
   const auto page = static_cast<std::ptrdiff_t>(std::max<std::size_t>(room, 2) - 1);
   constexpr std::ptrdiff_t kAll = 1'000'000'000;
@@ -135,7 +135,7 @@ void settle(View& view, const Shown& shown) {
   if (!view.pressed && rows > 0) view.chosen = shown.targets.front();
   const bool stays = view.chosen_at < rows && shown.targets[view.chosen_at] == view.chosen;
   const auto found = std::find(shown.targets.begin(), shown.targets.end(), view.chosen);
-  if (stays) {  // checked first: two nodes with the same name have a row each
+  if (stays) {  // checked first, because two nodes with the same name have a row each
   } else if (found != shown.targets.end()) {
     view.chosen_at = static_cast<std::size_t>(found - shown.targets.begin());
   } else if (view.place == Place::list) {  // the details page stays on its module

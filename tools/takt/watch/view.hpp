@@ -39,7 +39,7 @@ struct View {
   std::string message{};           ///< the answer to the last key
 };
 
-/// What is on the screen, as far as the keys need it.
+/// The parts of the screen that the keys need.
 struct Shown {
   std::vector<std::string> targets;  ///< all rows of the list, including those that are scrolled out
   std::size_t room = 1;              ///< rows that fit on the screen

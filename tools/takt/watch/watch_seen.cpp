@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <takt/wire/words.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/wire/words.hpp>
 
 #include "reports/connections_report.hpp"
 #include "web/said.hpp"
@@ -21,9 +21,9 @@ constexpr std::size_t kMinute = 60;
 constexpr std::size_t kTransitions = 100;  // per module
 constexpr std::size_t kGone = 1000;        // modules that are gone, or whose device is not known yet
 constexpr std::size_t kEvents = 100;
-/// After this time a node is asked for its descriptor again, if it did not answer.
+/// After this time, a node that did not answer is asked for its descriptor again.
 constexpr std::chrono::seconds kAgain{5};
-/// The same if it did answer, because an update may have changed the descriptor.
+/// After this time, a node that did answer is asked again, because an update may have changed the descriptor.
 constexpr std::chrono::seconds kFresh{30};
 
 watch::Quantiles quantiles(const Distribution& d) {
@@ -72,7 +72,7 @@ watch::Planned planned(const model::Module& module) {
 }
 
 const wire::ObservedDevice* device_of(const std::vector<wire::ObservedDevice>& devices,
-                                     const std::string& name) {
+                                      const std::string& name) {
   const auto found =
       std::find_if(devices.begin(), devices.end(), [&](const auto& device) { return device.name() == name; });
   return found == devices.end() ? nullptr : &*found;

@@ -10,14 +10,14 @@
 
 #include <takt/client/history.hpp>
 #include <takt/core/time.hpp>
-#include <takt/wire/cell_state.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/wire/cell_state.hpp>
 
 #include "watch/seen.hpp"
 
 namespace takt::tool {
 
-/// Keeps what is needed between two snapshots: transitions, events, descriptors. For one thread only.
+/// Keeps the data that snapshots need from earlier: transitions, events and descriptors. For one thread only.
 class Watched {
  public:
   explicit Watched(int domain) : domain_(domain) {}
@@ -26,7 +26,8 @@ class Watched {
   void add(const LifecycleStatus& status);
   /// Adds a line to the list of events.
   void add(const std::string& event);
-  /// Sets the cell of a deployment. Null, if the node did not send its descriptor, changes nothing.
+  /// Sets the cell of a deployment. Null means that the node did not send its descriptor; then nothing
+  /// changes.
   void add(const std::string& deployment, std::shared_ptr<const model::Cell> cell);
 
   /// The next device to ask for its descriptor. The device then counts as asked.
@@ -37,7 +38,7 @@ class Watched {
   std::optional<Unknown> unknown(const std::vector<wire::ObservedDevice>& devices, Instant now);
 
   /// The state of the domain now. A device that was lost before this program started no longer publishes
-  /// anything: it is shown as lost if it is not found within kFound.
+  /// anything. Such a device is shown as lost if it is not found within kFound.
   watch::Snapshot snapshot(const std::vector<wire::ObservedDevice>& devices, Instant now);
   static constexpr std::chrono::seconds kFound{2};
 

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include <takt/core/words.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/wire/words.hpp>
 
 namespace takt::tool::web {
 
@@ -41,7 +41,7 @@ Json values_of(const std::map<std::string, Json>& all) {
 
 }  // namespace
 
-/// Queue from the DDS threads to the sender.
+/// A queue from the DDS threads to the thread that sends.
 struct Gateway::News {
   void add(const LifecycleStatus& status) {
     {
@@ -156,7 +156,7 @@ void Gateway::send_states(std::vector<LifecycleStatus> steps) {
   Json devices = Json::array();
   Json modules = Json::array();
   const std::lock_guard lock{mutex_};
-  // First each step, in order. Then the modules whose current state is newer than their last step.
+  // Send first each step, in order. Then send the modules whose current state is newer than their last step.
   for (const LifecycleStatus& step : steps) {
     Json json = module_json(step);
     Json& known = modules_[json["name"].get<std::string>()];
@@ -201,7 +201,7 @@ void Gateway::send_measures() {
   const std::vector<wire::ObservedDevice> seen = client_.observer->devices();
   const auto running = cell();
   Json measures = measures_json(seen, running.get(), os::wall_ns());
-  std::set<std::string> lost;  // their last measurements are old
+  std::set<std::string> lost;  // lost devices; their last measurements are no longer current
   for (const wire::ObservedDevice& device : seen) {
     if (!device.alive) lost.insert(device.name());
   }
@@ -250,7 +250,7 @@ void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems
       model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", problems_}})));
 }
 
-// Events of a record are old: they are sorted in by time, and not counted as new.
+// The events of a record are not new. So they are sorted in by time, and are not counted as new.
 void Gateway::add_record(const client::Log& read) {
   if (read.events.empty() && read.problems.empty()) return;
   const std::lock_guard lock{mutex_};
@@ -277,7 +277,8 @@ void Gateway::run_fetcher() {
   }
 }
 
-// Reads the record of each device once, for events from before the device was found or this program started.
+// Reads the record of each device once. The record has the events from before the device was found or this
+// program started.
 void Gateway::read_records() {
   for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
@@ -295,8 +296,8 @@ void Gateway::follow_faults() {
   add_faults(events, problems);
 }
 
-// A cell stays on the page while all of its devices are lost. It goes if it was taken down from a device that
-// is alive.
+// A cell stays on the page while all of its devices are lost. The cell disappears if it was taken down from a
+// device that is alive.
 bool Gateway::is_lost() const {
   if (!cell_) return false;
   bool lost = false;

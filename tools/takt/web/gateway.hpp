@@ -1,4 +1,4 @@
-// What pages get from a cell and may ask of it, independent of HTTP.
+// The data that pages get from a cell and the requests that they may send to it, independent of HTTP.
 //
 // Everything that a page shows comes from the topics on which nodes publish anyway. The gateway asks a device
 // only for what a page shows at the moment: ports, properties and tables of one module or device. The node
@@ -29,7 +29,7 @@
 
 namespace takt::tool::web {
 
-/// Any thread may call it.
+/// Any thread may call its functions.
 class Gateway {
  public:
   static Result<std::unique_ptr<Gateway>> create(const client::Network& network);

@@ -34,7 +34,7 @@ std::string number(double value) {
   return fmt::format("{}", value);
 }
 
-/// One metric with all of its samples; the format requires them to be together.
+/// One metric with all of its samples. The format requires that all samples of a metric are together.
 class Metric {
  public:
   Metric(std::string_view name, std::string_view type, std::string_view help)
@@ -105,8 +105,9 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
   }
   // A device that was lost before the gateway started publishes nothing, but belongs to the cell.
   for (const model::Device& device : cell == nullptr ? std::vector<model::Device>{} : cell->devices) {
-    const bool found = std::any_of(devices.begin(), devices.end(),
-                                   [&](const wire::ObservedDevice& one) { return one.name() == device.name; });
+    const bool found = std::any_of(devices.begin(), devices.end(), [&](const wire::ObservedDevice& one) {
+      return one.name() == device.name;
+    });
     if (!found) up.add({{"cell", cell->name}, {"device", device.name}}, false);
   }
   return up.text() + state.text() + health.text() + real_time.text() + restarts.text();
@@ -207,7 +208,8 @@ std::string of_connections(const std::vector<wire::ObservedDevice>& devices, con
          late.text();
 }
 
-/// Two nodes with the same name would be the same series. Keeps the first one that is alive.
+/// Keeps one node for each name, because two nodes with the same name would be the same series. Keeps the
+/// first node that is alive.
 std::vector<wire::ObservedDevice> one_of_each(std::vector<wire::ObservedDevice> devices) {
   std::stable_partition(devices.begin(), devices.end(),
                         [](const wire::ObservedDevice& one) { return one.alive; });

@@ -1,5 +1,5 @@
-// What nodes publish, for Prometheus: its text format 0.0.4. Names follow its guide: base units, and _total
-// for counters.
+// Writes what nodes publish as metrics for Prometheus, in its text format 0.0.4. The names follow the guide
+// of Prometheus: base units, and _total for counters.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include <takt/wire/cell_state.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
+#include <takt/wire/cell_state.hpp>
 
 namespace takt::tool::web {
 
-/// What the gateway has counted since it started.
+/// The events and pages that the gateway has counted.
 struct Counted {
   /// Events of the fault records, by device and severity (index: model::Severity).
   std::map<std::string, std::array<std::uint64_t, 3>> faults{};

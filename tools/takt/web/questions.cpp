@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <takt/core/words.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
+#include <takt/wire/words.hpp>
 
 #include "web/period.hpp"
 
@@ -143,12 +143,12 @@ Answer Questions::properties(const std::string& module, const std::shared_ptr<co
   const auto found = std::find_if(modules.begin(), modules.end(),
                                   [&](const Json& one) { return text_in(one, "name") == name->second; });
   if (found == modules.end())
-    return answer_of(404, fail("there is no module " + module, "takt status lists the modules"));
+    return answer_of(404, fail("there is no module " + module, "list the modules with takt status"));
   Json properties = found->contains("properties") && (*found)["properties"].is_array()
                         ? (*found)["properties"]
                         : Json::array();
-  // A program has the values that it was started with. Its node would reject questions for properties that
-  // were not given.
+  // A program has the values with which it was started. Its node would reject questions about properties that
+  // the descriptor does not give.
   if (const model::Module* const program = program_of(running.get(), *name)) {
     for (Json& property : properties) {
       const auto given = model::given_property(*program, text_in(property, "name"));
@@ -172,12 +172,12 @@ Answer Questions::properties(const std::string& module, const std::shared_ptr<co
 }
 
 Answer Questions::table(const std::string& device, const std::shared_ptr<const model::Cell>& running) {
-  if (!running) return answer_of(409, fail("no cell runs", "takt deploy FILE"));
+  if (!running) return answer_of(409, fail("no cell runs", "deploy one with takt deploy FILE"));
   const auto found = std::find_if(running->devices.begin(), running->devices.end(),
                                   [&device](const model::Device& d) { return d.name == device; });
   if (found == running->devices.end())
-    return answer_of(404,
-                     fail("cell " + running->name + " has no device " + in_quotes(device), "takt status"));
+    return answer_of(404, fail("cell " + running->name + " has no device " + in_quotes(device),
+                               "list the devices with takt status"));
   const auto reply = asker_.ask({.kind = COMMAND_TRACE,
                                  .device = device,
                                  .value = std::to_string(trace_needed(*running, *found).count()),

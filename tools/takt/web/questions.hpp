@@ -21,7 +21,8 @@ Answer answer_of(const Json& json);
 /// {"what", "fix"}; `problem.where` is put in front of "what".
 Answer answer_of(int status, const Problem& problem);
 
-/// Any thread may call it. A body is untrusted input from a browser; invalid ones get an answer too.
+/// Any thread may call its functions. The body of a request is untrusted input from a browser; an invalid
+/// body gets an answer, too.
 class Questions {
  public:
   /// `asker` outlives this object.

@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/wire/cell_state.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
+#include <takt/wire/cell_state.hpp>
 
 #include "reports/graph_report.hpp"
 
@@ -27,8 +27,8 @@ Json fault_json(const model::Fault& fault);
 Json measures_json(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell,
                    std::int64_t time_ns);
 
-/// The running cell as its descriptor says, with its tables and its graph as SVG. `cell`: null if no cell is
-/// known to run.
+/// The running cell as the descriptor describes it, with its tables and its graph as SVG. `cell`: null if no
+/// cell is known to run.
 Json cell_json(const model::Cell* cell, int domain, const std::string& deployment);
 /// The maximum number of rows of an executor's table that is sent; a table may have a million rows.
 inline constexpr std::size_t kMostRows = 200;

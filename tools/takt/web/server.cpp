@@ -26,7 +26,7 @@ using httplib::Response;
 constexpr std::size_t kMostBody = std::size_t{64} << 10;
 constexpr std::size_t kThreads = Streams::kMost + 16;  // each stream occupies one
 constexpr std::chrono::seconds kSign{10};              // interval of life signs on an idle stream
-constexpr std::chrono::seconds kWrite{10};             // maximum time for which a browser may not read
+constexpr std::chrono::seconds kWrite{10};  // a browser that does not read for this long is disconnected
 
 struct File {
   std::string_view path;
@@ -65,7 +65,7 @@ class HttpServer final : public Server {
     server_.set_read_timeout(5);
     server_.set_write_timeout(kWrite);
     server_.set_tcp_nodelay(true);
-    // Replaces the default, SO_REUSEPORT, with which a second server on the same port would get half of the
+    // Do not use the default, SO_REUSEPORT: a second server on the same port would then get half of the
     // requests.
     server_.set_socket_options([](socket_t socket) {
       const int yes = 1;
@@ -179,8 +179,8 @@ class HttpServer final : public Server {
     });
   }
 
-  /// Why the sender may not command; empty if it may. Checks a header, which a page of another site cannot
-  /// send.
+  /// The reason why the sender may not command; empty if it may. Checks a header that a page of another site
+  /// cannot send.
   [[nodiscard]] std::string refusal(const Request& request) const {
     if (token_.empty()) return "this page is read-only: takt web was started without --commands";
     const std::string given = request.get_header_value("Authorization");

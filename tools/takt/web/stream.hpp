@@ -1,6 +1,6 @@
 // The streams of server-sent events to the browsers.
 //
-// A browser may be slow, or a tablet may sleep. So each browser has its own queue. If the queue is full, the
+// A browser may be slow, or a tablet may sleep. So each browser has its own queue. If this queue is full, the
 // stream ends. The browser then reconnects by itself and gets the complete state again.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace takt::tool::web {
 /// An event in the format of server-sent events. `data` must be one line.
 std::string event_text(const std::string& name, const std::string& data);
 
-/// The queue of one browser. Any thread may call it.
+/// The queue of one browser. Any thread may call its functions.
 class Stream {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{8} << 20;  ///< that may wait to be sent
@@ -44,7 +44,7 @@ class Stream {
   bool ended_ = false;
 };
 
-/// All streams. Any thread may call it.
+/// All streams. Any thread may call its functions.
 class Streams {
  public:
   static constexpr std::size_t kMost = 64;

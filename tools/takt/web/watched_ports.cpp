@@ -110,7 +110,7 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
   if (!flow) return flow.problems();
   auto made = std::make_shared<Source>(std::move(*flow));
   if (made->shown.empty())
-    return fail(port + " has no field that is a number", "takt echo " + port + " prints its samples");
+    return fail(port + " has no field that is a number", "use takt echo " + port + " to print its samples");
   made->asked = made->used = os::now();
   auto tap =
       dds::Tap::create(client_.participant, made->flow,
@@ -187,7 +187,7 @@ void WatchedPorts::maintain() {
     if (std::none_of(devices.begin(), devices.end(), [](const wire::ObservedDevice& d) { return d.alive; }))
       continue;
     const auto flow = client::tapped(*client_.asker, port);
-    if (!flow) continue;  // the device is lost or not yet back; the states on the page show that
+    if (!flow) continue;  // the device is lost or not yet back, as its state on the page shows
     const std::lock_guard lock{mutex_};
     const auto source = sources_.find(port);
     if (source == sources_.end()) continue;
@@ -203,7 +203,7 @@ void WatchedPorts::maintain() {
   for (const std::string& port : changed) resend(port);
 }
 
-// Sends the new description of a port to all streams that show it; its values follow from the beginning.
+// Sends the new description of a port to all streams that show the port. All of its values follow.
 void WatchedPorts::resend(const std::string& port) {
   const auto now = source(port);
   if (!now) return;

@@ -17,8 +17,8 @@
 
 namespace takt::tool::web {
 
-/// Any thread may call it. A port is collected while a page shows it, and for kUnused longer, in case the
-/// page returns.
+/// Any thread may call its functions. The values of a port are collected while a page shows the port, and for
+/// kUnused longer, in case the page returns.
 class WatchedPorts {
  public:
   static constexpr std::size_t kMost = 8;                 ///< ports of one stream

@@ -9,7 +9,7 @@
 //   TAKT_COMPONENT(Ramp, "A value that rises.")
 //
 // In CMake, takt_add_component(ramp ramp.cpp) builds it. A cell may have several modules of one component;
-// each module is an object of its own.
+// each module is a separate object.
 #pragma once
 
 #include <cstdint>
@@ -32,16 +32,16 @@ namespace takt {
 
 /// One release of a module. By the paper's Eq. (1), `time` is P_n = T0 + n x period.
 struct Cycle {
-  std::uint64_t number = 0;  ///< n: number of the release on the module's grid, from 0; gap: missed releases
+  std::uint64_t number = 0;  ///< n: release number on the module's grid, from 0; missed releases leave gaps
   Instant time{};            ///< when the release was due; equal for all modules of a row
-  Nanoseconds period{};      ///< of the module; for a sporadic module, of its executor's rows
-  Instant start{};           ///< when run() was called; ports use it as the stamp of samples and for ages
+  Nanoseconds period{};      ///< period of the module; for a sporadic module, of its executor's rows
+  Instant start{};           ///< when run() was called; stamps of samples and ages refer to this time
 
   /// The period in seconds. Real-time.
   [[nodiscard]] double seconds() const noexcept { return std::chrono::duration<double>(period).count(); }
 };
 
-/// Why a module was taken out of its table. The numbers are those of <takt/module.h>.
+/// Why a module was taken out of its table. The numbers are the same as in <takt/module.h>.
 enum class ErrorType : int {
   none = 0,      ///< no error
   failure = 1,   ///< run() or condition() threw or called fail()
@@ -73,15 +73,15 @@ class Component {
   /// Called between initialize() and start() if a former instance saved a value of another version or size.
   /// Put what is still valid into the Saved of this instance. If it fails, the value is not restored, the
   /// reason is reported, and the module starts all the same. A value of the same version and size is restored
-  /// without this call. For an instance that is swapped in, it is called again, also after start(), until it
-  /// has been given the newest value; there a failure ends the swap. Not real-time. The default fails.
+  /// without this call. During a swap, restore() is called again, also after start(), until the new instance
+  /// has the newest value; a failure then ends the swap. Not real-time. The default implementation fails.
   virtual Result<void> restore(const SavedBefore& before);
-  /// Called when every module of the device is initialised. May fail. Not real-time.
+  /// Called when every module of the device is initialised. It may fail. Not real-time.
   virtual Result<void> start() { return {}; }
-  /// Called every period, or when condition() is true. Real-time: must not lock, allocate, make a system call
-  /// or log. Reports failures with fail().
+  /// Called every period, or when condition() is true. Real-time: run() must not lock, allocate, make a
+  /// system call or log. It reports failures with fail().
   virtual void run(const Cycle& cycle) = 0;
-  /// For a sporadic module: whether run() must be called. The default is true while an event port has an
+  /// For a sporadic module: whether run() must be called. By default, it is true while an event port has an
   /// unread event. Real-time, with the same rules as run().
   virtual bool condition();
   /// Called after an error took the module out of its table. Not real-time.
@@ -106,7 +106,7 @@ class Component {
   /// Real-time.
   static Nanoseconds period() noexcept;
   /// Reports a failure from run() or condition(). The module is taken out of its table after the call, with
-  /// this text as the reason (255 bytes are kept). Returns; the hook must end by itself. Real-time.
+  /// this text as the reason (255 bytes are kept). fail() returns, so the hook must end itself. Real-time.
   static void fail(const char* text) noexcept;
 
  private:
@@ -125,7 +125,7 @@ struct ComponentFactory {
   static constexpr std::uint32_t kAbi = 5;  ///< version of this interface
   std::uint32_t abi;                        ///< kAbi when the component was compiled
   std::uint32_t component_size;             ///< sizeof(Component) when the component was compiled
-  const char* name;                         ///< of the class
+  const char* name;                         ///< name of the class
   Component* (*create)();                   ///< creates an object of the class
   void (*destroy)(Component*);              ///< destroys an object
   bool own_condition;                       ///< whether the class overrides condition()

@@ -10,8 +10,8 @@
  *     void recover(void);        makes the module fit to run again
  *     void destruct(void);
  *
- * Only run() is required, and condition() in a sporadic module without an event port. A missing hook counts
- * as empty. A real-time thread calls run() and condition(), which must not lock, allocate, block or log.
+ * run() is required. A sporadic module without an event port also needs condition(). All other hooks are
+ * optional. A real-time thread calls run() and condition(), which must not lock, allocate, block or log.
  * Another thread, which is not real-time, calls all other hooks. A hook reports a failure with
  * takt_fail(text) or, in C++, by throwing an exception. */
 #ifndef TAKT_MODULE_H
@@ -36,8 +36,8 @@ enum {
   TAKT_ERROR_FAILURE = 1,  /**< run() or condition() threw or called takt_fail() */
   TAKT_ERROR_BUDGET = 2,   /**< one run() took longer than `<budget>` */
   TAKT_ERROR_START = 3,    /**< start() failed */
-  TAKT_ERROR_CRASH = 4,    /**< the process module crashed or ended by itself */
-  TAKT_ERROR_HANG = 5,     /**< the process module did not return from its body */
+  TAKT_ERROR_CRASH = 4,    /**< the host or the process module crashed or ended by itself */
+  TAKT_ERROR_HANG = 5,     /**< run() or another hook did not return */
   TAKT_ERROR_DEADLINE = 6, /**< a sporadic module missed its deadline, with miss="error" */
   TAKT_ERROR_STALE = 7,    /**< an input was older than its connection's deadline, with stale="error" */
   TAKT_ERROR_OVERRUN = 8   /**< a release was not served in time, and the descriptor makes that an error */
@@ -47,19 +47,19 @@ enum {
 extern "C" {
 #endif
 
-/** Reports that the calling hook failed, with a reason (at most 255 bytes are kept). Returns; the hook must
- * end by itself. Any hook may call it. Real-time: no lock, no allocation. Links with libtakt_component, which
- * the host has loaded. */
+/** Reports that the calling hook failed, with a reason (at most 255 bytes are kept). takt_fail() returns, so
+ * the hook must end itself. Any hook may call it. Real-time: no lock, no allocation. The function is in
+ * libtakt_component, which the host has loaded. */
 void takt_fail(const char* text);
 
-/** The number of the release that run() serves, on the module's grid. Counts from 0, with gaps for missed
- * releases. 0 outside of run(). Only for the thread that calls the hook. Real-time. */
+/** The number of the release that run() serves, on the module's grid. It counts from 0, with gaps for missed
+ * releases. Returns 0 outside of run(). Only the thread that runs the hook may call it. Real-time. */
 uint64_t takt_cycle(void);
 /** The instant at which the release that run() serves was due: P_n of the paper's Eq. (1), in ns of
- * CLOCK_MONOTONIC. 0 outside of run(). Only for the thread that calls the hook. Real-time. */
+ * CLOCK_MONOTONIC. Returns 0 outside of run(). Only the thread that runs the hook may call it. Real-time. */
 int64_t takt_release_ns(void);
-/** The period of the module in ns, in every hook; 0 if it has no period. In run() and condition() of a
- * sporadic module it is the period of the executor's rows. Only for the thread that calls the hook.
+/** The period of the module in ns, in every hook; 0 if the module has no period. In run() and condition() of
+ * a sporadic module it is the period of the executor's rows. Only the thread that runs the hook may call it.
  * Real-time. */
 int64_t takt_period_ns(void);
 
@@ -83,12 +83,12 @@ namespace irp {
  * initialize(). */
 class Property {
  public:
-  /** Names and texts. */
+  /** Pairs of name and text. */
   using Values = std::vector<std::pair<std::string, std::string>>;
 
-  /** Without properties. */
+  /** Constructs an empty set of properties. */
   Property() = default;
-  /** With these properties. */
+  /** Constructs a set of these properties. */
   explicit Property(Values values) : values_(std::move(values)) {}
 
   /** Whether the descriptor sets the property. */
@@ -102,8 +102,8 @@ class Property {
   }
 
   /** The value of a property as bool (true, false, 1, 0), integer, floating point or std::string; `fallback`
-   * if the descriptor does not set it. Throws std::invalid_argument if the text is not a value of type T:
-   * "1.5" for an integer, "-1" for an unsigned integer, "nan", a blank. */
+   * if the descriptor does not set it. Throws std::invalid_argument if the text is not a value of type T, for
+   * example "1.5" for an integer, "-1" for an unsigned integer, "nan" or a blank. */
   template <class T>
   T get(const std::string& name, T fallback) const {
     const std::string* text = find(name);
@@ -115,8 +115,9 @@ class Property {
     return text == nullptr ? fallback : *text;
   }
 
-  /** The same for a number from `min` to `max`, both inclusive. Throws std::invalid_argument if the value is
-   * out of this range; the fallback is not checked. */
+  /** The value of a property that is a number from `min` to `max`, both inclusive; `fallback` if the
+   * descriptor does not set it. Throws std::invalid_argument if the value is out of this range or is not a
+   * number. The fallback is not checked. */
   template <class T>
   T get(const std::string& name, T fallback, std::common_type_t<T> min, std::common_type_t<T> max) const {
     const std::string* text = find(name);

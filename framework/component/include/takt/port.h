@@ -15,9 +15,9 @@
  *       takt_write(&effort, &output);
  *     }
  *
- * Every hook may call these macros, also on the real-time thread: they neither wait nor allocate. One thread
- * at a time. In a program, use them only after initPeriodExe() or initSporadicExe(). An unconnected input
- * never has a new sample, and an unconnected output writes nowhere. */
+ * Every hook may call these macros, including on the real-time thread: they neither wait nor allocate. Only
+ * one thread may call them at a time. In a program, use them only after initPeriodExe() or initSporadicExe().
+ * An unconnected input never has a new sample, and an unconnected output writes nowhere. */
 #ifndef TAKT_PORT_H
 #define TAKT_PORT_H
 
@@ -69,8 +69,8 @@ int64_t takt_port_age_ns(const takt_port* port);
 
 /** Takes the next sample and returns 1: the newest if the connection holds the latest value, the oldest if it
  * is a queue. Returns 0 if no sample has arrived. In both cases it copies the sample that was read last to
- * *value, all zero before the first. A safe value arrives like a sample: once, when it replaces the sample
- * before. Real-time. */
+ * *value; before the first sample, *value becomes all zero. A safe value arrives like a sample: once, when it
+ * replaces the last sample. Real-time. */
 #define takt_read(port, value) takt_port_read(&(port)->base, TAKT_VALUE_OF(port, value))
 /** Sends *value to all connected readers and returns 1, even if there are none. Returns 0 if the value does
  * not fit its type: a length exceeds its bound, or an enumerator is invalid. The stamp of the sample is the
@@ -84,14 +84,14 @@ int64_t takt_port_age_ns(const takt_port* port);
 #define takt_is_safe(port) takt_port_is_safe(&(port)->base)
 /** Returns 1 if another port is connected. Real-time. */
 #define takt_connected(port) takt_port_connected(&(port)->base)
-/** The number of the sample that was read last, as its writer counts, from 1; 0 before the first. Real-time.
- * */
+/** The number of the sample that was read last. Its writer counts from 1. 0 before the first sample.
+ * Real-time. */
 #define takt_sequence(port) takt_port_sequence(&(port)->base)
 /** The age of the sample that was read last in ns: from the start of the run() that wrote it to the start of
  * this run(). INT64_MAX before the first sample. Real-time. */
 #define takt_age_ns(port) takt_port_age_ns(&(port)->base)
 
-/* Makes the compiler reject a pointer to another type than the port's. */
+/* Makes the compiler reject a pointer to a type other than the port's. */
 #define TAKT_VALUE_OF(port, pointer) (1 ? (pointer) : (port)->value)
 
 #define TAKT_PORT_OF_DIRECTION(Type, port, direction_)                                               \

@@ -1,6 +1,6 @@
 /** @file
  * The interface of a process module (.exe) in the form of the paper's Figures 9 and 11. The module is a
- * program of its own, which links with libtakt_process and which takt-node starts:
+ * separate program. It links with libtakt_process, and takt-node starts it:
  *
  *     int main(int argc, char* argv[]) {      int main(int argc, char* argv[]) {
  *       initPeriodExe();                        initSporadicExe();
@@ -20,8 +20,9 @@
  * Descriptions: if ports of the program are connected, `takt check`, `takt describe` and takt-node first
  * start it with its arguments to learn its ports. initPeriodExe() or initSporadicExe() then reports the ports
  * and ends the program. So the code before this call in main() must only read arguments and declare ports. It
- * must not open devices or start anything else. If it cannot accept an argument, it prints "what is wrong;
- * what to do" on standard error, one line for each argument, and exits with a status other than 0.
+ * must not open devices or start anything else. If the program cannot accept an argument, it should print
+ * "what is wrong; what to do" on standard error, one line for each argument, and exit with a status other
+ * than 0.
  *
  * Saved state: a program that is started again after a crash has its saved state back when initPeriodExe() or
  * initSporadicExe() returns; see <takt/saved.h>, in C++ takt::Saved.
@@ -51,27 +52,32 @@ extern "C" {
 #endif
 
 /** Connects a periodic program to the node that started it; the module is then in INITIALIZE. Call it once,
- * from the thread that will wait. Not real-time. If takt-node did not start the program, or the descriptor
- * does not say periodic, it prints the reason on standard error and ends the program with status 1. */
+ * from the thread that will call waitPeriod(). Not real-time. If takt-node did not start the program, or the
+ * descriptor does not say periodic, the function prints the reason on standard error and ends the program
+ * with status 1. */
 void initPeriodExe(void);
-/** The same for a sporadic program. */
+/** Connects a sporadic program to the node that started it; the module is then in INITIALIZE. Call it once,
+ * from the thread that will call waitSporadic(). Not real-time. If takt-node did not start the program, or
+ * the descriptor does not say sporadic, the function prints the reason on standard error and ends the program
+ * with status 1. */
 void initSporadicExe(void);
 
 /** Reports that the body is done, and waits for the next release. The first call reports that the module is
- * ready; the module is then in START. Sleeps until a margin before the release, then spins on a word in
- * shared memory, and falls back to a futex. Call it from the thread that called initPeriodExe(). */
+ * ready; the module is then in START. The function sleeps until shortly before the release, and then spins on
+ * a word in shared memory. If the release is late, it sleeps on a futex. Call it from the thread that called
+ * initPeriodExe(). */
 void waitPeriod(void);
 /** Reports that the body is done, and waits for the next release of a sporadic module. The first call reports
  * that the module is ready; the module is then in START. Call it from the thread that called
  * initSporadicExe(). */
 void waitSporadic(void);
 
-/** The number of the release that the body serves, on the module's grid. Counts from 0, with gaps for missed
- * releases. Real-time. */
+/** The number of the release that the body serves, on the module's grid. It counts from 0, with gaps for
+ * missed releases. Real-time. */
 uint64_t takt_cycle(void);
 /** The instant at which the release that the body serves was due, in ns of CLOCK_MONOTONIC. Real-time. */
 int64_t takt_release_ns(void);
-/** The period of the module in ns; for a sporadic module that of its executor's rows. Real-time. */
+/** The period of the module in ns; for a sporadic module, the period of its executor's rows. Real-time. */
 int64_t takt_period_ns(void);
 
 #ifdef __cplusplus

@@ -4,7 +4,7 @@
 //
 //   TAKT_TEXT("Holds a joint in its place.");
 //   takt::InPort<motion::JointState> measured{"measured"};
-//   takt::Property<double> gain{"gain", 60, {.unit = "1/s", .min = 1, .max = 200, .text = "Proportional."}};
+//   takt::Property<double> gain{"gain", 60, {.unit = "1/s", .min = 1, .max = 200, .text = "Loop gain."}};
 //   takt::Saved<Kept> kept{1};
 //
 //   int main() {

@@ -13,13 +13,13 @@
  * -INFINITY and INFINITY, or INT64_MIN and INT64_MAX, mean no bound. The text is one sentence for
  * `takt describe`.
  *
- * The variable has the value of the descriptor. In a thread module, that holds from initialize() on; after
- * `takt set`, the next call of a hook sees the new value. In a program, it holds from the first line of
- * main() on, and the value never changes. Reading the variable is real-time.
+ * The variable has the value of the descriptor. In a thread module, it has this value from initialize() on;
+ * after `takt set`, the next call of a hook sees the new value. In a program, it has this value from the
+ * first line of main() on, and the value never changes. Reading the variable is real-time.
  *
  * If a module declares properties, `takt check` rejects other names in the descriptor, and values out of
- * range. So does the start of the module. A module that declares no property accepts any, and must check them
- * itself. */
+ * range. The module also rejects them when it starts. A module that declares no properties accepts any name
+ * and value, and must check them itself. */
 #ifndef TAKT_PROPERTY_H
 #define TAKT_PROPERTY_H
 

@@ -1,6 +1,6 @@
 /** @file
- * The saved state of a module in C, which survives the death of the module's process: one variable of the
- * file, with at most 4096 bytes and without pointers:
+ * The saved state of a module in C: one variable, whose value survives the death of the module's process. It
+ * has at most 4096 bytes and no pointers:
  *
  *     static struct { double sum; } kept;
  *     TAKT_SAVED(1, kept)
@@ -8,9 +8,9 @@
  * The 1 is the version of the variable: increase it when its meaning changes.
  *
  * After each run() that did not fail, Takt copies the variable into memory that outlives the process. In a
- * program, waitPeriod() and waitSporadic() do so. After a crash, the variable has the saved value before
- * start() is called; in a program, when initPeriodExe() or initSporadicExe() returns. A value that was saved
- * with another version or size is not restored. */
+ * program, waitPeriod() and waitSporadic() copy it. After a crash, the variable has the saved value again
+ * before start() is called. In a program, it has the value when initPeriodExe() or initSporadicExe() returns.
+ * A value that was saved with another version or size is not restored. */
 #ifndef TAKT_SAVED_H
 #define TAKT_SAVED_H
 

@@ -4,8 +4,8 @@
  *     TAKT_TEXT("Keeps an extruder's heating zone at its temperature.");
  *
  * It works in every form: in a module in C, and in a program, even one that does not use Takt otherwise. The
- * sentence is in a section of its own in the file, so `takt describe` reads it without loading or starting
- * the file. A component in C++ passes the sentence to TAKT_COMPONENT. */
+ * sentence is in a separate section of the file, so `takt describe` reads it without loading or starting the
+ * file. A component in C++ passes the sentence to TAKT_COMPONENT. */
 #ifndef TAKT_TEXT_H
 #define TAKT_TEXT_H
 

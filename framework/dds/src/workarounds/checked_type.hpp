@@ -13,7 +13,7 @@
 
 namespace takt::dds {
 
-/// Counts the bytes that a type could not decode, for all its readers in this process.
+/// Counts the samples that a type could not decode, for all its readers in this process.
 struct Undecoded {
   std::atomic<std::uint64_t> count{0};
 };
@@ -21,17 +21,19 @@ struct Undecoded {
 template <class Generated>
 class CheckedType final : public Generated, public Undecoded {
  public:
-  // The generated function lets most exceptions of the decoder escape into a thread of Fast DDS.
+  // Catches the decoder's exceptions. The generated function lets most of them escape into a thread of Fast
+  // DDS.
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
     try {
       if (Generated::deserialize(payload, data)) return true;
-    } catch (...) {  // any exception that the bytes cause
+    } catch (...) {  // the bytes are not a valid sample
     }
     count.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
 
-  // The generated function computes all keys of a participant in one buffer, and does not clear it.
+  // Locks and clears the key buffer. The generated function uses one buffer for all keys, and does not clear
+  // it.
   bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5 = false) override {
     if (!this->m_isGetKeyDefined) return false;
     const std::lock_guard lock{mutex_};
@@ -44,7 +46,8 @@ class CheckedType final : public Generated, public Undecoded {
   std::mutex mutex_;
 };
 
-/// The type that this process uses for a topic. It may have been registered before the given one.
+/// The counter of the type that this process registered for a topic. An earlier user of the topic may have
+/// registered the type.
 inline Undecoded& undecoded(fast::DomainParticipant& participant, const fast::Topic& topic) {
   return *dynamic_cast<Undecoded*>(participant.find_type(topic.get_type_name()).get());
 }

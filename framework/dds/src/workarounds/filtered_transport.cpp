@@ -48,7 +48,8 @@ class FilteredTransport final : public transport::ChainingTransport {
       const wire::Announcement announcement = wire::announcement_in({bytes, readable});
       if (announcement.of != wire::Announcement::Of::nobody &&
           !filter_->unauthenticated.admit(announcement, packed_address_of(from)))
-        return drop(from, "it announces an invalid participant, or one too many that is not authenticated");
+        return drop(
+            from, "it announces an invalid participant, or there are too many unauthenticated participants");
     }
     filter_->receive_lock.handle(
         [&] { above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from); });

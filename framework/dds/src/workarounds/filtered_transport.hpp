@@ -1,5 +1,6 @@
-// A UDP transport that drops packets that are not valid RTPS messages, and with DDS Security those that are
-// not encrypted. No packet is handled while a reader is created or deleted. Not for other rooms.
+// A UDP transport that drops packets that are not valid RTPS messages. With DDS Security, it also drops
+// packets that are not encrypted. No packet is handled while a reader is created or deleted. Not for other
+// rooms.
 #pragma once
 
 #include <atomic>
@@ -21,13 +22,13 @@ struct PacketFilter {
   PacketFilter(wire::Notices& reports, bool with_security) : notices(reports), secured(with_security) {}
   wire::Notices& notices;
   const bool secured;
-  wire::UnauthenticatedParticipants unauthenticated;  // only with security
+  wire::UnauthenticatedParticipants unauthenticated;  // used only with security
   std::atomic<std::uint64_t> refused{0};
   ReceiveLock receive_lock;
 };
 
-/// Makes a transport of Fast DDS that checks each packet with wire::readable_rtps(), and with security also with
-/// wire::is_protected_rtps().
+/// Makes a transport of Fast DDS that checks each packet with wire::readable_rtps(), and with security also
+/// with wire::is_protected_rtps().
 class FilteredTransportDescriptor final : public eprosima::fastdds::rtps::ChainingTransportDescriptor {
  public:
   FilteredTransportDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below,

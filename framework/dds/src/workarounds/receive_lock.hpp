@@ -1,6 +1,7 @@
-// A lock that keeps packets from being handled while a reader is created or deleted. In Fast DDS 2.9.1 the
-// thread that handles a liveliness message walks the list of all readers without a lock (its issue 2110). If
-// the list grows meanwhile, its memory moves. Not for other rooms.
+// A lock that prevents the handling of packets while a reader is created or deleted. In Fast DDS 2.9.1 the
+// thread that handles a liveliness message walks the list of all readers without a lock (Fast DDS issue
+// 2110). If the list grows at that moment, its memory moves and the thread reads freed memory. Not for other
+// rooms.
 #pragma once
 
 #include <chrono>
@@ -12,7 +13,7 @@ namespace takt::dds {
 
 class ReceiveLock {
  public:
-  /// For the receiving threads.
+  /// Handles a packet by `call`. For the receiving threads.
   template <class Call>
   void handle(Call&& call) {
     const std::shared_lock lock{mutex_};
@@ -21,9 +22,9 @@ class ReceiveLock {
     handles_ = false;
   }
 
-  /// No packet is handled while this object exists. Its constructor waits for packets in progress, but at
-  /// most kLongest, because their handlers may wait for the caller. A thread that handles a packet does not
-  /// wait.
+  /// While this object exists and holds() is true, no packet is handled. The constructor waits for the
+  /// packets in progress, but at most kLongest, because their handlers may wait for the caller. In a thread
+  /// that handles a packet, it does not wait.
   class Pause {
    public:
     explicit Pause(ReceiveLock& of) : lock_(of.mutex_, std::defer_lock) {

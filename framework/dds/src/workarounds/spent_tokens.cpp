@@ -9,7 +9,7 @@
 #include <fastrtps/config.h>
 
 #if FASTRTPS_VERSION_MAJOR != 2 || FASTRTPS_VERSION_MINOR != 9
-#error "this file replaces WriterHistory::add_change() of Fast DDS 2.9; for another version, see workarounds/README.md: delete or rewrite it"
+#error "this file replaces a function of Fast DDS 2.9; for another version, see workarounds/README.md"
 #endif
 
 namespace {
@@ -41,7 +41,7 @@ void drop_spent_tokens() noexcept { drops = true; }
 
 namespace eprosima::fastrtps::rtps {
 
-// Replaces the library's function, and adds only the listener: the library sets no listener for the writer of
+// Replaces the function of Fast DDS, and only adds the listener. Fast DDS sets no listener for the writer of
 // tokens, and gives no access to that writer.
 bool WriterHistory::add_change(CacheChange_t* change) {
   const EntityId_t tokens{ENTITYID_P2P_BUILTIN_PARTICIPANT_VOLATILE_MESSAGE_SECURE_WRITER};

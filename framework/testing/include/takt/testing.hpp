@@ -14,9 +14,9 @@
 //   }
 //
 // In CMake, takt_add_component_test(low_pass low_pass_test.cpp) builds and registers the test. The test runs
-// the component that was built, called by the same code as in a cell, but on virtual time: without threads,
-// DDS or a clock, and run() takes no time. It works with any test framework: wrong use throws
-// takt::testing::Error.
+// the built component. The same code calls the component as in a cell, but on virtual time: there are no
+// threads, no DDS and no clock, and run() takes no time. The harness works with any test framework: wrong use
+// throws takt::testing::Error.
 #pragma once
 
 #include <algorithm>
@@ -66,7 +66,7 @@ class Error : public std::logic_error {
 class [[nodiscard]] Answer : public Result<void> {
  public:
   using Result<void>::Result;
-  /// Implicit, so that functions can return a Result.
+  /// This conversion is implicit, so that functions can return a Result.
   Answer(Result<void> result) : Result<void>(std::move(result)) {}  // NOLINT(google-explicit-constructor)
   /// "WHAT; FIX" for each problem, separated by ". "; empty if the call succeeded.
   [[nodiscard]] std::string text() const { return ok() ? std::string{} : in_words(problems()); }
@@ -85,15 +85,15 @@ struct Options {
   /// condition is checked.
   Nanoseconds period = std::chrono::milliseconds{1};
   bool sporadic = false;  ///< whether the module is sporadic; otherwise it is periodic
-  /// The .so of a thread module, or the .exe.so that takt_add_component_test() makes of a program. Empty: the
-  /// component that takt_add_component_test() named.
+  /// The .so of a thread module, or the .exe.so that takt_add_component_test() builds from a program. Empty:
+  /// the component that takt_add_component_test() named.
   std::string file{};
 };
 
 /// How an input is connected.
 struct Connection {
-  std::uint32_t queue = 0;      ///< samples that it holds; 0: the latest value, or 64 for an event port
-  Nanoseconds deadline{};       ///< an older value is late; 0: no deadline. Only for thread modules
+  std::uint32_t queue = 0;      ///< most samples that it holds; 0: the latest value, or 64 for an event port
+  Nanoseconds deadline{};       ///< a value older than this is late; 0: no deadline. Only for thread modules
   bool stale_is_error = false;  ///< a late value takes the module to RECOVER
 };
 
@@ -107,7 +107,7 @@ struct Failure {
 /// One connection between the test and a port.
 class Wire {
  public:
-  /// For Module only; use Module::in() and Module::out().
+  /// Only Module calls this; use Module::in() and Module::out().
   Wire(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline);
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
@@ -139,18 +139,18 @@ class Module;
 template <class T>
 class In final : public Wire {
  public:
-  /// Sends a sample. At the next release it has this `age`. Throws Error if the value does not fit its type:
-  /// a string or sequence exceeds its bound, or an enumerator is invalid.
+  /// Sends a sample, which has this `age` at the next release. Throws Error if the value does not fit its
+  /// type: a string or sequence exceeds its bound, or an enumerator is invalid.
   void write(const T& value, Nanoseconds age = Nanoseconds{0});
-  /// Gives the output at the other end a safe value. The module gets it until the first write(), after
-  /// lose(), and when the last sample is older than the connection's deadline. Throws Error like write(), and
-  /// also for a queue, which has no safe value.
+  /// Gives the output at the other end a safe value. The module gets the safe value until the first write(),
+  /// after lose(), and when the last sample is older than the connection's deadline. Throws Error like
+  /// write(), and also for a queue, which has no safe value.
   void safe(const T& value);
   /// Simulates that the writing module stops or its device is lost, until the next write().
   void lose() { link().withhold(); }
   /// How often the newest value was older than the connection's deadline.
   [[nodiscard]] std::uint64_t late() const { return link().block().late.load(); }
-  /// Samples that were overwritten before the module read them.
+  /// The number of samples that were overwritten before the module read them.
   [[nodiscard]] std::uint64_t overwritten() const { return link().block().overwritten.load(); }
 
  private:
@@ -162,12 +162,12 @@ class In final : public Wire {
   channel::LinkWriter writer_;
 };
 
-/// The test's side of an output port of the module. It has the values that the module writes after the call
-/// of out().
+/// The test's side of an output port of the module. It receives the values that the module writes after out()
+/// was called.
 template <class T>
 class Out final : public Wire {
  public:
-  /// The most values that values() keeps: the newest.
+  /// values() keeps at most this many values, the newest ones.
   static constexpr std::size_t kMost = 100'000;
 
   /// Whether the module has written a value.
@@ -206,9 +206,9 @@ class Out final : public Wire {
 template <class Reply>
 class [[nodiscard]] Called : public Answer {
  public:
-  /// With a reply.
+  /// Constructs an outcome with a reply.
   Called(Reply reply) : reply_(std::move(reply)) {}  // NOLINT(google-explicit-constructor)
-  /// Without a reply, for this reason.
+  /// Constructs an outcome without a reply, for this reason.
   Called(Problem problem)
       : Answer(Result<void>(std::move(problem))) {}  // NOLINT(google-explicit-constructor)
 
@@ -276,10 +276,10 @@ class Server final : public Responder {
   std::deque<Due> due_;
 };
 
-/// A module of one component, on virtual time. For one thread.
+/// A module of one component, on virtual time. Only one thread may use it.
 class Module {
  public:
-  /// Loads the component; its constructors run. Throws Error if that fails.
+  /// Loads the component and runs its constructors. Throws Error if this fails.
   explicit Module(Options options = {});
   /// Calls destruct() if the module is neither in IDLE nor in DESTRUCT.
   ~Module();
@@ -290,18 +290,20 @@ class Module {
   /// component sees a value that is set between two cycles from the next cycle on. Other modules take
   /// properties only before initialize().
   Answer set(const std::string& property, const std::string& text);
-  /// The value of a property. For a C++ component its current value, otherwise the value that was set.
+  /// The value of a property. For a C++ component this is the current value, otherwise the value that was set
+  /// last.
   [[nodiscard]] Result<std::string> get(const std::string& property) const;
 
   /// Connects an input or event port with the default Connection; further calls for the port return the same
-  /// object. The reference is valid as long as the module. Throws Error if the module has no such port, or if
-  /// it has another direction or type. A port is unconnected until in() or out() names it.
+  /// object. The reference is valid as long as the module exists. Throws Error if the module has no such
+  /// port, or if the port has another direction or type. A port is unconnected until in() or out() names it.
   template <class T>
   In<T>& in(const std::string& port);
-  /// The same with a Connection. Throws Error also if the port is connected already.
+  /// Connects an input or event port with this Connection; otherwise like in(port). Also throws Error if the
+  /// port is connected already.
   template <class T>
   In<T>& in(const std::string& port, const Connection& connection);
-  /// Connects an output; otherwise the same as in().
+  /// Connects an output; otherwise like in(port).
   template <class T>
   Out<T>& out(const std::string& port);
 
@@ -313,7 +315,8 @@ class Module {
                      Nanoseconds timeout = std::chrono::seconds{1});
   /// Answers the requests of the module's client `client` with `handler`, which returns a reply or
   /// takt::fail("why not"). The answer arrives `after` later, at the earliest in the next run(). The
-  /// reference is valid as long as the module. Call it once for each client. Throws Error like in().
+  /// reference is valid as long as the module exists. Call serve() once for each client. Throws Error like
+  /// in().
   template <class Request, class Reply>
   Server<Request, Reply>& serve(const std::string& client, typename Server<Request, Reply>::Handler handler,
                                 Nanoseconds after = Nanoseconds{0});
@@ -321,29 +324,30 @@ class Module {
   // The lifecycle, see framework/lifecycle. If a step is not allowed in the current state, nothing changes,
   // and the problem names the states in which it is allowed.
 
-  /// Calls the hook initialize(): from IDLE to INITIALIZE.
+  /// Calls the hook initialize(). The state changes from IDLE to INITIALIZE.
   Answer initialize();
   /// Calls the hook start() and puts the module into the tables. In IDLE it calls initialize() first.
   Answer start();
-  /// Takes the module out of the tables: from EXECUTING to START.
+  /// Takes the module out of the tables. The state changes from EXECUTING to START.
   Answer stop();
   /// Causes an error of this type from outside: the module goes to RECOVER, and its hook error() is called.
   Answer error(ErrorType type);
   /// Simulates the death of the module's process, without calling a hook: the module goes to RECOVER with an
-  /// error of type crash. recover() then loads it again, and it gets its saved state back.
+  /// error of type crash. recover() then loads the module again, and the module gets its saved state back.
   Answer crash();
   /// Makes one recovery attempt. A program that has ended is started again.
   Answer recover();
-  /// Calls the hook destruct() and takes the module out of the tables: to DESTRUCT.
+  /// Takes the module out of the tables and calls the hook destruct(). The state changes to DESTRUCT.
   Answer destruct();
-  /// Loads the module again: from DESTRUCT to IDLE. Properties and connections stay; the saved state is lost.
+  /// Loads the module again. The state changes from DESTRUCT to IDLE. Properties and connections stay; the
+  /// saved state is lost.
   Answer reset();
   /// The current state.
   [[nodiscard]] lifecycle::State state() const;
 
-  /// Performs that many releases of the module's grid. Returns in how many of them the module ran; a sporadic
-  /// module runs if its condition is true. In RECOVER and DESTRUCT only time passes. Throws Error if start()
-  /// was never called.
+  /// Performs this many releases of the module's grid. Returns the number of releases in which the module
+  /// ran; a sporadic module runs if its condition is true. In RECOVER and DESTRUCT only time passes. Throws
+  /// Error if start() was never called.
   std::uint64_t step(std::uint64_t releases = 1);
   /// Steps until `done()` is true after a release, and returns true. Returns false after `most` releases.
   template <std::predicate Done>
@@ -354,13 +358,12 @@ class Module {
     }
     return false;
   }
-  /// Makes the module miss its next releases, as if the machine was busy: the number of the next cycle has a
-  /// gap.
+  /// Makes the module miss its next releases, as if the machine was busy. The cycle numbers then have a gap.
   void miss(std::uint64_t releases = 1);
 
   /// The virtual time at which the next release is due.
   [[nodiscard]] Instant next_release() const;
-  /// How often the module ran, or, if it is a program, was released.
+  /// How often the module ran. For a program: how often it was released.
   [[nodiscard]] std::uint64_t runs() const;
   /// How many releases the module missed.
   [[nodiscard]] std::uint64_t missed() const;
@@ -377,7 +380,7 @@ class Module {
   };
   Tie find(const std::string& port, Side side, const TypeInfo& type, const Connection* wanted) const;
   void tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection);
-  /// The depth of an output's queue: more samples than one run() should write, in bounded memory.
+  /// The depth of an output's queue: more samples than one run() should write, but in bounded memory.
   static std::uint32_t most_of_a_run(const TypeInfo& type);
   /// Throws Error if there is no such service or client with these types.
   void find_service(const std::string& name, bool is_client, const TypeInfo& request,

@@ -7,7 +7,7 @@ class Work {
  public:
   /// Takes about 50 ns. Real-time.
   void step() noexcept { input_ = 1 - step(input_); }
-  /// The same with this input; returns the output.
+  /// Takes one step with this input and returns the output.
   double step(double input) noexcept {
     for (double& value : state_) {
       input = value + 0.1 * (input - value);

@@ -1,6 +1,6 @@
 // The recording of a bench module: one entry per release, in memory that is allocated before the first
-// release and written to a file at the end. So measuring costs one store on the real-time path, and nothing
-// if nothing is recorded.
+// release and written to a file at the end. So a recorded release costs one store on the real-time path, and
+// a release that is not recorded costs nothing.
 #pragma once
 
 #include <cstddef>

@@ -1,10 +1,10 @@
 // Requests to the gateway, and the token that commands need.
 
 const kKept = "takt-token";
-// Longer than the gateway waits for a device, because a component may take long to stop.
+// The page waits longer than the gateway waits for a device, which may be long because a component may take long to stop.
 const kLimits_s = { GET: 20, POST: 40, PUT: 40 };
 
-/// A failed request: what is wrong and what to do.
+/// A failed request. It says what is wrong and what to do.
 export class Problem extends Error {
   constructor(what, fix = "", status = 0) {
     super(what);

@@ -1,9 +1,9 @@
-// A canvas with the resolution of the screen and the size of its place. It is redrawn when either changes.
+// A canvas with the resolution of the screen and the size of its place on the page. It is redrawn when either changes.
 
 import { element } from "./dom.js";
 
 export class Canvas {
-  // From the observer: reading the element's size would force a layout each time.
+  // The observer sets this size, because reading the size of the element would force a layout each time.
   #width = 0;
   #height = 0;
 

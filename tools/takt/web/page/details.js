@@ -32,7 +32,7 @@ export class Details {
     this.body.replaceChildren(this.#shown.element);
     this.#shown.show(name);
     this.place.scrollTop = 0;
-    // If the user opened the details by a key, the focus moves here. If the page was opened with this address, it does not.
+    // If the user opened the details by a key, the focus moves to the title. If the page was opened with this address, the focus stays.
     if (first && document.activeElement !== document.body) this.title.focus({ preventScroll: true });
   }
 

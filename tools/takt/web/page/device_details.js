@@ -65,7 +65,7 @@ export class DeviceDetails {
     this.#showExecutors();
   }
 
-  /// Keeps the existing elements, and with them the focus.
+  /// Updates the list of modules. Keeps the existing elements, so that the focus is not lost.
   #showModules() {
     const modules = this.#store.modulesOf(this.#name);
     const names = modules.map((module) => module.name);

@@ -26,12 +26,12 @@ function fill(made, attributes, children) {
   made.append(...children.filter((child) => child !== null && child !== undefined));
 }
 
-/// A symbol of index.html. It always has a word beside it, so it is hidden from screen readers.
+/// A symbol of index.html. There is always a word beside the symbol, so the symbol is hidden from screen readers.
 export function sign(name) {
   return drawn("svg", { class: "sign", "aria-hidden": "true" }, drawn("use", { href: `#sign-${name}` }));
 }
 
-/// Writes only a changed text, because every write costs a layout.
+/// Writes the text only if it has changed, because every write costs a layout.
 export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }

@@ -14,7 +14,7 @@ export class Faults {
   #paused = null;  // the events at the time of the pause; null: not paused
   #come = 0;       // the number of events at the time of the pause
   #known = new Map();
-  #day = "";  // on which the known lines were made
+  #day = "";  // the day on which the known lines were made
 
   constructor(store) {
     this.#store = store;

@@ -1,4 +1,4 @@
-// A viewport for a drawing: fits it to the width. Touch, wheel, keys and buttons move and zoom it.
+// A viewport that fits a drawing to the width. Touch, wheel, keys and buttons move and zoom the drawing.
 
 import { element } from "./dom.js";
 

@@ -80,7 +80,7 @@ export class Gantt {
       act();
     });
     canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && !event.shiftKey) return;  // leave it to the page, which scrolls
+      if (!event.ctrlKey && !event.shiftKey) return;  // leave the event to the page, which scrolls
       event.preventDefault();
       this.#zoom(Math.exp((event.deltaY || event.deltaX) / 300), this.#time(event.offsetX));
     }, { passive: false });
@@ -129,7 +129,7 @@ export class Gantt {
   }
 
   #show(from, to) {
-    const width = Math.max(1000, Math.min(to - from, this.span));  // a microsecond at least
+    const width = Math.max(1000, Math.min(to - from, this.span));  // at least a microsecond
     this.#from = Math.max(0, Math.min(from, this.span - width));
     this.#to = this.#from + width;
     this.#say(null);
@@ -153,7 +153,7 @@ export class Gantt {
   /// Shows the time from the release of the row to the end of its last run, which may be a small part of the row.
   #showBusy(index) {
     this.#row = Math.max(0, Math.min(index, this.count - 1));
-    const row = this.executor.rows.find((one) => one.row === this.#row);  // none: it was missed
+    const row = this.executor.rows.find((one) => one.row === this.#row);  // undefined if the row was missed
     if (!row || row.runs.length === 0) {
       this.#showRow(this.#row);
       return;

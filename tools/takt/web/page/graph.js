@@ -87,7 +87,7 @@ export class Graph {
     group.append(...(known === this.#modules ? [strip] : []), use, word, measure);
     setAttribute(group, "role", "button");
     setAttribute(group, "tabindex", "-1");
-    // Remove the state from the tooltip of the drawing: it is that of the time of drawing.
+    // Remove the state from the tooltip of the drawing, because it is the state at the time when the gateway drew it.
     const title = group.querySelector("title");
     known.set(name, { group, use, word, measure, title, about: title?.textContent.replace(/; [^;]*$/, "") });
   }
@@ -195,7 +195,8 @@ export class Graph {
   }
 }
 
-/// The nearest of `groups` in a direction, measured at the top centre of each box. A sideways distance counts threefold.
+/// Returns the nearest of `groups` in a direction. Distances are measured at the top centre of each box, and a sideways distance counts
+/// threefold.
 function nearest(group, groups, [dx, dy]) {
   const head = (of) => {
     const box = of.querySelector("rect").getBBox();

@@ -19,7 +19,7 @@ export class LastFaults {
     this.element = element("section", {}, element("h3", { text: "Last faults" }), this.list, this.none, element("p", {}, this.all));
   }
 
-  /// `name`: a device or module. A module also shows the faults of its whole device, such as the end of the host.
+  /// `name`: a device or module. The details of a module also show the faults that concern the whole device, such as the end of the host.
   show(name) {
     const [device, module] = name.split(".");
     this.all.href = addressOf("faults", { device, select: name });

@@ -1,4 +1,4 @@
-// How each state, severity and health is shown: by a look (colour), a sign (shape) and a word.
+// Defines how each state, severity and health is shown: by a look (colour), a sign (shape) and a word.
 
 import { duration } from "./words.js";
 
@@ -38,7 +38,7 @@ export function lookOfSeverity(severity) {
   return { look: "plain", sign: "note", word: severity };
 }
 
-/// `health` as in the measures; undefined: not known. A higher rank is worse.
+/// The look of a connection. `health` is as in the measures, or undefined if it is not known. A higher rank is worse.
 export function lookOfConnection(health) {
   if (!health) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
   if (!health.matched) {
@@ -65,7 +65,7 @@ export function lookOfLink(link) {
   return { look: "plain", sign: "wait", word: "connecting" };
 }
 
-/// The run time as a share of the budget, period or deadline (null: none of them), and as words.
+/// The run time as a share of the budget, period or deadline, and as words. The share is null if the module has none of these three.
 export function useOf(module) {
   const run = module.measures?.run_us;
   const allowed = module.about?.budget_ns ?? module.about?.period_ns ?? module.about?.deadline_ns;

@@ -163,7 +163,7 @@ export class ModuleDetails {
   #append() {
     const module = this.#module;
     const measures = module?.measures;
-    // The measures of a lost module are old.
+    // The measures of a lost module are no longer current.
     if (!measures || !module.state || this.#store.isLost(module) || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
     this.#times.push(this.#store.time_ms);
     kLines.forEach((line, i) => {
@@ -191,7 +191,7 @@ export class ModuleDetails {
     }
   }
 
-  /// Each port with its other ends and the health of these connections.
+  /// Shows each port with the other ends of its connections and the health of these connections.
   #showPorts() {
     if (this.#ports === null) return;
     if (this.#ports.length === 0) {

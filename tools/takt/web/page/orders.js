@@ -1,4 +1,4 @@
-// The commands to a module or a device. The buttons of commands that are not allowed are disabled, and a text says why.
+// The commands to a module or a device. The button of a command that is not allowed is disabled, and a text says why.
 
 import { post } from "./api.js";
 import { element, setText } from "./dom.js";

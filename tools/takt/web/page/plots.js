@@ -68,7 +68,7 @@ export class Plots {
     if (changes.cell && this.#port) this.#ask();  // the gateway has forgotten the previous request
   }
 
-  /// Events of the stream.
+  /// takePort() and takePoints() handle events of the stream: the description of a port, and its values.
   takePort(type) {
     if (type.port === this.#port) this.#takeType(type);
   }
@@ -128,7 +128,7 @@ export class Plots {
     });
   }
 
-  /// Asks for the values until the gateway accepts: the device of the port may appear later than this page.
+  /// Asks for the values until the gateway accepts, because the device of the port may appear later than this page.
   async #ask() {
     const port = this.#port;
     clearTimeout(this.again);

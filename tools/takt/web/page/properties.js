@@ -32,13 +32,13 @@ class Property {
     return element("input", { type: "text", value: String(value ?? ""), spellcheck: "false", autocomplete: "off" });
   }
 
-  /// Whether only the value differs.
+  /// Whether this is the same property, apart from its value.
   is(other) {
     const kind = ({ value, ...rest }) => JSON.stringify(rest);
     return kind(this.property) === kind(other);
   }
 
-  /// Does not overwrite a text that the user is editing.
+  /// Shows a new value, but does not overwrite a text that the user is editing.
   take(value) {
     const text = String(value ?? "");
     if (this.field.value === this.shown) this.field.value = text;

@@ -1,4 +1,4 @@
-// The address selects the view: #/modules?select=robot.servo. So views can be linked, and the back key works.
+// The address selects the view: #/modules?select=robot.servo. So a link can point to a view, and the back key works.
 
 import { element } from "./dom.js";
 
@@ -26,7 +26,7 @@ export function go(view, parameters = {}) {
   location.hash = addressOf(view, parameters);
 }
 
-/// The same view with some parameters changed; null removes one.
+/// Opens the same view with some parameters changed. A parameter that is null is removed.
 export function alter(parameters) {
   const route = currentRoute();
   go(route.view, { ...Object.fromEntries(route.parameters), ...parameters });

@@ -1,5 +1,5 @@
-// The last known state of the cell. Events update it at once. Views are notified once per frame of what has changed, so that a burst
-// of a thousand changes is drawn once.
+// The last known state of the cell. Events update the state at once. Views are told once per frame what has changed, so that a burst of a
+// thousand changes is drawn once.
 
 const kFaults = 2000;
 const kSteps = 50;       // per module

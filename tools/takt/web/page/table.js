@@ -57,7 +57,8 @@ export class Table {
     for (const gantt of this.#gantts) gantt.redraw();
   }
 
-  /// Asks a second time after a failure or an empty table, because a device reports that it runs a moment before its first row.
+  /// Asks for the table. Asks a second time after a failure or an empty table, because a device reports that it runs a moment before its
+  /// first row.
   async #ask(again = true) {
     const device = this.#device;
     const asked = ++this.#asked;
@@ -131,7 +132,7 @@ function lateness(executor, programs, device) {
     for (const run of row.runs) if (run.cause) late.push({ what: `${run.module} in row ${row.row}`, at: run.begin_ns, by: run.late_ns, cause: run.cause });
   }
   for (const run of programs) if (run.cause) late.push({ what: run.module, at: run.begin_ns, by: run.late_ns, cause: run.cause });
-  if (late.length === 0) return element("p", { class: "faint", text: `No row and no thread module began late in this macro period. To see what was late in the last seconds, and why: takt trace ${device}` });
+  if (late.length === 0) return element("p", { class: "faint", text: `No row and no thread module began late in this macro period. To see what was late in the last seconds, and why, run takt trace ${device}` });
   const head = (text) => element("th", { scope: "col", text });
   return element("details", { open: true }, element("summary", { text: `What began late, and why: ${late.length}` }),
     element("table", { class: "numbers late" }, element("thead", {}, element("tr", {}, head("what"), head("at, ms"), head("late by, us"), head("cause"))),
@@ -140,7 +141,7 @@ function lateness(executor, programs, device) {
         element("td", { text: cause }))))));
 }
 
-/// The same in numbers: how often each module ran, and its share of the macro period.
+/// Shows the times in numbers: how often each module ran, and its share of the macro period.
 function used(executor, programs, about) {
   const sums = new Map();
   const add = (run, program) => {

@@ -226,7 +226,7 @@ function ticked(value, step) {
   return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "\u2212");
 }
 
-/// The labels without their common prefix (BELT_ of BELT_RUNNING), shortened to the available room.
+/// Returns the labels without their common prefix (BELT_ of BELT_RUNNING), shortened to the available room.
 function shortened(labels) {
   const first = labels[0] ?? "";
   let common = labels.length > 1 ? first.lastIndexOf("_") + 1 : 0;

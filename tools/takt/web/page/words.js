@@ -1,4 +1,4 @@
-// Formats numbers and times: three digits, and a unit that keeps them short.
+// Formats numbers and times with three digits and a unit that keeps them short.
 
 const kMinus = "\u2212";
 
@@ -57,7 +57,7 @@ export function several(n, what) {
   return `${n} ${what}${n === 1 ? "" : "s"}`;
 }
 
-/// Names in a sentence: up to three, or two and the number of the others.
+/// Lists names in a sentence: up to three names, or two names and the number of the others.
 export function listed(names) {
   if (names.length <= 3) return names.join(", ");
   return `${names.slice(0, 2).join(", ")} and ${names.length - 2} more`;

@@ -1,8 +1,8 @@
 // The agent of one device: carries out commands, one deployment at a time.
 //
 // All input arrives through its functions, called on one thread, and all output goes to its Publisher. It
-// uses neither DDS nor a clock of its own, so tests can drive it. It never waits: step() checks on everything
-// that takes long.
+// uses neither DDS nor a clock of its own, so tests can drive it. It never waits: step() looks for the
+// results of everything that takes long.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,7 @@ class Agent {
     int domain = 0;
     std::string cell{};  ///< the only cell that its identity is for; empty: DDS Security is off
     bool require_real_time = false;
-    bool real_time = true;  ///< whether the machine allows it; reported while there is no deployment
+    bool real_time = true;  ///< whether the machine allows real time; reported without a deployment
     /// takt run started this node for one cell. It uses the paths of files as written and saves nothing on
     /// disk. Before it ends, it waits briefly for its final report to be fetched.
     bool temporary = false;
@@ -70,10 +70,11 @@ class Agent {
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
 
-  /// Records the start and the end of this node. A start after a start means that the first node crashed.
+  /// Record the start and the end of this node. Two starts in a row mean that the first node crashed.
   void note_start();
   void note_end();
-  /// Records and publishes an event. Adds its time, cell and device; `origin` as for FaultRateLimiter.
+  /// Records and publishes an event. Adds its time, cell and device. See FaultRateLimiter::put() for
+  /// `origin`.
   void note(model::Fault fault, const std::string& origin = {});
 
   /// Carries out a command that has arrived.
@@ -96,7 +97,7 @@ class Agent {
   struct Update;
   struct WholeDevice;
 
-  // Commands (agent_commands.cpp)
+  // Commands (commands.cpp)
   void report(const Command& command);
   void descriptor(const Command& command);
   void describe(const Command& command);
@@ -108,20 +109,20 @@ class Agent {
   void swap(const Command& command);
   void check_swap();
   void property(const Command& command);
-  /// False if no deployment runs; it has then rejected the command.
+  /// Whether a deployment runs. If not, rejects the command.
   bool runs(const Command& command);
-  /// None if there is no module of that name; it has then rejected the command.
+  /// The index of the module that the command names. Rejects the command if there is no such module.
   std::optional<std::uint32_t> module_of(const Command& command);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
               std::optional<lifecycle::State> state = {}, const std::string& value = {});
   [[nodiscard]] nlohmann::ordered_json lost_devices() const;
 
-  // The fault record (agent_faults.cpp)
+  // The fault record (faults.cpp)
   void send_log(const wire::WholeCommand& command);
   void note_answer(const Command& command, ReplyCode code, const std::string& text);
   void watch_devices();
 
-  // Deployments (agent_deployment.cpp)
+  // Deployments (deployments.cpp)
   void prepare(const wire::WholeCommand& command);
   void run(const wire::WholeCommand& command);
   void undeploy(const Command& command);
@@ -139,12 +140,12 @@ class Agent {
   void stepped(const Step& step);
   [[nodiscard]] std::string occupied() const;
 
-  // Updates (agent_update.cpp)
+  // Updates (updates.cpp)
   void update(const wire::WholeCommand& command);
   void change(const wire::WholeCommand& command);
   void keep(const Command& command);
   void put_back(const Command& command);
-  /// False if no such update is in progress; it has then rejected the command.
+  /// Whether the update that the command names is in progress. If not, rejects the command.
   bool updates(const Command& command);
   void reply_problems(const Command& command, ReplyCode code, const Problems& problems,
                       const std::string& value = {});
@@ -158,13 +159,13 @@ class Agent {
   void undone();
   /// Drops the update in progress, because the deployment that it changes has ended.
   void drop_update(const std::string& why);
-  // How updates are carried out and undone (agent_change.cpp)
+  // How updates are carried out and undone (changes.cpp)
   void apply_change(const model::ModuleChange& change, const std::string& value,
                     const std::function<void(const Outcome&)>& done);
   void change_next();
   void undo_last();
   void begin_again(const Deployment& description);
-  /// The deployment that an update had to end has ended, or the new one could not be brought up.
+  /// Called when the deployment that an update ended is down, or when the new one could not be brought up.
   void taken_down(const Problems& problems);
   void bring_back();
   void brought_up();

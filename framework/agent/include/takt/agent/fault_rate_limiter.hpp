@@ -20,7 +20,7 @@ namespace takt::agent {
 class FaultRateLimiter {
  public:
   static constexpr Nanoseconds kEvery = std::chrono::seconds{1};
-  /// The most different sources tracked at the same time; further ones of a kind share one entry.
+  /// How many sources are tracked separately at the same time. Further sources of one kind share an entry.
   static constexpr std::size_t kMost = 256;
 
   explicit FaultRateLimiter(std::function<void(model::Fault)> emit) : emit_(std::move(emit)) {}

@@ -30,7 +30,7 @@ class DeploymentStore {
  public:
   virtual ~DeploymentStore() = default;
   virtual Result<void> keep(const KeptDeployment& deployment) const = 0;
-  /// None if there is none. Fails if it is damaged or cannot be read.
+  /// The saved deployment; none: nothing is saved. Fails if it is damaged or cannot be read.
   [[nodiscard]] virtual Result<std::optional<KeptDeployment>> kept() const = 0;
   virtual Result<void> forget() const = 0;
 };

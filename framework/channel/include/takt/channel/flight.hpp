@@ -1,6 +1,6 @@
 // The flight record: what the threads of executors did last, in memory that the node keeps when their host
-// dies. Each thread has a ring of its own, in which the newest entry replaces the oldest. Reading a ring
-// never stops its writer.
+// dies. Each thread has its own ring, in which the newest entry replaces the oldest. Reading a ring never
+// stops its writer.
 #pragma once
 
 #include <atomic>
@@ -44,7 +44,8 @@ struct alignas(64) FlightRing {
 /// Writes the entries of one thread; one writer per ring at a time. Without a ring it records nothing.
 class FlightWriter {
  public:
-  /// The largest module index and the largest value that an entry holds; larger ones are recorded as these.
+  /// The largest module index and the largest value that an entry holds; larger ones are recorded as these
+  /// limits.
   static constexpr std::uint32_t kMostModule = (1U << 20) - 1;
   static constexpr std::uint64_t kMostValue = (std::uint64_t{1} << 40) - 1;
 

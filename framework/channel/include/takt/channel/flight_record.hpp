@@ -35,7 +35,7 @@ class FlightRecord {
   /// A writer that continues after the existing entries. Records nothing if the ring has no entries or
   /// does not exist.
   [[nodiscard]] FlightWriter writer(std::size_t ring) const noexcept;
-  /// Copies a ring, also while it is written. For any process. Not real-time: allocates.
+  /// Copies a ring, even while its writer continues. Any process may call it. Not real-time: allocates.
   [[nodiscard]] FlightCopy copy(std::size_t ring) const;
   [[nodiscard]] const os::Fd& fd() const noexcept { return memory_.fd(); }
 

@@ -1,5 +1,6 @@
 // The layout of the shared memory between a node and its hosts: what the executors publish and the node
-// supervises. All zero is its initial state; every field has one writer at a time.
+// supervises. All zero is its initial state. Each field has one writer at a time, except `in_tables` and
+// `error`, which an executor and the node write.
 #pragma once
 
 #include <array>
@@ -26,9 +27,9 @@ struct alignas(64) ModuleBlock {
   std::atomic<std::uint32_t> error;
   std::atomic<std::uint64_t> error_cycle;
   std::atomic<std::uint64_t> cycles;    ///< how often the module was called or released
-  std::atomic<std::uint64_t> missed;    ///< releases in rows that were skipped while it was in the tables
-  std::atomic<std::uint64_t> overruns;  ///< not done by its next release, or by its deadline; a sporadic
-                                        ///< program counts its own, in its slot
+  std::atomic<std::uint64_t> missed;    ///< releases in skipped rows, while the module was in the tables
+  std::atomic<std::uint64_t> overruns;  ///< runs that were not done by the next release, or by the
+                                        ///< deadline; a sporadic program counts its own, in its slot
   std::atomic<std::uint64_t> errors;    ///< raised by the executor
   std::atomic<std::uint64_t> entered;   ///< how often the node put the module into the tables
 
@@ -63,7 +64,7 @@ struct alignas(64) ExecutorBlock {
   std::atomic<std::uint64_t> row_sequence;
   std::atomic<std::int64_t> margin_ns;  ///< learned time to wake up before a release
   /// The longest delay from a row's instant to its start, including delays that skipped whole rows. `jitter`
-  /// does not show those, because it refers to the row that was walked.
+  /// does not show those delays, because it refers to the row that was walked.
   std::atomic<std::int64_t> latest_ns;
   Activity row;       ///< of the executor's thread
   Activity sporadic;  ///< of the thread of the executor's sporadic modules
@@ -72,24 +73,24 @@ struct alignas(64) ExecutorBlock {
 
 /// A place in the code of a thread that crashed.
 struct CrashFrame {
-  std::uint64_t address;  ///< as counted in the file of the loaded object
+  std::uint64_t address;  ///< address within the file of the loaded object
   FixedText<216> object;  ///< path of this file; empty: the program itself
 };
 
-/// What a host records when it crashes, or when a module ends it with exit().
+/// What a host records when it crashes, or when a module ends the host with exit().
 struct Crash {
   static constexpr std::int32_t kExit = -1;  ///< `signal` of a module that called exit()
   static constexpr std::size_t kFrames = 32;
 
   std::atomic<std::int32_t> signal;
-  std::atomic<std::uint32_t> module;  ///< index of the module, + 1; 0: that thread was not in a module
+  std::atomic<std::uint32_t> module;  ///< index of the module, + 1; 0: the thread was in no module
   std::atomic<Doing> doing;
   std::atomic<std::uint32_t> depth;        ///< number of `frames` written. SYNC: crash frame
   std::array<CrashFrame, kFrames> frames;  ///< innermost first
 };
 
 struct alignas(64) HostBlock {
-  std::atomic<std::int64_t> t0_ns;  ///< T0 of all executors; 0 until the first row is agreed
+  std::atomic<std::int64_t> t0_ns;  ///< T0 of all executors; 0 until T0 is agreed
   Activity hooks;                   ///< of the thread that calls hooks
   Activity swap;                    ///< of the thread that prepares an instance for a swap
   Crash crash;

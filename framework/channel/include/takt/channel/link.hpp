@@ -5,8 +5,8 @@
 // could be killed. So there is no lock. Every sample is in a buffer, and the sides pass only buffer numbers.
 // There are depth + 2 buffers: one in each slot, one private to the writer, and one private to the reader.
 // The writer fills its own buffer and exchanges it for the one in the next slot. The reader exchanges its own
-// buffer for the oldest full one. The side that has a buffer's number has the buffer alone, so no sample is
-// ever seen half written. With depth 1 the link holds the latest value.
+// buffer for the oldest full one. Only the side that has a buffer's number accesses the buffer, so no sample
+// is ever seen half written. With depth 1 the link holds the latest value.
 //
 // Each side states which buffer it has, and which buffer it is about to take for which sample. If a side dies
 // during the exchange, its successor finds from these words, in a few steps, which buffer the dead side had.
@@ -120,7 +120,7 @@ class BasicLinkLayout {
   [[nodiscard]] constexpr std::size_t payloads() const noexcept {
     return up(heads() + std::size_t{buffers()} * sizeof(BasicSampleHead<Atomic>));
   }
-  /// Behind the payloads.
+  /// The offset of the safe value, behind the payloads.
   [[nodiscard]] constexpr std::size_t safe() const noexcept {
     return payloads() + std::size_t{buffers()} * stride_;
   }
@@ -226,26 +226,26 @@ class BasicLink {
     return payloads_ + std::size_t{buffer} * layout_.stride();
   }
 
-  /// Whether the link has room for a safe value. The reader gets that value in place of samples that are not
-  /// trusted.
+  /// Whether the link has room for a safe value. The reader gets the safe value instead of samples that are
+  /// not trusted.
   [[nodiscard]] bool has_safe_place() const noexcept { return layout_.safe_room() != 0; }
   /// The safe value as CDR; empty while it is not known. SYNC: safe value
   [[nodiscard]] std::span<const std::byte> safe() const noexcept {
     const std::uint32_t size = block_->safe_size.load(std::memory_order_acquire);
     return {safe_, std::min(size, layout_.safe_room())};
   }
-  /// Sets the safe value, as CDR. For the node, once. Ignores bytes that do not fit: they are not a value of
-  /// the type.
+  /// Sets the safe value, as CDR. The node calls it once. Ignores bytes that do not fit: they are not a value
+  /// of the type.
   void give_safe(std::span<const std::byte> value) const noexcept {
     if (value.size() > layout_.safe_room()) return;
     std::copy(value.begin(), value.end(), safe_);
     block_->safe_size.store(static_cast<std::uint32_t>(value.size()), std::memory_order_release);
   }
-  /// From now on the reader gets no sample, because the writer does not execute. For the node; the writer may
-  /// be writing meanwhile.
+  /// From now on the reader gets no sample, because the writer does not execute. The node calls it, even
+  /// while the writer is writing.
   void withhold() const noexcept { block_->trusted_from.store(kNobody, std::memory_order_release); }
-  /// The writer executes, or is about to: the reader gets the samples that are written from now on. For the
-  /// node.
+  /// From now on the reader gets the samples that are written, because the writer executes or is about to.
+  /// The node calls it.
   void trust() const noexcept {
     if (block_->trusted_from.load(std::memory_order_relaxed) != kNobody) return;
     const std::uint64_t written = block_->written.load(std::memory_order_relaxed);
@@ -303,8 +303,8 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
     const std::uint64_t word = link.slot(link.place_of(sequence)).load(acquire);
     // One of the two buffers is in the slot, and the other is the reader's.
     if (SlotWord::sequence(word) == sequence) return SlotWord::index(word) == old ? taken : not_taken;
-    // The writer has overtaken the reader and took the buffer from the slot. It has filled that buffer again
-    // ...
+    // The writer has overtaken the reader and has taken the buffer from the slot. It has filled that buffer
+    // again ...
     if (link.head(old).sequence.load(acquire) > sequence) return taken;
     if (link.head(wanted).sequence.load(acquire) > sequence) return not_taken;
     // ... or still has it.
@@ -334,7 +334,7 @@ void drop_samples(const BasicLink<Atomic>& link) noexcept {
 /// serves the side until then.
 enum class Attach { now, later };
 
-/// The one writer of a link. One thread at a time. Real-time.
+/// The one writer of a link. Only one thread at a time may use it. Real-time.
 template <template <class> class Atomic>
 class BasicLinkWriter {
  public:
@@ -361,8 +361,9 @@ class BasicLinkWriter {
   /// The number of the next sample.
   [[nodiscard]] std::uint64_t next() const noexcept { return sequence_; }
 
-  /// Passes the buffer with its sample to the reader, who may take it from `valid_ns` on (monotonic; 0: at
-  /// once). `size`: bytes of the payload. In a full link it overwrites the oldest sample. Wait-free.
+  /// Passes the buffer with its sample to the reader, which may take it from `valid_ns` on (monotonic; 0: at
+  /// once). `size`: bytes of the payload. If the link is full, the sample overwrites the oldest one.
+  /// Wait-free.
   void publish(std::uint32_t size, std::int64_t stamp_ns, std::int64_t valid_ns = 0) noexcept {
     auto& block = link_.block();
     constexpr auto relaxed = std::memory_order_relaxed;
@@ -397,7 +398,7 @@ class BasicLinkWriter {
   std::uint64_t sequence_ = 1;
 };
 
-/// The one reader of a link. One thread at a time. Real-time.
+/// The one reader of a link. Only one thread at a time may use it. Real-time.
 template <template <class> class Atomic>
 class BasicLinkReader {
  public:
@@ -427,7 +428,7 @@ class BasicLinkReader {
   }
 
   /// The monotonic time in ns from which take() finds a sample: 0 for at once, kNever if there is no sample.
-  /// Another thread than the reader's may call it too; its answer can be a moment old.
+  /// Threads other than the reader's may call it too; the answer can then be a moment old.
   [[nodiscard]] std::int64_t news_at() const noexcept {
     const std::uint64_t word = link_.slot(place()).load(std::memory_order_seq_cst);
     if (!SlotWord::full(word) || !link_.has_buffer(SlotWord::index(word))) return kNever;
@@ -436,8 +437,8 @@ class BasicLinkReader {
   [[nodiscard]] bool has_news() const noexcept { return news_at() != kNever; }
 
   /// Takes the next sample: the oldest that was not overwritten, if it is valid at `now_ns` (monotonic).
-  /// False if there is none. Lock-free: it starts again only if the writer overwrote the sample that it was
-  /// about to take.
+  /// Returns false if there is none. Lock-free: take() starts again only if the writer overwrote the sample
+  /// that take() was about to take.
   bool take(std::int64_t now_ns = kNever) noexcept {
     auto& block = link_.block();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -474,7 +475,7 @@ class BasicLinkReader {
  private:
   static constexpr int kAttempts = 64;
 
-  // Atomic, because other threads call news_at().
+  // The access is atomic, because other threads call news_at().
   [[nodiscard]] std::uint32_t place() const noexcept {
     return std::atomic_ref{place_}.load(std::memory_order_relaxed);
   }

@@ -1,5 +1,5 @@
-// Reports to libtakt_check when a thread enters and leaves the code of a module. The library is there only if
-// it was preloaded, in front of the C library.
+// Reports to libtakt_check when a thread enters and leaves the code of a module. The library is present only
+// if it was preloaded before the C library.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,20 @@ namespace takt::channel {
 
 class ModuleWatch {
  public:
-  /// A watch without the library: false.
+  /// Constructs a watch without the library; it converts to false.
   ModuleWatch() = default;
-  /// The watch of this process; false without the library. Fails if the process should be checked but the
-  /// library was not loaded.
+  /// Returns the watch of this process; it converts to false if there is no library. Fails if the process
+  /// should be checked but the library was not loaded.
   static Result<ModuleWatch> find();
 
   explicit operator bool() const noexcept { return enter_ != nullptr; }
   /// From now on, violations of the calling thread count for `module`. Returns the former state of the
-  /// thread, for leave(). Only if the watch is true. Real-time, except for the first call on a thread.
+  /// thread, for leave(). Call it only if the watch is true. Real-time, except for the first call on a
+  /// thread.
   std::uint64_t enter(std::uint32_t module, Doing hook) const noexcept {
     return enter_(module, static_cast<std::uint32_t>(hook));
   }
-  /// Restores the state that enter() returned. Only if the watch is true. Real-time.
+  /// Restores the state that enter() returned. Call it only if the watch is true. Real-time.
   void leave(std::uint64_t before) const noexcept { leave_(before); }
 
  private:

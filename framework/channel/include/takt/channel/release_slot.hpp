@@ -1,15 +1,15 @@
 // The release slot of a process module: the shared memory through which the scheduler releases the module's
-// program, and through which the program answers. Each program has a slot of its own, so a program that
-// writes out of bounds harms no other. A release is one store by the scheduler. The end of a body is one
-// store by the program.
+// program, and through which the program answers. Each program has its own slot, so a program that writes out
+// of bounds harms no other. A release is one store by the scheduler. The end of a body is one store by the
+// program.
 //
 // A program that does not find the expected release sleeps on the wake word. All programs of the device share
 // this word, each with its own bit, so the scheduler needs one wake-up call per cycle, however many programs
 // sleep.
 //
 // A sporadic program with immediate dispatch releases itself when an event has arrived: it writes to its own
-// slot what the scheduler writes to the slots of others. So "released and not done" always means "in its
-// body", and no row finds a program in between.
+// slot what the scheduler writes to the slots of other programs. So "released and not done" always means "in
+// its body", and no row finds a program in between.
 #pragma once
 
 #include <array>
@@ -22,15 +22,15 @@
 
 namespace takt::channel {
 
-/// The word on which all sleepers of a device wait: a futex with bit sets. To wake sleepers, a thread counts
-/// up `rings` and wakes the futex with their bits.
+/// The word on which all sleepers of a device wait: a futex with bit sets. To wake sleepers, a thread
+/// increments `rings` and wakes the futex with their bits.
 struct WakeWord {
   std::atomic<std::uint32_t> rings;
   /// Bits to wake at the end of the cycle, because a sample was written for a sleeper. The writer takes them
   /// with take_pending() at the end of its cycle, and wakes these sleepers. SYNC: pending
   std::atomic<std::uint32_t> pending;
-  /// One bit for each gateway (there is one per DDS domain) that sleeps or is about to. Only then does a
-  /// sample for the gateway need a wake-up. SYNC: gateway sleeps
+  /// One bit for each gateway (there is one per DDS domain) that sleeps or is about to. A sample for a
+  /// gateway needs a wake-up only if the bit is set. SYNC: gateway sleeps
   std::atomic<std::uint32_t> gateway_sleeps;
 
   /// Adds the wake bits of a link to `pending`. Call it after publishing a sample on that link. Real-time.
@@ -54,7 +54,7 @@ inline void WakeWord::note(std::uint32_t wake_bits) noexcept {
   if (wake_bits != 0) pending.fetch_or(wake_bits, std::memory_order_seq_cst);
 }
 
-/// More than any program can have pending releases.
+/// No program can have this many pending releases.
 inline constexpr std::uint32_t kMaxPending = 1U << 16;
 
 enum class ReleaseSlotKind : std::uint32_t { periodic, sporadic, unscheduled };
@@ -77,9 +77,9 @@ struct alignas(64) ReleaseSlot {
   std::int64_t margin_cap_ns;  ///< the longest time that the program may spin before a release
   std::uint32_t lock_memory;
   std::int64_t deadline_ns;      ///< of a sporadic program, from its release to its next wait; 0: none
-  std::uint32_t immediate;       ///< the program releases itself with begin(); the scheduler never does
-  std::int64_t interarrival_ns;  ///< of such a program: the shortest time between two releases
-  std::uint32_t logical;         ///< inputs as of the release, outputs at the end of the period
+  std::uint32_t immediate;       ///< the program releases itself with begin(); the scheduler does not
+  std::int64_t interarrival_ns;  ///< of a program with `immediate`: the shortest time between two releases
+  std::uint32_t logical;         ///< timing="let": inputs as of the release, outputs at the period's end
   std::uint32_t catch_up;        ///< releases that may be pending while the program is in its body; 0: none
 
   // Written by the scheduler, or by the program if it releases itself.
@@ -96,7 +96,7 @@ struct alignas(64) ReleaseSlot {
 
   // Written by the program.
   alignas(64) std::atomic<std::uint32_t> done;  ///< count of the last finished release. SYNC: done
-  std::atomic<std::uint32_t> sleeping;  ///< it sleeps on the wake word, or is about to. SYNC: sleeping
+  std::atomic<std::uint32_t> sleeping;          ///< the program sleeps or is about to. SYNC: sleeping
   std::atomic<ReleaseSlotPhase> phase;
   std::atomic<std::int32_t> thread;
   std::atomic<std::int64_t> body_began_ns;  ///< of the last body that ended; written before `done`
@@ -110,7 +110,7 @@ struct alignas(64) ReleaseSlot {
   Statistics run;
   SavedState saved;  ///< written after each body; by the node while there is no program
 
-  /// The program was released and is not done.
+  /// Whether the program was released and is not done.
   [[nodiscard]] bool in_body() const noexcept {
     return done.load(std::memory_order_acquire) != released.load(std::memory_order_seq_cst);
   }
@@ -118,7 +118,7 @@ struct alignas(64) ReleaseSlot {
   [[nodiscard]] std::uint64_t cycle(std::uint32_t count) const noexcept {
     return cycles[count % 2].load(std::memory_order_acquire);
   }
-  /// The program has reached its first wait and is not in its body.
+  /// Whether the program has reached its first wait and is not in its body.
   [[nodiscard]] bool waiting() const noexcept {
     return phase.load(std::memory_order_acquire) == ReleaseSlotPhase::ready && !in_body();
   }
@@ -132,14 +132,14 @@ enum class Release {
             ///< catch_up, the oldest pending one
 };
 
-/// Releases the program. For the scheduler. Real-time: no lock, no system call.
+/// Releases the program. The scheduler calls it. Real-time: no lock, no system call.
 inline Release release(ReleaseSlot& slot, std::uint64_t cycle, std::int64_t release_ns) noexcept {
   const std::uint32_t count = slot.released.load(std::memory_order_relaxed) + 1;
   if (!slot.waiting()) {
     if (slot.catch_up == 0 || slot.phase.load(std::memory_order_acquire) != ReleaseSlotPhase::ready)
       return Release::busy;
     const std::uint32_t pending = count - 2 - slot.done.load(std::memory_order_acquire);
-    // If the body ends meanwhile, this release is among the last ones, and the same applies.
+    // If the body ends meanwhile, the program still serves the newest releases, including this one.
     if (pending >= slot.catch_up && pending < kMaxPending) {
       slot.cycles[(count - 1) % 2].store(cycle, std::memory_order_relaxed);
       return Release::busy;
@@ -166,7 +166,8 @@ struct Taken {
 };
 
 /// The next release after `done`, which must exist. Releases that became pending during the body come one by
-/// one, the oldest first; their cycle numbers are the last ones. For the program. Real-time.
+/// one, the oldest first. Their cycle numbers are consecutive, and the last one is that of the newest
+/// release. The program calls it. Real-time.
 inline Taken take(const ReleaseSlot& slot, std::uint32_t done) noexcept {
   while (true) {
     const std::uint32_t count = slot.released.load(std::memory_order_acquire);  // SYNC: released
@@ -182,9 +183,9 @@ inline Taken take(const ReleaseSlot& slot, std::uint32_t done) noexcept {
   }
 }
 
-/// Releases the calling program at `now_ns`. For a program with immediate dispatch, when an event has arrived
-/// and its interarrival time has passed. False if the module is not in the tables; then there was no release.
-/// Real-time.
+/// Releases the calling program at `now_ns`. A program with immediate dispatch calls it when an event has
+/// arrived and the program's interarrival time has passed. Returns false if the module is not in the tables;
+/// then there was no release. Real-time.
 inline bool begin(ReleaseSlot& slot, std::int64_t now_ns) noexcept {
   constexpr auto relaxed = std::memory_order_relaxed;
   if (slot.open.load(relaxed) == 0) return false;
@@ -208,13 +209,13 @@ inline bool begin(ReleaseSlot& slot, std::int64_t now_ns) noexcept {
 }
 
 /// The first instant at which a program with immediate dispatch may release itself again, in ns of the
-/// monotonic clock. For the program.
+/// monotonic clock. The program calls it.
 inline std::int64_t not_before_ns(const ReleaseSlot& slot) noexcept {
   if (slot.begun.load(std::memory_order_relaxed) == 0) return 0;
   return slot.release_ns.load(std::memory_order_relaxed) + slot.interarrival_ns;
 }
 
-/// Prepares the slot for a new program. For the node, while no program runs and the module is out of the
+/// Prepares the slot for a new program. The node calls it while no program runs and the module is out of the
 /// tables.
 inline void clear_for_new_program(ReleaseSlot& slot) noexcept {
   slot.phase.store(ReleaseSlotPhase::empty, std::memory_order_relaxed);

@@ -18,7 +18,7 @@ struct Place {
   ReleaseSlot* slot = nullptr;              ///< of a process module with releases; else null
 };
 
-/// Puts the module into the tables. For the node.
+/// Puts the module into the tables. The node calls it.
 inline void put_in(const Place& place) noexcept {
   place.block->entered.store(place.block->entered.load(std::memory_order_relaxed) + 1,
                              std::memory_order_relaxed);
@@ -26,7 +26,7 @@ inline void put_in(const Place& place) noexcept {
   if (place.slot != nullptr) place.slot->open.store(1, std::memory_order_seq_cst);  // SYNC: open
 }
 
-/// The removal of one module from the tables. For the node.
+/// The removal of one module from the tables. The node uses it.
 class Removal {
  public:
   /// Takes the module out of the tables. Also correct if the executor has done so already.

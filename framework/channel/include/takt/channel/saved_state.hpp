@@ -45,14 +45,15 @@ struct alignas(64) SavedState {
     }
     whole.store(number, std::memory_order_release);  // SYNC: saved
   }
-  /// What was saved last; null if there is nothing, or if it is damaged. Only while nothing is being saved.
+  /// What was saved last; null if there is nothing, or if it is damaged. Call it only while nothing is being
+  /// saved.
   [[nodiscard]] const Place* saved() const noexcept {
     const std::uint64_t number = whole.load(std::memory_order_acquire);  // SYNC: saved
     const Place& place = places[number % 2];
     return number == 0 || place.number != number || place.size > kMostSaved ? nullptr : &place;
   }
-  /// A copy of what was saved last. Also correct while the module saves. None if there is nothing, if it is
-  /// damaged, or if the module saved during each of three attempts.
+  /// A copy of what was saved last. The copy is correct even if the module saves meanwhile. None if nothing
+  /// was saved, if the saved state is damaged, or if the module saved during each of three attempts.
   [[nodiscard]] std::optional<Place> copy() noexcept {
     for (int attempt = 0; attempt < 3; ++attempt) {
       const std::uint64_t number = whole.load(std::memory_order_acquire);  // SYNC: saved
@@ -73,7 +74,7 @@ struct alignas(64) SavedState {
     }
     return std::nullopt;
   }
-  /// Discards what was saved. Only while nothing is being saved.
+  /// Discards what was saved. Call it only while nothing is being saved.
   void clear() noexcept { whole.store(0, std::memory_order_release); }
 
  private:

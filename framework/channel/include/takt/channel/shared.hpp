@@ -10,13 +10,13 @@
 
 namespace takt::channel {
 
-/// Holds objects of a type that is valid when all its bytes are 0. It lives as long as this object, across
-/// restarts of the processes that use it.
+/// Holds objects of a type that is valid when all its bytes are 0. The memory lives as long as this object,
+/// across restarts of the processes that use it.
 template <class T>
 class Shared {
  public:
   Shared() = default;
-  /// `name` is only for people (/proc/PID/maps).
+  /// `name` is only for people, who see it in /proc/PID/maps.
   static Result<Shared> create(const std::string& name, std::size_t count = 1) {
     auto memory = os::SharedMemory::create(name, count * sizeof(T));
     if (!memory) return memory.problems();
@@ -26,9 +26,9 @@ class Shared {
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return memory_.data() != nullptr; }
-  /// Requires memory; `index` must be below the count.
+  /// Call it only if there is memory; `index` must be below the count.
   [[nodiscard]] T& operator[](std::size_t index) const noexcept { return data()[index]; }
-  /// Null without memory.
+  /// Null if there is no memory.
   [[nodiscard]] T* data() const noexcept {
     std::byte* const bytes = memory_.data();
     return bytes == nullptr ? nullptr : std::launder(reinterpret_cast<T*>(bytes));

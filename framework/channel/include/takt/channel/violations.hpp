@@ -24,7 +24,7 @@ enum class ViolationKind : std::uint32_t { allocation, lock, system_call, page_f
 /// "allocation", "lock", "system call", "page fault".
 const char* to_text(ViolationKind kind) noexcept;
 
-/// A place in a loaded object (program or library). Addresses count as in the object's file.
+/// A place in a loaded object (program or library). Addresses are those in the object's file.
 struct CodePlace {
   std::uint32_t object = 0;  ///< index of the object in the log, + 1; 0: unknown
   std::uint64_t address = 0;

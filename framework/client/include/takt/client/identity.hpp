@@ -10,13 +10,13 @@
 
 namespace takt::client {
 
-/// The folder of an identity that may query nodes: the folder that `network` names, or, in a folder that
-/// `takt secure init` made, the first valid operator's. Prints the operators that it skips. Empty: no DDS
-/// Security.
+/// Returns the folder of an identity that may send commands to nodes. This is the folder that `network`
+/// names. If `takt secure init` made that folder, it is the folder of the first valid operator in it; the
+/// operators that are skipped are printed. Empty if `network` asks for no DDS Security.
 Result<std::string> identity_of(const Network& network);
 
-/// Fails for the identity of an observer, which may not do `what` ("call"). Checked early, because DDS would
-/// deny the topic without a helpful reason.
+/// Fails if the participant has the identity of an observer, which may not do `what`, for example "call".
+/// This is checked early, because DDS would reject the topic without a helpful reason.
 Result<void> may_write(const dds::Participant& participant, const std::string& what);
 
 }  // namespace takt::client

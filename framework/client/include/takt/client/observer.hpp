@@ -15,20 +15,21 @@
 
 namespace takt::client {
 
-/// When this long has passed without a discovery, usually every node has been discovered, also one that no
-/// other node names.
+/// If no node was discovered for this time, usually all nodes have been discovered, even a node that no other
+/// node names.
 inline constexpr std::chrono::milliseconds kQuiet{600};
 
-/// Holds the latest status of every device and module whose node was discovered. The present state arrives
-/// as soon as a node is discovered. Any thread.
+/// Holds the latest status of every device and module whose node was discovered. A node's present state
+/// arrives as soon as the node is discovered. Any thread may call it.
 class Observer {
  public:
-  /// Callbacks, called one at a time on threads of Fast DDS. They must be short and must not call the
+  /// The callbacks. Threads of Fast DDS call them one at a time. They must be short and must not call the
   /// observer.
   struct News {
-    /// A module's state: the present one when its node is discovered, then each transition in order.
+    /// Receives a module's present state when its node is discovered, then each transition in order.
     std::function<void(const LifecycleStatus&)> module{};
-    /// A device was lost, came back, or changed its status (other than its number and time).
+    /// Receives a device that was found or lost, came back, or changed its status. A change of only the
+    /// sequence number and time does not count.
     std::function<void(const wire::ObservedDevice&)> device{};
   };
   struct Options {
@@ -42,15 +43,16 @@ class Observer {
   }
   ~Observer();
 
-  /// As wire::CellState::devices().
+  /// All devices, as wire::CellState::devices() returns them.
   [[nodiscard]] std::vector<wire::ObservedDevice> devices() const;
   [[nodiscard]] std::vector<wire::ObservedDevice> devices(const std::string& name) const;
 
-  /// Waits at most `limit` until `condition` is true of the devices; returns whether it is. Evaluates it at
-  /// every change and every few milliseconds. The condition may call the observer.
+  /// Waits at most `limit` until `condition` returns true for the devices. Returns whether it did. The
+  /// condition is evaluated at every change and every few milliseconds. It may call the observer.
   bool wait(const std::function<bool(const std::vector<wire::ObservedDevice>&)>& condition,
             Nanoseconds limit) const;
-  /// Waits until discovery should be complete: no new node for kQuiet, or `limit` is over.
+  /// Waits until no new node was discovered for kQuiet, so that discovery should be complete; at most for
+  /// `limit`.
   void settle(Nanoseconds limit) const;
 
  private:
@@ -63,7 +65,8 @@ class Observer {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   wire::CellState cell_state_;
-  std::unique_ptr<Readers> readers_;  // last member: destroyed first, so that no callback uses the others
+  // The last member, which is destroyed first, so that no callback uses the other members.
+  std::unique_ptr<Readers> readers_;
 };
 
 }  // namespace takt::client

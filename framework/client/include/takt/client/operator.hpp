@@ -17,30 +17,31 @@ namespace takt::client {
 struct Question {
   CommandKind kind = COMMAND_REPORT;
   std::string device;
-  std::string module{};  ///< empty: the whole device
+  std::string module{};  ///< empty for the whole device
   std::string deployment{};
   std::string property{};
   std::string value{};
   std::string data{};
   std::int64_t time_ns = 0;
-  /// How long to wait for the answer once the device is found. The search takes at most as long, and never
-  /// longer than Operator::search_limit(). The default is 5 s because discovery may hold the answer back for 2.4 s when one of
-  /// its messages is lost. None: waits until the device answers (initialising a component can take long) or
-  /// is lost.
+  /// How long to wait for the answer once the device is found. The search for the device also takes at most
+  /// this time, and never longer than Operator::search_limit(). The default is 5 s, because the answer may
+  /// come 2.4 s late if a message of the discovery is lost. Without a value, ask() waits until the device
+  /// answers or is lost, because initialising a component can take long.
   std::optional<Nanoseconds> limit = std::chrono::seconds{5};
-  std::int32_t process_id = 0;  ///< only the node with this process id; 0: the node of that name
+  std::int32_t process_id = 0;  ///< only the node with this process id; 0 for any node of the device
 };
 
-/// Asks nodes on behalf of one program. Any thread.
+/// Asks nodes on behalf of one program. Any thread may call it.
 class Operator {
  public:
-  /// The participant and the observer must outlive it. `domain` appears in messages.
+  /// The observer must outlive the operator. `domain` appears in messages.
   static Result<std::unique_ptr<Operator>> create(std::shared_ptr<dds::Participant> participant,
                                                   const Observer& observer, int domain);
   ~Operator();
 
-  /// The node's answer, whatever its code: REPLY_REFUSED is an answer too. Fails if there is none: the device
-  /// is not found, two devices have its name, it is lost, or it does not answer in time.
+  /// Sends a question and returns the node's answer, whatever its code; REPLY_REFUSED is an answer, too.
+  /// Fails if the device is not found, if two nodes have its name, if it is lost, or if it does not answer in
+  /// time.
   Result<wire::WholeReply> ask(const Question& question);
   /// Asks all questions at the same time and returns the answers in the order of the questions. `give_up` is
   /// polled; when it returns true, the wait for the remaining answers ends.
@@ -49,8 +50,8 @@ class Operator {
 
   [[nodiscard]] const Observer& observer() const noexcept { return observer_; }
   [[nodiscard]] int domain() const noexcept { return domain_; }
-  /// How long to search for a node: 3 s, or 10 s with DDS Security, where a busy machine takes several seconds
-  /// to authenticate a participant.
+  /// How long to search for a node. This is 3 s, or 10 s with DDS Security, because a busy machine takes
+  /// several seconds to authenticate a participant.
   [[nodiscard]] Nanoseconds search_limit() const noexcept { return search_limit_; }
 
  private:
@@ -63,10 +64,10 @@ class Operator {
   Nanoseconds search_limit_;
 };
 
-/// The problems that an answer carries as data, or else its text.
+/// Returns the problems in the data of an answer. If there are none, returns its text as a problem.
 Problems problems_of(const wire::WholeReply& reply);
 
-/// The answer if its code is REPLY_OK; otherwise its problems, or why there is no answer.
+/// Returns the answer if its code is REPLY_OK. Otherwise returns its problems, or why there is no answer.
 Result<wire::WholeReply> accepted(Result<wire::WholeReply> answer);
 
 }  // namespace takt::client

@@ -1,4 +1,5 @@
-// Names of ports, and patterns of them in which * stands for any characters: "line.*", "*.command".
+// Names of ports, and patterns for these names. In a pattern, * stands for any characters: "line.*",
+// "*.command".
 #pragma once
 
 #include <string>
@@ -11,10 +12,10 @@ namespace takt::client {
 
 inline bool is_pattern(std::string_view name) { return name.find('*') != std::string_view::npos; }
 
-/// Whether `name` matches `pattern`; each * stands for any number of characters, also none.
+/// Whether `name` matches `pattern`. Each * stands for any number of characters, including none.
 bool matches(std::string_view pattern, std::string_view name);
 
-/// Whether some port of this device could match.
+/// Whether a port of this device could match.
 bool may_match(std::string_view pattern, std::string_view device);
 
 struct PortName {
@@ -25,7 +26,8 @@ struct PortName {
 /// Parses "device.module.port".
 Result<PortName> parse_port(const std::string& name);
 
-/// Fails if there is no name, and with a problem for each that is neither a port's name nor a pattern.
+/// Fails if `names` is empty. Also fails with a problem for each name that is neither a port's name nor a
+/// pattern.
 Result<void> check_ports(const std::vector<std::string>& names);
 
 }  // namespace takt::client

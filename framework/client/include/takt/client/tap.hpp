@@ -10,13 +10,13 @@
 
 namespace takt::client {
 
-/// How long a device publishes a port after it was asked to.
+/// How long a device publishes a port after a request.
 inline constexpr std::chrono::seconds kTapped{30};
-/// How often to ask again, so that the samples do not stop.
+/// How often to repeat the request, so that the samples do not stop.
 inline constexpr std::chrono::seconds kAskAgain{10};
 
-/// Asks the device of "device.module.port" to publish it. Fails if there is no such port, or if it is a
-/// service: its requests and replies are ports of its client.
+/// Asks the device of `port`, "device.module.port", to publish this port. Fails if the port does not exist or
+/// is a service. The requests and replies of a service are ports of its client.
 Result<dds::Flow> tapped(Operator& asker, const std::string& port);
 
 }  // namespace takt::client

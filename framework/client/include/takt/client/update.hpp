@@ -1,4 +1,4 @@
-// Updates a running cell to another descriptor: on all of its devices or on none. Only differences are
+// Updates a running cell to another descriptor, on all of its devices or on none. Only what differs is
 // changed.
 #pragma once
 
@@ -13,22 +13,22 @@
 namespace takt::client {
 
 struct UpdateOptions {
-  /// Called with one line for a person: what update() waits for.
+  /// Called with one line for the user, which says what update() waits for.
   std::function<void(const std::string&)> progress;
-  /// Called with the differences, one a line, before any is carried out; not called if there are none.
+  /// Called with the differences, one per line, before anything is changed. Not called if there are none.
   std::function<void(const std::vector<std::string>&)> differs;
-  /// Polled until all is done; when it returns true, all changes are undone.
+  /// Polled until update() is done. If it returns true, all changes are undone.
   std::function<bool()> cancelled;
 };
 
 struct Updated {
-  Problems problems{};  ///< why the cell was not updated; empty: it now matches the descriptor
-  std::string outcome;  ///< the state of the cell now, in one sentence
+  Problems problems{};  ///< why the cell was not updated; empty if it now matches the descriptor
+  std::string outcome;  ///< a sentence about the present state of the cell
 };
 
-/// Asks each device what differs and whether it can change it. Then all devices make their changes at the
-/// same time, and then all confirm them. If one device fails, the others undo their changes. `text` is the
-/// descriptor that `cell` was read from. If no cell of that name runs, that is one of the problems.
+/// Asks each device what differs and whether it can make the change. Then all devices make their changes at
+/// the same time, and then all confirm them. If one device fails, the other devices undo their changes.
+/// `text` is the descriptor that `cell` was read from. A missing cell of this name is reported as a problem.
 Updated update(Operator& asker, const model::Cell& cell, const std::string& text,
                const UpdateOptions& options);
 

@@ -1,15 +1,15 @@
 // The cycle that a thread serves while it calls a hook. Functions in the C form have no arguments, so
-// takt_cycle() and its siblings find the cycle here.
+// takt_cycle(), takt_release_ns() and takt_period_ns() find the cycle here.
 #pragma once
 
 #include <takt/component.hpp>
 
 namespace takt {
 
-/// Sets the cycle that this thread serves from now on; null: none. The cycle must outlive that. In a hook
-/// without a release, only `start` and the module's own `period` are set. Real-time.
+/// Sets the cycle that this thread serves from now on; null: none. The cycle must stay valid until the next
+/// call. In a hook without a release, only `start` and the module's own `period` are set. Real-time.
 void serve_cycle(const Cycle* cycle) noexcept;
-/// The cycle that this thread serves; null: none. Real-time.
+/// Returns the cycle that this thread serves; null: none. Real-time.
 const Cycle* served_cycle() noexcept;
 
 }  // namespace takt

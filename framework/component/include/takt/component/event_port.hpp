@@ -9,17 +9,18 @@
 namespace takt {
 
 /// An event input. While it has an unread event, the default condition() of the module is true. run() may
-/// read one event, or all: `while (alarm.read()) ...`. Threads as for InPort.
+/// read one event, or all: `while (alarm.read()) ...`. The thread rules of InPort apply.
 template <class T>
 class EventPort : public InPort<T> {
  public:
   /// The options of the input.
   using Options = PortOptions;
 
-  /// In a component: a member.
+  /// Constructs an event input of a component, as a member. Not real-time: allocates.
   EventPort(Component& owner, std::string name, Options options = {})
       : InPort<T>(&owner, std::move(name), PortDirection::event, std::move(options)) {}
-  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe().
+  /// Constructs an event input of a program: a global variable, or a variable that is constructed before
+  /// initPeriodExe() or initSporadicExe(). Allocates.
   explicit EventPort(std::string name, Options options = {})
       : InPort<T>(nullptr, std::move(name), PortDirection::event, std::move(options)) {}
 };

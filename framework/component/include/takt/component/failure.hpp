@@ -8,10 +8,10 @@ namespace takt {
 
 inline constexpr std::size_t kFailureText = 256;
 
-/// Reports a failure from a hook, on the thread that runs the hook. The last report counts. Keeps at most
-/// kFailureText - 1 bytes. Real-time.
+/// Reports a failure from a hook, on the thread that runs the hook. A later report replaces an earlier one.
+/// Keeps at most kFailureText - 1 bytes. Real-time.
 void report_failure(std::string_view text) noexcept;
-/// The failure that the hook that just ended reported on this thread, or null. Forgets it. The text is valid
+/// Returns the failure that the last hook reported on this thread, or null, and forgets it. The text is valid
 /// until this thread reports again. Real-time.
 const char* take_failure() noexcept;
 

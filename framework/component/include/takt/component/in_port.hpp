@@ -7,15 +7,15 @@
 //   use(measured.value().position());     the sample that was read last
 //
 // A module that is loaded again after a crash or a reset gets back the value() that it read last, if the
-// samples come from another process or the executor has a host of its own. read() continues after that
-// sample.
+// samples come from another process or if the executor has its own host. read() continues after that sample.
 //
 // If the connected output has a safe value, this value arrives like a sample as soon as the last sample is no
 // longer trusted: the writing module does not execute, its device is lost, or the sample is older than the
 // connection's deadline.
 //
-// Every hook may call everything except the constructor, also on the real-time thread: nothing here waits or
-// allocates. One thread at a time, as the hooks are called.
+// Every hook may call every function except the constructor, including on the real-time thread: the functions
+// neither wait nor allocate. Only one thread at a time may use a port. Takt calls the hooks of a module one
+// at a time, so hooks need no lock.
 #pragma once
 
 #include <algorithm>
@@ -43,9 +43,9 @@ class InPortBase : public PortBase {
     return watched_.is_withheld() ? channel::kNever : first;
   }
 
-  /// Whether a sample or the safe value was ever read; value() is the last one. Real-time.
+  /// Whether a sample or the safe value was ever read; value() is the one that was read last. Real-time.
   [[nodiscard]] bool has_value() const noexcept { return sequence_ != 0 || is_safe_; }
-  /// Whether the last read() found a sample, or the safe value replaced the sample before. Real-time.
+  /// Whether the last read() found a sample, or replaced the last sample by the safe value. Real-time.
   [[nodiscard]] bool is_new() const noexcept { return is_new_; }
   /// Whether value() is the safe value of the connected output. sequence() and age() then belong to the last
   /// sample that arrived. Real-time.
@@ -75,7 +75,7 @@ class InPortBase : public PortBase {
 
   /// Adds a connection. Returns null, or the source from which a former instance of the module read its last
   /// value, if that value is still there: bytes outlive a process, objects do not. Events and samples of a
-  /// queue must not come twice, so for them it returns null.
+  /// queue must not arrive twice, so for them the function returns null.
   const Source* add(channel::Link link, const void* values) {
     const bool newest = link.block().is_queue == 0;
     const Source source{channel::LinkReader{link, attach()}, values, newest && link.depth() > 1};
@@ -93,7 +93,7 @@ class InPortBase : public PortBase {
     sequence_ = info.sequence;
     stamp_ns_ = info.stamp_ns;
   }
-  /// take_over() without the value.
+  /// Takes over everything from `before` except the value.
   void follow(InPortBase& before) noexcept {
     before.sources_.swap(before.aside_);
     if (sources_.empty()) sources_.swap(aside_);
@@ -112,15 +112,15 @@ class InPortBase : public PortBase {
   /// The link whose samples may be replaced by a safe value; empty if no connected output has a safe value.
   [[nodiscard]] const channel::Link& watched() const noexcept { return watched_; }
   /// Decides whether the safe value, which must be known, replaces the newest sample from now on. Call it
-  /// after taking; `found`: whether there was a sample.
+  /// after take(); `found`: whether take() found a sample.
   void settle(bool found) noexcept {
     const bool was_safe = is_safe_;
     is_safe_ = distrusted() || (was_safe && !found);
     is_new_ = is_safe_ ? !was_safe : found;
   }
 
-  /// Takes the next sample and returns its connection, or null if there is no sample. Asks the connections in
-  /// turn.
+  /// Takes the next sample and returns its connection, or null if there is no sample. It asks the connections
+  /// in turn.
   Source* take() noexcept {
     for (std::size_t n = sources_.size(); n > 0; --n) {
       Source& source = sources_[turn_];
@@ -181,16 +181,17 @@ class InPort : public InPortBase {
   /// The options of the input.
   using Options = PortOptions;
 
-  /// In a component: a member. Not real-time: allocates.
+  /// Constructs an input of a component, as a member. Not real-time: allocates.
   InPort(Component& owner, std::string name, Options options = {})
       : InPort(&owner, std::move(name), PortDirection::in, std::move(options)) {}
-  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Allocates.
+  /// Constructs an input of a program: a global variable, or a variable that is constructed before
+  /// initPeriodExe() or initSporadicExe(). Allocates.
   explicit InPort(std::string name, Options options = {})
       : InPort(nullptr, std::move(name), PortDirection::in, std::move(options)) {}
 
   /// Takes the next sample: the newest if the connection holds the latest value, the oldest if it is a queue.
-  /// False if no sample has arrived since; value() then stays as it is. The safe value arrives like a sample:
-  /// once, when it replaces the sample before. Real-time.
+  /// Returns false if no sample has arrived since the last read(); value() then stays unchanged. The safe
+  /// value arrives like a sample: once, when it replaces the last sample. Real-time.
   bool read() noexcept {
     const bool found = next();
     if (!watched() || !know_safe()) return found;
@@ -271,7 +272,7 @@ class InPort : public InPortBase {
     return safe_known_;
   }
 
-  std::array<T, 2> own_{};   // decoded from bytes in turn
+  std::array<T, 2> own_{};   // samples are decoded into these two in turn
   std::unique_ptr<T> safe_;  // null if no output with a safe value is connected
   bool safe_known_ = false;
   const T* value_ = own_.data();

@@ -82,8 +82,8 @@ class OutPortBase : public PortBase {
     if (wake_bits != 0 && context().wake_word != nullptr) context().wake_word->note(wake_bits);
   }
 
-  /// Writes the value into every enabled link. A link of bytes gets the value encoded once and copied; a link
-  /// of values gets it by `assign`.
+  /// Writes the value into every enabled link. `encode` encodes the value once, and the bytes are copied into
+  /// every link that carries bytes. `assign` copies the value into a link that carries values.
   template <class Encode, class Assign>
   Written write_all(const Encode& encode, const Assign& assign) noexcept {
     const std::byte* bytes = nullptr;
@@ -141,17 +141,18 @@ class OutPort : public OutPortBase {
   /// The options of the output.
   using Options = OutPortOptions<T>;
 
-  /// In a component: a member. Not real-time: allocates. Throws std::invalid_argument if the safe value does
-  /// not fit its type: a string or sequence exceeds its bound, or an enumerator is invalid.
+  /// Constructs an output of a component, as a member. Not real-time: allocates. Throws std::invalid_argument
+  /// if the safe value does not fit its type: a string or sequence exceeds its bound, or an enumerator is
+  /// invalid.
   OutPort(Component& owner, std::string name, Options options = {})
       : OutPort(&owner, std::move(name), std::move(options)) {}
-  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Otherwise
-  /// the same.
+  /// Constructs an output of a program: a global variable, or a variable that is constructed before
+  /// initPeriodExe() or initSporadicExe(). Allocates. Throws like the other constructor.
   explicit OutPort(std::string name, Options options = {})
       : OutPort(nullptr, std::move(name), std::move(options)) {}
 
   /// Sends a value to all connected readers. The stamp of the sample is the start of the current run(). Every
-  /// hook may call it. Real-time; one thread at a time.
+  /// hook may call it. Real-time; only one thread at a time may call it.
   Written write(const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();
     return write_all(encoding(value), assigning(value));

@@ -52,7 +52,7 @@ struct PortContext {
   std::int64_t start_ns = 0;
   channel::WakeWord* wake_word = nullptr;  ///< for links whose readers sleep
   /// Monotonic time in ns from which written samples may be read. With timing="let" it is the end of the
-  /// period; 0: at once.
+  /// period. 0 means at once.
   std::int64_t valid_ns = 0;
   /// Where samples are recorded while run() is called; null: nowhere.
   channel::FlightWriter* flight = nullptr;
@@ -82,7 +82,7 @@ class PortBase {
   /// Whether read() would find a sample. Real-time.
   [[nodiscard]] bool has_news() const noexcept { return news_at() <= context().start_ns; }
   /// The monotonic time in ns from which read() finds a sample: 0 for at once, channel::kNever if there is no
-  /// sample. Real-time; another thread than the reading one may call it too.
+  /// sample. Real-time; a thread other than the reading one may call it too.
   [[nodiscard]] virtual std::int64_t news_at() const noexcept { return channel::kNever; }
 
   // For the code that runs the module, while the module is not running.
@@ -92,14 +92,14 @@ class PortBase {
     context_ = &context;
     place_ = place;
   }
-  /// Connects the port to a link, in addition to the links that it has. `values`: null if the link carries
-  /// bytes. Otherwise the payloads of a link that has no room for them: one value of the port's type for each
-  /// buffer, from make_values() of either end.
+  /// Connects the port to a link, in addition to the links that it has. `values` is null if the link carries
+  /// bytes. Otherwise the link has no room for payloads, and `values` holds them: one value of the port's
+  /// type for each buffer, made by make_values() of the port at either end.
   virtual void connect(channel::Link link, void* values) = 0;
   /// Links that are connected from now on stay unused until take_over(), because the port of another instance
   /// serves them until then.
   void stand_by() noexcept { attach_ = channel::Attach::later; }
-  /// Continues where `before` is: the same port of another instance of the module, with the same links.
+  /// Takes the place of `before`: the same port of another instance of the module, with the same links.
   /// `before` stands by from now on. Real-time.
   virtual void take_over(PortBase& before) noexcept = 0;
   /// Makes `number` values with room for the largest sequences. They are never freed, because the other end

@@ -10,15 +10,16 @@
 
 namespace takt {
 
-/// The description of a type, in static storage. It is the same in every object compiled from the same IDL.
+/// The description of a type, in static storage. The content is the same in every object file that is
+/// compiled from the same IDL.
 struct TypeInfo {
   const char* name;         ///< "motion::JointState", the name on DDS
   const char* description;  ///< JSON for model::parse_type(); types with equal descriptions are the same type
   std::uint32_t max_size;   ///< most bytes of a sample as CDR: with encapsulation, a multiple of 4
 };
 
-/// Encodes and decodes values of T, a struct of an IDL file. All functions except reserve() are real-time;
-/// decode() only for a value that was reserved.
+/// Encodes and decodes values of T, a struct of an IDL file. All functions except reserve() are real-time.
+/// decode() is real-time only if reserve() was called for the value.
 ///
 ///   static constexpr TypeInfo info;
 ///

@@ -1,16 +1,16 @@
 // takt::Property: a named value that the descriptor sets, and that an operator can change while the component
 // runs. It is a member of a component. In a program, or in a module in the C form, it is a global variable:
 //
-//   takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Of the belt."}};
+//   takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Belt speed."}};
 //
 // A program gets the values of its descriptor as arguments, and each property takes its value when it is
 // constructed. So the value is valid from the first line of main() on. initPeriodExe() or initSporadicExe()
 // rejects invalid values, and arguments that name no property.
 //
 // Two threads use a property: the thread that sets it, and the thread that calls the component's hooks. Each
-// has a value of its own, and a third value is passed between them. The caller synchronises this with one
-// word (host: LiveProperties). So run() reads a plain value that no other thread changes, and neither waits
-// nor frees the former value.
+// has its own copy of the value, and a third copy is passed between them. The caller synchronises the
+// exchange with one word (see LiveProperties in the host room). So run() reads a plain value that no other
+// thread changes, and neither waits nor frees the former value.
 #pragma once
 
 #include <cmath>
@@ -56,9 +56,9 @@ class PropertyBase {
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
   /// The kind of value.
   [[nodiscard]] virtual PropertyType type() const noexcept = 0;
-  /// The value that was set last. For the setting thread. Allocates.
+  /// The value that was set last. Only the setting thread may call it. Allocates.
   [[nodiscard]] virtual std::string value_text() const = 0;
-  /// The value until one is set. Allocates.
+  /// The default: the value until another one is set. Allocates.
   [[nodiscard]] virtual std::string default_text() const = 0;
   /// The smallest accepted value; empty without a lower bound. Allocates.
   [[nodiscard]] virtual std::string min_text() const = 0;
@@ -67,16 +67,18 @@ class PropertyBase {
   /// "0 to 10", "at least 0", "fast or slow"; empty without bounds. Allocates.
   [[nodiscard]] virtual std::string range_text() const = 0;
 
-  /// Whether the property accepts this text. The problem states what it accepts. Not real-time.
+  /// Whether the property accepts this text. If not, the problem states what the property accepts. Not
+  /// real-time.
   [[nodiscard]] virtual Result<void> check(std::string_view text) const = 0;
   /// Sets the property from the descriptor's text, while no hook is called. On failure the value does not
   /// change, and the problem states what the property accepts. Not real-time.
   virtual Result<void> assign(std::string_view text) = 0;
-  /// Like assign(), but also allowed while hooks are called. The hooks see the value after take_over(), which
-  /// must not be in progress. For the setting thread. Not real-time.
+  /// Like assign(), but also allowed while hooks are called. The hooks see the value after take_over().
+  /// propose() must not be called while take_over() is in progress. Only the setting thread may call it. Not
+  /// real-time.
   virtual Result<void> propose(std::string_view text) = 0;
-  /// Makes the proposed value the current one. For the thread that calls hooks, between two calls, once for
-  /// one or more proposals. Real-time: only swaps.
+  /// Makes the proposed value the current one. The thread that calls the hooks calls it between two hooks,
+  /// once after one or more proposals. Real-time: it only swaps two values.
   virtual void take_over() noexcept = 0;
 
  protected:
@@ -105,13 +107,13 @@ Problems check_declared(const std::vector<PropertyBase*>& properties, const std:
 /// The words that a text property accepts: {"fast", "slow"}.
 class Choices {
  public:
-  /// Any text.
+  /// Accepts any text.
   Choices() noexcept = default;
-  /// Only these words.
+  /// Accepts only these words.
   Choices(std::initializer_list<std::string> words) : words_(words) {}
   /// Whether there are no words, so that any text is accepted.
   [[nodiscard]] bool empty() const noexcept { return words_.empty(); }
-  /// Whether `word` is one of the words. An exact comparison.
+  /// Whether `word` is one of the words. The comparison is exact.
   [[nodiscard]] bool contain(std::string_view word) const noexcept;
   /// "fast, medium or slow"
   [[nodiscard]] std::string text() const;
@@ -139,9 +141,10 @@ template <class T>
 concept PropertyValueType = std::same_as<T, bool> || std::same_as<T, std::string> || std::same_as<T, float> ||
     std::same_as<T, double> || std::signed_integral<T>;
 
-/// A property of type bool, signed integer, float, double or std::string. Every hook may read it, also on the
-/// real-time thread. A service handler must not. If the value is set while the component runs, the next call
-/// of a hook reads the new value. Takt does not call initialize() again, so values computed there stay.
+/// A property of type bool, signed integer, float, double or std::string. Every hook may read it, including
+/// on the real-time thread. A service handler must not read it. If the value is set while the component runs,
+/// the next call of a hook reads the new value. Takt does not call initialize() again, so values computed
+/// there stay.
 template <PropertyValueType T>
 class Property : public PropertyBase {
  public:
@@ -154,10 +157,11 @@ class Property : public PropertyBase {
     Choices choices{};       ///< the accepted words; text properties only; empty: any text
   };
 
-  /// In a component: a member. `value`: the default. Not real-time: allocates.
+  /// Constructs a property of a component, as a member. `value`: the default. Not real-time: allocates.
   Property(Component& owner, std::string name, T value, Options options = {})
       : Property(&owner, std::move(name), std::move(value), std::move(options)) {}
-  /// In a program or in a module in the C form: a global variable. Not in a component. Allocates.
+  /// Constructs a property of a program, or of a module in the C form, as a global variable. Not for a
+  /// component. Allocates.
   Property(std::string name, T value, Options options = {})
       : Property(nullptr, std::move(name), std::move(value), std::move(options)) {
     detail::add_loose_property(*this);

@@ -9,8 +9,9 @@
 // crash, the new instance has the saved value from start() on; initialize() is called before that, as always.
 // With <retain>true</retain> in the descriptor the value is also written to disk and survives power-off.
 //
-// In a program it is a global variable, kept{1}. Each waitPeriod() or waitSporadic() except the first copies
-// the value. After a crash, the program has it back when initPeriodExe() or initSporadicExe() returns.
+// In a program, `kept` is a global variable and is constructed with kept{1}. Each waitPeriod() or
+// waitSporadic() except the first copies the value. After a crash, the program has the saved value again when
+// initPeriodExe() or initSporadicExe() returns.
 #pragma once
 
 #include <cstdint>
@@ -56,7 +57,8 @@ class SavedBase {
   bool restored_ = false;
 };
 
-/// The objects without an owner that the calling thread has constructed since the last call.
+/// The Saved objects without a component: those of this program, or of the module in C form that this thread
+/// has loaded since the last call.
 std::vector<SavedBase*> take_loose_saved();
 
 namespace detail {
@@ -64,9 +66,10 @@ void add_loose_saved(SavedBase& saved);
 void remove_loose_saved(SavedBase& saved) noexcept;
 }  // namespace detail
 
-/// A member of a component, or a global variable of a program; at most one of either. T is copied byte by
-/// byte into another process, so it must not contain pointers or containers; it has at most 4096 bytes. Every
-/// hook may use it, also run() on the real-time thread.
+/// The saved state: a member of a component, or a global variable of a program. A component or program has at
+/// most one Saved. T is copied byte by byte into another process, so T must not contain pointers or
+/// containers, and it has at most 4096 bytes. Every hook may use the value, including run() on the real-time
+/// thread.
 template <class T>
 class Saved : public SavedBase {
   static_assert(std::is_trivially_copyable_v<T>,
@@ -74,11 +77,11 @@ class Saved : public SavedBase {
   static_assert(sizeof(T) <= channel::kMostSaved, "T is too large; at most 4096 bytes are saved");
 
  public:
-  /// In a component. `version`: increase it whenever the meaning of T changes. `initial`: the value of a new
+  /// For a component. `version`: increase it whenever the meaning of T changes. `initial`: the value of a new
   /// instance.
   Saved(Component& owner, std::uint32_t version, T initial = T{})
       : SavedBase(&owner, &value_, sizeof(T), version), value_(std::move(initial)) {}
-  /// In a program, otherwise the same.
+  /// For a program. `version` and `initial` are the same as for a component.
   explicit Saved(std::uint32_t version, T initial = T{})
       : SavedBase(nullptr, &value_, sizeof(T), version), value_(std::move(initial)) {}
   /// The value. Real-time.

@@ -2,18 +2,18 @@
 // client gets the reply to its own request. A service and a client each have two ports, NAME/request and
 // NAME/reply; the descriptor connects them with <service client="..." server="..."/>.
 //
-// A service with a handler, which runs on a thread of its own and returns a reply or takt::fail("why not"):
+// A service with a handler. The handler runs on its own thread, and returns a reply or takt::fail("why not"):
 //
 //   takt::Service<line::Reset, line::Throughput> reset{
 //       *this, "reset", [this](const line::Reset& request) { return do_it(request); }};
 //
-// A service without a handler; run() replies, in the same cycle or some cycles later:
+// A service without a handler. run() replies, in the same cycle or some cycles later:
 //
 //   takt::Service<line::Reset, line::Throughput> reset{*this, "reset"};
 //   ...
 //   if (reset.take()) reset.reply(do_it(reset.request()));
 //
-// A client; both calls are in run() and return at once:
+// A client. run() makes both calls, and they return at once:
 //
 //   takt::Client<line::Reset, line::Throughput> reset{*this, "reset"};
 //   ...
@@ -42,7 +42,7 @@ namespace takt {
 
 namespace detail {
 
-/// The failure that this thread reported with fail() or takt_fail(), or null. Forgets it.
+/// Returns the failure that this thread reported with fail() or takt_fail(), or null, and forgets it.
 const char* take_reported_failure() noexcept;
 
 template <class T>
@@ -103,32 +103,32 @@ class ServiceBase {
   ServiceBase& operator=(const ServiceBase&) = delete;
   virtual ~ServiceBase() = default;
 
-  /// Whether a request waits. For the thread that calls handle().
+  /// Whether a request waits. Only the thread that calls handle() may call it.
   [[nodiscard]] virtual bool has_request() const noexcept = 0;
   /// Takes one request and answers it: with the handler, or, if `refusal` is not null, by rejecting it with
-  /// that reason. False if there was no request. Not real-time. One thread at a time, which may run beside
-  /// run().
+  /// that reason. Returns false if there was no request. Not real-time. Only one thread at a time may call
+  /// it, but at the same time as run().
   virtual bool handle(const char* refusal) = 0;
 
  protected:
   ServiceBase() = default;
-  /// Adds the service to those of its component whose handle() is called.
+  /// Registers the service with its component, so that Takt calls its handle().
   void enlist(Component& owner);
 };
 
 /// Answers requests. Request and Reply are structs of IDL files (see takt_add_idl()).
 ///
 /// With a handler: the handler runs on a thread of the module that is not real-time, while the module is
-/// EXECUTING. It may run at the same time as run() and condition(), but not as any other hook. It may share
-/// only atomic variables with run(), and must not use properties or ports. It may allocate and wait, but
-/// after 5 s it counts as hung, like a hook. If it throws, or fails with fail(), the client's call is
-/// rejected with that reason. While the module is not EXECUTING, requests are rejected.
+/// EXECUTING. The handler may run at the same time as run() and condition(), but never at the same time as
+/// another hook. It may share only atomic variables with run(), and must not use properties or ports. It may
+/// allocate and wait, but after 5 s it counts as hung, like a hook. If it throws, or fails with fail(), the
+/// client's call is rejected with that reason. While the module is not EXECUTING, requests are rejected.
 ///
-/// Without a handler: run() takes requests and replies on the real-time thread. It may call every function
-/// except the constructor; they neither wait nor allocate. While the module is not EXECUTING, requests are
-/// not taken, and the calls of the clients time out.
+/// Without a handler: run() takes requests and replies on the real-time thread. run() may call every function
+/// of Service except the constructor; these functions neither wait nor allocate. While the module is not
+/// EXECUTING, requests are not taken, and the calls of the clients time out.
 ///
-/// In both cases, a request that has waited longer than its client does is rejected and never served.
+/// In both cases, a request that is taken after its client's time-out is rejected and never served.
 template <class Request, class Reply>
 class Service final : public ServiceBase {
  public:
@@ -137,23 +137,24 @@ class Service final : public ServiceBase {
   /// Returns the reply, or takt::fail("why not").
   using Handler = std::function<Result<Reply>(const Request&)>;
 
-  /// In a component: a member, with a handler. A template, so that options in braces are not mistaken for a
-  /// handler. Not real-time: allocates.
+  /// Constructs a service of a component, as a member, with a handler. This is a template, so that options in
+  /// braces are not mistaken for a handler. Not real-time: allocates.
   template <std::convertible_to<Handler> Callable>
   Service(Component& owner, const std::string& name, Callable handler, const Options& options = {})
       : Service(&owner, name, PortRole::handler, options) {
     handler_ = std::move(handler);
     enlist(owner);
   }
-  /// In a component: a member, without a handler. Not real-time: allocates.
+  /// Constructs a service of a component, as a member, without a handler. Not real-time: allocates.
   Service(Component& owner, const std::string& name, const Options& options = {})
       : Service(&owner, name, PortRole::service, options) {}
-  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Allocates.
+  /// Constructs a service of a program: a global variable, or a variable that is constructed before
+  /// initPeriodExe() or initSporadicExe(). Allocates.
   explicit Service(const std::string& name, const Options& options = {})
       : Service(nullptr, name, PortRole::service, options) {}
 
-  /// Takes the next request; request() returns it. False if no request waits. A request that was taken before
-  /// and not answered is forgotten. Rejects requests whose time-out has passed. Real-time.
+  /// Takes the next request; request() returns it. Returns false if no request waits. A request that was
+  /// taken before and not answered is dropped. Rejects requests whose time-out has passed. Real-time.
   bool take() noexcept {
     busy_ = false;
     while (in_.read()) {
@@ -254,24 +255,25 @@ const char* to_text(CallStatus status) noexcept;
 /// Calls a service. Request and Reply are structs of IDL files (see takt_add_idl()).
 ///
 /// Every hook, above all run(), may call every function except the constructor; they neither wait nor
-/// allocate. One thread at a time. A client has one call at a time, and a new call abandons the one before.
-/// The time-out counts from the start of the run() that called to the start of the run() that polls. In a
-/// sporadic module an answer is an event: it makes the module ready to run, and run() must poll(). A time-out
-/// is not an event.
+/// allocate. Only one thread at a time may use a client. A client has one call at a time, and a new call
+/// abandons the previous one. The time-out counts from the start of the run() that called to the start of the
+/// run() that polls. In a sporadic module an answer is an event: it makes the module ready to run, and run()
+/// must poll(). A time-out is not an event.
 template <class Request, class Reply>
 class Client {
  public:
   /// The options of the client.
   using Options = PortOptions;
 
-  /// In a component: a member. Not real-time: allocates.
+  /// Constructs a client of a component, as a member. Not real-time: allocates.
   Client(Component& owner, const std::string& name, const Options& options = {})
       : Client(&owner, name, options) {}
-  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Allocates.
+  /// Constructs a client of a program: a global variable, or a variable that is constructed before
+  /// initPeriodExe() or initSporadicExe(). Allocates.
   explicit Client(const std::string& name, const Options& options = {}) : Client(nullptr, name, options) {}
 
-  /// Sends a request, once, and abandons the call before. `timeout`: how long poll() accepts the answer.
-  /// Returns `pending`; or `nobody` if there is no service; or `refused` if the request does not fit its type
+  /// Sends a request once, and abandons the previous call. `timeout`: how long poll() accepts the answer.
+  /// Returns `pending`, or `nobody` if there is no service, or `refused` if the request does not fit its type
   /// (a string or sequence exceeds its bound, or an enumerator is invalid). Real-time.
   CallStatus call(const Request& request, Nanoseconds timeout) noexcept {
     const std::int64_t now = out_.now_ns();

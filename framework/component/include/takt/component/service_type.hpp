@@ -27,13 +27,13 @@ enum class ServiceCode : std::uint32_t {
   refused   ///< the request was rejected; `reason` states why
 };
 
-/// A request. Each client chooses a `client` number of its own, and counts its requests in `number`. The
-/// reply returns both.
+/// A request. Each client chooses its own `client` number, and counts its requests in `number`. The reply
+/// returns both.
 template <class T>
 struct ServiceRequest {
   std::uint64_t client = 0;
   std::uint64_t number = 0;
-  std::int64_t timeout_ns = 0;  ///< counts from the stamp of the sample; later the request is not served
+  std::int64_t timeout_ns = 0;  ///< counts from the sample's stamp; after it, the request is not served
   T request{};
 };
 

@@ -21,8 +21,8 @@ static_assert(std::endian::native == std::endian::little, "samples are written i
 /// Bytes before every sample: two for the representation (CDR and its byte order), two for options.
 inline constexpr std::size_t kEncapsulation = 4;
 
-/// The bytes that a sample of this size takes on the network. RTPS sends whole 4-byte words, so up to 3 bytes
-/// may follow the sample.
+/// The number of bytes that a sample of this size takes on the network. RTPS sends whole 4-byte words, so up
+/// to 3 bytes may follow the sample.
 constexpr std::size_t padded_sample(std::size_t bytes) noexcept { return (bytes + 3) / 4 * 4; }
 
 /// The padding in bytes before a value that must be aligned. `position` counts from the end of the
@@ -180,7 +180,7 @@ class CdrReader {
 
   void fail() noexcept { ok_ = false; }
   [[nodiscard]] bool ok() const noexcept { return ok_; }
-  /// Whether the bytes were exactly one whole sample, except for up to 3 bytes of padding at the end.
+  /// Whether the bytes were exactly one whole sample. There may be up to 3 bytes of padding at the end.
   [[nodiscard]] bool complete() const noexcept { return ok_ && size_ - position_ < 4; }
 
  private:

@@ -12,7 +12,8 @@ namespace takt {
 
 /// Two lower-case digits per byte: "00ff".
 std::string in_hex(std::span<const std::byte> bytes);
-/// Accepts digits in upper and lower case. Empty if the text has an odd length or another character.
+/// Accepts digits in upper and lower case. None if the text has an odd length or contains any other
+/// character.
 std::optional<std::vector<std::byte>> bytes_of_hex(std::string_view text);
 
 }  // namespace takt

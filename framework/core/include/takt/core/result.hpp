@@ -26,7 +26,7 @@ using Problems = std::vector<Problem>;
 
 /// "WHERE: error: WHAT; FIX"; empty parts are left out. One line, without a line feed at its end.
 std::string to_text(const Problem& problem);
-/// The same for each problem, one per line.
+/// Calls to_text() for each problem and puts each result on a line of its own.
 std::string to_text(const Problems& problems);
 /// "WHERE: WHAT; FIX" for use within a sentence: all problems on one line, separated by ". ".
 std::string in_words(const Problems& problems);

@@ -10,7 +10,8 @@
 namespace takt {
 
 /// The duration from `from_ns` to `to_ns`, in ns. Safe for any two numbers, for example from the network: a
-/// duration that does not fit becomes the longest of its sign. The result can always be negated.
+/// duration that does not fit becomes the longest duration with the same sign. The result can always be
+/// negated.
 constexpr Nanoseconds span(std::int64_t from_ns, std::int64_t to_ns) {
   constexpr std::int64_t kLongest = std::numeric_limits<std::int64_t>::max();
   std::int64_t ns = 0;

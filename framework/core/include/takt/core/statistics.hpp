@@ -16,7 +16,7 @@ namespace takt {
 struct HistogramScale {
   static constexpr std::size_t kBuckets = 32 + 16 * 35;
 
-  /// The bucket of a value in ns. Negative values count as 0, values past the end go to the last bucket.
+  /// The bucket of a value in ns. Negative values count as 0. Values past the end go to the last bucket.
   static std::size_t bucket(std::int64_t value) noexcept;
   /// The smallest value of a bucket, in ns. lower(kBuckets) is the end of the scale.
   static std::int64_t lower(std::size_t bucket) noexcept;
@@ -44,11 +44,11 @@ class Statistics {
   /// may record.
   void record(std::int64_t value_ns) noexcept;
 
-  /// For any thread of any process. Reads again if the writer was writing meanwhile. After 1000 tries (the
-  /// writer died while writing) it returns what is there, which is off by at most one value.
+  /// Any thread of any process may call it. Reads again if the writer was writing meanwhile. After 1000
+  /// tries, the writer must have died while it was writing. Then the result is off by at most one value.
   [[nodiscard]] StatisticsSnapshot read() const noexcept;
 
-  /// Only for the writer, or after the writer has ended.
+  /// Removes all values. Only the writer may call it, or any thread after the writer has ended.
   void clear() noexcept;
 
  private:

@@ -13,10 +13,10 @@ namespace takt {
 /// prefer std::quoted.
 std::string in_quotes(std::string_view text);
 
-/// The same without the quotes.
+/// Like in_quotes(), but without the quotes.
 std::string brief(std::string_view text);
 
-/// The same without quotes and in full length, for a path.
+/// Like brief(), but never shortens the text. For paths.
 std::string on_one_line(std::string_view text);
 
 /// "FILE:LINE", the `where` of a Problem; "line LINE" if `file` is empty. A line below 1 becomes 1.

@@ -25,7 +25,7 @@ struct Quality {
   std::uint32_t depth = 1;
   std::optional<Nanoseconds> deadline;
   std::optional<Nanoseconds> lifespan;
-  /// Readers that are found later also get the last `depth` samples.
+  /// Whether readers that are found later also get the last `depth` samples.
   bool kept = false;
 };
 
@@ -35,24 +35,24 @@ struct Flow {
   Quality quality;
 };
 
-/// Outgoing: one thread (not real-time) sleeps on the wake word, reads the links and writes to DDS. Incoming:
-/// the receive thread of Fast DDS writes to the links and rings for their readers.
+/// For outgoing samples, one thread that is not real-time sleeps on the wake word, reads the links and writes
+/// to DDS. For incoming samples, the receive thread of Fast DDS writes to the links and rings the wake word.
 class Gateway {
  public:
   using FlowId = std::size_t;
 
-  /// `place`: this gateway's number, 0 to 31, among those that share the wake word.
+  /// `place` is this gateway's number, 0 to 31, among the gateways that share the wake word.
   static Result<std::unique_ptr<Gateway>> create(std::shared_ptr<Participant> participant,
                                                  channel::WakeWord& wake_word, std::uint32_t place = 0);
   virtual ~Gateway() = default;
 
-  /// The gateway becomes the reader of `from`.
+  /// Adds a flow from a link to DDS. The gateway becomes the reader of `from`.
   virtual Result<FlowId> add_outgoing(const Flow& flow, channel::Link from) = 0;
-  /// The gateway becomes the writer of all of `to`.
+  /// Adds a flow from DDS to links. The gateway becomes the writer of all links in `to`.
   virtual Result<FlowId> add_incoming(const Flow& flow, std::vector<channel::Link> to) = 0;
-  /// Afterwards nothing accesses the memory of the flow's links. Other flows continue.
+  /// Removes a flow. Afterwards the gateway no longer accesses the memory of its links. Other flows continue.
   virtual void remove(FlowId flow) = 0;
-  /// All 0 for a removed flow.
+  /// The counters of a flow; all are 0 for a removed flow.
   [[nodiscard]] virtual wire::FlowHealth health(FlowId flow) const = 0;
 
  protected:
@@ -78,8 +78,8 @@ class Feed {
  public:
   static Result<std::unique_ptr<Feed>> create(std::shared_ptr<Participant> participant, const Flow& flow);
   virtual ~Feed() = default;
-  /// Writes a sample's bytes, with the time of its value (ns since 1970; 0: now). Returns false if DDS
-  /// rejects it.
+  /// Writes a sample's bytes with the time of its value, in ns since 1970; 0 means now. Returns false if DDS
+  /// rejects the sample.
   virtual bool write(const std::byte* bytes, std::size_t size, std::int64_t time_ns = 0) = 0;
   [[nodiscard]] virtual wire::FlowHealth health() const = 0;
 

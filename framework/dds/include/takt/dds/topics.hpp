@@ -1,13 +1,16 @@
 // The typed topics on which nodes publish their state: Writer<T> and Reader<T> for T of idl/takt.idl, each
 // with the QoS of its topic.
 //
-//   LifecycleStatus      takt/lifecycle    a state: reliable, transient local, keep last 1, liveliness manual
-//                                          by topic with a lease of 300 ms
-//   DeviceStatus         takt/device       a state
-//   ModuleStatistics     takt/statistics   best effort, volatile, keep last 1
-//   ExecutorStatistics   takt/executor     the same
-//   PortStatus           takt/port         the same
-//   FaultEvent           takt/fault        an event: reliable, transient local, keep last 64
+//   LifecycleStatus      takt/lifecycle    state
+//   DeviceStatus         takt/device       state
+//   ModuleStatistics     takt/statistics   measurement
+//   ExecutorStatistics   takt/executor     measurement
+//   PortStatus           takt/port         measurement
+//   FaultEvent           takt/fault        event
+//
+// state: reliable, transient local, keep last 1, liveliness manual by topic with a lease of 300 ms
+// measurement: best effort, volatile, keep last 1
+// event: reliable, transient local, keep last 64
 #pragma once
 
 #include <chrono>
@@ -22,7 +25,7 @@
 
 namespace takt::dds {
 
-/// Not for real-time threads; one thread at a time.
+/// Publishes on the topic of T. Real-time threads must not use it. One thread at a time may call it.
 template <class T>
 class Writer {
  public:
@@ -33,12 +36,14 @@ class Writer {
 
   /// Returns false if Fast DDS rejects the sample, which failures() counts.
   bool write(const T& sample);
-  /// Disposes of the sample with this key: present readers are notified, and later readers do not get it.
+  /// Disposes of the sample with this key. Present readers are notified, and later readers do not get the
+  /// sample.
   void dispose(const T& sample);
-  /// Asserts that this writer is alive, on topics with a liveliness; write() does so too.
+  /// Asserts that this writer is alive, for the topics of states. write() asserts it, too.
   void assert_liveliness();
-  /// Waits at most this long until every reliable reader has everything that was written. A reader of Takt
-  /// acknowledges after 5 ms. Until then a second sample of a key would overwrite the first.
+  /// Waits until every reliable reader has acknowledged all written samples, at most for `limit`. A reader of
+  /// Takt acknowledges within about 5 ms. Until then, a second sample of a key would overwrite the first.
+  /// Returns false if the time is over.
   bool wait_acknowledged(std::chrono::milliseconds limit);
   [[nodiscard]] std::uint64_t failures() const noexcept;
 
@@ -48,17 +53,17 @@ class Writer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// The callbacks of a reader. A thread of Fast DDS makes one call at a time for each reader. They must be
+/// The callbacks of a reader. Threads of Fast DDS make one call at a time for each reader. A callback must be
 /// quick, must not call DDS, and must not take a lock that another thread holds while it calls DDS.
 template <class T>
 struct Heard {
   std::function<void(const T&, wire::WriterId)> sample;
-  /// The key of this sample was disposed; other fields are not set.
+  /// The writer disposed of the sample with this key; other fields of the sample are not set.
   std::function<void(const T&, wire::WriterId)> disposed{};
-  /// A live writer is lost: its lease expired, or it left. Called once.
+  /// A live writer was lost, because its lease expired or it left. Called once for each loss.
   std::function<void(wire::WriterId)> lost{};
-  /// A writer is alive: called before its first sample, and when it returns. Its earlier samples are not
-  /// repeated.
+  /// A writer is alive. Called before the writer's first sample, and when a lost writer returns. Samples that
+  /// it sent before are not repeated.
   std::function<void(wire::WriterId)> alive{};
 };
 
@@ -69,7 +74,7 @@ class Reader {
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
   ~Reader();
-  /// The number of writers that match at present.
+  /// The number of writers that currently match this reader.
   [[nodiscard]] int matched() const noexcept;
   /// The number of samples that were invalid and therefore dropped.
   [[nodiscard]] std::uint64_t refused() const noexcept;

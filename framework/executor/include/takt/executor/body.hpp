@@ -18,15 +18,15 @@ struct Outcome {
   [[nodiscard]] constexpr bool ok() const noexcept { return type == ErrorType::none; }
 };
 
-/// The host implements this for loaded modules; tests and the simulation have their own. All functions are
-/// called on real-time threads.
+/// The host implements this for loaded modules; tests and the simulation have their own implementations. All
+/// functions are called on real-time threads.
 class Body {
  public:
   virtual ~Body() = default;
   /// Runs the module once.
   virtual Outcome run(const Cycle& cycle) noexcept = 0;
-  /// Sets `*ready` to whether a sporadic module is to run. Only `number`, `time` and `start` of the cycle are
-  /// meaningful.
+  /// Sets `*ready` to whether a sporadic module is to run. `number` and `period` of the cycle are those of
+  /// the executor's rows.
   virtual Outcome condition(const Cycle& cycle, bool* ready) noexcept = 0;
   /// Whether an event port has an unread sample that is valid at `now`. Called for modules with immediate
   /// dispatch.

@@ -25,7 +25,7 @@ struct Exchange {
 
   std::uint32_t index = 0;  ///< the module's index on its device
   Body* body = nullptr;     ///< the new body
-  std::uint64_t runs = 1;   ///< length of the trial
+  std::uint64_t runs = 1;   ///< number of runs in the trial
 
   /// SYNC: exchange. Publishes the members below. After `kept` or `put_back` the executor no longer uses this
   /// object.

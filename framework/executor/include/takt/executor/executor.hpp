@@ -25,8 +25,8 @@ namespace takt::executor {
 /// are in the first cache line.
 struct alignas(64) Unit {
   std::uint32_t index = 0;                ///< the module's index on its device
-  Body* body = nullptr;                   ///< of a thread module
-  channel::ReleaseSlot* slot = nullptr;   ///< of a process module
+  Body* body = nullptr;                   ///< of a thread module, else null
+  channel::ReleaseSlot* slot = nullptr;   ///< of a process module, else null
   channel::ModuleBlock* block = nullptr;  ///< never null
   Nanoseconds period{};                   ///< of a periodic module
   Nanoseconds deadline{};                 ///< of a sporadic module, from its release
@@ -39,7 +39,7 @@ struct alignas(64) Unit {
   Exchange* trial = nullptr;           ///< the trial of its body; only the executor uses this
 };
 
-/// Where an executor's threads record what they do; null: nowhere. The writers outlive the executor.
+/// Where an executor's threads record what they do; null: nowhere. The writers must outlive the executor.
 struct Flight {
   channel::FlightWriter* rows = nullptr;
   channel::FlightWriter* sporadic = nullptr;
@@ -48,13 +48,13 @@ struct Flight {
 class Executor {
  public:
   /// `periodic` and `sporadic` are in the order of the plan's lists; the plan is copied. Only the constructor
-  /// allocates. `clock` and the blocks outlive the executor.
+  /// allocates. `clock` and the blocks must outlive the executor.
   Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodic, std::vector<Unit> sporadic,
            channel::ExecutorBlock& block, Clock& clock, Flight flight = {});
 
-  /// Puts the executor on its grid T0 + n x basic period, at the first release that is not before `now`. Rows
-  /// from block.next_row up to there (after a restart of the host) count as missed. An executor without
-  /// modules has no grid to join.
+  /// Puts the executor on its grid T0 + n x basic period, at the first release that is not before `now`.
+  /// After a restart of the host, the rows from block.next_row up to this release count as missed. Not for an
+  /// executor without modules, which has no grid.
   void join_grid(Instant t0, Instant now) noexcept;
 
   /// When the next row is due; always a point of the grid.
@@ -75,7 +75,8 @@ class Executor {
   bool run_sporadic() noexcept;
 
   /// Requests the exchange of a module's body before the next row that finds the module in the tables. Any
-  /// other thread may call this, but only one exchange at a time: until it is kept, put back or withdrawn.
+  /// other thread may call this. Only one exchange at a time is allowed: the next one may begin when this one
+  /// is kept, put back or withdrawn.
   void exchange(Exchange& exchange) noexcept;
   /// Withdraws the exchange. Returns false if a row has already taken it.
   bool withdraw() noexcept;
@@ -84,7 +85,7 @@ class Executor {
   enum class Ready : std::uint32_t { no, yes };
   struct Sporadic {
     Unit unit;
-    std::atomic<Ready> ready{Ready::no};  // SYNC: ready, publishes the two below
+    std::atomic<Ready> ready{Ready::no};  // SYNC: ready, publishes the three below
     std::int64_t release_ns = 0;
     std::int64_t deadline_ns = 0;
     std::uint64_t cycle = 0;
@@ -93,7 +94,7 @@ class Executor {
     std::atomic<std::int64_t> not_before_ns{0};
   };
 
-  /// Whether a new body runs from this row on.
+  /// Begins the requested exchange, if there is one. Returns whether a new body runs from this row on.
   bool begin_exchange() noexcept;
   void watch_trial() noexcept;
   void end_trial(Exchange::State state) noexcept;
@@ -102,7 +103,7 @@ class Executor {
   /// contract were skip.
   void skip(std::uint64_t rows) noexcept;
   void pass(std::uint64_t rows) noexcept;
-  /// Does the same, but follows the modules' contracts. Returns the bits of the wake word to ring.
+  /// Like skip(), but follows the modules' contracts. Returns the bits of the wake word to ring.
   std::uint32_t overrun(std::uint64_t rows) noexcept;
   /// Makes up for releases of this many rows before row_, in their order, as far as the contracts allow.
   std::uint32_t catch_up(std::uint64_t rows) noexcept;
@@ -113,7 +114,7 @@ class Executor {
   /// Serves the release of a periodic module: calls a thread module, or releases a program.
   Instant serve(std::size_t unit, std::uint64_t number, Instant release, Instant now,
                 std::uint32_t* wake) noexcept;
-  /// `now` is the time after the row's last module.
+  /// Checks the conditions of sporadic modules. `now` is the time after the row's last module.
   std::uint32_t check_conditions(Instant release, Instant now) noexcept;
   void release_immediate() noexcept;
   void make_ready(Sporadic& sporadic, Instant release, std::uint64_t cycle) noexcept;
@@ -130,15 +131,14 @@ class Executor {
   schedule::Table table_;
   std::vector<Unit> periodic_;
   std::vector<std::uint64_t> strides_;     // rows between two releases of a periodic unit
-  std::vector<std::uint64_t> first_rows_;  // of a periodic unit
+  std::vector<std::uint64_t> first_rows_;  // the first row of a periodic unit
   std::uint64_t longest_catch_up_ = 0;     // the most rows that a contract makes up for; 0: none does
   bool only_skip_ = true;                  // every contract is skip
   std::vector<std::uint64_t> made_up_;     // per unit: the first release that is made up for
   std::unique_ptr<Sporadic[]> sporadic_;
   std::size_t sporadic_count_ = 0;
   bool has_immediate_ = false;
-  std::vector<std::uint32_t>
-      bodies_seen_;  // of programs, periodic ones first: the last body that was recorded
+  std::vector<std::uint32_t> bodies_seen_;  // of each program, periodic ones first: the last recorded body
   channel::FlightWriter nowhere_;
   channel::FlightWriter& rows_;
   channel::FlightWriter& runs_;  // for sporadic modules
@@ -152,7 +152,7 @@ class Executor {
   std::atomic<Exchange*> asked_{nullptr};  // SYNC: exchange
   std::size_t tried_ = 0;                  // the unit whose body is on trial
   Body* before_ = nullptr;                 // its old body; null: no trial
-  std::uint64_t trial_ends_ = 0;           // number of its cycles at which the trial ends
+  std::uint64_t trial_ends_ = 0;           // the trial ends when the unit has this many cycles
 };
 
 }  // namespace takt::executor

@@ -17,8 +17,8 @@ namespace takt::flight {
 struct Module {
   std::string name;
   bool process = false;
-  Nanoseconds budget{};              ///< for one run(); 0: none
-  std::vector<std::string> ports{};  ///< port names in order; empty: not known
+  Nanoseconds budget{};              ///< budget of one run(); 0 for none
+  std::vector<std::string> ports{};  ///< names of the ports, in order; empty if unknown
 };
 
 /// What a thread was doing when the recording was made, or when its host died.
@@ -30,16 +30,16 @@ struct Open {
   bool host_died = false;
 };
 
-/// One thread of an executor: for its rows or for its sporadic modules.
+/// One thread of an executor. It runs either the rows or the sporadic modules.
 struct Thread {
   channel::FlightCopy copy{};
-  std::vector<Open> open{};  ///< one for each host that died in it, and one for its present activity
+  std::vector<Open> open{};  ///< one for each host that died in this thread, and one for the present activity
 };
 
 struct Executor {
   std::string name;
   Nanoseconds basic_period{};
-  std::array<Thread, 2> threads{};  ///< for rows, for sporadic modules
+  std::array<Thread, 2> threads{};  ///< the thread for rows and the thread for sporadic modules
 };
 
 /// A lifecycle step of a module.
@@ -55,8 +55,9 @@ struct Change {
 /// The kernel's counters at one instant.
 struct Sample {
   std::int64_t time_ns = 0;
-  std::vector<std::array<std::optional<os::ThreadUse>, 2>> threads{};  ///< for each executor
-  std::vector<Nanoseconds> stolen{};                                   ///< for each CPU
+  /// The counters of the two threads of each executor.
+  std::vector<std::array<std::optional<os::ThreadUse>, 2>> threads{};
+  std::vector<Nanoseconds> stolen{};  ///< the time stolen from each CPU
 };
 
 struct Recording {
@@ -67,12 +68,12 @@ struct Recording {
   std::string why{};          ///< the reason for the recording
   std::int64_t taken_ns = 0;  ///< time of the recording, monotonic
   std::int64_t wall_ns = 0;   ///< the same instant since 1970
-  Nanoseconds last{};         ///< how much of it to show
-  std::int64_t t0_ns = 0;     ///< T0 of the rows, monotonic; 0: not yet known
+  Nanoseconds last{};         ///< how much of the recording to show
+  std::int64_t t0_ns = 0;     ///< T0 of the rows, monotonic; 0 if not yet known
   std::vector<Module> modules{};
   std::vector<Executor> executors{};
   std::vector<Change> changes{};
-  std::vector<Sample> samples{};  ///< the oldest first
+  std::vector<Sample> samples{};  ///< samples, the oldest first
 };
 
 }  // namespace takt::flight

@@ -13,15 +13,16 @@ namespace takt::flight {
 /// The value of `otherData.format`.
 inline constexpr const char* kTraceFormat = "takt trace 1";
 
-/// The threads of a trace: two for each executor, one for each program, one for the states of modules.
+/// The numbers of the threads in a trace. There are two threads for each executor, one for each program, and
+/// one for the states of modules.
 constexpr std::uint32_t thread_of_states() noexcept { return 1; }
 constexpr std::uint32_t thread_of_executor(std::size_t executor, std::size_t thread) noexcept {
   return static_cast<std::uint32_t>(10 + 2 * executor + thread);
 }
 constexpr std::uint32_t thread_of_program(std::uint32_t module) noexcept { return 100'000 + module; }
 
-/// The trace as JSON, with times in microseconds since the recording's beginning. If it would be longer than
-/// `most` bytes, the older part is omitted, and the trace states how much.
+/// Returns the trace as JSON, with times in microseconds since the beginning of the trace. If the trace would
+/// be longer than `most` bytes, its older part is omitted, and the trace says how much was omitted.
 std::string trace_json(const Recording& recording, std::size_t most);
 
 }  // namespace takt::flight

@@ -34,10 +34,10 @@ struct SavedDescription {
 
 struct Description {
   std::string name{};        ///< the class name; for a C module or a program, the file's stem
-  std::string text{};        ///< one sentence about what it does; may be empty
+  std::string text{};        ///< one sentence about what the component does; may be empty
   std::string interface {};  ///< "c++", "c" or "process"
-  /// Only for programs: "periodic" or "sporadic", depending on the function that it calls; "non-real" if it
-  /// is not linked with libtakt_process; empty if it did not report.
+  /// Only for programs: "periodic" or "sporadic", depending on the init function that the program calls;
+  /// "non-real" if the program is not linked with libtakt_process; empty if the program did not report.
   std::string operation{};
   std::vector<std::string> hooks{};  ///< only for C modules
   /// A C module or a program that declares no properties accepts any, and interprets them itself.
@@ -48,12 +48,12 @@ struct Description {
   [[nodiscard]] bool takes_any_property() const { return interface != "c++" && properties.empty(); }
 };
 
-/// One object, {"name", "text", "interface", "operation", "hooks", "properties", "ports", "saved"}:
-/// docs/describe.md.
+/// Returns one object, {"name", "text", "interface", "operation", "hooks", "properties", "ports", "saved"}.
+/// See docs/describe.md.
 std::string to_json(const Description& description);
 
-/// Parses [{"name", "type", "default", "range", "min", "max", "unit", "text"}, ...], where each value is a
-/// string, as a program or a loaded component reports it. Fails if the text is not such a list.
+/// Parses a program's or loaded component's report of its properties: [{"name", "type", "default", "range",
+/// "min", "max", "unit", "text"}, ...], where each value is a string. Fails if the text is not such a list.
 Result<std::vector<PropertyDescription>> parse_properties(const std::string& json);
 
 }  // namespace takt::host

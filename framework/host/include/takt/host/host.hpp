@@ -4,8 +4,8 @@
 
 namespace takt::host {
 
-/// The program takt-host. It takes its end of the socket and the channel from the environment (TAKT_NODE_FD,
-/// TAKT_CHANNEL_FD). Returns the exit status.
+/// Runs the program takt-host. The descriptors of its socket and of the channel are in the environment
+/// variables TAKT_NODE_FD and TAKT_CHANNEL_FD. Returns the exit status.
 int run_host();
 
 }  // namespace takt::host

@@ -12,13 +12,13 @@
 
 namespace takt::host {
 
-/// One end of a link, at a thread module. A link between two modules of the host has two of these, with the
+/// One end of a link, at a thread module. A link between two modules of the host has two PortLinks, with the
 /// same file descriptor.
 struct PortLink {
   std::uint32_t module = 0;
   std::string port;
   int fd = -1;
-  bool typed = false;  ///< its payloads are values in the host's memory
+  bool typed = false;  ///< the link's payloads are values in the host's memory
   bool stale_is_error =
       false;  ///< for an input: run() is not called while the newest value is older than the deadline
 };
@@ -30,24 +30,24 @@ struct Setup {
   std::vector<std::string> paths;               ///< each module's component
   std::vector<std::vector<int>> executor_cpus;  ///< for each executor
   std::vector<int> background_cpus;             ///< for everything that is not real-time
-  std::vector<int> slot_fds;  ///< for each module; -1: it has no release slot, or is not in this host
+  std::vector<int> slot_fds;  ///< for each module; -1 if it has no release slot or is not in this host
   int wake_word_fd = -1;
   int saved_fd = -1;  ///< a channel::SavedState for each module
   std::vector<PortLink> links{};
 };
 
-/// node -> host
+/// A message from the node to the host.
 struct Request {
   enum class Do {
-    call,          ///< call a hook (or load) of `module`; answered
-    get,           ///< the value of a property of `module`; answered
-    set,           ///< set it, while the module runs or not; answered
+    call,          ///< call a hook of `module`, or load it; answered
+    get,           ///< get the value of a property of `module`; answered
+    set,           ///< set a property of `module`, whether it runs or not; answered
     swap,          ///< replace `module` by a new instance from the file `value`; answered
     give_up_swap,  ///< abandon the swap of `module`: a hook of the new instance never returns
     begin,         ///< start the executors on the grid that begins at t0_ns of the host's block; answered
     background,    ///< start the threads of non-real-time modules
     halt,          ///< end the executors and background threads; answered
-    give_up,       ///< the current hook of `module` never returns: go on without the module
+    give_up,       ///< the current hook of `module` never returns; continue without the module
     end,           ///< end the process
   };
   Do what = Do::end;
@@ -59,20 +59,20 @@ struct Request {
   std::string value{};  ///< for set: the new value; for swap: the path
 };
 
-/// host -> node
+/// A message from the host to the node.
 struct Answer {
   Request request;
   bool ok = true;
-  /// If not ok, the reason. Otherwise: the value (get), what was restored (initialize()), since when the new
-  /// instance runs (swap).
+  /// The reason if `ok` is false. Otherwise the value for get, what was restored for a call of initialize(),
+  /// and the first row of the new instance for swap.
   std::string text;
-  std::vector<std::string> warnings;  ///< for begin: what the system denied, in words
+  std::vector<std::string> warnings;  ///< for begin: one sentence for each thing that the system denied
 };
 
 std::string encode(const Setup& setup);
 std::string encode(const Request& request);
 std::string encode(const Answer& answer);
-/// These fail if the text is not an encoded message of that kind.
+/// The decode functions fail if the text is not an encoded message of their kind.
 Result<Setup> decode_setup(const std::string& text);
 Result<Request> decode_request(const std::string& text);
 Result<Answer> decode_answer(const std::string& text);

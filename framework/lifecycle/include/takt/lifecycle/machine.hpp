@@ -18,7 +18,8 @@ struct Transition {
   std::uint64_t sequence = 0;
 };
 
-/// Holds the state of one module and changes it only as the table allows. For one thread at a time.
+/// Holds the state of one module and changes it only as the table allows. Only one thread at a time may use
+/// it.
 class Machine {
  public:
   [[nodiscard]] State state() const noexcept { return state_; }
@@ -28,8 +29,8 @@ class Machine {
     return next(state_, event, before_error_).has_value();
   }
 
-  /// Takes the step. If the event is not allowed in the current state, nothing changes; the problem names
-  /// this state and the states in which the event is allowed.
+  /// Takes the step that `event` leads to. If the event is not allowed in the current state, nothing changes;
+  /// the problem names this state and the states in which the event is allowed.
   Result<Transition> apply(Event event);
 
  private:

@@ -1,8 +1,9 @@
-// Decides when a module in RECOVER gets another recovery attempt, and when it is given up.
+// Decides when a module in RECOVER gets another recovery attempt, and when Takt gives the module up.
 //
 // If every success cleared the count, a module that fails right after each recovery would be tried for ever.
-// If no success did, a module that fails once a month would be given up after three months. So only a lasting
-// success clears the count: the module ran without an error for ten back-offs, and for at least a second.
+// If no success cleared the count, a module that fails once a month would be given up after three months. So
+// only a lasting success clears the count: the module ran without an error for ten back-offs, and for at
+// least a second.
 #pragma once
 
 #include <optional>
@@ -23,10 +24,11 @@ class Recovery {
 
   explicit Recovery(RecoveryPolicy policy) : policy_(policy) {}
 
-  /// The module went to RECOVER at `now`. `since` is when the error began, if it was noticed late, as with a
-  /// hang. The time from `since` to `now` does not count as time without an error.
+  /// Records that the module went to RECOVER at `now`. `since` is the time at which the error began, for an
+  /// error that is noticed late, such as a hang. The time from `since` to `now` does not count as time
+  /// without an error.
   void failed(Instant now, std::optional<Instant> since = std::nullopt) noexcept;
-  /// An attempt ended: the module is in EXECUTING or START again, or still in RECOVER.
+  /// Records that an attempt ended: the module is in EXECUTING or START again, or still in RECOVER.
   void attempted(Instant now, bool recovered) noexcept;
   /// What to do now with a module in RECOVER. The answer `attempt` counts as one attempt.
   Step next(Instant now) noexcept;
@@ -42,7 +44,7 @@ class Recovery {
   int made_ = 0;
   Instant not_before_{};
   Instant recovered_at_{};
-  bool running_ = true;  // since recovered_at_
+  bool running_ = true;  // whether the module has run without an error since recovered_at_
 };
 
 }  // namespace takt::lifecycle

@@ -1,5 +1,5 @@
 // The lifecycle of a module: six states, and every event that leads from one to another. This table is the
-// only place that defines the steps; all code that changes a state asks it.
+// only place that defines the steps; all code that changes a state uses it.
 #pragma once
 
 #include <array>

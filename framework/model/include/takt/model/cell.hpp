@@ -1,5 +1,5 @@
-// A cell as plain data: the content of a descriptor. The descriptor room reads it from XML; the schedule room
-// decides what runs when.
+// A cell as plain data: the content of a descriptor. The descriptor room reads the cell from XML, and the
+// schedule room decides what runs when.
 #pragma once
 
 #include <cstdint>
@@ -49,8 +49,8 @@ struct PropertyValue {
 };
 
 /// The value that readers of an output get while its module does not execute, or when its samples are too
-/// old. The fields given here replace those of the component's own safe value. Without one, all other fields
-/// are zero.
+/// old. The fields given here replace those of the component's own safe value. If the component has none, all
+/// other fields are zero.
 struct SafeValue {
   std::string name;                   ///< of the port
   std::vector<PropertyValue> fields;  ///< name "torque" or "pose.x", value as in JSON
@@ -64,20 +64,21 @@ struct Recovery {
   GiveUp then = GiveUp::destruct;
 };
 
-/// How to handle a release that was not served in time: the module's row was missed, or its run was not
-/// finished by its next release.
+/// How to handle a release that was not served in time. Either the module's row was missed, or its run was
+/// not finished by its next release.
 struct OverrunContract {
   Overrun what = Overrun::skip;
   int limit = 1;  ///< catch_up: the maximum number of releases to make up, newest first; 1 to 1000
 };
 
-/// When it is an error that a run() exceeds its budget. If neither is set, every excess is an error.
+/// Decides when a run() that exceeds its budget is an error. If neither member is set, every excess is an
+/// error.
 struct BudgetTolerance {
   std::optional<int> times;     ///< an error if a run takes longer than this many budgets; 1 to 1000
   std::optional<int> in_a_row;  ///< an error after this many consecutive excesses; 1 to 1000
 };
 
-/// The lines of a module's elements; not given for a missing element.
+/// The lines of a module's elements. An element that is missing has no line.
 struct ModuleLines {
   Line name{};
   Line filename{};
@@ -92,7 +93,7 @@ struct ModuleLines {
   Line retain{};
 };
 
-/// Here and below, `line` is the line of the element.
+/// A module of a device. Here and below, `line` is the line of the element.
 struct Module {
   std::string name;      ///< unique on its device
   std::string filename;  ///< as written; a relative path is searched beside the descriptor, then on the
@@ -216,8 +217,9 @@ inline constexpr const char* kRos2Topics = "rt/";
 
 /// "robot.servo.setpoint"; leaves out the dots before missing parts.
 std::string to_text(const Endpoint& end);
-/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer.
-/// For replies it is that of the reader, so that each client has its own topic.
+/// The name of a connection's topic on DDS: the topic that the descriptor gives, else
+/// takt/<cell>/<device>/<module>/<port> of the writer. For replies the name is that of the reader, so that
+/// each client has its own topic.
 std::string topic_of(const Cell& cell, const Connection& connection);
 /// The module's own overrun contract, else that of its executor.
 OverrunContract contract_of(const Device& device, const Module& module);

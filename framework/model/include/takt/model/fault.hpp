@@ -71,7 +71,7 @@ struct Fault {
 };
 
 nlohmann::ordered_json to_json(const Fault& fault);
-/// None if the value is not an event.
+/// Reads an event from JSON. None if the value is not an event.
 std::optional<Fault> fault_from(const nlohmann::ordered_json& value);
 
 /// Selects events by device, module, kind, number and time.
@@ -89,10 +89,12 @@ struct FaultFilter {
   [[nodiscard]] std::vector<Fault> of(const std::vector<Fault>& faults) const;
 };
 nlohmann::ordered_json to_json(const FaultFilter& filter);
-/// Fails with the mistake in the text. An empty text is a filter that matches everything.
+/// Reads a filter from JSON. Fails if the text has a mistake, and names it. An empty text is a filter that
+/// matches everything.
 Result<FaultFilter> filter_from(std::string_view json);
 
-/// Reads kinds from a list such as "error,overrun". Fails with the unknown word and the possible ones.
+/// Reads kinds from a list such as "error,overrun". If a word is unknown, fails with that word and the
+/// possible ones.
 Result<std::vector<FaultKind>> kinds_from(std::string_view list);
 
 }  // namespace takt::model

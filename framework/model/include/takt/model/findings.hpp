@@ -19,9 +19,10 @@ class Findings {
   /// The cell must outlive this object.
   explicit Findings(const Cell& cell) : cell_(cell) {}
 
-  /// Does nothing when full.
+  /// Adds a problem. Does nothing when full.
   void add(Line line, std::string what, std::string fix);
-  /// True after kMaxProblems problems. Further checks would only cost time, above all guesses at names.
+  /// True after kMaxProblems problems. Further checks would only cost time, above all the search for similar
+  /// names.
   [[nodiscard]] bool full() const;
   /// The problems sorted by line. Leaves the list empty.
   Problems take();

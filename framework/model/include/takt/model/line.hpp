@@ -13,7 +13,8 @@
 
 namespace takt::model {
 
-/// A line in one of the texts that a cell was read from. A number alone is a line of the descriptor itself.
+/// A line in one of the texts from which a cell was read. A number without an insertion is a line of the
+/// descriptor itself.
 struct Line {
   Line(int the_number = 0, std::uint32_t the_insertion = 0)  // NOLINT(google-explicit-constructor)
       : insertion(the_insertion), number(the_number) {}
@@ -32,7 +33,8 @@ struct Insertion {
   bool used = false;  ///< inserted by a <use>
 };
 
-/// The texts of a cell: the descriptor's path, empty if there is none, and the insertions.
+/// The texts of a cell: the descriptor and the insertions. The path of the descriptor is empty if there is
+/// none.
 struct Texts {
   const std::string& file;
   const std::vector<Insertion>& insertions;

@@ -1,5 +1,5 @@
-// The ports of a cell's modules, as far as their components were found, and the checks of connections that
-// need these ports.
+// The ports of a cell's modules, for all components that were found, and the checks of connections that need
+// these ports.
 #pragma once
 
 #include <optional>
@@ -31,7 +31,7 @@ struct Port {
   Direction direction = Direction::in;
   Type type;
   std::string text;  ///< description in one sentence; may be empty
-  /// A C++ port of a thread module: within one host its samples are passed as objects, not as bytes.
+  /// True for a C++ port of a thread module. Within one host its samples are passed as objects, not as bytes.
   bool object = false;
   Role role = Role::plain;
   /// For an output, the safe value that its component defines, as JSON with all fields; empty: none.
@@ -46,11 +46,12 @@ using CellPorts = std::vector<std::vector<ModulePorts>>;
 
 /// The ports as JSON, for another process or device.
 std::string ports_json(const std::vector<Port>& ports);
-/// Fails if the text is not a list of ports, or if no port can have a type in it; the problem names the port
-/// and the field.
+/// Reads the text of ports_json(). Fails if the text is not a list of ports, or if it has a type that no port
+/// can have. The problem names the port and the field.
 Result<std::vector<Port>> parse_ports(const std::string& json);
 
-/// "reset" for reset/request and reset/reply; the whole name of a plain port.
+/// The name that the author of the component gave: "reset" for reset/request and reset/reply, the whole name
+/// for a plain port.
 std::string name_of_service(const Port& port);
 
 /// The port of a module; null if the module has no such port, or if its ports are not known.
@@ -62,8 +63,7 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
 /// - The types of the two ends differ; the problem names the first difference.
 /// - An end of a service is not a service or client, or their types differ.
 /// - A module with immediate dispatch has no connected event port.
-/// - A safe value does not fit its port.
-/// Ends whose ports are not known are not checked.
+/// - A safe value does not fit its port. Does not check ends whose ports are not known.
 Problems check_connections(const Cell& cell, const CellPorts& ports);
 
 /// The type of a field: "double[6]", "sequence<octet, 8>", "string<15>", "motion::Mode".

@@ -15,8 +15,9 @@ namespace takt::model {
 /// in free text. Ends with a line feed.
 std::string profile_json(const Profile& profile, const std::map<std::string, std::string>& machine);
 
-/// Fails with all mistakes at once: text that is not JSON, missing or unknown members, a time that is not a
-/// whole number of at least 0, times out of order. Problems are at `FILE:LINE`. `file` is for messages only.
+/// Reads a profile. Fails with all mistakes at once: text that is not JSON, missing or unknown members, a
+/// time that is not a whole number of at least 0, times out of order. Problems are at `FILE:LINE`. `file` is
+/// for messages only.
 Result<Profile> parse_profile(std::string_view text, std::string_view file);
 
 }  // namespace takt::model

@@ -17,15 +17,17 @@ struct SafeReading {
   std::vector<std::pair<Line, Problem>> problems;
 };
 
-/// The safe value of an output of the module: that of its component, with the fields from the descriptor
-/// replaced. If the component defines none, fields that the descriptor does not set are zero.
+/// The safe value of an output of the module: the component's safe value, in which the fields of the
+/// descriptor replace those of the component. If the component defines none, fields that the descriptor does
+/// not set are zero.
 SafeReading read_safe(const Module& module, const Port& port);
 
-/// The same as the bytes of a sample; empty if there is none. Requires a cell whose safe values are valid.
+/// The safe value of an output as the bytes of a sample; empty if the output has none. Requires a cell whose
+/// safe values are valid.
 std::vector<std::byte> safe_bytes(const Module& module, const Port& port);
 
-/// Whether the reader of this connection can get the safe value of its writer: it reads the latest value of a
-/// module, and its port is not an event port.
+/// Whether the reader of this connection can get the safe value of its writer. It can if the connection
+/// carries the latest value of a module and the reader's port is not an event port.
 bool may_be_safe(const Connection& connection, const Port& to);
 
 /// The safe value of an output, for readers on other devices.
@@ -38,7 +40,8 @@ struct SafeOutput {
 std::vector<SafeOutput> safe_outputs(const Cell& cell, const CellPorts& ports);
 /// The safe values as JSON, for nodes.
 std::string safe_json(const std::vector<SafeOutput>& outputs);
-/// Empty if the text is not such a list. Missing or malformed members are empty.
+/// Reads the text of safe_json(). Empty if the text is not such a list. Missing or malformed members are
+/// empty.
 std::vector<SafeOutput> parse_safe(const std::string& json);
 
 /// The sample that a component gives in hex ("00ff"), as JSON; empty if it is not a sample of the type.

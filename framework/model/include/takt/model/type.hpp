@@ -40,7 +40,8 @@ enum class Scalar {
 /// "struct", ...
 const char* to_text(Scalar scalar);
 
-/// One value, an array, a sequence, or an array of sequences; the elements of a sequence may be arrays.
+/// A field is one value, an array, a sequence, or an array of sequences. The elements of a sequence may be
+/// arrays.
 struct Field {
   std::string name;
   Scalar scalar = Scalar::int32;
@@ -61,8 +62,8 @@ struct Type {
   bool operator==(const Type&) const = default;
 };
 
-/// Reads the JSON that the code of takt_add_idl contains. Each member is as in Field; empty ones are left
-/// out:
+/// Reads the JSON in the code that takt_add_idl generates. Its members are those of Field; empty members are
+/// left out:
 ///
 ///   {"name":"motion::Plan","fields":[{"name":"mode","type":"enum","of":"motion::Mode","enumerators":["OFF","ON"]},
 ///     {"name":"label","type":"string","bound":15},{"name":"way","type":"double","array":[2,6],"sequence":8,"elements":[3]},
@@ -75,14 +76,14 @@ Result<Type> parse_type(const std::string& text);
 std::string to_text(const Type& type);
 
 /// The maximum size of a sample in bytes, as XCDR1. It includes the 4 bytes of encapsulation and is a
-/// multiple of 4, because RTPS sends whole words. If it exceeds kMaxSampleSize, the result is some larger
-/// number.
+/// multiple of 4, because RTPS sends whole words. If the size exceeds kMaxSampleSize, the result is some
+/// number larger than kMaxSampleSize.
 std::size_t max_size(const Type& type);
 
 /// Whether the bytes are one complete sample of the type, within all bounds. Checks the encapsulation (XCDR1,
-/// either byte order), lengths, booleans, enumerators and ends of strings. The last word may be padded. True
-/// exactly if PortType::decode() succeeds. Real-time for a type of parse_type(): neither allocates nor throws
-/// for any bytes.
+/// either byte order), lengths, booleans, enumerators and ends of strings. The last word may be padded. The
+/// result is true exactly if PortType::decode() succeeds. Real-time for a type of parse_type(): neither
+/// allocates nor throws for any bytes.
 bool is_sample(const Type& type, const std::byte* bytes, std::size_t size) noexcept;
 
 /// The sample as one line of JSON with its fields: {"position": [0, 1], "mode": "ON"}. Requires is_sample().
@@ -90,8 +91,8 @@ bool is_sample(const Type& type, const std::byte* bytes, std::size_t size) noexc
 /// UTF-8 are replaced.
 std::string sample_json(const Type& type, const std::byte* bytes, std::size_t size);
 
-/// The bytes of a sample from such JSON, in little endian; a missing field is zero. If a value does not fit,
-/// fails with the name of the field.
+/// Converts such JSON to the bytes of a sample, in little endian. A missing field is zero. If a value does
+/// not fit, fails with the name of the field.
 Result<std::vector<std::byte>> sample_bytes(const Type& type, const std::string& json);
 
 }  // namespace takt::model

@@ -11,7 +11,7 @@
 
 namespace takt::model {
 
-/// The limits of every cell, so that the memory it needs is known before anything runs.
+/// The limits of every cell, so that the memory that a cell needs is known before anything runs.
 inline constexpr std::size_t kMaxNameLength = 63;
 inline constexpr std::size_t kMaxDevices = 1000;
 inline constexpr std::size_t kMaxModules = 10000;  ///< of one device
@@ -51,7 +51,8 @@ bool is_valid_host(std::string_view host);
 bool is_valid_server(std::string_view server);
 
 /// The parts of a descriptor that its reader could not read. validate() uses them to suppress problems that
-/// only follow from that: if a module could not be read, a connection to an unknown module may be correct.
+/// only follow from these gaps: if a module could not be read, a connection to an unknown module may be
+/// correct.
 struct Gaps {
   struct OfDevice {
     bool executors = false;  ///< the device may have executors that are not in the cell
@@ -68,7 +69,8 @@ struct Gaps {
 /// Without file and line, `where` is "cell NAME".
 Problems validate(const Cell& cell);
 Problems validate(const Cell& cell, const Gaps& gaps);
-/// The same; adds the problems to the findings.
+/// Like the function above, but adds the problems to `findings`. Suppresses problems that only follow from
+/// `gaps`.
 void validate(const Cell& cell, const Gaps& gaps, Findings& findings);
 
 /// The name of a module that has no <name>: "build/controller1.so" is "controller1".

@@ -1,8 +1,8 @@
 // Moves samples to and from programs on another DDS domain.
 //
-// A domain needs a participant of its own, and several participants in one process deadlock in this version
-// of Fast DDS. So each other domain has a process of its own (takt-node, started with TAKT_GATEWAY_FD). It
-// shares the memory of the links, and is restarted when it ends.
+// Each domain needs its own participant, and several participants in one process deadlock in this version of
+// Fast DDS. So each other domain has its own process, which is takt-node started with TAKT_GATEWAY_FD. This
+// process shares the memory of the links, and is restarted when it ends.
 #pragma once
 
 #include <cstdint>
@@ -33,23 +33,23 @@ class Bridge {
   struct Options {
     std::string device;  ///< for messages
     int domain = 0;
-    std::vector<std::string> peers;  ///< replaces multicast; empty: multicast
+    std::vector<std::string> peers;  ///< addresses of the discovery; empty for multicast
     const os::SharedMemory* wake_word = nullptr;
-    std::uint32_t place = 1;  ///< its number among the gateways that share the wake word: 1 to 31
+    std::uint32_t place = 1;  ///< its number, 1 to 31, among the gateways that share the wake word
     std::vector<BridgedFlow> flows;
   };
 
-  /// Starts the process. The memory that the options point to must outlive the bridge.
+  /// Starts the bridge's process. The memory that the options point to must outlive the bridge.
   static Result<std::unique_ptr<Bridge>> start(Options options);
   ~Bridge();
 
-  /// None until the flows are open, or opening them has failed; does not wait.
+  /// Whether the flows could be opened. Empty until this is known. Does not wait.
   [[nodiscard]] const std::optional<Result<void>>& opened() const noexcept { return opened_; }
-  /// The health of a flow, by its index in the options; at most a quarter of a second old.
+  /// The health of the flow with this index in the options, at most a quarter of a second old.
   [[nodiscard]] const wire::FlowHealth& health(std::size_t flow) const { return health_.at(flow); }
   [[nodiscard]] int domain() const noexcept { return options_.domain; }
 
-  /// Reads the process's messages, and restarts it when it has ended. Does not wait.
+  /// Reads messages of the bridge's process, and restarts the process if it has ended. Does not wait.
   void step(Instant now);
 
  private:
@@ -66,8 +66,8 @@ class Bridge {
 };
 
 inline constexpr const char* kGatewayFd = "TAKT_GATEWAY_FD";
-/// The main function of the bridge process: moves samples until its node has ended, and returns the exit
-/// status. `interfaces` as in dds::ParticipantOptions.
+/// The main function of the bridge process. Moves samples until its node has ended, and returns the exit
+/// status. For `interfaces` see dds::ParticipantOptions.
 int run_bridge(const std::vector<std::string>& interfaces);
 
 }  // namespace takt::node

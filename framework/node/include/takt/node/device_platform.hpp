@@ -1,4 +1,4 @@
-// What a node's supervision acts on: processes of this machine, and flows over DDS.
+// The platform of a node's supervision: processes of this machine, and flows over DDS.
 #pragma once
 
 #include <memory>
@@ -24,12 +24,12 @@ class ProgramProcess;
 class DevicePlatform final : public supervision::Platform {
  public:
   struct Options {
-    bool require_real_time = false;  ///< fail where the machine does not allow real time
-    bool check_real_time = false;    ///< detect what real-time code must not do in modules
-    os::WakeUps wake_ups{};          ///< measured on this machine; a count of 0: not measured
-    std::string state_folder{};      ///< for what modules retain; empty: nothing is saved
-    std::string traces{};  ///< how the names of the trace files of faults begin; empty: none is written
-    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: no DDS
+    bool require_real_time = false;  ///< whether to fail if the machine does not allow real time
+    bool check_real_time = false;    ///< whether to detect real-time violations of modules
+    os::WakeUps wake_ups{};          ///< measured on this machine; not measured if the count is 0
+    std::string state_folder{};      ///< folder for the state that modules retain; empty to save nothing
+    std::string traces{};            ///< beginning of the names of fault traces; empty to write none
+    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null for no DDS
   };
 
   explicit DevicePlatform(Options options);
@@ -65,16 +65,16 @@ class DevicePlatform final : public supervision::Platform {
   void watch_gaps(std::vector<supervision::Detection>& detections);
 
   const Options options_;
-  supervision::Parts* parts_ = nullptr;  // after begin()
+  supervision::Parts* parts_ = nullptr;  // null before begin()
   std::optional<os::Throttling> throttling_;
   os::KernelNews kernel_news_;
-  std::vector<std::int64_t> seen_latest_ns_;  // for each executor
-  std::vector<bool> throttled_;               // for each executor: throttling was reported
+  std::vector<std::int64_t> seen_latest_ns_;  // the last seen latest_ns of each executor
+  std::vector<bool> throttled_;               // for each executor, whether throttling was reported
   std::optional<Violations> violations_;      // only with check_real_time
   std::unique_ptr<FlightRecorder> flight_;
   std::unique_ptr<Retained> retained_;
   std::vector<HostProcess*> hosts_;        // the supervision owns them
-  std::vector<ProgramProcess*> programs_;  // likewise
+  std::vector<ProgramProcess*> programs_;  // the supervision owns them, too
 };
 
 }  // namespace takt::node

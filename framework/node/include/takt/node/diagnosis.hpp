@@ -1,5 +1,5 @@
-// Judges what a machine's properties mean for real time: which of them spoil it, why, and the cure. It reads
-// nothing itself: the caller passes the properties and the results of trials.
+// Judges a machine for real time: which properties spoil it, why, and what cures them. These functions read
+// nothing from the machine; the caller passes its properties and the results of trials.
 #pragma once
 
 #include <string>
@@ -18,15 +18,15 @@ enum class Severity {
 const char* to_text(Severity severity) noexcept;
 
 struct Finding {
-  std::string name;  ///< of the check: "preemption"
+  std::string name;  ///< name of the check, such as "preemption"
   Severity severity = Severity::good;
   std::string found;
   std::string why;        ///< why it matters
-  std::string cure{};     ///< a command, or what else to do; empty: nothing needs to be done
-  std::string mend_on{};  ///< where the cure must be applied; empty: on this machine, in this container
+  std::string cure{};     ///< what to do, such as a command; empty if nothing needs to be done
+  std::string mend_on{};  ///< where to apply the cure; empty for this machine or container
 };
 
-/// One finding for each check, in a fixed order, the good ones too.
+/// Returns one finding for each check, including good findings, in a fixed order.
 std::vector<Finding> diagnose(const os::Machine& machine, const os::Trial& trial);
 
 }  // namespace takt::node

@@ -1,9 +1,10 @@
 // The fault record of a device: its last few thousand events, in a file that survives any end of its node.
 //
-// The file is a ring of slots of fixed size, one event each, and has its full size from the beginning. An
-// event is one write of one slot, with its number and a checksum. A node that dies during the write leaves
-// one invalid slot, which is skipped and counted. Numbers continue across restarts, so that a gap is visible.
-// The same events are in memory. If the file fails, the node goes on with the record in memory only.
+// The file is a ring of slots of fixed size, with one event in each slot. It has its full size from the
+// beginning. An event is written by one write of one slot, with its number and a checksum. If a node dies
+// during the write, one slot is invalid; it is skipped and counted. Numbers continue across restarts, so that
+// a gap is visible. The events are also in memory. If the file fails, the node continues with the record in
+// memory only.
 #pragma once
 
 #include <cstddef>
@@ -28,33 +29,37 @@ struct Recorded {
   std::uint64_t damaged = 0;         ///< number of slots that do not hold a valid event
 };
 
-/// Encodes an event as the bytes of a slot; cuts off texts that are too long.
+/// The size of a slot.
 inline constexpr std::size_t kSlotBytes = 1024;
+/// Encodes an event as the bytes of a slot. Cuts off texts that are too long.
 std::string encode_slot(const model::Fault& fault);
-/// None if the bytes are not a valid event: torn, damaged, or never written.
+/// Decodes the bytes of a slot. Returns nothing if the slot was written only in part, is damaged, or was
+/// never written.
 std::optional<model::Fault> decode_slot(std::string_view slot);
 
 /// Reads the content of a record's file. Fails if it is not a fault record of this version.
 Result<Recorded> read_record(std::string_view content);
-/// The same for a file, by its path.
+/// Reads a fault record from the file with this path.
 Result<Recorded> read_record_file(const std::string& path);
 
 class FaultRecord final : public agent::FaultMemory {
  public:
   static constexpr std::size_t kSlots = 4096;
-  /// "FOLDER/DEVICE.DOMAIN.faults"
+  /// The path of a device's fault record, FOLDER/DEVICE.DOMAIN.faults.
   static std::string path(const std::string& folder, const std::string& device, int domain);
 
-  /// A record in memory only.
+  /// Creates a record in memory only.
   explicit FaultRecord(std::size_t slots = kSlots);
-  /// Continues the file, or creates it. Renames a file that is not a record of this version to PATH.damaged.
-  /// Always returns a record: problems() says why it is only in memory, or which file was renamed.
+  /// Continues the record in the file, or creates the file. Renames a file that is not a record of this
+  /// version to PATH.damaged. Always returns a record. problems() says why it is only in memory, or which
+  /// file was renamed.
   static FaultRecord open(const std::string& path, std::size_t slots = kSlots);
 
-  /// Writes the event to the file's pages, which does not wait for the disk.
+  /// Writes the event to the file, without waiting for the disk.
   void append(model::Fault& fault) override;
-  /// After open() or a write has failed: tries the file again. True if the file is in use again, with all
-  /// events in memory. Events get new numbers if other events in the file already have theirs.
+  /// Tries the file again after open() or a write has failed. Returns true if the file is in use again and
+  /// contains all events of the memory. Events get new numbers if other events in the file already have their
+  /// numbers.
   bool reopen() override;
   void sync() const override;
   [[nodiscard]] const std::vector<model::Fault>& events() const noexcept override { return recorded_.events; }
@@ -62,8 +67,8 @@ class FaultRecord final : public agent::FaultMemory {
   [[nodiscard]] std::uint64_t damaged() const noexcept override { return recorded_.damaged; }
   [[nodiscard]] const Problems& problems() const noexcept override { return problems_; }
   [[nodiscard]] const std::string& file() const noexcept override { return path_; }
-  /// The file, for a thread that may wait for the disk: sync() writes what was appended. Null: the record is
-  /// only in memory.
+  /// The file, for a thread that may wait for the disk; its sync() writes the appended events to disk. Null
+  /// if the record is only in memory.
   [[nodiscard]] std::shared_ptr<const os::FixedFile> disk() const noexcept { return file_; }
 
  private:
@@ -74,7 +79,7 @@ class FaultRecord final : public agent::FaultMemory {
   Recorded recorded_;
   std::shared_ptr<os::FixedFile> file_;
   std::string path_;
-  std::string wanted_;  // the path given to open(); empty: a record in memory only
+  std::string wanted_;  // the path given to open(); empty for a record in memory only
   Problems problems_;
 };
 

@@ -1,7 +1,7 @@
-// Keeps a device's flight record: the memory that executors write, and what happened around it. Writes
-// traces of both.
+// Keeps a device's flight record, which is the memory that executors write, and collects what happened at the
+// same time. Writes traces of both.
 //
-// A trace of some seconds takes a tenth of a second to write, and the node's thread must never wait. So the
+// Writing a trace of some seconds takes a tenth of a second, and the node's thread must never wait. So the
 // node's thread only gathers the data, and a worker thread does the rest.
 #pragma once
 
@@ -32,17 +32,17 @@ class FlightRecorder {
     std::string device;
     std::vector<flight::Module> modules;
     std::vector<std::string> executors;
-    std::string files;  ///< how the names of the trace files of faults begin; empty: none is written
+    std::string files;  ///< beginning of the names of fault traces; empty to write none
   };
 
   static Result<std::unique_ptr<FlightRecorder>> create(Options options, const schedule::DevicePlan& plan,
                                                         const channel::Channel& channel);
-  /// Writes the trace of a fault that is still pending.
+  /// Writes the trace of a fault if it is still pending.
   ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
-  /// The record's memory, for the host.
+  /// The descriptor of the record's memory, for the host.
   [[nodiscard]] const os::Fd& fd() const noexcept { return record_.fd(); }
 
   /// Records a module's lifecycle step.
@@ -50,25 +50,25 @@ class FlightRecorder {
   /// The host that ran this executor has died. Call this before the channel is cleared, because the channel
   /// still shows what the host's threads were doing.
   void host_died(std::size_t executor);
-  /// Requests a trace file of a fault. It is written soon, at most one file every kTraceEvery.
+  /// Requests a trace file of a fault. The file is written soon, but at most one file every kTraceEvery.
   void fault(const std::string& why);
-  /// Makes a trace of the last so many nanoseconds, as JSON of at most `most` bytes. `done` is called from
-  /// step().
+  /// Makes a trace of the time `last` before now, as JSON of at most `most` bytes. step() calls `done` with
+  /// the result.
   void trace(Nanoseconds last, std::size_t most, std::function<void(const Result<std::string>&)> done);
 
   /// Samples the executors' threads from time to time, and calls `done` for finished traces.
   void step(Instant now);
-  /// Stops recording. Does not wait: true once the last file is written, which may take a second. After that
-  /// the destructor does not block.
+  /// Stops recording, without waiting. Call it until it returns true: then the last file is written, which
+  /// may take a second, and the destructor does not block.
   [[nodiscard]] bool finish();
-  /// The messages since the last call: which trace files were written, or why one was not.
+  /// Returns the messages since the last call, which say what trace files were written or why a file was not.
   std::vector<std::string> messages();
 
  private:
   struct Job {
     flight::Recording recording;
     std::size_t most = 0;
-    std::function<void(const Result<std::string>&)> done{};  ///< none: the trace goes into a file
+    std::function<void(const Result<std::string>&)> done{};  ///< empty if the trace goes into a file
   };
   struct Done {
     std::function<void(const Result<std::string>&)> done;
@@ -93,13 +93,13 @@ class FlightRecorder {
 
   std::deque<flight::Sample> samples_;
   std::deque<flight::Change> changes_;
-  std::vector<std::vector<flight::Open>> died_;  // for each ring: what was running when its host died
+  std::vector<std::vector<flight::Open>> died_;  // for each ring, what was running when its host died
   Instant sampled_at_{};
-  std::string fault_;  // whose trace is pending; empty: none
+  std::string fault_;  // the fault whose trace is pending; empty if there is none
   std::uint32_t faults_ = 0;
   Instant fault_at_{};
   std::optional<Instant> written_at_;
-  std::uint64_t missed_ = 0;  // rows, at the last check
+  std::uint64_t missed_ = 0;  // number of missed rows at the last check
   std::optional<Instant> missed_at_;
 
   std::mutex mutex_;
@@ -109,7 +109,7 @@ class FlightRecorder {
   std::vector<std::string> messages_;
   bool end_ = false;
   std::atomic<bool> finished_{false};
-  bool write_failed_ = false;  // worker thread: the last file could not be written, which was reported
+  bool write_failed_ = false;  // whether the worker failed to write the last file and reported it
   std::thread worker_;
 };
 

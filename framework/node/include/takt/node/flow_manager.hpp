@@ -1,5 +1,5 @@
-// Opens a deployment's flows on DDS, which move its samples to and from other devices, and closes them at its
-// end.
+// Opens a deployment's flows on DDS and closes them at the end of the deployment. A flow moves samples to or
+// from other devices.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,9 @@ namespace takt::node {
 
 class FlowManager final : public supervision::Flows {
  public:
-  /// Opens every flow of a connection. Flows on another domain open later: see opened(). The wiring and the
-  /// wake word must outlive it. Fails if DDS rejects a flow, and names its topic.
+  /// Opens the flows of all connections. Flows on other domains open later, see opened(). The wiring and the
+  /// wake word must outlive the flow manager. Fails if DDS rejects a flow; the problem names the flow's
+  /// topic.
   static Result<std::unique_ptr<FlowManager>> open(std::shared_ptr<dds::Participant> participant,
                                                    const os::SharedMemory& wake_word,
                                                    const supervision::Wiring& wiring, const model::Cell& cell,
@@ -37,9 +38,9 @@ class FlowManager final : public supervision::Flows {
 
  private:
   struct Open {
-    dds::Gateway::FlowId id;         ///< in the gateway, or its index in the bridge
-    std::optional<Instant> until{};  ///< when a tap ends; none: open for the whole deployment
-    const Bridge* bridge = nullptr;  ///< null: the flow is on the cell's domain
+    dds::Gateway::FlowId id;         ///< id in the gateway, or index in the bridge
+    std::optional<Instant> until{};  ///< when a tap ends; empty for a flow of the whole deployment
+    const Bridge* bridge = nullptr;  ///< null for a flow on the cell's domain
   };
 
   explicit FlowManager(const supervision::Wiring& wiring) : wiring_(wiring), open_(wiring.flows().size()) {}
@@ -51,7 +52,7 @@ class FlowManager final : public supervision::Flows {
   [[nodiscard]] dds::Flow flow_at(std::size_t index) const;
 
   const supervision::Wiring& wiring_;
-  std::vector<std::optional<Open>> open_;  // as Wiring::flows()
+  std::vector<std::optional<Open>> open_;  // in the order of Wiring::flows()
   std::unique_ptr<dds::Gateway> gateway_;
   std::vector<std::unique_ptr<Bridge>> bridges_;
 };

@@ -9,10 +9,12 @@
 
 namespace takt::node {
 
-/// TAKT_STATE_DIR if it is set, else "/var/lib/takt" for root and a folder in the home of other users.
+/// Returns TAKT_STATE_DIR if it is set, else "/var/lib/takt" for root and a folder in the home of other
+/// users.
 std::string default_state_folder();
 
-/// The file of one device. A power failure leaves the old content or the new one, never a part.
+/// The file with the deployment of one device. A power failure leaves the old or the new content, never a
+/// part.
 class DeploymentFile final : public agent::DeploymentStore {
  public:
   DeploymentFile(const std::string& folder, const std::string& device, int domain);

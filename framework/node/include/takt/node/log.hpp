@@ -1,4 +1,4 @@
-// Prints the node's events for the person at its terminal: one line each, on standard error.
+// Prints the node's events for the user at the terminal, one per line, on standard error.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace takt::node {
 
-/// Prints "14:03:07.250 DEVICE.MODULE: TEXT"; `module` may be empty. Not for real-time threads.
+/// Prints "14:03:07.250 DEVICE.MODULE: TEXT"; `module` may be empty. Real-time threads must not call this.
 void log(std::string_view device, std::string_view module, std::string_view text);
 
-/// Silences log() for the whole process (--quiet). Callers still report errors by their return values.
+/// Makes log() print nothing in this process, for --quiet. Functions still return their errors to the caller.
 void log_nothing();
 
 }  // namespace takt::node

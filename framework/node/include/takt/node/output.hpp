@@ -1,4 +1,4 @@
-// Reads what a program prints, line by line.
+// Reads the output of a program line by line.
 #pragma once
 
 #include <deque>
@@ -16,14 +16,15 @@ class Lines {
   static constexpr std::size_t kLongest = 2000;
 
   void add(const std::string& bytes, const Line& line);
-  /// Passes on the last line if it has no line end.
+  /// Passes on the last line if it has no line break at its end.
   void finish(const Line& line);
 
  private:
   std::string partial_;
 };
 
-/// Reads the standard output and error of a child process. Keeps its last lines, which may explain its end.
+/// Reads the standard output and error of a child process. Keeps the last lines, which may explain the
+/// process's end.
 class Output {
  public:
   static constexpr std::size_t kKept = 20;
@@ -31,7 +32,7 @@ class Output {
   Output() = default;
   Output(os::Fd output, os::Fd error) : output_(std::move(output)), error_(std::move(error)) {}
 
-  /// Reads what has arrived, without waiting.
+  /// Reads the output that has arrived, without waiting.
   void read(const Lines::Line& line);
   [[nodiscard]] const os::Fd& output() const noexcept { return output_; }
   [[nodiscard]] const os::Fd& error() const noexcept { return error_; }

@@ -1,4 +1,4 @@
-// Writes what modules with <retain> save to disk, so that it survives a restart of the machine.
+// Writes the saved state of modules with <retain> to disk, so that it survives a restart of the machine.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 
 namespace takt::node {
 
-/// One module's file: FOLDER/CELL.DEVICE.MODULE.saved
+/// The file of one module, FOLDER/CELL.DEVICE.MODULE.saved.
 class SavedFile {
  public:
   SavedFile(const std::string& folder, const std::string& cell, const std::string& device,
@@ -31,22 +31,24 @@ class SavedFile {
   std::string path_;
 };
 
-/// Writes changed states at regular intervals and at its end. It uses a thread of its own, because a disk may
-/// be slow. Not for real-time threads.
+/// Writes changed states at regular intervals and at the end. It uses its own thread, because a disk may be
+/// slow. Real-time threads must not call it.
 class Retained {
  public:
   struct One {
     SavedFile file;
     channel::SavedState* state;  ///< must outlive the Retained
     std::uint64_t written = 0;   ///< number of the saved state that is on disk
-    bool failed = false;         ///< a write failed, which was reported
+    bool failed = false;         ///< whether the last write failed and this was reported
   };
-  /// Calls `report` on that thread when a file cannot be written, once, and when it can be written again.
+  /// Starts the thread. It calls `report` once when a file cannot be written, and when it can be written
+  /// again.
   static Result<std::unique_ptr<Retained>> start(std::vector<One> all,
                                                  std::function<void(const std::string&)> report,
                                                  Nanoseconds every = std::chrono::seconds{1});
   ~Retained();
-  /// Does not wait: true once the last states are on disk. After that the destructor does not block.
+  /// Ends the thread, without waiting. Call it until it returns true: then the last states are on disk, and
+  /// the destructor does not block.
   [[nodiscard]] bool finish();
 
  private:

@@ -1,4 +1,4 @@
-// Names places in code (function, source line) from the symbols of the file that it was loaded from.
+// Finds the function and source line of places in code, from the symbols of the file that contains the code.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ class Symbols {
   Symbols(Symbols&&) noexcept;
   Symbols& operator=(Symbols&&) noexcept;
 
-  /// "Servo::run(takt::Cycle const&) at servo.cpp:31 in servo.so", or as much of it as is known. `address` is
-  /// relative to the object's file. A file is opened once and stays open.
+  /// Describes a place, such as "Servo::run(takt::Cycle const&) at servo.cpp:31 in servo.so", as far as it is
+  /// known. `address` is relative to the object's file. A file is opened once and stays open.
   std::string name(const std::string& object, std::uint64_t address);
 
  private:
@@ -25,8 +25,8 @@ class Symbols {
   std::unique_ptr<Files> files_;
 };
 
-/// "in A, called by B, called by C, ...": the first `most` of these calls, innermost first, without those of
-/// the C and C++ libraries. Empty if there is none.
+/// Describes the first `most` of these calls, innermost first, as "in A, called by B, called by C, ...".
+/// Leaves out calls in the C and C++ libraries. Empty if no call is left.
 std::string called_by(const std::vector<std::string>& calls, std::size_t most);
 
 }  // namespace takt::node

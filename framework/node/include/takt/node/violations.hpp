@@ -17,40 +17,41 @@
 
 namespace takt::node {
 
-/// One violation, as text.
+/// One violation, described in text.
 struct SeenViolation {
-  std::uint32_t module = 0;          ///< index of the module; with channel::kOfExecutor set: of the executor
-  std::string hook;                  ///< "run()"; empty between modules
-  std::string kind;                  ///< "allocation"
-  std::string what;                  ///< "malloc", "clock_nanosleep"; empty for a page fault
-  std::vector<std::string> calls{};  ///< innermost first; empty: the place is not known
+  std::uint32_t module = 0;  ///< index of the module, or of the executor if channel::kOfExecutor is set
+  std::string hook;          ///< such as "run()"; empty between modules
+  std::string kind;          ///< such as "allocation"
+  std::string what;          ///< the called function, such as "malloc"; empty for a page fault
+  std::vector<std::string> calls{};  ///< the calls, innermost first; empty if the place is not known
 };
 
 class Violations {
  public:
-  /// Fails if libtakt_check.so is not beside takt-host. Entries of module or executor numbers beyond these
-  /// counts are ignored, because foreign code can write to that memory.
+  /// Fails if libtakt_check.so is not in the folder of takt-host. Entries with module or executor numbers
+  /// beyond these counts are ignored, because foreign code can write to the memory of the entries.
   static Result<Violations> create(std::size_t modules, std::size_t executors);
 
-  /// The environment variables for a checked program; adds the descriptor of the memory to `inherit`. The
-  /// descriptor is valid as long as this object.
+  /// Returns the environment variables for a checked program, and adds the descriptor of the memory to
+  /// `inherit`. The descriptor is valid as long as this object exists.
   std::vector<std::pair<std::string, std::string>> environment(std::vector<const os::Fd*>& inherit) const;
 
-  /// The violations seen for the first time since the last call. `paths` are those of the modules'
-  /// components.
+  /// Returns the violations that occurred for the first time since the last call. `paths` are the paths of
+  /// the modules' components.
   std::vector<SeenViolation> news(const std::vector<std::string>& paths);
-  /// What cannot be detected on this machine; returns each limitation once.
+  /// Returns sentences about what cannot be detected on this machine, each sentence once.
   std::vector<std::string> limitations();
   /// The number of violations of each module and executor, by ascending module number.
   [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint64_t>> counts() const;
-  /// The list `realtime_violations` of a device's report: {module, hook, kind, what, count, backtrace}, in
-  /// the order of their first occurrence. For an executor, `module` is empty and `executor` is its name.
+  /// The list `realtime_violations` of a device's report, with objects {module, hook, kind, what, count,
+  /// backtrace} in the order of their first occurrence. For an executor, `module` is empty and `executor` is
+  /// its name.
   [[nodiscard]] nlohmann::ordered_json report(const model::Device& device) const;
 
  private:
   struct Seen {
     SeenViolation words;
-    std::size_t entry;  ///< its index in the log
+    std::size_t entry;  ///< its index in the violation log
   };
 
   [[nodiscard]] const channel::ViolationLog& log() const noexcept;
@@ -62,13 +63,13 @@ class Violations {
   std::string library_;
   Symbols symbols_;
   std::vector<Seen> seen_;
-  std::vector<bool> reported_;  ///< for each entry
+  std::vector<bool> reported_;  ///< for each entry of the log, whether news() returned it
   std::uint32_t blind_reported_ = 0;
   bool dropped_reported_ = false;
 };
 
-/// "malloc, an allocation, in fill() at x.cpp:3 in x.so, called by ...": with the innermost calls, without
-/// those of the C and C++ libraries.
+/// Describes a violation, such as "malloc, an allocation, in fill() at x.cpp:3 in x.so, called by ...". Names
+/// the innermost calls, without those in the C and C++ libraries.
 std::string sentence_of(const SeenViolation& violation);
 
 }  // namespace takt::node

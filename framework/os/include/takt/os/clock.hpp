@@ -9,8 +9,8 @@
 
 namespace takt::os {
 
-/// The time of CLOCK_MONOTONIC through the vDSO. About 20 ns and no system call if the clock source is the
-/// TSC. Any thread.
+/// The time of CLOCK_MONOTONIC through the vDSO. Takes about 20 ns and no system call if the clock source is
+/// the TSC. Any thread may call it.
 inline Instant now() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_MONOTONIC, &t);
@@ -19,8 +19,8 @@ inline Instant now() noexcept {
 
 /// Nanoseconds since 1970 (UTC), of the wall clock, which may be set.
 std::int64_t wall_ns() noexcept;
-/// The monotonic instant at which the wall clock shows this time, if it is not set meanwhile. Exact to about
-/// a microsecond, even on a busy machine.
+/// The monotonic instant at which the wall clock shows this time, provided that nobody sets the wall clock
+/// meanwhile. Exact to about a microsecond, even on a busy machine.
 Instant instant_of_wall(std::int64_t wall_ns) noexcept;
 
 /// Sleeps until an absolute instant; signals do not shorten it. Returns at once if it has passed. One system

@@ -11,11 +11,13 @@
 
 namespace takt::os {
 
-/// The descriptor whose number is in an environment variable. Removes the variable and marks the descriptor
-/// to close on exec, so that children of this program do not get it. Empty if there is none.
+/// Takes the descriptor whose number is in an environment variable. Removes the variable and marks the
+/// descriptor to close on exec, so that children of this program do not get it. Empty if there is no such
+/// descriptor.
 Fd take_fd_from_environment(const char* name);
 
-/// The same for a descriptor with a known number; empty if that is not a descriptor.
+/// Takes a descriptor with a known number and marks it to close on exec. Empty if the number is not a
+/// descriptor.
 Fd adopt_fd(int number);
 
 /// Returns and removes an environment variable; empty if it is not set.
@@ -23,11 +25,11 @@ std::string take_from_environment(const char* name);
 
 /// The value of an environment variable; empty if it is not set.
 std::string environment(const char* name);
-/// Sets an environment variable for this program and those that it starts. Only while there is a single
-/// thread.
+/// Sets an environment variable for this program and the programs that it starts. Call it only while there is
+/// a single thread.
 void set_environment(const char* name, const std::string& value);
 
-/// The arguments of this program, without its own name. Not before the C library is initialized.
+/// The arguments of this program, without its own name. Call it only after the C library is initialized.
 std::vector<std::string> program_arguments();
 
 /// The name of this machine.

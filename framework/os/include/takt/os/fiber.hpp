@@ -16,15 +16,15 @@ class Fiber {
   Fiber();
   /// Runs `body` at the first handover. `body` must not return and must not throw; a fiber ends when nothing
   /// hands over to it again. The stack has at least this many bytes, and a guard page at its end. Ends the
-  /// process if there is no memory for it.
+  /// process if there is no memory for the stack.
   Fiber(std::size_t stack_bytes, std::function<void()> body);
-  /// Must not be the running fiber. Objects on its stack are not destroyed.
+  /// The fiber must not be running. Objects on its stack are not destroyed.
   ~Fiber();
   Fiber(const Fiber&) = delete;
   Fiber& operator=(const Fiber&) = delete;
 
-  /// Called by this fiber while it runs. The other fiber continues where it stopped. This one continues when
-  /// a fiber hands over to it. Not while an exception is being handled.
+  /// Only this fiber may call it, while it runs and handles no exception. The other fiber continues where it
+  /// stopped. This fiber continues when another fiber hands over to it.
   void hand_over_to(Fiber& other);
 
  private:

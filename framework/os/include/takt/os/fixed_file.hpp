@@ -1,8 +1,8 @@
 // A file of fixed size that is written in place, piece by piece. All its space is allocated in advance, so
 // that writing cannot fail later because the disk is full.
 //
-// It is written by system calls and not through a mapping. So a disk error or a truncated file makes a call
-// fail instead of raising SIGBUS.
+// System calls write the file, not a mapping. So a disk error or a truncated file makes a call fail instead
+// of raising SIGBUS.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ namespace takt::os {
 
 class FixedFile {
  public:
-  /// Opens the file, or creates an empty one and its folder. Locks the file: fails while another process has
-  /// it open with this function.
+  /// Opens the file, or creates an empty file and its folder. Locks the file. Fails while another process has
+  /// opened the file with this function.
   static Result<FixedFile> open(const std::string& path);
   /// Allocates space for this many bytes; new bytes are zero. Fails if the disk is full; then the size does
   /// not change.

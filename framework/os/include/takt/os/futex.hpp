@@ -10,13 +10,13 @@
 namespace takt::os {
 
 /// Sleeps while `word` is `expected`, until a futex_wake() with one of the bits in `mask`, or until
-/// `deadline` (monotonic). It may also return early for no reason, so check the word again. Works between
-/// processes. One system call.
+/// `deadline` (monotonic). It may also return early for no reason, so the caller must check the word again.
+/// Works between processes. One system call.
 void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t expected, std::uint32_t mask,
                 std::optional<Instant> deadline = std::nullopt) noexcept;
 
-/// Wakes all threads that sleep on `word` with one of the bits in `mask`. One system call; for real-time
-/// threads, too.
+/// Wakes all threads that sleep on `word` with one of the bits in `mask`. One system call. Real-time threads
+/// may call it.
 void futex_wake(const std::atomic<std::uint32_t>& word, std::uint32_t mask) noexcept;
 
 }  // namespace takt::os

@@ -11,7 +11,7 @@ namespace takt::os {
 /// The new messages of the kernel.
 class KernelNews {
  public:
-  /// Starts with the next message. If this user may not read the log, there are no messages.
+  /// Starts with the next message. If this user may not read the log, next() returns no messages.
   KernelNews();
 
   /// The next message; none if there is no new one. Does not wait.

@@ -24,26 +24,27 @@ class Library {
   /// Unloads the object; the destructors of its globals run.
   ~Library();
 
-  /// Fails with the loader's reason. For `own` it also fails if the object has symbols that the loader would
-  /// share between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
+  /// Loads an object. Fails with the loader's reason. With `own`, also fails if the object has symbols that
+  /// the loader would share between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
   static Result<Library> open(const std::string& path, Globals globals);
 
-  /// Whether a file of this name, or this file under another name, is already loaded. Then `shared` gives
-  /// that object, even if another file has its name now.
+  /// Whether a file of this name, or this file under another name, is already loaded. If so, open() with
+  /// `shared` returns that object, even if another file has this name now.
   static bool is_loaded(const std::string& path) noexcept;
 
   /// The address of a function or variable that this object itself defines; null if it does not define it.
   /// Symbols of the libraries that it is linked with do not count: the C library also has a function `error`.
   [[nodiscard]] void* own_symbol(const char* name) const noexcept;
 
-  /// Leaves the object loaded forever, for a thread that may still run its code.
+  /// Leaves the object loaded forever, because a thread may still run its code.
   void abandon() noexcept { handle_ = nullptr; }
 
  private:
   void* handle_ = nullptr;
 };
 
-/// The address of a function of any object that is loaded globally in this process; null if there is none.
+/// The address of a function of this name in any object that is loaded globally in this process. Null if
+/// there is none.
 void* loaded_function(const char* name) noexcept;
 
 }  // namespace takt::os

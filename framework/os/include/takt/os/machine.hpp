@@ -1,6 +1,6 @@
-// Reads the properties of a machine that matter for real time, from /proc and /sys. It does not judge them. A
-// value that cannot be read (the kernel has no such file, or this user may not read it) is absent, which
-// differs from 0.
+// Reads the properties of a machine that matter for real time, from /proc and /sys. This room does not judge
+// the properties. A value that cannot be read (the kernel has no such file, or this user may not read it) is
+// absent, which differs from 0.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ const char* to_text(Preemption preemption) noexcept;
 
 /// The time that the kernel withholds from real-time threads that never sleep: `kept` of each `period`. Up to
 /// Linux 6.11 this is real-time throttling (/proc/sys/kernel/sched_rt_runtime_us). Later kernels have a
-/// server for ordinary threads on each CPU (/sys/kernel/debug/sched/fair_server), which that file does not
-/// switch off.
+/// server for ordinary threads on each CPU (/sys/kernel/debug/sched/fair_server). The file
+/// sched_rt_runtime_us does not switch off this server.
 struct Throttling {
   Nanoseconds kept{};
   Nanoseconds period{std::chrono::seconds{1}};
@@ -50,7 +50,7 @@ struct Interrupt {
   std::vector<int> cpus{};  ///< the CPUs that may handle it
 };
 
-/// A resource limit; this user may raise it up to `hard`. Absent values mean unlimited.
+/// A resource limit. This user may raise it up to `hard`. An absent value means that there is no limit.
 struct Limit {
   std::optional<std::uint64_t> soft{};
   std::optional<std::uint64_t> hard{};
@@ -96,10 +96,11 @@ struct Machine {
   std::optional<ProcessorTime> time{};
 };
 
-/// Reads the machine below `root`: "" is this machine, anything else a tree of copied files. Never fails.
+/// Reads the properties of a machine from the files below `root`. An empty `root` means this machine; any
+/// other `root` is a tree of copied files. Never fails.
 Machine read_machine(const std::string& root = {});
 
-/// Read single parts of the machine.
+/// These functions read single parts of the machine.
 std::optional<Throttling> read_throttling(const std::string& root = {});
 std::optional<ProcessorTime> read_processor_time(const std::string& root = {});
 std::optional<std::uint64_t> read_swap_bytes(const std::string& root = {});

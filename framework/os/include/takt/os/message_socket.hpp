@@ -19,12 +19,12 @@ class MessageSocket {
   /// Creates two connected ends.
   static Result<std::pair<MessageSocket, MessageSocket>> pair();
 
-  /// Sends as much as the other end accepts now and keeps the rest for flush(). Never waits. Returns false if
-  /// the other end is gone.
+  /// Sends as many bytes as the other end accepts now, and keeps the rest for flush(). Never waits. Returns
+  /// false if the other end is gone.
   bool send(const std::string& message);
   /// Sends more of the bytes that send() has kept. Returns false if the other end is gone.
   bool flush();
-  /// The same as send(), but waits until the other end has accepted everything.
+  /// Like send(), but waits until the other end has accepted everything.
   bool send_wait(const std::string& message);
   /// The next message if it has arrived completely; does not wait. Sets closed() if the other end is gone.
   std::optional<std::string> receive();

@@ -12,7 +12,8 @@ namespace takt::os {
 /// "10.0.0.7". Fails if the system call fails, for example because this process has no descriptor left.
 Result<std::vector<std::string>> ipv4_addresses();
 
-/// The IPv4 address of a host name or of an address. May wait for the name service. Fails if there is none.
+/// Converts a host name or an address to an IPv4 address. May wait for the name service. Fails if the host
+/// has no IPv4 address.
 Result<std::string> resolve_ipv4(const std::string& host);
 
 }  // namespace takt::os

@@ -11,7 +11,7 @@ class Notice {
  public:
   static Result<Notice> create();
 
-  /// Makes fd() readable until the next take(). Any thread; never waits.
+  /// Makes fd() readable until the next take(). Any thread may call it. Never waits.
   void give() const noexcept;
   /// Whether give() was called since the last take().
   bool take() const noexcept;

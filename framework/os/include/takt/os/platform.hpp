@@ -25,8 +25,8 @@ struct Platform {
 /// Reads files of /proc and /sys; not for real-time threads.
 Platform describe_platform();
 
-/// The time that other virtual machines on the same hardware took from all CPUs of this one since it was
-/// started, usually in steps of 10 ms. Not for real-time threads.
+/// The time that other virtual machines on the same hardware took from all CPUs of this machine since its
+/// start, usually in steps of 10 ms. Not for real-time threads.
 Nanoseconds stolen_time();
 
 /// The memory of a process in bytes, including its share of shared memory (proportional set size); 0 if it

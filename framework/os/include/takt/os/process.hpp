@@ -49,13 +49,13 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child();
 
-  /// Fails with the reason if the program cannot be executed; then no process is left. The caller must have
-  /// no other threads that hold locks.
+  /// Starts a program. Fails with the reason if the program cannot be executed; then no process is left. The
+  /// caller must have no other threads that hold locks.
   static Result<Child> spawn(const SpawnOptions& options);
 
   [[nodiscard]] int pid() const noexcept { return pid_; }
   [[nodiscard]] bool running() const noexcept { return pid_ > 0; }
-  /// Reaps the child if it has ended; returns the end only once.
+  /// Reaps the child if it has ended, and returns how it ended. Returns this only once.
   std::optional<ProcessEnd> poll() noexcept;
   /// Waits for the end.
   ProcessEnd wait() noexcept;
@@ -74,15 +74,15 @@ class Child {
 std::string read_available(const Fd& fd, bool* end);
 
 /// Runs `work` in a child process and returns its result, so that a crash or a hang of foreign code affects
-/// only the child. `what` is the beginning of the message if it fails. The caller must have a single thread.
+/// only the child. If the call fails, its message begins with `what`. The caller must have a single thread.
 Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work,
                              Nanoseconds limit);
 
 /// The folder of this program's file.
 std::string program_directory();
 
-/// The folder of Takt's internal files (takt-host, libtakt_check.so). In an installation it is the folder
-/// that the build was configured with, relative to this program. Otherwise it is the folder of this program.
+/// The folder of Takt's internal files (takt-host, libtakt_check.so). In an installation it is the folder for
+/// which the build was configured, relative to this program. Otherwise it is the folder of this program.
 std::string private_directory();
 
 }  // namespace takt::os

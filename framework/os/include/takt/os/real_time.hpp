@@ -15,7 +15,8 @@ namespace takt::os {
 /// The CPUs on which this process may run, in ascending order.
 std::vector<int> allowed_cpus();
 
-/// Whether the calling thread is scheduled before all ordinary ones (SCHED_FIFO, SCHED_RR or SCHED_DEADLINE).
+/// Whether the calling thread is scheduled before all ordinary threads (SCHED_FIFO, SCHED_RR or
+/// SCHED_DEADLINE).
 bool is_real_time() noexcept;
 
 /// Gives a thread of any process (0: the caller) SCHED_FIFO with a priority of 1 to 99.
@@ -39,12 +40,12 @@ class NoDeepIdle {
   Fd fd_;
 };
 
-/// Whether a thread of this process may be SCHED_FIFO. Tries it on a thread of its own.
+/// Whether a thread of this process may have SCHED_FIFO. Tries it on a new thread.
 Result<void> may_have_priority();
 /// Whether this process may lock all memory that it will ever have. A limit above its present memory does not
 /// suffice.
 Result<void> may_lock_memory();
-/// Both of the above. Fails with the reasons and what to do.
+/// Checks both of the above. Fails with the reasons and what to do.
 Result<void> may_be_real_time();
 
 /// The calling thread's id.

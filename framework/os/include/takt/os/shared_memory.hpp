@@ -1,5 +1,5 @@
-// Memory that several processes share. It has no name in the file system: a process gets it through its
-// descriptor. The memory is freed when the last process that holds it has ended, also by a crash.
+// Memory that several processes share. The memory has no name in the file system: a process gets it through
+// its descriptor. It is freed when the last process that holds it has ended, even if that process crashed.
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,8 @@
 
 namespace takt::os {
 
-/// The signals that ask a program to end (SIGINT, SIGTERM, SIGHUP). They are blocked for this thread and for
-/// threads that it starts later, and are returned one by one.
+/// A queue of the signals that ask a program to end (SIGINT, SIGTERM, SIGHUP). The signals are blocked for
+/// this thread and for threads that it starts later.
 class SignalQueue {
  public:
   static Result<SignalQueue> of_requests_to_end();
@@ -29,10 +29,10 @@ class SignalQueue {
 void survive_broken_pipes();
 
 /// Waits at most `limit_ms` until one of the descriptors can be read or its other end is gone. Returns false
-/// if none.
+/// if none of them can.
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
 
-/// Called in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a separate stack.
+/// Runs in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a separate stack.
 /// Afterwards the process ends by the same signal. `at` is the address of the crash. A handler must be
 /// async-signal-safe. If it crashes itself, it is called again, once for each signal.
 using CrashHandler = void (*)(int signal, std::uintptr_t at) noexcept;
@@ -48,8 +48,8 @@ struct CodeAt {
 /// corrupt stack may cause another crash.
 void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept;
 
-/// Gives the calling thread a stack for the handler, so that a stack overflow is reported, too. Kept until
-/// the thread ends.
+/// Gives the calling thread a stack for the handler, so that a stack overflow is reported, too. The stack is
+/// kept until the thread ends.
 void prepare_crash_stack();
 
 }  // namespace takt::os

@@ -17,7 +17,7 @@ struct WakeUps {
   Nanoseconds p99{};
   Nanoseconds max{};
 };
-/// The statistics of these delays. Pure.
+/// Computes the statistics of these delays. Pure.
 WakeUps wake_ups_of(std::vector<Nanoseconds> delays);
 
 /// Lets a new thread sleep `count` times for `pause` each, on the highest CPU that this process may use. If
@@ -37,7 +37,8 @@ struct Trial {
 /// the time `moment`, most of it for the wake-ups. The caller must have a single thread.
 Trial try_machine(Nanoseconds moment);
 
-/// 1 ns if timers have a high resolution, else one tick of the kernel, which is milliseconds. Any thread.
+/// 1 ns if timers have a high resolution, else one tick of the kernel, which takes milliseconds. Any thread
+/// may call it.
 Nanoseconds timer_resolution() noexcept;
 
 }  // namespace takt::os

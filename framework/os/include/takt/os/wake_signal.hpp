@@ -1,11 +1,11 @@
-// Wakes another process by a signal, as the scheduler of the paper does. Takt does not use this; benchmarks
-// compare against it.
+// Wakes another process by a signal, as the scheduler of the paper does. Takt itself does not use this; its
+// benchmarks compare against it.
 #pragma once
 
 namespace takt::os {
 
-/// Blocks the signal for this thread and for threads that it starts later, so that it is pending until it is
-/// waited for.
+/// Blocks the signal for this thread and for threads that it starts later. So the signal is pending until a
+/// thread waits for it.
 void hold_wake_signal() noexcept;
 /// Sleeps until the signal arrives. One system call.
 void wait_for_wake_signal() noexcept;

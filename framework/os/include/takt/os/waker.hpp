@@ -11,8 +11,8 @@
 
 namespace takt::os {
 
-/// The time by which the sleep ends before the instant: the 99th percentile of the wake-up delays seen,
-/// tracked in one number. Pure: reads no clock.
+/// The time by which the sleep ends before the instant. It is the 99th percentile of the observed wake-up
+/// delays, tracked in one number. Pure: reads no clock.
 class WakeMargin {
  public:
   /// The margin starts at its cap, so that the first wake-ups are early rather than late.
@@ -42,8 +42,8 @@ class Waker {
   Waker(model::Wakeup strategy, Nanoseconds cap, const std::atomic<std::uint32_t>& stop) noexcept
       : strategy_(strategy), stop_(stop), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : cap) {}
 
-  /// Waits until `release` or until it is stopped, and returns the time of the return. Returns at once if
-  /// `release` has passed. Real-time; at most one system call, its sleep.
+  /// Waits until `release` or until `stop` ends the wait. Returns the time at which the wait ended. Returns
+  /// at once if `release` has passed. Real-time; at most one system call, its sleep.
   Instant wait_until(Instant release) noexcept;
 
   /// The present margin: 0 for `sleep`, without meaning for `spin`. Only the waiting thread may call it.

@@ -10,7 +10,7 @@
 
 namespace takt::recording {
 
-/// "812 kB", "1.5 MB".
+/// Formats a number of bytes, such as "812 kB" or "1.5 MB".
 inline std::string bytes_text(std::uint64_t bytes) {
   const double number = static_cast<double>(bytes);
   if (bytes < 1'000'000) return fmt::format("{:.0f} kB", number / 1e3);
@@ -18,7 +18,7 @@ inline std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.2f} GB", number / 1e9);
 }
 
-/// "2026-11-21 22:36:37.123 UTC".
+/// Formats a time since 1970, such as "2026-11-21 22:36:37.123 UTC".
 inline std::string date_text(std::int64_t time_ns) {
   const std::int64_t day = 1'000'000'000;
   const std::int64_t second = time_ns / day - (time_ns % day < 0 ? 1 : 0);

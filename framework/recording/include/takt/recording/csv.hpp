@@ -7,9 +7,9 @@
 
 namespace takt::recording {
 
-/// The text, in quotes if it contains a comma, a quote or a line break.
+/// Returns the text, in quotes if it contains a comma, a quote or a line break.
 std::string csv_field(std::string_view text);
-/// The fields as a line that ends with CR LF.
+/// Returns the fields as a line that ends with CR LF.
 std::string csv_line(const std::vector<std::string>& fields);
 
 }  // namespace takt::recording

@@ -1,4 +1,4 @@
-// A wrapper of SQLite for recordings. Only database.cpp includes SQLite's header.
+// Wraps SQLite for recordings. Only database.cpp includes SQLite's header.
 #pragma once
 
 #include <cstddef>
@@ -17,17 +17,17 @@ namespace takt::recording {
 
 enum class Access { read, append, create };
 
-/// One open file. One thread at a time. Every error names the file and a cure.
+/// One open file. One thread at a time may use it. Every error names the file and says what to do.
 class Database {
  public:
-  /// With Access::create the file must not exist; with the others it must.
+  /// Opens a file. With Access::create the file must not exist; with other kinds of access it must exist.
   static Result<Database> open(const std::string& file, Access access);
 
   /// Runs one or more statements without results.
   Result<void> run(const std::string& sql);
-  /// The first column of the first row; 0 if there is no row.
+  /// Runs a query and returns the first column of the first row; 0 if there is no row.
   Result<std::int64_t> number(const std::string& sql);
-  /// How many rows the last statement changed.
+  /// The number of rows that the last statement changed.
   [[nodiscard]] std::int64_t changed() const;
   /// Rolls back the current transaction, if there is one.
   void roll_back();
@@ -47,20 +47,21 @@ class Database {
   std::unique_ptr<sqlite3, Close> open_;
 };
 
-/// A prepared statement. The database outlives it.
+/// A prepared statement. The database must outlive it.
 class Statement {
  public:
   static Result<Statement> prepare(Database& database, const std::string& sql);
 
-  /// Binds a parameter until reset(); the first has place 1. Text and bytes must live until then.
+  /// Binds a parameter until reset(). The first parameter has place 1. Text and bytes must exist until
+  /// reset().
   void bind(int place, std::int64_t value);
   void bind(int place, std::string_view text);
   void bind(int place, const std::byte* bytes, std::size_t size);
-  /// Returns true with a row, false at the end.
+  /// Goes to the next row. Returns false if there is none.
   Result<bool> step();
   void reset();
 
-  /// A column of the present row; the first is 0. Bytes are valid until the next step.
+  /// The value of a column of the present row. The first column is 0. Bytes are valid until the next step().
   [[nodiscard]] std::int64_t number(int column) const;
   [[nodiscard]] std::string text(int column) const;
   [[nodiscard]] std::pair<const std::byte*, std::size_t> bytes(int column) const;

@@ -19,7 +19,7 @@ namespace takt::recording {
 struct PortOfRecording : RecordedPort {
   std::int64_t id = 0;
   std::uint64_t samples = 0;
-  std::int64_t first_ns = 0;  ///< time of its first sample since 1970; 0 if it has none
+  std::int64_t first_ns = 0;  ///< time of the port's first sample, since 1970; 0 if there is none
   std::int64_t last_ns = 0;
 };
 
@@ -32,30 +32,31 @@ struct RecordedSample {
 
 /// Selects samples; times are since 1970.
 struct Selection {
-  std::set<std::int64_t> ports{};  ///< ids; empty: all
+  std::set<std::int64_t> ports{};  ///< ids of ports; empty for all ports
   std::int64_t from_ns = std::numeric_limits<std::int64_t>::min();
   std::int64_t to_ns = std::numeric_limits<std::int64_t>::max();
 };
 
-/// One thread at a time.
+/// An open recording. One thread at a time may use it.
 class Recording {
  public:
-  /// Fails if the file is not a recording, or if its ports cannot be read.
+  /// Opens a recording. Fails if the file is not a recording, or if its ports cannot be read.
   static Result<Recording> open(const std::string& file);
 
   [[nodiscard]] const std::vector<PortOfRecording>& ports() const { return ports_; }
-  /// The name of its cell; empty if it has no sample yet.
+  /// The name of the recorded cell; empty if the recording has no sample yet.
   [[nodiscard]] const std::string& cell() const { return cell_; }
-  /// The times of the first and last samples; both 0 if it has none.
+  /// The times of the first and the last sample; both are 0 if there is no sample.
   [[nodiscard]] std::int64_t first_ns() const { return first_ns_; }
   [[nodiscard]] std::int64_t last_ns() const { return last_ns_; }
   [[nodiscard]] std::uint64_t samples() const;
 
-  /// Reads samples in the order in which they came, until `each` returns false. Samples that do not fit their
-  /// port's type are skipped and counted in `wrong`. If the file is damaged, fails after the readable part.
+  /// Reads samples in the order in which they arrived, until `each` returns false. Samples that do not fit
+  /// the type of their port are skipped and counted in `wrong`. If the file is damaged, fails after the
+  /// readable part.
   Result<void> read(const Selection& selection, const std::function<bool(const RecordedSample&)>& each,
                     std::uint64_t& wrong);
-  /// The times of one port's samples.
+  /// Reads the times of one port's samples.
   Result<std::vector<std::int64_t>> times(std::int64_t port, const Selection& selection);
 
  private:

@@ -12,18 +12,18 @@
 namespace takt::recording {
 
 struct RecordOptions {
-  std::string who = "takt record";  ///< begins each line on standard error
-  std::vector<std::string> ports;   ///< device.module.port, where * stands for any characters
+  std::string who = "takt record";  ///< the beginning of each line on standard error
+  std::vector<std::string> ports;   ///< names DEVICE.MODULE.PORT, in which * stands for any characters
   RecordingOptions recording;
-  std::optional<double> seconds;  ///< none: until SIGINT or SIGTERM
+  std::optional<double> seconds;  ///< how long to record; without a value, until SIGINT or SIGTERM
   client::Network network;
   /// Receives the progress once a second, and an empty text before any other output. May be empty.
   std::function<void(const std::string&)> progress{};
 };
 
-/// Reports on standard error which ports it records and for which it waits, and at the end the content of the
-/// file. Returns the exit status: 1 if the file cannot be created, if the disk did not take everything, or if
-/// no port ever appeared.
+/// Records ports. Reports on standard error which ports it records and for which ports it waits. At the end
+/// it reports the content of the file. Returns the exit status, which is 1 if the file cannot be created, if
+/// not all samples could be written, or if no port ever appeared.
 int record(const RecordOptions& options);
 
 }  // namespace takt::recording

@@ -7,25 +7,27 @@
 
 namespace takt::recording {
 
-/// PRAGMA application_id: "TAKT". PRAGMA user_version: the version of these tables.
+/// The value of PRAGMA application_id, which is "TAKT", and of PRAGMA user_version, the version of these
+/// tables.
 inline constexpr int kRecordingId = 0x54414B54;
 inline constexpr int kRecordingVersion = 1;
 
-/// Samples are numbered in the order in which they came, without gaps; the oldest may be missing. There is no
-/// index on their time, which would cost a third of the space: samples arrive nearly in that order.
+/// The tables. Samples are numbered without gaps in the order in which they arrived; the oldest samples may
+/// have been dropped. There is no index on the time of samples, because samples arrive nearly in this order
+/// and an index takes a third of the space.
 inline constexpr const char* kSchema = R"(
 CREATE TABLE meta(name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE port(
   id INTEGER PRIMARY KEY,
   path TEXT NOT NULL,          -- device.module.port
-  topic TEXT NOT NULL,         -- on which it was heard
-  reliable INTEGER NOT NULL,   -- whether the writer sends again what was lost
-  type_name TEXT NOT NULL,     -- of IDL
-  type TEXT NOT NULL);         -- its description, as JSON
+  topic TEXT NOT NULL,         -- DDS topic of the port
+  reliable INTEGER NOT NULL,   -- 1 if the writer resends lost samples
+  type_name TEXT NOT NULL,     -- name of the IDL type
+  type TEXT NOT NULL);         -- description of the type, as JSON
 CREATE TABLE sample(
   id INTEGER PRIMARY KEY,
   port INTEGER NOT NULL REFERENCES port(id),
-  time_ns INTEGER NOT NULL,    -- when it was written, since 1970 (UTC)
+  time_ns INTEGER NOT NULL,    -- time of writing, since 1970 (UTC)
   bytes BLOB NOT NULL);        -- XCDR1 with its encapsulation
 )";
 

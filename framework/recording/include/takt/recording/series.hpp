@@ -1,8 +1,8 @@
 // Reduces any number of samples to a curve with no more points than a picture can show.
 //
-// Omitting samples would lose peaks, and mean values never occurred. So the first, last, least and largest
-// value of each column of pixels are kept. A line through them covers the same pixels as a line through all
-// samples.
+// Omitting samples would lose peaks, and mean values would show values that never occurred. So for each
+// column of pixels, the first, last, least and largest values are kept. A line through these values covers
+// the same pixels as a line through all samples.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct SeriesPoint {
   bool operator==(const SeriesPoint&) const = default;
 };
 
-/// The longest time between samples that does not count as a gap: ten times the median time between them, but
-/// at least `least`.
+/// Returns the longest time between two samples that does not count as a gap. It is ten times the median time
+/// between samples, but at least `least`.
 std::int64_t longest_pause(std::vector<std::int64_t> times_ns, std::int64_t least);
 
 class Series {
@@ -28,14 +28,14 @@ class Series {
     std::int64_t first_ns = 0;
     std::int64_t last_ns = 0;
   };
-  /// After a longer pause than `longest_pause_ns` a new curve begins.
+  /// A pause longer than `longest_pause_ns` begins a new curve.
   Series(Range range, std::size_t columns, std::int64_t longest_pause_ns);
 
-  /// Add samples in the order of their times. Samples that are earlier than the last one, and values that are
-  /// not finite, are ignored.
+  /// Adds a sample. Samples must be added in the order of their times: a sample that is earlier than the
+  /// previous sample is ignored, and so is a value that is not finite.
   void add(std::int64_t time_ns, double value);
 
-  /// The connected parts, each with at most four points per column.
+  /// The connected parts of the curve, each with at most four points per column.
   [[nodiscard]] std::vector<std::vector<SeriesPoint>> curves() const;
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] double least() const { return least_; }
@@ -45,7 +45,7 @@ class Series {
  private:
   struct Bucket {
     std::size_t column = 0;
-    bool begins = false;  ///< a new curve begins here
+    bool begins = false;  ///< whether a new curve begins here
     SeriesPoint first, last, low, high;
   };
 

@@ -30,50 +30,52 @@ inline constexpr std::uint64_t kLeastRecording = 1'000'000;  ///< the smallest s
 struct RecordingOptions {
   std::string file;
   bool append = false;                      ///< append to an existing recording
-  std::uint64_t max_bytes = 1'000'000'000;  ///< on the disk, including SQLite's own files; 0: no limit
+  /// Limit of the space on the disk, including SQLite's auxiliary files; 0 for no limit.
+  std::uint64_t max_bytes = 1'000'000'000;
   Full full = Full::stop;
-  Nanoseconds flush = std::chrono::milliseconds{500};       ///< the longest time that a sample waits
-  std::size_t queue_bytes = std::size_t{64} * 1024 * 1024;  ///< the most bytes of waiting samples
+  Nanoseconds flush = std::chrono::milliseconds{500};       ///< the longest time for which a sample waits
+  std::size_t queue_bytes = std::size_t{64} * 1024 * 1024;  ///< limit of the memory for waiting samples
 };
 
 struct RecordingHealth {
-  std::uint64_t samples = 0;         ///< written
-  std::uint64_t lost = 0;            ///< the queue was full, or the disk did not take them
-  std::uint64_t dropped = 0;         ///< oldest samples that made room for new ones
-  std::uint64_t bytes = 0;           ///< on the disk
-  bool full = false;                 ///< with Full::stop: the limit is reached, and nothing more is written
-  std::optional<Problem> trouble{};  ///< the reason if the disk takes nothing at present
+  std::uint64_t samples = 0;         ///< number of written samples
+  std::uint64_t lost = 0;            ///< samples lost because the queue was full or the disk failed
+  std::uint64_t dropped = 0;         ///< oldest samples that were deleted to make room for new samples
+  std::uint64_t bytes = 0;           ///< space used on the disk
+  bool full = false;                 ///< the limit is reached and nothing more is written
+  std::optional<Problem> trouble{};  ///< why writing fails at present, if it does
 };
 
 class RecordingWriter {
  public:
-  /// Creates the file, or opens it to append. Fails if it exists without `append`, cannot be written, or is
-  /// not a recording.
+  /// Creates the file, or opens it to append. Fails if the file cannot be written, if it exists although
+  /// `append` is false, or if it is not a recording.
   static Result<std::unique_ptr<RecordingWriter>> create(const RecordingOptions& options);
   /// Calls finish().
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// Returns the port's number for add(); the same port gets the same number. `cell` becomes the recording's
-  /// cell if it has none yet. Any thread.
+  /// Adds a port and returns its number for add(). Adding the same port again returns the same number. `cell`
+  /// becomes the recording's cell if the recording has none yet. Any thread may call this.
   std::int64_t add_port(const RecordedPort& port, const std::string& cell = {});
-  /// Copies the sample, and never waits for the disk. Any thread, including those of Fast DDS.
+  /// Adds a copy of the sample to the queue; never waits for the disk. Any thread may call this, also threads
+  /// of Fast DDS.
   void add(std::int64_t port, std::int64_t time_ns, const std::byte* bytes, std::size_t size);
 
   [[nodiscard]] RecordingHealth health() const;
   /// The number of written samples of each port.
   [[nodiscard]] std::map<std::int64_t, std::uint64_t> counts() const;
 
-  /// Writes the waiting samples, and leaves one file without auxiliary files. Nothing is accepted afterwards.
-  /// Fails if the disk did not take everything.
+  /// Writes the waiting samples, and removes SQLite's auxiliary files. Afterwards no samples are accepted.
+  /// Fails if not all samples could be written.
   Result<void> finish();
 
  private:
   struct Waiting {
     std::int64_t port;
     std::int64_t time_ns;
-    std::size_t size;  ///< bytes of the sample; all samples' bytes are concatenated
+    std::size_t size;  ///< number of bytes; the bytes of all samples are in Batch::bytes
   };
   struct NewPort {
     std::int64_t id;
@@ -90,22 +92,23 @@ class RecordingWriter {
   RecordingWriter(RecordingOptions options, Database database);
   Result<void> prepare();
   void work();
-  /// Writes the batch in transactions for which the log has room; removes from the batch what was written.
+  /// Writes the batch, in transactions that fit into SQLite's log. Removes the written samples from the
+  /// batch.
   Result<void> write(Batch& batch);
   Result<void> write_ports(const Batch& batch);
   Result<std::size_t> write_samples(const Batch& batch, std::size_t first, std::size_t offset);
-  /// Makes room for this many bytes below the limit; returns false if the file is full.
+  /// Makes room for this number of bytes below the limit. Returns false if the file is full.
   Result<bool> make_room(std::uint64_t bytes);
   Result<std::uint64_t> used();
   Result<void> checkpoint();
   void measure();
 
   const RecordingOptions options_;
-  // Only for the writer's thread.
+  // Only the writer's thread uses these members.
   Database database_;
   std::optional<Statement> insert_;
   std::uint64_t page_ = 4096;
-  std::uint64_t log_room_ = 0;  ///< the most bytes of the log beside the file
+  std::uint64_t log_room_ = 0;  ///< limit of the size of SQLite's log file
 
   mutable std::mutex mutex_;
   std::condition_variable news_;

@@ -1,5 +1,6 @@
 // Proves before anything runs that every module of a device meets its deadline. Computes the longest time
-// from a release to its end for executors, sporadic threads and programs, with their CPUs and priorities.
+// from a release to the end of its run, for the executors, sporadic threads and programs of the device. Takes
+// their CPUs and priorities into account.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +22,10 @@ struct WorstCase {
   std::vector<int> cpus;     ///< the CPUs on which it may run
   Nanoseconds run{};         ///< its longest run
   Nanoseconds deadline{};    ///< from its release; for a periodic module its period
-  /// The maximum time from its release to its end. None if there is no bound; then `why` has the reason.
+  /// The maximum time from a release to the end of its run. None if there is no bound; then `why` has the
+  /// reason.
   std::optional<Nanoseconds> response;
-  std::string
-      why;  ///< the reason if the deadline is not kept for another reason than a long response; else empty
+  std::string why;  ///< why the deadline is not kept, if a long response is not the cause; else empty
 
   [[nodiscard]] bool kept() const { return why.empty() && response && *response <= deadline; }
 };
@@ -39,7 +40,7 @@ std::vector<WorstCase> worst_cases(const model::Device& device, const DevicePlan
                                    const Placement& placement,
                                    const std::vector<std::optional<Nanoseconds>>& runs);
 
-/// A problem for each deadline that is not kept, at the line of the module.
+/// One problem for each deadline that is not kept, at the line of the module.
 Problems missed_deadlines(const model::Cell& cell, const model::Device& device,
                           const std::vector<WorstCase>& worst_cases);
 

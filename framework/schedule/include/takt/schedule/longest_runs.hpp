@@ -11,12 +11,13 @@
 
 namespace takt::schedule {
 
-/// Indexed by device and module. None for non-real-time modules, which have no deadline.
+/// Indexed by device and module. An entry is empty for non-real-time modules, which have no deadline.
 using LongestRuns = std::vector<std::vector<std::optional<Nanoseconds>>>;
 
-/// The longest run in the profile, else the budget, multiplied by `factor` and rounded up. Without a profile,
-/// only the budgets. factor >= 1. Fails with one problem for each periodic or sporadic module that has
-/// neither, and if the profile is of another cell. Ignores modules that only the profile has.
+/// Returns for each module the longest run in the profile, or the budget if there is no profile or the module
+/// did not run in it. Multiplies each time by `factor`, which is at least 1, and rounds it up. Fails if the
+/// profile belongs to another cell. Also fails with one problem for each periodic or sporadic module that has
+/// neither a run time nor a budget. Ignores modules that occur only in the profile.
 Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* profile, double factor);
 
 /// Whether every periodic and sporadic module has a budget.

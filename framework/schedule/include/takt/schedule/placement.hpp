@@ -14,9 +14,9 @@ struct Placement {
   std::vector<std::string> warnings;  ///< requests of the descriptor that this machine cannot fulfil
 };
 
-/// Each executor gets the CPU that the descriptor names, else one of the remaining CPUs, the highest first.
-/// All other threads get the CPUs that are left, or all CPUs if none is left. `allowed` must not be empty.
-/// Pure.
+/// Each executor gets the CPU that the descriptor names. The other executors get the remaining CPUs, highest
+/// number first. All other threads get the CPUs that are left, or all CPUs if none is left. `allowed` must
+/// not be empty. Pure.
 Placement place(const std::vector<model::Executor>& executors, const std::vector<int>& allowed);
 
 /// The priorities of the threads that belong to an executor of this priority: the thread of its sporadic

@@ -27,8 +27,8 @@ struct ExecutorPlan {
   [[nodiscard]] std::size_t rows() const noexcept;
   /// The modules of a row, in the order in which they run. row < rows(). Allocates.
   [[nodiscard]] std::vector<std::uint32_t> row(std::size_t row) const;
-  /// The sum of the budgets of a row's thread modules, at most 2^63 - 1 ns, and whether all of them have a
-  /// budget.
+  /// The load of a row: the sum of the budgets of its thread modules, at most 2^63 - 1 ns, and whether all of
+  /// these modules have a budget.
   struct Load {
     Nanoseconds budget{};
     bool complete = true;
@@ -58,7 +58,7 @@ inline constexpr int kHighestAuto = 80;
 /// of the cell, and the cell must have passed model::validate(). Allocates.
 Result<DevicePlan> plan(const model::Cell& cell, const model::Device& device);
 
-/// The same for all devices; fails with the problems of all devices.
+/// Plans all devices of the cell. Fails with the problems of all devices.
 Result<std::vector<DevicePlan>> plan(const model::Cell& cell);
 
 }  // namespace takt::schedule

@@ -25,24 +25,24 @@ struct Task {
 };
 
 /// The two tasks that make a table long: the two different periods with the largest least common multiple. Of
-/// several such pairs, it is the one with the shortest period. Of several tasks with the same period, it is
-/// the first. Both are 0 if all periods are equal. Every period must be positive.
+/// several such pairs, the pair with the shortest period is taken. Of several tasks with the same period, the
+/// first is taken. Both are 0 if all periods are equal. Every period must be positive.
 struct PeriodPair {
   std::uint32_t shorter = 0;
   std::uint32_t longer = 0;
 };
 PeriodPair longest_pair(std::span<const Task> tasks);
 
-/// Rows of indices into the tasks that the table was built from. Any thread may read it, also a real-time
-/// one.
+/// Rows of indices into the tasks that the table was built from. Any thread may read it, including real-time
+/// threads.
 class Table {
  public:
   using Index = std::uint32_t;
 
   /// Fails with one problem for each period that is not positive and each offset that is not within its
-  /// period. Also fails if the table would exceed the limits above, or its macro period 2^63 - 1 ns; the
-  /// problem names the two periods that cause it. Without tasks, returns an empty table with periods of 0.
-  /// Takes time proportional to the entries plus the rows; allocates.
+  /// period. Also fails if the table would exceed the limits above, or if its macro period would not fit in
+  /// 63 bits (ns). The problem names the two periods that cause this. Without tasks, returns an empty table
+  /// with periods of 0. Takes time proportional to the entries plus the rows; allocates.
   static Result<Table> build(std::span<const Task> tasks);
 
   /// The greatest common divisor of the periods and offsets.

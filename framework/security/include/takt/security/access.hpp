@@ -14,8 +14,8 @@
 
 namespace takt::security {
 
-/// A device runs modules. An operator may send commands. An observer is read-only. A program outside Takt has
-/// the ends of connections that no module has.
+/// A device runs modules. An operator may send commands. An observer is read-only. A program is outside Takt
+/// and may use the topics of connections that have only one end in the cell.
 enum class Role { device, operator_, observer, program };
 inline constexpr std::array kRoles{Role::device, Role::operator_, Role::observer, Role::program};
 /// "device", "operator", "observer", "program"
@@ -30,7 +30,7 @@ struct Subject {
   std::string name;
   bool operator==(const Subject&) const = default;
 };
-/// The subject as in RFC 2253, which permissions require: "CN=robot,OU=device,O=cell".
+/// The subject in the form of RFC 2253, which permissions require: "CN=robot,OU=device,O=cell".
 std::string to_text(const Subject& subject);
 /// None if the text does not have this form, or if a name in it is not valid.
 std::optional<Subject> subject_from(std::string_view text);
@@ -42,11 +42,12 @@ struct Access {
   std::vector<std::string> reads;
 };
 
-/// The topic on which observers send requests that change nothing; otherwise like takt/command.
+/// The topic on which observers send requests. It works like takt/command, but its requests change nothing.
 inline constexpr const char* kQuestionTopic = "takt/question";
 
-/// The access on the cell's own domain (`domain`) and on the other domains of its connections. A device gets
-/// the topics of a node, the topics of its connections, and every topic below takt/CELL/DEVICE/.
+/// The access of the subject on the cell's own domain (`domain`) and on the other domains of its connections.
+/// A device gets the topics of a node, the topics of its connections, and every topic below
+/// takt/CELL/DEVICE/.
 std::vector<Access> access_of(const model::Cell& cell, int domain, const Subject& subject);
 
 /// The domains that the cell uses, with `domain` as its own.

@@ -49,14 +49,14 @@ class Authority {
   ~Authority();
 
   [[nodiscard]] const std::string& cell() const noexcept;
-  /// The descriptor and the domain that keep() has stored. Fail if there are none.
+  /// The descriptor and the domain that keep() has stored. Both functions fail if keep() has stored nothing.
   [[nodiscard]] Result<std::string> descriptor() const;
   [[nodiscard]] Result<int> domain() const;
   Result<void> keep(const std::string& descriptor, int domain);
 
   /// Issues an identity: a key, a certificate for `days` (1 to 3650, at most as long as the authority is
-  /// valid) and the documents, in a folder of its own. With `again` it replaces an existing identity;
-  /// otherwise that fails.
+  /// valid) and the documents, in a folder of its own. Fails if the identity already exists. With `again`,
+  /// replaces it instead.
   Result<void> issue(const Subject& subject, const Plan& plan, int days, std::int64_t now,
                      bool again = false);
   /// Writes new documents for all identities.
@@ -64,8 +64,8 @@ class Authority {
   /// Revokes an identity and writes the new crl.pem into every folder. A machine rejects the identity after
   /// crl.pem has been copied there and read.
   Result<void> revoke(const Subject& subject, std::int64_t now);
-  /// Writes FILE.sig for each file, with a key for components that is created at first use. Returns the path
-  /// of its certificate, for the nodes that require signatures.
+  /// Writes FILE.sig for each file, with the authority's key for components. The first call creates this key.
+  /// Returns the path of the key's certificate, for the nodes that require signatures.
   Result<std::string> sign_components(const std::vector<std::string>& files, std::int64_t now);
   /// All identities that have a folder, by role and name.
   [[nodiscard]] std::vector<Member> members(std::int64_t now) const;

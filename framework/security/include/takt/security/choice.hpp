@@ -11,12 +11,12 @@ namespace takt::security {
 
 struct Chosen {
   std::string folder;
-  Problems passed_over{};  ///< the problems of the identities before it
+  Problems passed_over{};  ///< the problems of the identities before the chosen one
 };
 
-/// In a folder made by `takt secure init`: the folder of the first identity of this role, by name, that is
-/// valid at this time (seconds since 1970). If none is valid, that of the first identity. In any other
-/// folder: `folder` itself.
+/// If `folder` was made by `takt secure init`, returns the folder of an identity of this role in it: the
+/// first one, by name, that is valid at this time (seconds since 1970), or the first one if none is valid.
+/// Returns any other `folder` itself.
 Chosen first_of(const std::string& folder, Role role, std::int64_t now);
 
 }  // namespace takt::security

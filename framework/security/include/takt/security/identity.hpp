@@ -26,7 +26,7 @@ inline constexpr const char* kRevoked = "crl.pem";
 /// If this file exists, components are loaded only if they are signed with its key.
 inline constexpr const char* kComponents = "components.cert.pem";
 
-/// There is a warning if a certificate is valid for less than this.
+/// A warning appears if a certificate is valid for less than this time.
 inline constexpr std::int64_t kSoon = std::int64_t{30} * 24 * 3600;  // s
 
 struct Identity {
@@ -42,15 +42,16 @@ struct Identity {
 /// - the certificate was issued by another authority, is revoked, or is not valid at this time (seconds since
 /// 1970),
 /// - the key does not belong to the certificate, or other users may read it,
-/// - a document is not signed, or is for another subject.
+/// - a document is not signed, or belongs to another subject.
 Result<Identity> read_identity(const std::string& folder, std::int64_t now);
 
-/// In a folder made by `takt secure init`: the folder of the identity with this role and name. In any other
-/// folder: `folder` itself. Without a name: the choice of first_of() at the current time.
+/// If `folder` was made by `takt secure init`, returns the folder of the identity with this role and name in
+/// it. Without a name, returns the choice of first_of() at the current time. Returns any other `folder`
+/// itself.
 std::string folder_of(const std::string& folder, Role role, const std::string& name = {});
 
 /// Whether the bytes are a certificate (PEM) with a subject. A certificate without a subject would crash Fast
-/// DDS 2.9.1 even before its issuer is checked. Any thread.
+/// DDS 2.9.1 even before its issuer is checked. Any thread may call it.
 bool names_somebody(std::span<const std::uint8_t> certificate) noexcept;
 
 /// "it expires in 12 days"; empty if there are at least 30 days left.

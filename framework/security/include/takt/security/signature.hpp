@@ -18,8 +18,9 @@ Result<void> sign_file(const std::string& file, const std::string& key);
 /// Fails if the file `certificate` is not a certificate that is valid at this time (seconds since 1970).
 Result<void> check_signer(const std::string& certificate, std::int64_t now);
 
-/// Fails if FILE.sig does not exist, if it was not made from this file with the key of `certificate` (a
-/// file), or if the certificate is not valid at this time (seconds since 1970).
+/// `certificate` is the path of a certificate. Fails if FILE.sig does not exist, if it was not made from this
+/// file with the key of the certificate, or if the certificate is not valid at this time (seconds since
+/// 1970).
 Result<void> check_signature(const std::string& file, const std::string& certificate, std::int64_t now);
 
 }  // namespace takt::security

@@ -1,5 +1,5 @@
-// Names the component that a test program tests. Separate from testing.hpp, because each test program has a
-// generated source file that includes only this header.
+// Names the component that a test program tests. Each test program has a generated source file that includes
+// only this header, so the header is separate from testing.hpp.
 #pragma once
 
 namespace takt::testing::detail {

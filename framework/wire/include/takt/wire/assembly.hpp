@@ -14,14 +14,14 @@
 
 namespace takt::wire {
 
-/// The most bytes of data in one sample, as in idl/takt.idl.
+/// The largest number of data bytes in one sample, as in idl/takt.idl.
 inline constexpr std::size_t kPart = 32768;
-/// The most bytes of data in a whole command or reply.
+/// The largest number of data bytes in a whole command or reply.
 inline constexpr std::size_t kMaxData = 16 * 1024 * 1024;
 
-/// A command or reply with its whole data, up to kMaxData bytes.
+/// A command with its whole data, up to kMaxData bytes.
 struct WholeCommand {
-  Command head;  ///< part, parts and data are not used
+  Command head;  ///< its fields part, parts and data are not used
   std::string data;
 };
 struct WholeReply {
@@ -29,17 +29,18 @@ struct WholeReply {
   std::string data;
 };
 
-/// Parts of one key come from one writer, in order. If there is no room for new parts, the oldest unfinished
-/// data is dropped. Head is the type of a part; Whole has `head` and `data`.
+/// Assembles data of several keys at a time. The parts of one key come from one writer, in order. If there is
+/// no room for a new part, the oldest unfinished data is dropped. `Head` is the type of a part; `Whole` is a
+/// struct with the members `head` and `data`.
 template <class Head, class Whole>
 class Assembly {
  public:
-  /// The most unfinished keys, and their most bytes.
+  /// The largest number of keys with unfinished data, and of bytes of that data.
   static constexpr std::size_t kUnfinished = 64;
   static constexpr std::size_t kMostBytes = 4 * kMaxData;
 
-  /// Adds a part. Returns true and the whole once the last part has arrived. Returns false until then, and
-  /// for a part that is invalid or whose predecessors are missing.
+  /// Adds a part. Returns true and sets `whole` if this was the last part. Returns false if parts are still
+  /// missing, and if the part is invalid or an earlier part was missed.
   bool add(const Head& part, const std::string& key, Whole& whole) {
     const std::size_t parts = part.parts();
     const bool last = part.part() + 1 == parts;
@@ -72,7 +73,7 @@ class Assembly {
     return true;
   }
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
-  /// Bytes of unfinished data.
+  /// The number of bytes of unfinished data.
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
 
  private:

@@ -1,8 +1,9 @@
-// The state of the cell, collected from all topics: every device seen, alive or lost, and what it runs.
+// The state of the cell, collected from all topics: every device that was seen, alive or lost, and what it
+// runs.
 //
-// Each topic reports one part, in its own order. The state of a module may arrive before its device's. A
-// device that died reports nothing more. A waiting device changes its key when a cell is deployed to it.
-// Observers want one cell state.
+// Each topic reports only a part of this state, and the topics have no common order. The state of a module
+// may arrive before its device's. A device that died reports nothing more. A waiting device changes its key
+// when a cell is deployed to it. This class combines all that, so that observers get one cell state.
 #pragma once
 
 #include <map>
@@ -16,7 +17,7 @@ namespace takt::wire {
 
 /// The last received state of a deployment on one device.
 struct ObservedDeployment {
-  std::map<std::string, LifecycleStatus> modules;  ///< by name, like all below
+  std::map<std::string, LifecycleStatus> modules;  ///< by name, like the members below
   std::map<std::string, ModuleStatistics> statistics;
   std::map<std::string, ExecutorStatistics> executors;
   std::map<std::string, PortStatus> ports;  ///< by MODULE.PORT
@@ -24,15 +25,15 @@ struct ObservedDeployment {
 
 struct ObservedDevice {
   DeviceStatus status;
-  bool alive = true;  ///< false: its node is lost, and this is the last received state
+  bool alive = true;  ///< false if its node is lost; then this is the last received state
   ObservedDeployment deployment;
 
   [[nodiscard]] std::string name() const { return status.device().to_string(); }
   [[nodiscard]] std::string node() const { return status.node().to_string(); }
 };
 
-/// Feed it with what Readers receive, on one thread at a time. A node that ends cleanly disposes of its
-/// samples and leaves the cell state. A node that dies stays in it as lost until another node of that name
+/// Collects what Readers receive. One thread at a time may call it. A node that ends cleanly disposes of its
+/// samples and is removed. A node that dies stays in the cell state as lost until another node of its device
 /// appears.
 class CellState {
  public:
@@ -41,26 +42,28 @@ class CellState {
   void heard(const ModuleStatistics& statistics);
   void heard(const ExecutorStatistics& statistics);
   void heard(const PortStatus& status);
-  /// The sample holds only its key.
+  /// The status of a device was disposed of. Only the key of the sample is set.
   void gone(const DeviceStatus& key, WriterId writer);
   void gone(const LifecycleStatus& key);
   /// The writer of a device's status was lost.
   void lost(WriterId writer);
 
-  /// Whether the module is in EXECUTING and its device is alive. A device that was lost counts again from its
-  /// second status on, because the new states of its modules arrive between the first and the second.
+  /// Whether the module is in EXECUTING and its device is alive. A device that was lost counts as alive from
+  /// its second new status on, because the new states of its modules arrive between the first and the second
+  /// status.
   [[nodiscard]] bool executes(const std::string& cell, const std::string& device,
                               const std::string& module) const;
-  /// The last received status of the devices of a deployment, except `but`; includes lost devices.
+  /// The last received status of each device of a deployment, except the device `but`. Includes lost devices.
   struct Heard {
     DeviceStatus status;
     bool alive = true;
   };
   [[nodiscard]] std::vector<Heard> of_deployment(const std::string& id, const std::string& but) const;
 
-  /// Sorted by device, then by node. Two live entries with one name mean two nodes of the same name.
+  /// All devices, sorted by device name, then by node. Two live entries with the same name mean that two
+  /// nodes use this name.
   [[nodiscard]] std::vector<ObservedDevice> devices() const;
-  /// The devices of this name.
+  /// All devices of this name.
   [[nodiscard]] std::vector<ObservedDevice> devices(const std::string& name) const;
 
  private:
@@ -68,7 +71,7 @@ class CellState {
     DeviceStatus status;
     WriterId writer = 0;
     bool alive = true;
-    std::uint64_t back_at = 0;  // sequence of the first status after a loss; 0: never lost
+    std::uint64_t back_at = 0;  // sequence number of the first status after a loss; 0 if never lost
   };
   [[nodiscard]] ObservedDevice seen(const Node& node) const;
 

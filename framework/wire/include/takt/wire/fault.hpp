@@ -6,7 +6,7 @@
 
 namespace takt::wire {
 
-/// Texts that are too long for the wire are cut off.
+/// Converts a fault event for the network. Texts that are too long are cut off.
 FaultEvent to_wire(const model::Fault& fault);
 model::Fault from_wire(const FaultEvent& event);
 

@@ -6,14 +6,15 @@
 
 namespace takt::wire {
 
-/// For operators.
+/// The counters of a flow, which `takt` shows to operators.
 struct FlowHealth {
   std::uint32_t matched = 0;
-  std::uint64_t samples = 0;   ///< moved
-  std::uint64_t lost = 0;      ///< according to DDS, or to gaps in the writer's numbers
+  std::uint64_t samples = 0;   ///< samples moved
+  std::uint64_t lost = 0;      ///< samples that were lost, according to gaps in the writer's sequence numbers
   std::uint64_t refused = 0;   ///< samples that do not fit the type
   std::uint64_t failures = 0;  ///< writes that DDS rejected
-  std::string incompatible;    ///< the QoS policy that prevented a match, such as "reliability"; empty: none
+  /// The QoS policy that prevented a match, such as "reliability"; empty if no policy did.
+  std::string incompatible;
 };
 
 }  // namespace takt::wire

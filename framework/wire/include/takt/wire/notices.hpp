@@ -10,8 +10,8 @@
 
 namespace takt::wire {
 
-/// Reports each text once, and at most ten per minute, because strangers decide how much there is to report.
-/// Any thread.
+/// Reports each text once, and at most ten texts per minute, because strangers can cause any number of
+/// reports. Any thread may call it.
 class Notices {
  public:
   using Clock = std::chrono::steady_clock;

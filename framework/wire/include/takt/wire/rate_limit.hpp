@@ -9,16 +9,18 @@
 namespace takt::wire {
 
 /// A client that sends commands without end must not stop a node's other work, nor block other clients. So
-/// each client has an allowance that refills with time, and all clients together have one.
+/// each client has an allowance that refills with time. All clients together share another allowance.
 class RateLimit {
  public:
   using Clock = std::chrono::steady_clock;
   struct Bound {
-    double per_second = 0;  ///< long-term rate
-    double burst = 0;       ///< burst after a pause
+    double per_second = 0;  ///< commands per second in the long term
+    double burst = 0;       ///< commands at once after a pause
   };
-  /// Ten times the rate of an operator that watches a cell of 50 modules each second.
+  /// The allowance of each client: ten times the rate of an operator who watches a cell of 50 modules each
+  /// second.
   static constexpr Bound kEach{100, 512};
+  /// The allowance of all clients together.
   static constexpr Bound kAll{500, 2048};
 
   explicit RateLimit(Bound each = kEach, Bound all = kAll) : each_(each), all_{all, all.burst, {}} {}

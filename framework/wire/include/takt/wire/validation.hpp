@@ -14,7 +14,7 @@ bool validate(ModuleStatistics& statistics) noexcept;
 bool validate(ExecutorStatistics& statistics) noexcept;
 bool validate(PortStatus& status) noexcept;
 bool validate(FaultEvent& event) noexcept;
-/// For one part of a command or reply; also checks the number of the part.
+/// Validates one part of a command or reply, and also the number of the part.
 bool validate(Command& command) noexcept;
 bool validate(Reply& reply) noexcept;
 

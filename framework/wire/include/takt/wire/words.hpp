@@ -9,24 +9,24 @@
 
 namespace takt {
 
-/// "IDLE", "EXECUTING", as in reports. Here and below, an unknown enumerator gives "?".
+/// The name of a state as in reports, such as "IDLE". Here and below, an unknown enumerator gives "?".
 const char* to_text(LifecycleState state) noexcept;
-/// "initialize", "give up"; "" for EVENT_NONE.
+/// The name of an event, such as "initialize" or "give up"; "" for EVENT_NONE.
 const char* to_text(LifecycleEvent event) noexcept;
-/// "failure", "budget"; "" for ERROR_NONE.
+/// The name of an error, such as "failure" or "budget"; "" for ERROR_NONE.
 const char* to_text(LifecycleError error) noexcept;
-/// "waiting", "running".
+/// The name of a device's state, such as "waiting" or "running".
 const char* to_text(DeviceState state) noexcept;
-/// "ok", "degraded", "failed".
+/// The name of a device's health: "ok", "degraded" or "failed".
 const char* to_text(DeviceHealth health) noexcept;
-/// "start", "undeploy".
+/// The name of a command, such as "start" or "undeploy".
 const char* to_text(CommandKind kind) noexcept;
 
 }  // namespace takt
 
 namespace takt::wire {
 
-/// At most `bytes` of the text, without partial characters; "..." marks an omission.
+/// Cuts the text to at most `bytes` bytes, without partial characters. "..." at the end marks a cut text.
 std::string cut(std::string_view text, std::size_t bytes);
 
 template <std::size_t N>
@@ -34,13 +34,14 @@ void set(eprosima::fastrtps::fixed_string<N>& field, std::string_view text) {
   field = cut(text, N);
 }
 
-/// "CELL/DEVICE", "CELL/DEVICE/MODULE": the key of a topic.
+/// Returns the key of a sample: "CELL/DEVICE", or "CELL/DEVICE/MODULE".
 std::string path_of(std::string_view cell, std::string_view device, std::string_view part = {});
 /// The cell name of a device without a deployment.
 inline constexpr std::string_view kNoCell = "-";
-/// Command::property of COMMAND_PREPARE: the device rejects the command if it cannot run in real time.
+/// A value of Command::property in COMMAND_PREPARE. With it, a device that cannot run in real time rejects
+/// the command.
 inline constexpr const char* kRequireRealTime = "require-realtime";
-/// Reply::value of an update that was put back, if the device is as it was before.
+/// Reply::value after an update was put back, if the device is again as it was before the update.
 inline constexpr const char* kAsBefore = "as before";
 
 }  // namespace takt::wire

@@ -10,10 +10,10 @@ class @Name@ : public takt::Component {
 
   @name@_types::Sample result_;
 
-  // May allocate, open files and fail: return takt::fail("what is wrong", "what to do");
+  // initialize() may allocate, open files and fail: return takt::fail("what is wrong", "what to do");
   takt::Result<void> initialize() override { return {}; }
 
-  // Runs on the real-time thread: no lock, no allocation, no system call, no log.
+  // run() runs on the real-time thread: no lock, no allocation, no system call, no log.
   void run(const takt::Cycle&) noexcept override {
     if (!in.read()) return;  // no new sample since the last run()
     result_.value(gain * in.value().value());

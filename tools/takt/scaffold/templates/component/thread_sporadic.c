@@ -8,7 +8,7 @@ TAKT_EVENT_PORT(@name@_types_Sample, in);
 TAKT_OUT_PORT(@name@_types_Sample, out);
 TAKT_NUMBER(gain, 2, -1000, 1000, "", "The factor.");
 
-/* May allocate, open files and fail: takt_fail("what is wrong"); */
+/* initialize() may allocate, open files and fail: takt_fail("what is wrong"); */
 void initialize(void) {}
 
 /* Both functions run on the real-time thread: no lock, no allocation, no system call, no log. */
