@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <takt/supervision/supervisor.hpp>
+#include "fault_notes.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
@@ -145,7 +146,8 @@ void Supervisor::begin_command(Member& member) {
       parts_.saved_of(member.index).clear();  // a reset module starts without its saved state
       if (Hosted& host = host_of(member); member.scheduled() && !host.process->running()) {  // host given up
         host.restarts.clear();
-        note(member, model::FaultKind::host_restart, "the host was given up, and this module is reset");
+        notes_->note(member, model::FaultKind::host_restart,
+                     "the host was given up, and this module is reset");
         restart_host(host);
       }
       if (member.is_thread())

@@ -3,9 +3,11 @@
 
 #include <takt/core/check.hpp>
 #include <takt/supervision/supervisor.hpp>
+#include "fault_notes.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
+#include "properties.hpp"
 
 namespace takt::supervision {
 
@@ -98,16 +100,16 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
         ask(member, Doing::start);
       break;
     case Doing::start:
-      if (ok && member.state() == State::recover)
+      if (ok && member.state() == State::recover) {
         recovered(member);
-      else if (ok)
+      } else if (ok) {
         apply(member, Event::start);
-      else if (member.state() == State::recover)
+        if (rows_begun_ && member.wanted()) put_in_tables(member);
+      } else if (member.state() == State::recover) {
         not_recovered(member, failure);
-      else
+      } else {
         raise(member, ErrorType::start, failure);
-      // A module that comes back with a new host runs again.
-      if (ok && rows_begun_ && member.state() == State::start && member.wanted()) put_in_tables(member);
+      }
       break;
     case Doing::error:
       if (!ok) log(member, failure);
@@ -211,7 +213,7 @@ void clear_after(channel::ExecutorBlock& executor) {
 }  // namespace
 
 void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
-  fail_property_requests(host, host.name() + " of device " + device().name + " has ended");
+  properties_->fail(host, host.name() + " of device " + device().name + " has ended");
   platform_->wake(~0U);  // it may have written samples without waking their readers
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   std::string text = host.name() + " " + end.text;
@@ -282,7 +284,7 @@ void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
       return end_commands_of(host, culprit, reason);
     }
   }
-  note(model::FaultKind::host_restart, text);
+  notes_->note(model::FaultKind::host_restart, text);
   restart_host(host);
   end_commands_of(host, culprit, reason);
 }
@@ -320,13 +322,13 @@ void Supervisor::restart_host(Hosted& host) {
 // stop its innocent neighbours again.
 void Supervisor::crashed(Member& member, const std::string& text, ErrorType type,
                          std::optional<Instant> since, const std::string& callers, const std::string& core) {
+  const bool ending = phase_ == Phase::stopping || member.pending == Doing::destruct;
   member.pending.reset();
   const bool starting = phase_ == Phase::preparing || phase_ == Phase::ready;
-  if (!host_of(member).share.is_own() || starting || phase_ == Phase::stopping)
-    return lose(member, text, type, callers, core);
+  if (!host_of(member).share.is_own() || starting || ending) return lose(member, text, type, callers, core);
   const bool recovering = member.state() == State::recover;
   if (!recovering && !member.machine.accepts(Event::error)) return lose(member, text, type, callers, core);
-  note(member, model::FaultKind::error, text + callers, type, core);
+  notes_->note(member, model::FaultKind::error, text + callers, type, core);
   member.reload = true;
   if (recovering) return not_recovered(member, text);
   member.why = std::string{takt::to_text(type)} + ": " + text;

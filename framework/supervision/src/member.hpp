@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,15 +35,6 @@ struct PendingSwap {
   std::function<void(const Outcome&)> done;
 };
 
-/// The health of a port up to which the fault record has entries.
-struct NotedPort {
-  std::uint32_t matched = 0;
-  bool lost = false;  ///< a connection that was matched is not matched now
-  bool stale = false;
-  std::uint64_t late = 0;
-  std::uint64_t refused = 0;
-};
-
 struct Member {
   Member(const model::Module& m, std::uint32_t i, channel::ModuleBlock& b)
       : model(m),
@@ -60,6 +50,15 @@ struct Member {
   [[nodiscard]] bool runs() const { return program != nullptr && program->running(); }
   [[nodiscard]] bool in_tables() const noexcept {
     return block.in_tables.load(std::memory_order_seq_cst) != 0;
+  }
+  /// How often it was called or released.
+  [[nodiscard]] std::uint64_t releases() const noexcept {
+    constexpr auto relaxed = std::memory_order_relaxed;
+    return block.cycles.load(relaxed) + (slot == nullptr ? 0 : slot->begun.load(relaxed));
+  }
+  [[nodiscard]] std::uint64_t overruns() const noexcept {
+    constexpr auto relaxed = std::memory_order_relaxed;
+    return block.overruns.load(relaxed) + (slot == nullptr ? 0 : slot->late.load(relaxed));
   }
 
   const model::Module& model;
@@ -90,17 +89,15 @@ struct Member {
   Instant spawned{};
   Instant told_to_end{};
   bool killed_for_hanging = false;
-  std::vector<Wiring::Wire*> inputs;  ///< inputs with a deadline; of any module
+  std::vector<Wiring::Wire*> inputs;  ///< inputs with a deadline; thread modules have them too
   Instant put_in_at{};                ///< when it was put into the tables
   /// It was put into the tables. If it is no longer in them, an executor took it out because of an error that
   /// step() has yet to see.
   bool put_in = false;
-  bool stale = false;                 ///< it is in RECOVER because an input was stale
+  bool stale = false;  ///< it is in RECOVER because an input was stale
 
-  bool started_again = false;        ///< a recovery attempt restarted the program, which is not ready yet
-  std::uint64_t seen_late = 0;       ///< value of slot->late at the last check
-  std::uint64_t noted_overruns = 0;  ///< overruns up to which the fault record has entries
-  std::map<std::string, NotedPort> noted_ports;
+  bool started_again = false;   ///< a recovery attempt restarted the program, which is not ready yet
+  std::uint64_t seen_late = 0;  ///< value of slot->late at the last check
   int end_signals = 0;  ///< how the program was told to end: 0 by its slot, 1 by SIGTERM, 2 by SIGKILL
 };
 

@@ -1,14 +1,50 @@
-// Reads and sets properties of modules while the device runs; the host holds those of thread modules.
+#include "properties.hpp"
+
+#include <algorithm>
 #include <utility>
 
 #include <takt/supervision/supervisor.hpp>
 #include "hosted.hpp"
-#include "limits.hpp"
 #include "member.hpp"
 
 namespace takt::supervision {
 
 using lifecycle::State;
+
+bool Properties::busy(const Member& member) const {
+  return std::any_of(waiting_.begin(), waiting_.end(),
+                     [&member](const auto& entry) { return entry.second.member == &member; });
+}
+
+void Properties::ask(const Member& member, const Hosted& host, host::Request request, Done done) {
+  request.id = ++asked_;
+  waiting_.emplace(request.id, Waiting{.member = &member, .host = &host, .done = std::move(done)});
+  host.process->ask(request);
+}
+
+const Member* Properties::answered(const host::Answer& answer) {
+  auto request = waiting_.extract(answer.request.id);
+  if (request.empty()) return nullptr;
+  const Waiting& waiting = request.mapped();
+  const bool set = answer.request.what == host::Request::Do::set;
+  waiting.done({.code = answer.ok ? REPLY_OK : REPLY_REFUSED,
+                .state = waiting.member->state(),
+                .text = answer.ok ? "" : answer.text,
+                .value = answer.ok ? (set ? answer.request.value : answer.text) : ""});
+  return set && answer.ok ? waiting.member : nullptr;
+}
+
+void Properties::fail(const Hosted& host, const std::string& why) {
+  for (auto entry = waiting_.begin(); entry != waiting_.end();) {
+    if (entry->second.host != &host) {
+      ++entry;
+      continue;
+    }
+    const Waiting waiting = std::move(entry->second);
+    entry = waiting_.erase(entry);
+    waiting.done({.code = REPLY_FAILED, .state = waiting.member->state(), .text = why});
+  }
+}
 
 void Supervisor::get(std::uint32_t module, const std::string& property,
                      std::function<void(const Outcome&)> done) {
@@ -17,7 +53,6 @@ void Supervisor::get(std::uint32_t module, const std::string& property,
     ask_property({.what = host::Request::Do::get, .module = module, .property = property}, std::move(done));
     return;
   }
-  // A program received its properties as arguments.
   const auto given = model::given_property(member.model, property);
   done({.code = given ? REPLY_OK : REPLY_REFUSED,
         .state = member.state(),
@@ -55,39 +90,16 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
     done({.code = REPLY_REFUSED, .state = member.state(), .text = why});
     return;
   }
-  request.id = ++property_requests_made_;
-  property_requests_.emplace(request.id, PropertyRequest{.module = request.module, .done = std::move(done)});
-  host_of(member).process->ask(request);  // if the host has ended, host_ended() answers
+  properties_->ask(member, host_of(member), std::move(request), std::move(done));
 }
 
 void Supervisor::property_answered(const host::Answer& answer) {
-  auto request = property_requests_.extract(answer.request.id);
-  if (request.empty()) return;
-  const Member& member = *members_.at(request.mapped().module);
-  const bool asked = answer.request.what == host::Request::Do::get;
-  if (!asked && answer.ok) {
-    log(member, answer.request.property + " = " + answer.request.value);
-    // Keep the value for a restart of the host, which may be another module's fault.
-    model::give_property(parts_.cell.devices[parts_.device].modules[member.index], answer.request.property,
-                         answer.request.value);
-  }
-  request.mapped().done({.code = answer.ok ? REPLY_OK : REPLY_REFUSED,
-                         .state = member.state(),
-                         .text = answer.ok ? "" : answer.text,
-                         .value = answer.ok ? (asked ? answer.text : answer.request.value) : ""});
-}
-
-void Supervisor::fail_property_requests(const Hosted& host, const std::string& why) {
-  for (auto entry = property_requests_.begin(); entry != property_requests_.end();) {
-    const Member& member = *members_.at(entry->second.module);
-    if (member.host != host.index) {
-      ++entry;
-      continue;
-    }
-    const PropertyRequest request = std::move(entry->second);
-    entry = property_requests_.erase(entry);
-    request.done({.code = REPLY_FAILED, .state = member.state(), .text = why});
-  }
+  const Member* const member = properties_->answered(answer);
+  if (member == nullptr) return;
+  log(*member, answer.request.property + " = " + answer.request.value);
+  // Keep the value for a restart of the host, which may be another module's fault.
+  model::give_property(parts_.cell.devices[parts_.device].modules[member->index], answer.request.property,
+                       answer.request.value);
 }
 
 }  // namespace takt::supervision

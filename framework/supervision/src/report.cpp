@@ -5,6 +5,7 @@
 
 #include <takt/supervision/supervisor.hpp>
 #include <takt/wire/words.hpp>
+#include "health.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
@@ -68,16 +69,6 @@ json in_json(const model::Port& port, const PortHealth& health) {
 
 }  // namespace
 
-std::uint64_t Supervisor::releases_of(const Member& member) {
-  constexpr auto relaxed = std::memory_order_relaxed;
-  return member.block.cycles.load(relaxed) + (member.slot == nullptr ? 0 : member.slot->begun.load(relaxed));
-}
-
-std::uint64_t Supervisor::overruns_of(const Member& member) {
-  constexpr auto relaxed = std::memory_order_relaxed;
-  return member.block.overruns.load(relaxed) + (member.slot == nullptr ? 0 : member.slot->late.load(relaxed));
-}
-
 Standing Supervisor::standing() const {
   Standing standing{
       .real_time = parts_.real_time,
@@ -119,9 +110,9 @@ Measures Supervisor::measures() const {
     const channel::ModuleBlock& block = member->block;
     ModuleStatistics entry;
     name(entry, member->model.name);
-    entry.cycles(releases_of(*member));
+    entry.cycles(member->releases());
     entry.missed(block.missed.load(relaxed));
-    entry.overruns(overruns_of(*member));
+    entry.overruns(member->overruns());
     entry.over_budget(block.over_budget.load(relaxed));
     entry.errors(block.errors.load(relaxed) + member->errors);
     entry.recoveries(member->recoveries);
@@ -132,7 +123,7 @@ Measures Supervisor::measures() const {
     const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports) continue;
     for (const model::Port& port : *ports) {
-      const PortHealth health = health_of(*member, port, now);
+      const PortHealth health = health_->of(*member, port, now);
       PortStatus status;
       wire::set(status.path(),
                 wire::path_of(parts_.cell.name, device().name, member->model.name) + "/" + port.name);
@@ -180,8 +171,8 @@ json Supervisor::report() const {
          {"type", model::to_text(member->model.type)},
          {"operation", model::to_text(member->model.operation)},
          {"state", lifecycle::to_text(member->state())},
-         {"cycles", releases_of(*member)},
-         {"overruns", overruns_of(*member)},
+         {"cycles", member->releases()},
+         {"overruns", member->overruns()},
          {"errors", block.errors.load(relaxed) + member->errors},
          {"jitter_us", in_microseconds(jitter_of(*member).read())},
          {"run_us", in_microseconds(run_of(*member).read())},
@@ -195,7 +186,7 @@ json Supervisor::report() const {
     const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports || ports->empty()) continue;
     json& list = modules.back()["ports"] = json::array();
-    for (const model::Port& port : *ports) list.push_back(in_json(port, health_of(*member, port, now)));
+    for (const model::Port& port : *ports) list.push_back(in_json(port, health_->of(*member, port, now)));
   }
   json report{{"name", device().name},
               {"alive", true},

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <takt/supervision/supervisor.hpp>
+#include "health.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
@@ -14,13 +15,7 @@ using lifecycle::State;
 
 void Supervisor::stop() {
   if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
-  // Save the matched counts: other devices may end from now on, which would spoil the final report.
-  for (const auto& member : members_) {
-    if (const model::ModulePorts& ports = parts_.ports.at(member->index)) {
-      for (const model::Port& port : *ports)
-        matched_at_stop_[{member->index, port.name}] = health_of(*member, port, time()).matched;
-    }
-  }
+  health_->stop(time());
   phase_ = Phase::stopping;
   asked_at_ = time();
   for (auto& member : members_) {
@@ -70,9 +65,7 @@ void Supervisor::stopping_step(Instant now) {
   platform_->step(now);
   report_detections();
   for (Problem& problem : platform_->final_problems()) failures_.push_back(std::move(problem));
-  watch_counts();
-  ports_watched_at_ = {};
-  watch_ports(now);
+  if (rows_begun_) health_->finish(now);
   phase_ = Phase::ended;
 }
 

@@ -4,9 +4,12 @@
 
 #include <takt/core/words.hpp>
 #include <takt/schedule/plan.hpp>
+#include "fault_notes.hpp"
+#include "health.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
+#include "properties.hpp"
 
 namespace takt::supervision {
 
@@ -20,7 +23,10 @@ Supervisor::Supervisor(Options options, std::shared_ptr<Platform> platform)
              .device = options_.device,
              .paths = std::move(options_.paths),
              .ports = std::move(options_.ports)},
-      platform_(std::move(platform)) {}
+      platform_(std::move(platform)),
+      notes_(std::make_unique<FaultNotes>(options_.noted)),
+      health_(std::make_unique<Health>(parts_, members_, flows_, *notes_)),
+      properties_(std::make_unique<Properties>()) {}
 
 Supervisor::~Supervisor() = default;
 
@@ -48,7 +54,7 @@ bool Supervisor::apply(Member& member, Event event, const std::string& text, Err
 }
 
 void Supervisor::fail_device(Problem problem) {
-  note(model::FaultKind::device_failed, in_words({problem}));
+  notes_->note(model::FaultKind::device_failed, in_words({problem}));
   log(to_text(problem));
   failures_.push_back(std::move(problem));
   stop();
@@ -104,7 +110,7 @@ void Supervisor::report_detections() {
     }
     const Member& member = *members_.at(*detection.module);
     log(member, detection.text);
-    if (!detection.cause.empty()) note(member, model::FaultKind::not_real_time, detection.cause);
+    if (!detection.cause.empty()) notes_->note(member, model::FaultKind::not_real_time, detection.cause);
   }
 }
 
@@ -126,8 +132,8 @@ void Supervisor::step() {
   watch_writers();
   for (const auto& host : hosts_) watch_host(*host, now);
   report_detections();
-  watch_counts();
-  watch_ports(now);
+  health_->watch_counts();
+  if (rows_begun_) health_->watch_ports(now);
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);
@@ -186,7 +192,7 @@ Result<Tapped> Supervisor::open_service(std::uint32_t module, const model::Port&
   if (member.state() != State::executing)
     return fail(
         "module " + name + " is in " + lifecycle::to_text(member.state()) + ", but answers only in EXECUTING",
-        "start it: takt start " + name);
+        "run takt start " + name);
   if (auto opened = flows_->open_service(module, service, until); !opened) return opened.problems();
   const auto& ports = *parts_.ports[module];
   const auto reply = std::find_if(ports.begin(), ports.end(), [&](const model::Port& port) {
@@ -356,7 +362,7 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text, 
                        const std::string& more, const std::string& attachment) {
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
-  note(member, model::FaultKind::error, text + more, type, attachment);
+  notes_->note(member, model::FaultKind::error, text + more, type, attachment);
   if (!apply(member, Event::error, member.why, type)) return;
   member.stale = type == ErrorType::stale;
   member.recovery.failed(time(), since);
@@ -397,15 +403,15 @@ void Supervisor::attempt_recovery(Member& member) {
     member.started_again = true;
   }
   if (member.is_process() && !alive && member.runs())
-    note(member, model::FaultKind::program_restart, "its program was restarted");
+    notes_->note(member, model::FaultKind::program_restart, "its program was restarted");
 }
 
 void Supervisor::recovered(Member& member) {
   member.recovery.attempted(time(), true);
   member.started_again = member.reload = false;
   if (!apply(member, Event::recover)) return;
-  note(member, model::FaultKind::recovered,
-       "attempt " + std::to_string(member.recovery.attempts()) + ", after " + member.why);
+  notes_->note(member, model::FaultKind::recovered,
+               "attempt " + std::to_string(member.recovery.attempts()) + ", after " + member.why);
   ++member.recoveries;
   if (!member.wanted() && member.state() == State::executing) apply(member, Event::stop);
   if (rows_begun_ && member.wanted() && (member.scheduled() || member.is_thread())) put_in_tables(member);
@@ -414,15 +420,15 @@ void Supervisor::recovered(Member& member) {
 void Supervisor::not_recovered(Member& member, const std::string& text) {
   member.why = text;
   log(member, "could not recover: " + text);
-  note(member, model::FaultKind::not_recovered, text);
+  notes_->note(member, model::FaultKind::not_recovered, text);
   member.recovery.attempted(time(), false);
 }
 
 void Supervisor::give_up(Member& member) {
   member.failed = true;
   apply(member, Event::give_up, "after " + std::to_string(member.recovery.attempts()) + " attempts");
-  note(member, model::FaultKind::given_up,
-       "after " + std::to_string(member.recovery.attempts()) + " attempts: " + member.why);
+  notes_->note(member, model::FaultKind::given_up,
+               "after " + std::to_string(member.recovery.attempts()) + " attempts: " + member.why);
   if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
   member.lost |= member.reload;
   Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
@@ -441,8 +447,8 @@ void Supervisor::give_up(Member& member) {
 // Gives up a module whose hooks cannot be called again: its host crashed, or a hook hangs.
 void Supervisor::lose(Member& member, const std::string& text, ErrorType type, const std::string& more,
                       const std::string& attachment) {
-  note(member, model::FaultKind::error, text + more, type, attachment);
-  note(member, model::FaultKind::given_up, text);
+  notes_->note(member, model::FaultKind::error, text + more, type, attachment);
+  notes_->note(member, model::FaultKind::given_up, text);
   if (member.swap) {
     host_of(member).process->ask({.what = host::Request::Do::give_up_swap, .module = member.index});
     end_swap(member, REPLY_FAILED, text);

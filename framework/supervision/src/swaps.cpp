@@ -6,6 +6,7 @@
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
+#include "properties.hpp"
 
 namespace takt::supervision {
 
@@ -26,13 +27,11 @@ Result<void> Supervisor::may_swap(std::uint32_t module) const {
   if (member.state() != State::executing)
     return fail(
         name + " is in " + lifecycle::to_text(member.state()) + "; it can be swapped only in EXECUTING",
-        "takt start " + device().name + "." + member.model.name);
+        "run takt start " + device().name + "." + member.model.name);
   if (member.command)
     return fail(std::string{name_of(member.command->verb)} + " is still in progress", "try again later");
   if (member.swap) return fail("a swap of " + name + " is still in progress", "try again later");
-  for (const auto& [id, request] : property_requests_) {
-    if (request.module == module) return fail("a property of " + name + " is being set", "try again later");
-  }
+  if (properties_->busy(member)) return fail("a property of " + name + " is being set", "try again later");
   return {};
 }
 

@@ -1,5 +1,5 @@
-// What a device's supervision, its hosts, programs and flows have in common: the descriptor, the table, and
-// the shared memory.
+// The data that a device's supervisor shares with its hosts, programs and flows: the descriptor, the table,
+// and the shared memory.
 #pragma once
 
 #include <cstddef>
@@ -28,9 +28,9 @@ struct Parts {
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
   /// The index of the executor that a module names.
   [[nodiscard]] std::size_t executor_of(const model::Module& module) const;
-  /// Null for a module without releases.
+  /// The release slot of a module; null: the module has none.
   [[nodiscard]] channel::ReleaseSlot* slot_of(std::uint32_t module) const { return slots[module].data(); }
-  /// What a module saves: in its slot, or in `saved` if it has none.
+  /// The saved state of a module. It is in the module's slot, or in `saved` if the module has no slot.
   [[nodiscard]] channel::SavedState& saved_of(std::uint32_t module) const {
     return slots[module] ? slots[module][0].saved : saved[module];
   }

@@ -1,5 +1,5 @@
-// What a supervision acts on: a clock, hosts, programs and flows. A node provides real ones, a simulation
-// virtual ones. No function waits.
+// The interfaces that the supervision acts on: a clock, hosts, programs and flows. The node implements them
+// with real processes and DDS, the simulation with virtual ones. No function waits.
 #pragma once
 
 #include <cstddef>
@@ -47,11 +47,11 @@ class Host {
   virtual bool ask(const host::Request& request) = 0;
   /// The next answer that has arrived.
   virtual std::optional<host::Answer> answer() = 0;
-  /// How it ended; returned only once.
+  /// How the host ended; none: it has not ended. Each end is returned only once.
   virtual std::optional<ProcessEnd> ended() = 0;
   virtual void kill() = 0;
   [[nodiscard]] virtual bool running() const = 0;
-  /// Of the last process; 0: there was none.
+  /// The PID of the last process; 0: there was none.
   [[nodiscard]] virtual int pid() const = 0;
   /// The calls that led to the crash of a module. Call it before the crash report is cleared.
   virtual CrashCalls calls_of_crash(std::uint32_t module) = 0;
@@ -62,17 +62,17 @@ class Program {
  public:
   virtual ~Program() = default;
   virtual Result<void> start() = 0;
-  /// How it ended; returned only once.
+  /// How the program ended; none: it has not ended. Each end is returned only once.
   virtual std::optional<ProcessEnd> ended() = 0;
-  /// Asks it to end, as SIGTERM does.
+  /// Asks the program to end, as SIGTERM does.
   virtual void terminate() = 0;
   virtual void kill() = 0;
   /// Makes the thread that waits for releases real-time.
   virtual Result<void> make_real_time() = 0;
   [[nodiscard]] virtual bool running() const = 0;
-  /// Of the last process; 0: there was none.
+  /// The PID of the last process; 0: there was none.
   [[nodiscard]] virtual int pid() const = 0;
-  /// The last line that it printed; empty if there is none.
+  /// The last line that the program printed; empty: it printed nothing.
   [[nodiscard]] virtual std::string last_line() const = 0;
 };
 
@@ -80,7 +80,7 @@ class Program {
 class Flows {
  public:
   virtual ~Flows() = default;
-  /// None until all flows are open, or one could not be opened.
+  /// None while the flows are being opened; then whether all of them are open.
   [[nodiscard]] virtual std::optional<Result<void>> opened() const = 0;
   virtual void step(Instant now) = 0;
   /// The health of the flow that a wire belongs to; none if the wire has no flow or the flow is not open.
@@ -96,7 +96,7 @@ class Flows {
 struct Detection {
   std::optional<std::uint32_t> module;  ///< none: it concerns the device
   std::string text;                     ///< for the log
-  std::string cause{};                  ///< for the fault record, as not real-time; empty: no entry
+  std::string cause{};                  ///< for an entry `not_real_time` in the fault record; empty: no entry
 };
 
 class Platform {
@@ -122,22 +122,23 @@ class Platform {
   virtual std::vector<Detection> detections() = 0;
   /// Writes the last files; true once they are written.
   virtual bool finish() = 0;
-  /// Failures of the device that are certain only when nothing runs any more.
+  /// Failures of the device that are certain only when all its processes have ended.
   virtual Problems final_problems() = 0;
   /// Adds what only this platform knows to the device's status JSON.
   virtual void add_to(nlohmann::ordered_json& report) const = 0;
 
   /// A line for the log; `module` is empty for the device.
   virtual void log(const std::string& module, const std::string& text) = 0;
-  /// A module took a step through its lifecycle.
+  /// Called when a module has taken a step through its lifecycle.
   virtual void stepped(const Step& step) = 0;
+  /// Called when a module was put into the tables or taken out of them.
   virtual void in_tables(std::uint32_t module, bool in) = 0;
   virtual void recovering(std::uint32_t module, int attempt) = 0;
-  /// A fault whose trace is wanted.
+  /// Called for a fault of which a trace shall be written.
   virtual void fault(const std::string& why) = 0;
   /// Called before the blocks of a host that has ended are cleared.
   virtual void host_died(const model::HostShare& share) = 0;
-  /// Makes a trace of the last so many nanoseconds, as Chrome trace JSON of at most `most` bytes. `done` is
+  /// Makes a trace of the time span `last` until now, as Chrome trace JSON of at most `most` bytes. `done` is
   /// called from step().
   virtual void trace(Nanoseconds last, std::size_t most,
                      std::function<void(const Result<std::string>&)> done) = 0;

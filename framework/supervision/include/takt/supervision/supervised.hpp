@@ -41,7 +41,7 @@ struct Measures {
   std::vector<PortStatus> ports;
 };
 
-/// The commands of an operator to a module, each an event of the lifecycle's table.
+/// The commands of an operator to a module. Each is one or more events of the lifecycle's table.
 enum class Verb { initialize, start, stop, recover, reset, destruct };
 const char* name_of(Verb verb) noexcept;
 
@@ -81,9 +81,9 @@ class Supervised {
   /// restored deployment), they begin with the first row of the grid that they can still meet; earlier rows
   /// do not count as missed.
   virtual void go(Instant t0) = 0;
-  /// Shuts the device down; each step has a time limit, after which it is forced.
+  /// Shuts the device down. Each step has a time limit, after which the step is forced.
   virtual void stop() = 0;
-  /// The same because of `problem`, which becomes a failure of the device.
+  /// Shuts the device down because of `problem`, which becomes a failure of the device.
   virtual void stop_for(Problem problem) = 0;
   /// Sets the safe values of the cell's outputs, also of those of other devices. Call it before go().
   virtual void give_safe(const std::vector<model::SafeOutput>& outputs) = 0;
@@ -98,7 +98,7 @@ class Supervised {
   /// program.
   virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
   /// Reads a property's value: the present one, or the one that applies from the module's next call on.
-  /// `done` as for command().
+  /// `done` is called as for command().
   virtual void get(std::uint32_t module, const std::string& property,
                    std::function<void(const Outcome&)> done) = 0;
   /// Sets a property between two calls of the module; the answer may come before the next call. The value
@@ -108,24 +108,24 @@ class Supervised {
 
   /// Fails if this module cannot be swapped now.
   [[nodiscard]] virtual Result<void> may_swap(std::uint32_t module) const = 0;
-  /// Replaces the module's instance by one of this file, which was already inspected, without missing a
-  /// release. The module stays in EXECUTING. If the swap or the first runs fail, the old instance goes on.
-  /// `done` as for command().
+  /// Replaces the module's instance by a new one from this file, which was inspected before. The module
+  /// misses no release and stays in EXECUTING. If the swap or the first runs fail, the old instance goes on.
+  /// `done` is called as for command().
   virtual void swap(std::uint32_t module, const std::string& path,
                     std::function<void(const Outcome&)> done) = 0;
 
-  /// Makes a trace of the last so many nanoseconds, as Chrome trace JSON of at most `most` bytes. `done` is
+  /// Makes a trace of the time span `last` until now, as Chrome trace JSON of at most `most` bytes. `done` is
   /// called from step().
   virtual void trace(Nanoseconds last, std::size_t most,
                      std::function<void(const Result<std::string>&)> done) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
-  /// Why the device failed as a whole, or which modules were given up; empty: no failures.
+  /// Why the device failed as a whole, and which modules were given up; empty: no failures.
   [[nodiscard]] virtual const Problems& failures() const noexcept = 0;
-  /// True if it failed because of a module whose failure stops the whole cell.
+  /// True if the device failed because of a module whose failure stops the whole cell.
   [[nodiscard]] virtual bool stops_cell() const noexcept = 0;
   [[nodiscard]] virtual Standing standing() const = 0;
-  /// The device's object in the status JSON of the contract.
+  /// The device's object in the JSON of `takt status --json`.
   [[nodiscard]] virtual nlohmann::ordered_json report() const = 0;
   [[nodiscard]] virtual Measures measures() const = 0;
 

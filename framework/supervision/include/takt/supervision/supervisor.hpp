@@ -28,6 +28,9 @@
 
 namespace takt::supervision {
 
+class FaultNotes;
+class Health;
+class Properties;
 struct Hang;
 struct Hosted;
 struct Member;
@@ -39,11 +42,11 @@ class Supervisor final : public Supervised {
     std::size_t device = 0;
     std::vector<std::string> paths;              ///< the components of the device's modules
     std::vector<model::ModulePorts> ports{};     ///< of the device's modules; empty: not known
-    bool require_real_time = false;              ///< fail where the machine does not allow real time
+    bool require_real_time = false;              ///< fail if the machine does not allow real time
     std::function<void(const Step&)> stepped{};  ///< called for every step of a module
     /// Called for every event of the fault record; `origin` names the source among several (port, executor).
     std::function<void(model::Fault, const std::string& origin)> noted{};
-    /// Whether a module of another device is known to execute; none: never known.
+    /// Whether a module of another device is known to execute. An empty function means that it never is.
     std::function<bool(const std::string& device, const std::string& module)> executes{};
   };
 
@@ -109,7 +112,7 @@ class Supervisor final : public Supervised {
   void begin_command(Member& member);
   void step_command(Member& member, Instant now);
   void end_command(Member& member, ReplyCode code, const std::string& text = {});
-  /// Where the recovery of a module in RECOVER leads; empty in any other state.
+  /// Says to which state the recovery of a module in RECOVER leads; empty in any other state.
   static std::string what_follows(const Member& member);
 
   // Swaps (swaps.cpp)
@@ -118,10 +121,9 @@ class Supervisor final : public Supervised {
   /// Whether the new instance of a swap, and not the old one, ended the host.
   static bool by_swap(const Member& member, channel::Doing doing);
 
-  // Inputs (ports.cpp)
+  // Inputs (inputs.cpp)
   void watch_inputs(Member& member, Instant now);
   static bool has_stale_input(const Member& member, Instant now);
-  [[nodiscard]] PortHealth health_of(const Member& member, const model::Port& port, Instant now) const;
   // Safe values (safe.cpp)
   /// Lets the module's outputs reach their readers on this device, or withholds them.
   void trust(const Member& member, bool trusted);
@@ -129,17 +131,6 @@ class Supervisor final : public Supervised {
   // Properties (properties.cpp)
   void ask_property(host::Request request, std::function<void(const Outcome&)> done);
   void property_answered(const host::Answer& answer);
-  void fail_property_requests(const Hosted& host, const std::string& why);
-
-  // The fault record (faults.cpp)
-  void note(model::FaultKind kind, const std::string& cause, const std::string& origin = {}) const;
-  void note(const Member& member, model::FaultKind kind, const std::string& cause,
-            ErrorType error = ErrorType::none, const std::string& attachment = {}) const;
-  void note_counts(const Member& member, model::FaultKind kind, std::uint64_t& seen, std::uint64_t now,
-                   const std::string& cause, const std::string& origin = {}) const;
-  void watch_counts();
-  void watch_ports(Instant now);
-  void watch_port(Member& member, const model::Port& port, Instant now) const;
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
@@ -158,8 +149,6 @@ class Supervisor final : public Supervised {
   void not_recovered(Member& member, const std::string& text);
   void give_up(Member& member);
   std::uint64_t cycles_of(const Member& member) const;
-  static std::uint64_t releases_of(const Member& member);
-  static std::uint64_t overruns_of(const Member& member);
   channel::Place place_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
@@ -174,8 +163,8 @@ class Supervisor final : public Supervised {
   const model::Device& device() const { return parts_.of_device(); }
   [[nodiscard]] Instant time() const { return platform_->now(); }
   std::size_t executor_of(const Member& member) const;
-  /// The module of a number from a host's memory; null if there is none. Foreign code can write any number
-  /// there.
+  /// The module with this index; null: there is none. The index comes from a host's memory, where foreign
+  /// code can write any number.
   Member* member_at(std::uint32_t index) const {
     return index < members_.size() ? members_[index].get() : nullptr;
   }
@@ -186,18 +175,12 @@ class Supervisor final : public Supervised {
   Phase phase_ = Phase::preparing;
   Problems failures_;
   bool stops_cell_ = false;
-  std::vector<std::uint64_t> seen_missed_;  // for each executor
-  Instant ports_watched_at_{};
   std::unique_ptr<Flows> flows_;
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<Hosted>> hosts_;  // in the order of model::hosts_of()
-  struct PropertyRequest {
-    std::uint32_t module;
-    std::function<void(const Outcome&)> done;
-  };
-  std::map<std::uint64_t, PropertyRequest> property_requests_;  // not yet answered by the host
-  std::uint64_t property_requests_made_ = 0;
-  std::map<std::pair<std::uint32_t, std::string>, std::uint32_t> matched_at_stop_;  // by module and port
+  std::unique_ptr<FaultNotes> notes_;
+  std::unique_ptr<Health> health_;
+  std::unique_ptr<Properties> properties_;
   bool rows_begun_ = false;
   bool background_begun_ = false;
   std::uint32_t host_restarts_ = 0;

@@ -29,8 +29,8 @@ struct LinkEnd {
 struct PlannedLink {
   LinkEnd from{};
   LinkEnd to{};
-  /// Both ends are C++ modules of one host: the samples are values in its memory. Otherwise they are bytes in
-  /// the link's.
+  /// Both ends are C++ modules of the shared host. The samples are then values in the host's memory;
+  /// otherwise they are bytes in the link's memory.
   bool typed = false;
   channel::Link::Options options{};
   model::Stale stale =
@@ -66,7 +66,7 @@ struct WiringPlan {
 };
 
 /// Plans the links and flows of a device, without side effects. `ports` are those of the device's modules;
-/// the connections must have been checked against them. An end whose ports are not known gets no link.
+/// the connections must have been checked against them. A module whose ports are not known gets no links.
 WiringPlan plan_wiring(const model::Cell& cell, std::size_t device,
                        const std::vector<model::ModulePorts>& ports);
 
@@ -110,7 +110,7 @@ class Wiring {
   void give_safe(const model::SafeOutput& output);
 
   /// The health of a port at this time (monotonic clock), from the links and, for links with a flow, from
-  /// `on_dds`, which gets the index of the wire and returns nothing if the flow is not open.
+  /// `on_dds`, which receives the index of the wire and returns nothing if the flow is not open.
   using OnDds = std::function<std::optional<wire::FlowHealth>(std::size_t wire)>;
   [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
                                   const OnDds& on_dds) const;

@@ -1,4 +1,4 @@
-// Detects stale inputs of programs, and determines the health of ports.
+// Detects stale inputs of programs.
 #include <algorithm>
 
 #include <takt/supervision/supervisor.hpp>
@@ -36,15 +36,6 @@ bool Supervisor::has_stale_input(const Member& member, Instant now) {
     const std::int64_t newest = wire->link.block().newest_ns.load(std::memory_order_relaxed);
     return newest == 0 || now - from_ns(newest) > Nanoseconds{wire->plan.options.deadline_ns};
   });
-}
-
-PortHealth Supervisor::health_of(const Member& member, const model::Port& port, Instant now) const {
-  PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), [this](std::size_t wire) {
-    return flows_ ? flows_->health(wire) : std::nullopt;
-  });
-  const auto at_stop = matched_at_stop_.find({member.index, port.name});
-  if (at_stop != matched_at_stop_.end()) health.matched = at_stop->second;
-  return health;
 }
 
 }  // namespace takt::supervision

@@ -1,0 +1,100 @@
+#include "health.hpp"
+
+#include <algorithm>
+
+#include "limits.hpp"
+#include "member.hpp"
+
+namespace takt::supervision {
+
+using model::FaultKind;
+
+PortHealth Health::of(const Member& member, const model::Port& port, Instant now) const {
+  PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), [this](std::size_t wire) {
+    return flows_ ? flows_->health(wire) : std::nullopt;
+  });
+  const auto at_stop = matched_at_stop_.find({member.index, port.name});
+  if (at_stop != matched_at_stop_.end()) health.matched = at_stop->second;
+  return health;
+}
+
+void Health::watch_counts() {
+  for (const auto& member : members_) {
+    const bool sporadic = member->model.operation == model::Operation::sporadic;
+    notes_.note_increase(
+        member.get(), FaultKind::overrun, noted_overruns_[member->index], member->overruns(),
+        sporadic ? "it was not finished by its deadline" : "it was not finished by its next release");
+  }
+  noted_missed_.resize(parts_.channel.executors());
+  for (std::size_t e = 0; e < noted_missed_.size(); ++e) {
+    const std::string& name = parts_.of_device().executors[e].name;
+    notes_.note_increase(nullptr, FaultKind::missed_rows, noted_missed_[e],
+                         parts_.channel.executor(e).missed.load(std::memory_order_relaxed),
+                         "executor " + name + " skipped rows that it could not begin in time", name);
+  }
+}
+
+void Health::watch_ports(Instant now) {
+  if (now - ports_watched_at_ < kPortsEvery) return;
+  ports_watched_at_ = now;
+  for (const auto& member : members_) {
+    const model::ModulePorts& ports = parts_.ports.at(member->index);
+    if (!ports) continue;
+    for (const model::Port& port : *ports) watch_port(*member, port, now);
+  }
+}
+
+void Health::watch_port(const Member& member, const model::Port& port, Instant now) {
+  const PortHealth health = of(member, port, now);
+  NotedPort& noted = noted_ports_[{member.index, port.name}];
+  const std::string name = "'" + port.name + "'";
+  const auto note_once = [&](FaultKind kind, const std::string& cause) {
+    std::uint64_t seen = 0;
+    notes_.note_increase(&member, kind, seen, 1, cause, port.name);
+  };
+
+  if (health.late > noted.late) noted.stale = true;
+  notes_.note_increase(&member, FaultKind::stale_input, noted.late, health.late,
+                       "the newest value of input " + name + " is older than its deadline", port.name);
+  const bool late = std::any_of(member.inputs.begin(), member.inputs.end(), [&](const Wiring::Wire* wire) {
+    const std::int64_t newest = wire->link.block().newest_ns.load(std::memory_order_relaxed);
+    return wire->plan.to.port == port.name &&
+           now - from_ns(newest) > Nanoseconds{wire->plan.options.deadline_ns};
+  });
+  if (noted.stale && !late) {
+    noted.stale = false;
+    note_once(FaultKind::fresh_input, "input " + name + " has new values");
+  }
+
+  notes_.note_increase(&member, FaultKind::refused_packet, noted.refused, health.refused,
+                       "a sample at port " + name + " did not fit the port's type", port.name);
+
+  const std::uint32_t before = std::exchange(noted.matched, health.matched);
+  if (health.matched < before) {
+    noted.lost = true;
+    const std::uint32_t unmatched = health.connections - std::min(health.matched, health.connections);
+    note_once(FaultKind::connection_lost, "port " + name + ": the other end of " + std::to_string(unmatched) +
+                                              " of " + std::to_string(health.connections) +
+                                              " connections is not there");
+  } else if (health.matched > before && noted.lost) {
+    noted.lost = health.matched < health.connections;
+    note_once(FaultKind::connection_back, "port " + name + ": the other end of a connection is back");
+  }
+}
+
+void Health::stop(Instant now) {
+  for (const auto& member : members_) {
+    const model::ModulePorts& ports = parts_.ports.at(member->index);
+    if (!ports) continue;
+    for (const model::Port& port : *ports)
+      matched_at_stop_[{member->index, port.name}] = of(*member, port, now).matched;
+  }
+}
+
+void Health::finish(Instant now) {
+  watch_counts();
+  ports_watched_at_ = {};
+  watch_ports(now);
+}
+
+}  // namespace takt::supervision

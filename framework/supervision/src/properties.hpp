@@ -1,0 +1,42 @@
+// Reads and sets properties of modules while the device runs. The host holds those of thread modules; a
+// program received its properties as arguments.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include <takt/host/protocol.hpp>
+#include <takt/supervision/supervised.hpp>
+
+namespace takt::supervision {
+
+struct Hosted;
+struct Member;
+
+/// The requests for properties that hosts have not answered yet.
+class Properties {
+ public:
+  using Done = std::function<void(const Outcome&)>;
+
+  /// Whether a value of the module is being read or set.
+  [[nodiscard]] bool busy(const Member& member) const;
+  /// Sends the request to the module's host. If the host has already ended, the next call of fail() answers.
+  void ask(const Member& member, const Hosted& host, host::Request request, Done done);
+  /// Passes an answer on. Returns the module whose property was set, or null.
+  const Member* answered(const host::Answer& answer);
+  /// Answers all requests to the modules of a host that has ended.
+  void fail(const Hosted& host, const std::string& why);
+
+ private:
+  struct Waiting {
+    const Member* member;
+    const Hosted* host;
+    Done done;
+  };
+  std::map<std::uint64_t, Waiting> waiting_;
+  std::uint64_t asked_ = 0;
+};
+
+}  // namespace takt::supervision
