@@ -292,6 +292,7 @@ void Device::command(std::uint32_t module, const Fault& fault) {
 
 void Device::inject(const Fault& fault) {
   emit({.what = What::fault, .text = to_text(fault, world_.cell)});
+  if (fault.hook != channel::Doing::run) return members_[fault.place]->in_hooks.push_back(fault);
   switch (fault.kind) {
     case Fault::Kind::late:
       members_[fault.place]->late_by += fault.by;

@@ -60,6 +60,18 @@ constexpr std::array kFaultWords{
 /// The first words are faults; commands follow.
 constexpr std::uint64_t kFaultKinds = static_cast<std::uint64_t>(Kind::delay) + 1;
 
+using channel::Doing;
+
+/// The calls of a thread module in which a script may inject a fault.
+constexpr std::array<std::pair<std::string_view, Doing>, 6> kHooks{{{"load", Doing::load},
+                                                                    {"initialize", Doing::initialize},
+                                                                    {"start", Doing::start},
+                                                                    {"error", Doing::error},
+                                                                    {"recover", Doing::recover},
+                                                                    {"destruct", Doing::destruct}}};
+
+bool may_name_hook(Kind kind) { return kind == Kind::crash || kind == Kind::fail || kind == Kind::hang; }
+
 const Word& word_of(Kind kind) {
   return *std::find_if(kFaultWords.begin(), kFaultWords.end(),
                        [kind](const Word& word) { return word.kind == kind; });
@@ -226,10 +238,32 @@ class Line {
         return false;
       }
       for (Fault& fault : places) fault.kind = word.kind;
+      if (may_name_hook(word.kind) && peek() == "in") return hook(places.front());
       return amount(word, places);
     }
     wrong(given.empty() ? "the line does not name a fault" : "no fault here is called " + in_quotes(given),
           suggestion(given, known));
+    return false;
+  }
+
+  bool hook(Fault& fault) {
+    next();
+    const std::string_view given = next();
+    std::vector<std::string_view> known;
+    for (const auto& [name, doing] : kHooks) {
+      known.push_back(name);
+      if (name == given) fault.hook = doing;
+    }
+    if (fault.hook == Doing::run) {
+      wrong(given.empty() ? "there is no hook after 'in'" : "no hook is called " + in_quotes(given),
+            suggestion(given, known));
+      return false;
+    }
+    const model::Device& device = cell_.devices[fault.device];
+    const model::Module& module = device.modules[fault.place];
+    if (module.type == model::ModuleType::thread) return true;
+    wrong("module " + device.name + "." + module.name + " is a program, and a program has no hooks",
+          "remove 'in " + std::string{given} + "'");
     return false;
   }
 
@@ -292,6 +326,9 @@ std::string to_text(const Fault& fault, const model::Cell& cell) {
       break;
   }
   line += " " + std::string{word.word};
+  for (const auto& [name, doing] : kHooks) {
+    if (doing == fault.hook) line += " in " + std::string{name};
+  }
   if (word.amount == Amount::duration) line += " " + exact(fault.by);
   if (word.amount == Amount::count) line += " " + std::to_string(fault.count);
   return line;
@@ -321,6 +358,8 @@ std::string script_help() {
   std::string text;
   for (const Word& word : kFaultWords)
     text += fmt::format("  at 1.5 s {:<40} {}\n", word.example, word.means);
+  text += fmt::format("  at 1.5 s {:<40} {}\n", "robot.servo fail in recover",
+                      "crash, fail and hang may name a hook of a thread module");
   return text;
 }
 
@@ -359,6 +398,10 @@ std::vector<Fault> draw_faults(const model::Cell& cell, Draws& draws, Nanosecond
       fault.device = 0;  // the connection determines the device
     }
     if (word.of == Of::device) fault.place = 0;
+    if (may_name_hook(fault.kind) && device.modules[fault.place].type == model::ModuleType::thread &&
+        draws.chance(0.5)) {
+      fault.hook = kHooks.at(draws.below(kHooks.size())).second;
+    }
     if (fault.kind == Kind::cut) fault.by *= 10;
     if (fault.kind == Kind::clock_step && draws.chance(0.5)) fault.by = -fault.by;
     if (word.amount != Amount::duration) fault.by = Nanoseconds{0};

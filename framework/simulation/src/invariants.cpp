@@ -72,7 +72,8 @@ void Invariants::on_event(const Event& event) {
       // The current row was cut short: it counts as missed, including the modules that it has served.
       const Nanoseconds basic = plans_[event.device].executors[index].basic_period;
       for (const Served& served : executor.served) {
-        if (!executor.in_row || executor.runs == served.module) continue;
+        const bool unfinished = executor.runs == served.module && &served == &executor.served.back();
+        if (!executor.in_row || unfinished) continue;
         // A release that was made up for no longer counts as missed.
         const bool made_up = served.number && served.release + basic <= executor.woke_at;
         if (made_up)

@@ -67,6 +67,7 @@ struct Device::Member {
   bool to_fail = false;
   bool to_hang = false;
   std::uint64_t unmended = 0;
+  std::vector<Fault> in_hooks;  ///< each happens at the next call of its hook
 
   // The module's work.
   struct Input {

@@ -38,6 +38,7 @@ Result<void> VirtualHost::start() {
   alive_ = runs_ = true;
   halting_ = false;
   halt_asked_.reset();
+  after_hang_.clear();
   answers_.clear();
   end_.reset();
   free_at_ = device_.now() + (first ? Nanoseconds{0} : device_.draws_.between(kHostShortest, kHostLongest));
@@ -79,21 +80,12 @@ bool VirtualHost::ask(const host::Request& request) {
 void VirtualHost::perform(const host::Request& request) {
   using Do = host::Request::Do;
   switch (request.what) {
-    case Do::call: {
-      Device::Member& member = *device_.members_[request.module];
-      const bool mends = request.hook == channel::Doing::recover ||
-                         (request.hook == channel::Doing::load &&
-                          device_.supervisor_->machine(request.module).state() == lifecycle::State::recover);
-      if (mends && member.unmended != 0) {
-        --member.unmended;
-        return reply(request, false, "injected failure");
-      }
-      if (request.hook == channel::Doing::load) device_.connect(member);
-      return reply(request);
-    }
+    case Do::call:
+      return call(request);
+    case Do::swap:
+      return swap(request);
     case Do::get:
     case Do::set:
-    case Do::swap:
       return reply(request);
     case Do::begin:
       begin_rows();
@@ -106,8 +98,57 @@ void VirtualHost::perform(const host::Request& request) {
     case Do::end:
       return end({.text = "ended with status 0"});
     case Do::give_up:
+      return give_up(request.module);
     case Do::give_up_swap:
-      return;
+      return device_.parts_->channel.host(share_).swap.end();
+  }
+}
+
+void VirtualHost::call(const host::Request& request) {
+  channel::Activity& activity = device_.parts_->channel.host(share_).hooks;
+  if (activity.module.load() != 0) return after_hang_.push_back(request);
+  Device::Member& member = *device_.members_[request.module];
+  const bool mends = request.hook == channel::Doing::recover ||
+                     (request.hook == channel::Doing::load &&
+                      device_.supervisor_->machine(request.module).state() == lifecycle::State::recover);
+  if (mends && member.unmended != 0) {
+    --member.unmended;
+    return reply(request, false, "injected failure");
+  }
+  if (meets_fault(request, request.hook, activity)) return;
+  if (request.hook == channel::Doing::load) device_.connect(member);
+  reply(request);
+}
+
+void VirtualHost::swap(const host::Request& request) {
+  channel::Activity& activity = device_.parts_->channel.host(share_).swap;
+  for (const auto hook : {channel::Doing::load, channel::Doing::initialize, channel::Doing::start}) {
+    if (meets_fault(request, hook, activity)) return;
+  }
+  reply(request);
+}
+
+bool VirtualHost::meets_fault(const host::Request& request, channel::Doing hook,
+                              channel::Activity& activity) {
+  Device::Member& member = *device_.members_[request.module];
+  const auto found = std::find_if(member.in_hooks.begin(), member.in_hooks.end(),
+                                  [hook](const Fault& fault) { return fault.hook == hook; });
+  if (found == member.in_hooks.end()) return false;
+  const Fault::Kind kind = found->kind;
+  member.in_hooks.erase(found);
+  if (kind == Fault::Kind::fail) reply(request, false, "injected failure");
+  if (kind == Fault::Kind::crash) end_by_crash(member, hook);
+  if (kind == Fault::Kind::hang) activity.begin(member.index, hook, to_ns(device_.now()));
+  return true;
+}
+
+// A module whose hook hangs is left alone, and the calls that waited for it follow.
+void VirtualHost::give_up(std::uint32_t module) {
+  channel::Activity& hooks = device_.parts_->channel.host(share_).hooks;
+  if (hooks.module.load() != module + 1) return;
+  hooks.end();
+  for (const host::Request& request : std::exchange(after_hang_, {})) {
+    if (runs_) call(request);
   }
 }
 
@@ -175,13 +216,17 @@ std::optional<ProcessEnd> VirtualHost::ended() {
 void VirtualHost::kill() { end(kKilled); }
 
 void VirtualHost::crash(const Device::Member& member) {
+  end_by_crash(member, channel::Doing::run);
+  device_.world_.kernel.end();
+}
+
+void VirtualHost::end_by_crash(const Device::Member& member, channel::Doing doing) {
   constexpr int kSegmentationFault = 11;
   channel::Crash& crash = device_.parts_->channel.host(share_).crash;
   crash.signal.store(kSegmentationFault);
   crash.module.store(member.index + 1);
-  crash.doing.store(channel::Doing::run);
+  crash.doing.store(doing);
   end({.text = "was killed by SIGSEGV (Segmentation fault)", .signalled = true, .code = kSegmentationFault});
-  device_.world_.kernel.end();
 }
 
 void VirtualHost::end(ProcessEnd end) {
@@ -332,7 +377,7 @@ void VirtualPlatform::recovering(std::uint32_t module, int attempt) {
 }
 
 void VirtualPlatform::trace(Nanoseconds, std::size_t, std::function<void(const Result<std::string>&)> done) {
-  done(fail("a simulated device keeps no flight record", "takt simulate --trace"));
+  done(fail("a simulated device keeps no flight record", "use takt simulate --trace to record its events"));
 }
 
 }  // namespace takt::simulation

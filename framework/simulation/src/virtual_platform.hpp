@@ -37,12 +37,19 @@ class VirtualHost final : public supervision::Host {
  private:
   [[nodiscard]] const model::HostShare& share() const { return device_.parts_->shares[share_]; }
   void perform(const host::Request& request);
+  void call(const host::Request& request);
+  /// The new instance of an update: loaded, initialised and started beside the old one.
+  void swap(const host::Request& request);
+  void give_up(std::uint32_t module);
+  /// Whether the call of a hook meets an injected fault. The fault has then happened.
+  bool meets_fault(const host::Request& request, channel::Doing hook, channel::Activity& activity);
   void reply(const host::Request& request, bool ok = true, std::string text = {});
   void begin_rows();
   void begin_background();
   void spawn(const Kernel::Place& place, Strand** kept, std::function<void()> body);
   void halt();
   void halted();
+  void end_by_crash(const Device::Member& member, channel::Doing doing);
   /// The process ends, and its node sees that a little later.
   void end(supervision::ProcessEnd end);
 
@@ -51,8 +58,9 @@ class VirtualHost final : public supervision::Host {
   std::vector<std::unique_ptr<Device::Row>> rows_;
   std::vector<Strand*> strands_;
   std::size_t strands_running_ = 0;
-  std::uint64_t generation_ = 0;  // counts processes; requests to an earlier one get no answer
-  bool alive_ = false;            // as far as the supervision knows
+  std::deque<host::Request> after_hang_;  // calls that wait because a hook does not return
+  std::uint64_t generation_ = 0;          // counts processes; requests to an earlier one get no answer
+  bool alive_ = false;                    // as far as the supervision knows
   bool runs_ = false;
   bool halting_ = false;
   std::optional<host::Request> halt_asked_;

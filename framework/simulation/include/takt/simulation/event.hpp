@@ -42,7 +42,7 @@ enum class What : std::uint8_t {
   host_began,
   halted,  ///< all its executors halted
   // Events of a device
-  fault,   ///< a fault was injected
+  fault,  ///< a fault was injected
 };
 
 struct Event {

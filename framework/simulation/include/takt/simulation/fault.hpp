@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <takt/channel/activity.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 #include <takt/model/cell.hpp>
@@ -17,9 +18,9 @@ namespace takt::simulation {
 struct Fault {
   enum class Kind : std::uint8_t {
     late,        ///< the module's next run takes `by` longer
-    crash,       ///< the module's next run ends its process
-    fail,        ///< the module's next run fails
-    hang,        ///< the module's next run never returns
+    crash,       ///< the module's next run, or call of `hook`, ends its process
+    fail,        ///< the module's next run, or call of `hook`, fails
+    hang,        ///< the module's next run, or call of `hook`, never returns
     unmended,    ///< the module's next `count` recovery attempts fail
     oversleep,   ///< the executor's next wake-up is `by` late
     clock_step,  ///< the device's wall clock is set forward by `by`, which may be negative
@@ -41,6 +42,8 @@ struct Fault {
   std::uint32_t place = 0;  ///< index of the module, executor, connection or other device
   Nanoseconds by{};
   std::uint64_t count = 0;
+  /// Of a crash, a failure or a hang: a hook, or run. A program has no hooks.
+  channel::Doing hook = channel::Doing::run;
 
   bool operator==(const Fault&) const = default;
 };

@@ -1,0 +1,95 @@
+// Simulated cells for tests: built from a descriptor, run with a script, and read back as text.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/simulation/simulation.hpp>
+
+namespace takt::simulation::simulated {
+
+class Text final : public Listener {
+ public:
+  explicit Text(const model::Cell& cell) : cell_(cell) {}
+  void on_event(const Event& event) override { lines.push_back(to_text(event, cell_, kT0)); }
+  std::vector<std::string> lines;
+
+ private:
+  const model::Cell& cell_;
+};
+
+struct Outcome {
+  std::vector<std::string> lines;
+  Course course;
+};
+
+/// A cell from a descriptor, with its plans.
+class Cell {
+ public:
+  static Cell demo() {
+    auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
+    return Cell{std::move(*cell)};
+  }
+  static Cell of(const std::string& devices) {
+    auto cell = descriptor::parse("<cell name=\"c\">" + devices + "</cell>", "cell.xml");
+    if (!cell) ADD_FAILURE() << to_text(cell.problems());
+    return Cell{std::move(*cell)};
+  }
+  [[nodiscard]] Outcome run(Options options, const std::string& script = "") const {
+    auto faults = parse_script(script, "script", cell_);
+    if (!faults) ADD_FAILURE() << to_text(faults.problems());
+    options.faults = *faults;
+    Text text{cell_};
+    if (options.listener == nullptr) options.listener = &text;
+    auto course = simulate(cell_, plans_, {}, options);
+    EXPECT_TRUE(course.ok());
+    EXPECT_THAT(course->violations, testing::IsEmpty());
+    return {std::move(text.lines), std::move(*course)};
+  }
+  [[nodiscard]] const model::Cell& model() const { return cell_; }
+
+ private:
+  explicit Cell(model::Cell cell) : cell_(std::move(cell)), plans_(*schedule::plan(cell_)) {}
+  model::Cell cell_;
+  std::vector<schedule::DevicePlan> plans_;
+};
+
+inline std::string thread(const std::string& name, const std::string& period, const std::string& more = "") {
+  return "<module><name>" + name +
+         "</name><filename>x.so</filename><moduletype>thread</moduletype>"
+         "<operationtype>periodic</operationtype><period>" +
+         period + "</period><priority>1</priority>" + more + "</module>";
+}
+
+inline std::string program(const std::string& name, const std::string& period, const std::string& more = "") {
+  return "<module><name>" + name +
+         "</name><filename>x.exe</filename><moduletype>process</moduletype>"
+         "<operationtype>periodic</operationtype><period>" +
+         period + "</period><priority>1</priority>" + more + "</module>";
+}
+
+inline const nlohmann::ordered_json& module_of(const Outcome& run, const std::string& name) {
+  for (const auto& device : run.course.report["devices"]) {
+    for (const auto& module : device["modules"]) {
+      if (module["name"] == name) return module;
+    }
+  }
+  static const nlohmann::ordered_json none;
+  return none;
+}
+
+inline std::vector<std::string> steps_of(const Outcome& run, const std::string& who) {
+  std::vector<std::string> steps;
+  for (const std::string& line : run.lines) {
+    if (line.find(" " + who + " ") == std::string::npos || line.find(" -> ") == std::string::npos) continue;
+    const std::string step = line.substr(line.find(" -> ") + 4);
+    steps.push_back(step.substr(0, step.find(',')));
+  }
+  return steps;
+}
+
+}  // namespace takt::simulation::simulated
