@@ -33,7 +33,7 @@ void Agent::end(bool at_once) {
   at_once_ |= at_once;
   if (ending_) return;
   ending_ = true;
-  drop_update("its node is shutting down");
+  if (update_) update_->drop("its node is shutting down");
   if (!deployment_) return;
   if (deployment_->supervised)
     deployment_->supervised->stop();
@@ -57,7 +57,7 @@ void Agent::step() {
   step_supervised();
   check_description();
   check_swap();
-  check_update();
+  if (update_) update_->step();
   publish_status();
   publish_measures();
   filter_.step(options_.now());

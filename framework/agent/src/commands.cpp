@@ -85,11 +85,16 @@ void Agent::receive(const wire::WholeCommand& command) {
     case COMMAND_UPDATE:
       return update(command);
     case COMMAND_CHANGE:
-      return change(command);
+      if (Update* const update = update_of(head)) update->change(command);
+      return;
     case COMMAND_KEEP:
-      return keep(head);
+      if (Update* const update = update_of(head)) update->keep(head);
+      return;
     case COMMAND_PUT_BACK:
-      return put_back(head);
+      // Without this update there is nothing to undo.
+      if (!update_ || update_->id() != head.property().to_string())
+        return answer(head, REPLY_OK, "", {}, {}, wire::kAsBefore);
+      return update_->cancel(head);
   }
   answer(head, REPLY_REFUSED,
          "this node has no command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));
@@ -99,7 +104,7 @@ void Agent::report(const Command& command) {
   // While other devices still prepare, these requests are the keep-alives of the deploying program.
   if (deployment_ && deployment_->ready_since && deployment_->id == command.deployment().to_string())
     deployment_->ready_since = options_.now();
-  if (update_ && update_->after->id == command.deployment().to_string()) update_->heard = options_.now();
+  if (update_ && update_->leads_to(command.deployment().to_string())) update_->renew();
   json report{{"name", options_.device},
               {"alive", true},
               {"real_time", options_.real_time},

@@ -223,7 +223,7 @@ void Agent::stepped(const Step& step) {
 // Ends a deployment that could not be brought up, and answers with the problems.
 void Agent::abandon(const Problems& problems) {
   if (update_ && update_->in_transit()) {
-    taken_down(problems);
+    update_->taken_down(problems);
     return;
   }
   if (deployment_->preparers.empty()) {
@@ -255,7 +255,7 @@ void Agent::step_supervised() {
           go(*d.t0_wall_ns);
           if (!update_) keep_for_restart();
         }
-        if (update_ && update_->in_transit()) brought_up();
+        if (update_ && update_->in_transit()) update_->brought_up();
       } else if (options_.now() - *d.ready_since > kRunAwaited) {
         d.undone = "no command to run it arrived within " + takt::to_text(kRunAwaited);
         log("the deployment of cell " + d.cell.name + " is undone: " + d.undone);
@@ -346,7 +346,7 @@ void Agent::undeploy(const Command& command) {
            "device " + options_.device + " has another deployment, of cell " + deployment_->cell.name);
     return;
   }
-  drop_update("it was undeployed");
+  if (update_) update_->drop("it was undeployed");
   if (!deployment_) {
     forget_kept();
     last_refusal_.clear();
@@ -393,13 +393,13 @@ void Agent::finish() {
   }
   devices_seen_.clear();
   if (in_transit) {
-    taken_down(failures);
+    update_->taken_down(failures);
     return;
   }
   if (undeployers.empty() && started && d.undone.empty()) {
     // An update that has replaced the deployment can still be undone.
-    if (update_ && !update_->is_after)
-      drop_update("the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]})));
+    if (update_ && !update_->has_replaced())
+      update_->drop("the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]})));
     d.over = true;
     return;
   }

@@ -113,113 +113,131 @@ void Agent::update(const wire::WholeCommand& command) {
     return refused({device, std::string{"it is not running: its state is "} + takt::to_text(status().state()),
                     "undeploy the cell and deploy it again"});
 
-  auto update = std::make_shared<Update>();
-  update->id = head.property().to_string();
-  update->after = deployment_ ? deployment_->afresh() : std::make_unique<Deployment>();
-  update->after->id = head.deployment().to_string();
-  update->after->file = head.value().to_string();
-  update->after->text = command.data;
-  update->heard = options_.now();
-  if (auto compared = compare(*update); !compared)
+  auto update = std::make_shared<Update>(*this, command);
+  if (auto compared = update->compare(); !compared)
     return reply_problems(head, REPLY_REFUSED, compared.problems());
   update_ = std::move(update);
-  update_->asker = head;
-  Deployment& after = *update_->after;
-  const Change change = update_->difference.change;
-  if (change == Change::none || change == Change::removed) return update_inspected(Inspected{});
-  // Only the components tell which properties can be set.
-  const auto& in_place = update_->difference.in_place;
-  const bool sets =
-      std::any_of(in_place.begin(), in_place.end(), [](const auto& one) { return !one.property.empty(); });
-  auto inspection = factories_.inspect({.text = after.text,
-                                        .file = after.file,
-                                        .device = options_.device,
-                                        .as_written = options_.temporary,
-                                        .describe = sets,
-                                        .swapped = after.swapped});
-  if (inspection)
-    update_->inspection = std::move(*inspection);
-  else
-    update_inspected(inspection.problems());
+  update_->inspect();
+}
+
+Agent::Update* Agent::update_of(const Command& command) {
+  if (update_ && update_->id() == command.property().to_string()) return update_.get();
+  reply_problems(command, REPLY_REFUSED,
+                 {{"device " + options_.device, "no such update is in progress; it may have been undone",
+                   "start the update again"}});
+  return nullptr;
+}
+
+Agent::Update::Update(Agent& agent, const wire::WholeCommand& command)
+    : agent_(agent),
+      id_(command.head.property().to_string()),
+      after_(agent.deployment_ ? agent.deployment_->afresh() : std::make_unique<Deployment>()),
+      asker_(command.head),
+      renewed_(agent.options_.now()) {
+  after_->id = command.head.deployment().to_string();
+  after_->file = command.head.value().to_string();
+  after_->text = command.data;
 }
 
 // Compares the descriptors, without the components.
-Result<void> Agent::compare(Update& update) const {
-  Deployment& after = *update.after;
+Result<void> Agent::Update::compare() {
+  Deployment& after = *after_;
   auto cell = descriptor::parse(after.text, after.file);
   if (!cell) return cell.problems();
   after.cell = std::move(*cell);
-  if (auto secured = check_security(after.cell); !secured) return secured;
+  if (auto secured = agent_.check_security(after.cell); !secured) return secured;
   const auto& devices = after.cell.devices;
-  const auto mine = std::find_if(devices.begin(), devices.end(),
-                                 [this](const model::Device& one) { return one.name == options_.device; });
+  const auto mine = std::find_if(devices.begin(), devices.end(), [this](const model::Device& one) {
+    return one.name == agent_.options_.device;
+  });
   if (mine != devices.end()) {
     after.device = static_cast<std::size_t>(mine - devices.begin());
     if (auto plan = schedule::plan(after.cell, *mine); !plan) return plan.problems();
   }
-  if (!deployment_) {
-    if (mine == devices.end()) return fail("cell " + after.cell.name + " has no device " + options_.device);
-    update.difference = {.device = options_.device, .change = Change::added};
+  if (!agent_.deployment_) {
+    if (mine == devices.end())
+      return fail("cell " + after.cell.name + " has no device " + agent_.options_.device);
+    difference_ = {.device = agent_.options_.device, .change = Change::added};
     return {};
   }
-  auto all = model::differences(deployment_->cell, after.cell);
+  auto all = model::differences(agent_.deployment_->cell, after.cell);
   if (!all) return all.problems();
   for (model::DeviceDifference& one : *all) {
-    if (one.device == options_.device) update.difference = std::move(one);
+    if (one.device == agent_.options_.device) difference_ = std::move(one);
   }
-  if (mine != devices.end()) after.inherit(*deployment_);
+  if (mine != devices.end()) after.inherit(*agent_.deployment_);
   return {};
 }
 
-void Agent::check_update() {
-  if (!update_) return;
-  if (update_->inspection) {
-    const auto result = update_->inspection->result();
+void Agent::Update::inspect() {
+  Deployment& after = *after_;
+  const Change change = difference_.change;
+  if (change == Change::none || change == Change::removed) return inspected(Inspected{});
+  // Only the components tell which properties can be set.
+  const auto& in_place = difference_.in_place;
+  const bool sets =
+      std::any_of(in_place.begin(), in_place.end(), [](const auto& one) { return !one.property.empty(); });
+  auto inspection = agent_.factories_.inspect({.text = after.text,
+                                               .file = after.file,
+                                               .device = agent_.options_.device,
+                                               .as_written = agent_.options_.temporary,
+                                               .describe = sets,
+                                               .swapped = after.swapped});
+  if (inspection)
+    inspection_ = std::move(*inspection);
+  else
+    inspected(inspection.problems());
+}
+
+void Agent::Update::step() {
+  if (inspection_) {
+    const auto result = inspection_->result();
     if (!result) return;
-    update_->inspection.reset();
-    update_inspected(*result);
+    inspection_.reset();
+    inspected(*result);
     return;
   }
-  const bool waits = update_->stage == Update::Stage::held || update_->stage == Update::Stage::changed;
-  if (waits && options_.now() - update_->heard > kRunAwaited)
+  const bool waits = stage_ == Stage::held || stage_ == Stage::changed;
+  if (waits && agent_.options_.now() - renewed_ > kRunAwaited)
     undo({fail("no further command of the update arrived within " + takt::to_text(kRunAwaited))});
 }
 
-void Agent::update_inspected(const Result<Inspected>& result) {
-  Update& u = *update_;
+void Agent::Update::inspected(const Result<Inspected>& result) {
   const auto refused = [this](const Problems& problems) {
-    const auto dropped = std::exchange(update_, nullptr);
-    reply_problems(*dropped->asker, REPLY_REFUSED, problems);
+    const auto self =
+        std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+    agent_.reply_problems(*asker_, REPLY_REFUSED, problems);
   };
   if (!result) return refused(result.problems());
-  Change& change = u.difference.change;
-  const Inspected& found = change == Change::none ? deployment_->found : *result;
+  Change& change = difference_.change;
+  const Inspected& found = change == Change::none ? agent_.deployment_->found : *result;
   if (change == Change::in_place) judge_in_place(*result);
   if (change == Change::in_place) {
     if (const auto may = may_change_in_place(); !may) return refused(may.problems());
   }
-  u.after->found = found;
+  after_->found = found;
   json data = change == Change::removed ? json{{"modules", json::array()}}
-                                        : Deployment::ports_of(u.after->of_device(), found);
+                                        : Deployment::ports_of(after_->of_device(), found);
   data["change"] = model::to_text(change);
-  data["words"] = model::in_words(u.difference);
-  if (deployment_) {
-    data["t0_ns"] = *deployment_->t0_wall_ns;
-    data["require_real_time"] = deployment_->require_real_time;
+  data["words"] = model::in_words(difference_);
+  if (agent_.deployment_) {
+    data["t0_ns"] = *agent_.deployment_->t0_wall_ns;
+    data["require_real_time"] = agent_.deployment_->require_real_time;
   }
-  u.stage = Update::Stage::held;
-  u.heard = options_.now();
-  answer(*std::exchange(u.asker, std::nullopt), REPLY_OK, "", model::json_text(data));
+  stage_ = Stage::held;
+  renewed_ = agent_.options_.now();
+  agent_.answer(*std::exchange(asker_, std::nullopt), REPLY_OK, "", model::json_text(data));
 }
 
 // Checks with the components whether the changes are possible while the modules run. If not, the device must
 // be restarted.
-void Agent::judge_in_place(const Inspected& found) {
-  model::DeviceDifference& difference = update_->difference;
+void Agent::Update::judge_in_place(const Inspected& found) {
+  model::DeviceDifference& difference = difference_;
   for (const model::ModuleChange& one : difference.in_place) {
-    const std::size_t index = deployment_->index_of(one.module);
+    const std::size_t index = agent_.deployment_->index_of(one.module);
     std::string why = "module " + one.module;
-    if (one.property.empty() && !same_ports(ports_at(deployment_->found, index), ports_at(found, index)))
+    if (one.property.empty() &&
+        !same_ports(ports_at(agent_.deployment_->found, index), ports_at(found, index)))
       why += " has other ports in its new file";
     else if (!one.property.empty() && !declares(found.description, one))
       why += " reads property " + one.property + " only in initialize()";
@@ -230,17 +248,17 @@ void Agent::judge_in_place(const Inspected& found) {
   }
 }
 
-Result<void> Agent::may_change_in_place() const {
+Result<void> Agent::Update::may_change_in_place() const {
   Problems problems;
-  const Deployment& d = *deployment_;
-  for (const model::ModuleChange& one : update_->difference.in_place) {
+  const Deployment& d = *agent_.deployment_;
+  for (const model::ModuleChange& one : difference_.in_place) {
     const std::size_t index = d.index_of(one.module);
     const LifecycleState state = d.modules.at(index).state();
     if (one.property.empty()) {
       if (const auto may = d.supervised->may_swap(static_cast<std::uint32_t>(index)); !may)
         problems.insert(problems.end(), may.problems().begin(), may.problems().end());
     } else if (state == STATE_IDLE || state == STATE_DESTRUCT) {
-      problems.push_back({"module " + options_.device + "." + one.module,
+      problems.push_back({"module " + agent_.options_.device + "." + one.module,
                           std::string{"it is in "} + takt::to_text(state) +
                               "; its properties can be set once it is in INITIALIZE",
                           "reset and start it, or deploy the cell again"});
@@ -250,31 +268,22 @@ Result<void> Agent::may_change_in_place() const {
   return {};
 }
 
-bool Agent::updates(const Command& command) {
-  if (update_ && update_->id == command.property().to_string()) return true;
-  reply_problems(command, REPLY_REFUSED,
-                 {{"device " + options_.device, "no such update is in progress; it may have been undone",
-                   "start the update again"}});
-  return false;
-}
-
-void Agent::change(const wire::WholeCommand& command) {
-  if (!updates(command.head)) return;
-  Update& u = *update_;
-  const Change change = u.difference.change;
-  const bool far = span(options_.wall_ns(), command.head.time_ns()) > kFurthestStart;
-  if (u.stage != Update::Stage::held || (change == Change::added && (far || command.head.time_ns() <= 0))) {
-    reply_problems(command.head, REPLY_REFUSED,
-                   {u.stage != Update::Stage::held
-                        ? fail("the update is not yet checked, or is already carried out")
-                        : fail("the start time of the cell is not valid on device " + options_.device,
-                               "synchronise the clocks of the devices")});
+void Agent::Update::change(const wire::WholeCommand& command) {
+  const Change change = difference_.change;
+  const bool far = span(agent_.options_.wall_ns(), command.head.time_ns()) > kFurthestStart;
+  if (stage_ != Stage::held || (change == Change::added && (far || command.head.time_ns() <= 0))) {
+    agent_.reply_problems(
+        command.head, REPLY_REFUSED,
+        {stage_ != Stage::held
+             ? fail("the update is not yet checked, or is already carried out")
+             : fail("the start time of the cell is not valid on device " + agent_.options_.device,
+                    "synchronise the clocks of the devices")});
     return;
   }
-  u.after->safe = command.data;
-  u.asker = command.head;
-  u.stage = Update::Stage::changing;
-  for (const std::string& line : model::in_words(u.difference)) log("is being updated: " + line);
+  after_->safe = command.data;
+  asker_ = command.head;
+  stage_ = Stage::changing;
+  for (const std::string& line : model::in_words(difference_)) agent_.log("is being updated: " + line);
   switch (change) {
     case Change::none:
       return changed();
@@ -282,94 +291,89 @@ void Agent::change(const wire::WholeCommand& command) {
       return change_next();
     case Change::anew:
     case Change::removed:
-      return deployment_->supervised->stop();
+      return agent_.deployment_->supervised->stop();
     case Change::added:
-      u.after->t0_wall_ns = command.head.time_ns();
-      u.after->require_real_time =
-          options_.require_real_time || command.head.value() == wire::kRequireRealTime;
-      u.is_after = true;
-      return begin_again(*u.after);
+      after_->t0_wall_ns = command.head.time_ns();
+      after_->require_real_time =
+          agent_.options_.require_real_time || command.head.value() == wire::kRequireRealTime;
+      is_after_ = true;
+      return agent_.begin_again(*after_);
   }
 }
 
-void Agent::changed() {
-  Update& u = *update_;
-  u.stage = Update::Stage::changed;
-  u.heard = options_.now();
-  if (u.undoer) return undo({fail("the update was cancelled")});
-  answer(*std::exchange(u.asker, std::nullopt), REPLY_OK, "");
+void Agent::Update::changed() {
+  stage_ = Stage::changed;
+  renewed_ = agent_.options_.now();
+  if (undoer_) return undo({fail("the update was cancelled")});
+  agent_.answer(*std::exchange(asker_, std::nullopt), REPLY_OK, "");
 }
 
-void Agent::undo(const Problems& problems) {
-  Update& u = *update_;
-  const bool nothing = u.stage == Update::Stage::checking || u.stage == Update::Stage::held;
-  u.stage = Update::Stage::undoing;
-  u.reasons = problems;
-  if (nothing || u.difference.change == Change::none) return undone();
-  log("undoing the update: " + in_words(u.reasons));
-  if (u.difference.change == Change::in_place) return undo_last();
-  if (!u.is_after) return bring_back();
-  if (!deployment_->over) return deployment_->supervised->stop();
-  clear();
+void Agent::Update::undo(const Problems& problems) {
+  const bool nothing = stage_ == Stage::checking || stage_ == Stage::held;
+  stage_ = Stage::undoing;
+  reasons_ = problems;
+  if (nothing || difference_.change == Change::none) return undone();
+  agent_.log("undoing the update: " + in_words(reasons_));
+  if (difference_.change == Change::in_place) return undo_last();
+  if (!is_after_) return bring_back();
+  if (!agent_.deployment_->over) return agent_.deployment_->supervised->stop();
+  agent_.clear();
   bring_back();
 }
 
-void Agent::undone() {
-  const auto u = std::exchange(update_, nullptr);
-  log("is not updated: " + in_words(u->reasons));
-  if (!u->left.empty()) {
-    log("could not undo the update: " + in_words(u->left));
-    if (!deployment_) last_refusal_ = to_text(u->left[0]);
+void Agent::Update::undone() {
+  const auto self = std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+  agent_.log("is not updated: " + in_words(reasons_));
+  if (!left_.empty()) {
+    agent_.log("could not undo the update: " + in_words(left_));
+    if (!agent_.deployment_) agent_.last_refusal_ = to_text(left_[0]);
   }
-  publish_status();
-  const std::string value = u->left.empty() ? wire::kAsBefore : "";
-  if (u->asker) {
-    Problems all = u->reasons;
-    all.insert(all.end(), u->left.begin(), u->left.end());
-    reply_problems(*u->asker, REPLY_FAILED, all, value);
+  agent_.publish_status();
+  const std::string value = left_.empty() ? wire::kAsBefore : "";
+  if (asker_) {
+    Problems all = reasons_;
+    all.insert(all.end(), left_.begin(), left_.end());
+    agent_.reply_problems(*asker_, REPLY_FAILED, all, value);
   }
-  if (u->undoer && u->left.empty())
-    answer(*u->undoer, REPLY_OK, "", {}, {}, value);
-  else if (u->undoer)
-    reply_problems(*u->undoer, REPLY_FAILED, u->left, value);
+  if (undoer_ && left_.empty())
+    agent_.answer(*undoer_, REPLY_OK, "", {}, {}, value);
+  else if (undoer_)
+    agent_.reply_problems(*undoer_, REPLY_FAILED, left_, value);
 }
 
-void Agent::put_back(const Command& command) {
-  if (!update_ || update_->id != command.property().to_string())
-    return answer(command, REPLY_OK, "", {}, {}, wire::kAsBefore);  // there is nothing to undo
-  Update& u = *update_;
-  if (u.undoer) return reply_problems(command, REPLY_REFUSED, {fail("the update is already being undone")});
-  u.undoer = command;
-  switch (u.stage) {
-    case Update::Stage::checking:
-    case Update::Stage::held:
-    case Update::Stage::changed:
+void Agent::Update::cancel(const Command& command) {
+  if (undoer_)
+    return agent_.reply_problems(command, REPLY_REFUSED, {fail("the update is already being undone")});
+  undoer_ = command;
+  switch (stage_) {
+    case Stage::checking:
+    case Stage::held:
+    case Stage::changed:
       return undo({fail("the update was cancelled")});
-    case Update::Stage::changing:
-      if (u.in_transit() && u.is_after) return undo({fail("the update was cancelled")});
+    case Stage::changing:
+      if (in_transit() && is_after_) return undo({fail("the update was cancelled")});
       return;  // undo after the step that is in progress
-    case Update::Stage::undoing:
+    case Stage::undoing:
       return;
   }
 }
 
-void Agent::keep(const Command& command) {
-  if (!updates(command)) return;
-  if (update_->stage != Update::Stage::changed || (deployment_ && deployment_->over)) {
-    reply_problems(command, REPLY_REFUSED,
-                   {{"device " + options_.device,
-                     update_->stage != Update::Stage::changed ? "the update has not been carried out"
-                                                              : "it has ended in the meantime",
-                     ""}});
+void Agent::Update::keep(const Command& command) {
+  if (stage_ != Stage::changed || (agent_.deployment_ && agent_.deployment_->over)) {
+    agent_.reply_problems(
+        command, REPLY_REFUSED,
+        {{"device " + agent_.options_.device,
+          stage_ != Stage::changed ? "the update has not been carried out" : "it has ended in the meantime",
+          ""}});
     return;
   }
-  const auto u = std::exchange(update_, nullptr);
-  Deployment& after = *u->after;
-  if (u->difference.change == Change::removed) {
-    forget_kept();
+  const auto self = std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+  Deployment& after = *after_;
+  if (difference_.change == Change::removed) {
+    agent_.forget_kept();
   } else {
-    Deployment& d = *deployment_;
-    if (!u->is_after) {
+    Deployment& d = *agent_.deployment_;
+    if (!is_after_) {
       after.inherit(d);
       d.swapped = after.swapped;
       d.set = after.set;
@@ -382,25 +386,25 @@ void Agent::keep(const Command& command) {
     d.description.clear();
     if (d.describing) {
       d.describing.reset();
-      described(fail("the device was updated in the meantime", "try again"));
+      agent_.described(fail("the device was updated in the meantime", "try again"));
     }
-    keep_for_restart();
+    agent_.keep_for_restart();
   }
   std::string all;
-  for (const std::string& line : model::in_words(u->difference)) all += ": " + line;
+  for (const std::string& line : model::in_words(difference_)) all += ": " + line;
   if (!all.empty()) {
-    log("is updated");
-    note({.kind = model::FaultKind::command, .cause = "update to " + after.file + " was carried out" + all});
+    agent_.log("is updated");
+    agent_.note(
+        {.kind = model::FaultKind::command, .cause = "update to " + after.file + " was carried out" + all});
   }
-  answer(command, REPLY_OK, "");
+  agent_.answer(command, REPLY_OK, "");
 }
 
-void Agent::drop_update(const std::string& why) {
-  if (!update_) return;
-  const auto dropped = std::exchange(update_, nullptr);
-  const Problems problems{{"device " + options_.device, why, ""}};
-  for (const auto& waits : {dropped->asker, dropped->undoer}) {
-    if (waits) reply_problems(*waits, REPLY_FAILED, problems);
+void Agent::Update::drop(const std::string& why) {
+  const auto self = std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+  const Problems problems{{"device " + agent_.options_.device, why, ""}};
+  for (const auto& waits : {asker_, undoer_}) {
+    if (waits) agent_.reply_problems(*waits, REPLY_FAILED, problems);
   }
 }
 

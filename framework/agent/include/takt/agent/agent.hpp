@@ -94,7 +94,7 @@ class Agent {
 
  private:
   struct Deployment;
-  struct Update;
+  class Update;
   struct WholeDevice;
 
   // Commands (commands.cpp)
@@ -142,33 +142,11 @@ class Agent {
 
   // Updates (updates.cpp)
   void update(const wire::WholeCommand& command);
-  void change(const wire::WholeCommand& command);
-  void keep(const Command& command);
-  void put_back(const Command& command);
-  /// Whether the update that the command names is in progress. If not, rejects the command.
-  bool updates(const Command& command);
+  /// The update that the command names. If it is not in progress, rejects the command and returns null.
+  Update* update_of(const Command& command);
   void reply_problems(const Command& command, ReplyCode code, const Problems& problems,
                       const std::string& value = {});
-  Result<void> compare(Update& update) const;
-  void check_update();
-  void update_inspected(const Result<Inspected>& result);
-  void judge_in_place(const Inspected& found);
-  [[nodiscard]] Result<void> may_change_in_place() const;
-  void changed();
-  void undo(const Problems& problems);
-  void undone();
-  /// Drops the update in progress, because the deployment that it changes has ended.
-  void drop_update(const std::string& why);
-  // How updates are carried out and undone (changes.cpp)
-  void apply_change(const model::ModuleChange& change, const std::string& value,
-                    const std::function<void(const Outcome&)>& done);
-  void change_next();
-  void undo_last();
   void begin_again(const Deployment& description);
-  /// Called when the deployment that an update ended is down, or when the new one could not be brought up.
-  void taken_down(const Problems& problems);
-  void bring_back();
-  void brought_up();
 
   void watch_names();
   void watch_cell();
