@@ -4,7 +4,7 @@
 #   takt_add_process(vision vision.cpp ... [TYPES types ...])   builds a process module: vision.exe
 #   takt_add_component_test(servo servo_test.cpp ...)           builds its tests, with GoogleTest and <takt/testing.hpp>
 #
-# The functions ignore CMAKE_UNITY_BUILD, because the sources of authors may not compile as one unit.
+# The functions ignore CMAKE_UNITY_BUILD, because an author's sources may not compile as a unity build.
 #
 # Components are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. TYPES names the libraries of
 # takt_add_idl() that contain the types of the ports.
@@ -14,13 +14,13 @@ set(TAKT_COMPONENT_DIR ${CMAKE_BINARY_DIR}/components CACHE PATH "Where componen
 function(takt_add_component name)
   cmake_parse_arguments(MODULE "" "" "TYPES" ${ARGN})
   add_library(${name} MODULE ${MODULE_UNPARSED_ARGUMENTS})
-  # Two modules of the same file must not share variables, but GNU_UNIQUE symbols would be shared.
+  # Two modules of the same .so file must not share variables, but the loader would share GNU_UNIQUE symbols.
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
   target_link_libraries(${name} PRIVATE takt_component ${MODULE_TYPES})
   set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR}
                         UNITY_BUILD OFF)
   if(COMMAND takt_precompile)  # only Takt's own build has this command
-    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "")  # otherwise each target has its own options
+    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "")  # otherwise the targets would have different options
     takt_precompile(${name} component takt/component.hpp)
   endif()
 endfunction()
@@ -33,12 +33,12 @@ function(takt_add_process name)
 endfunction()
 
 # The tests are named servo.SUITE.TEST in CTest. A process module is compiled a second time for its tests, as a library whose main() the
-# tests call. Call this function after all other commands for the component. Without GoogleTest (Debian: libgtest-dev) nothing is built.
+# tests call. Call this function after all other commands for the component. Without GoogleTest (Debian: libgtest-dev), it builds nothing.
 function(takt_add_component_test name)
   if(NOT TARGET ${name})
     message(FATAL_ERROR "takt_add_component_test(${name}): call takt_add_component(${name}) or takt_add_process(${name}) first")
   endif()
-  # One thread calls a component, on virtual time, so ThreadSanitizer has nothing to check.
+  # A test calls its component from one thread, on virtual time, so ThreadSanitizer has nothing to check.
   if(TAKT_SANITIZE STREQUAL "thread")
     return()
   endif()
@@ -62,7 +62,7 @@ function(takt_add_component_test name)
       set_target_properties(${tested} PROPERTIES ${property} "$<TARGET_PROPERTY:${name},${property}>")
     endforeach()
     target_compile_options(${tested} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
-    # exit() and atexit() must not act on the test program.
+    # The module's calls of exit() and atexit() must not affect the test program.
     target_link_options(${tested} PRIVATE -Wl,--wrap=exit,--wrap=atexit)
     target_link_libraries(${tested} PRIVATE takt_testing ${libraries})
   endif()

@@ -3,9 +3,9 @@
 #   takt_add_idl(types motion.idl line.idl ...)     builds the library `types` of port types from IDL
 #   takt_add_component(servo servo.cpp TYPES types)
 #
-# C++ sources include <motion.hpp>. It has the classes that fastddsgen generates, and takt::PortType for each struct, which the ports of a
-# component need. C sources include <motion_c.h>. It has plain structs, each with a takt_type. Files that include one another belong in one
-# library. A type that a port does not support fails the build with the file, the line and the field.
+# C++ sources include <motion.hpp>. It contains the classes that fastddsgen generates, and takt::PortType for each struct, which
+# ports need. C sources include <motion_c.h>. It contains plain structs, each with a takt_type. Files that include each other belong in the
+# same library. If ports do not support a type, the build fails with an error that names the file, the line and the field.
 
 include(${CMAKE_CURRENT_LIST_DIR}/TaktWire.cmake)
 find_package(Python3 3.9 COMPONENTS Interpreter REQUIRED)
@@ -36,7 +36,7 @@ function(takt_add_idl name)
   takt_generate(classes ${plain} DIRECTORY ${folder})
   list(FILTER classes EXCLUDE REGEX "PubSubTypes")
 
-  # For an empty sequence of arrays, Fast CDR calls a member function of an object that does not exist.
+  # For an empty sequence of arrays, Fast CDR calls a member function through an invalid reference.
   set_source_files_properties(${classes} PROPERTIES COMPILE_OPTIONS -fno-sanitize=undefined)
 
   add_library(${name} STATIC ${classes} ${ours} ${headers})

@@ -8,7 +8,7 @@
 #   include/takt           the headers for authors of components
 #   share/takt             the schema, the descriptors of deploy/, the IDL files
 #
-# All paths are relative to the program or the package file, so the installed folder can be moved.
+# All paths are relative to the program or to the CMake package file, so users can move the installed folder.
 
 include(CMakePackageConfigHelpers)
 
@@ -17,7 +17,7 @@ set(private ${lib}/takt)
 set(package ${lib}/cmake/takt)
 set(share ${CMAKE_INSTALL_DATADIR}/takt)
 
-# Sets `out` to the targets of a folder and its subfolders that a descriptor can name.
+# Sets `out` to those targets of a folder and its subfolders that a descriptor can use as components.
 function(takt_modules_of directory out)
   set(modules)
   get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
@@ -38,7 +38,7 @@ takt_modules_of(${CMAKE_SOURCE_DIR}/components modules)
 takt_modules_of(${CMAKE_SOURCE_DIR}/tools/takt/bench of_bench)
 list(APPEND modules ${of_bench})
 
-# Sets the path from a program to the libraries.
+# Sets the rpath of a program: the relative path from the program to the libraries.
 function(takt_finds_libraries_from folder)
   file(RELATIVE_PATH path /${folder} /${lib})
   string(REGEX REPLACE "/$" "" path "$ORIGIN/${path}")
@@ -76,7 +76,7 @@ add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/api/html/index.html COMMAND Doxyge
 add_custom_target(api ALL DEPENDS ${CMAKE_BINARY_DIR}/api/html/index.html)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/api/html/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/api COMPONENT dev)
 
-# The systemd unit contains the path of the program, and the prefix is only known at installation.
+# The systemd unit contains the path of the program, so it is written at installation, when the prefix is known.
 install(CODE "
   set(CMAKE_INSTALL_BINDIR ${CMAKE_INSTALL_BINDIR})
   file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system\")
@@ -91,13 +91,13 @@ foreach(room core component testing)
   install(DIRECTORY framework/${room}/include/takt DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 endforeach()
 install(FILES framework/lifecycle/include/takt/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
-foreach(header activity flight layout link release_slot saved_state)  # the headers above include these
+foreach(header activity flight layout link release_slot saved_state)  # the installed headers above include these headers
   install(FILES framework/channel/include/takt/channel/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/channel COMPONENT dev)
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)
 
-# find_package() also searches the top of the build tree once its bin folder is in PATH. The file at the top therefore reports why it is
-# unsuitable, and find_package() continues. The real package file is in a subfolder.
+# find_package() also searches the top of the build tree once its bin folder is in PATH. The package file there therefore reports that it is
+# unsuitable, so that find_package() continues. The real package file is in a subfolder.
 configure_package_config_file(cmake/takt-config.cmake.in ${CMAKE_BINARY_DIR}/package/takt-config.cmake INSTALL_DESTINATION ${package}
   PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/takt-config-version.cmake COMPATIBILITY SameMinorVersion)

@@ -1,4 +1,4 @@
-# A room is a folder of framework/ with one reason to exist: one library, its page README.md, and
+# A room is a folder of framework/ with one purpose. It is one library, and contains README.md and
 #
 #   include/takt/ROOM/*.hpp   headers that other rooms may use, included as <takt/ROOM/NAME.hpp>
 #   include/takt/*.hpp        headers for the authors of components, included as <takt/NAME.hpp>
@@ -8,21 +8,21 @@
 #             [NOT_REAL_TIME] [SHARED] [EXCEPT other.cpp ...] [PRECOMPILED large.hpp ...])
 #
 # USES names the rooms that the room may include. PRIVATELY names the rooms that only its sources may include. OWNS names the libraries that
-# no other room may include. EXCEPT names the sources that are built elsewhere. check_includes.py rejects every other include before
+# no other room may include. EXCEPT names the sources that are not part of the library. check_includes.py rejects every other include before
 # anything is compiled.
 
 set(TAKT_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
-# A unity source includes the sources it combines, so GCC treats their private types as types of a header.
+# A unity source includes the sources that it combines, so GCC treats types of an unnamed namespace as if a header declared them.
 if(CMAKE_UNITY_BUILD)
   list(APPEND TAKT_WARNINGS $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
-# Code that no real-time thread calls is two thirds of the build time. It is compiled with -O1 for a shorter build.
+# Code that no real-time thread calls takes two thirds of the build time. -O1 makes its build faster.
 if(CMAKE_BUILD_TYPE STREQUAL "RelWithDebInfo" AND NOT TAKT_SANITIZE AND NOT TAKT_FUZZ)
   set(TAKT_NOT_REAL_TIME -O1)
 endif()
 
 # takt_precompile(target KIND large.hpp ...) precompiles large headers once for all targets of a kind, which are compiled with the same
-# options. The preset `debug` compiles without precompiled headers, so that no source relies on them.
+# options. The preset `debug` compiles without precompiled headers, so that no source depends on them.
 function(takt_precompile target kind)
   get_target_property(sources ${target} SOURCES)
   if(TAKT_FUZZ OR TAKT_SANITIZE OR NOT CMAKE_UNITY_BUILD OR sources MATCHES "\\.c(;|$)")
@@ -37,7 +37,7 @@ function(takt_precompile target kind)
       target_precompile_headers(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
     endforeach()
   endif()
-  # GCC 12 forgets that precompiled headers are system headers, and warns about std::string in them.
+  # GCC 12 forgets that precompiled headers are system headers, and reports false warnings about std::string in them.
   target_compile_options(${target} PRIVATE
     "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow>")
 endfunction()

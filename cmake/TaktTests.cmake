@@ -1,11 +1,11 @@
 # takt_discover_tests(program [PREFIX text] [TIMEOUT seconds] [PROPERTIES ...]) registers the tests of a GoogleTest program in CTest.
 #
-# Each TEST is one CTest test. Under sanitizers the whole program is one test, named asan.PROGRAM or tsan.PROGRAM, because the start of a
-# process under AddressSanitizer takes longer than most tests. Under sanitizers, the tests of the ready-made components have the label
-# `full`, so that only tools/test --full runs them.
+# Each TEST becomes one CTest test. Under sanitizers, the whole program becomes one test, named asan.PROGRAM or tsan.PROGRAM, because the
+# start of a process under AddressSanitizer takes longer than most tests. There, the tests of the ready-made components have the label `full`,
+# so that only tools/test --full runs them.
 
 include(GoogleTest)
-# Turn off address space randomization, because ThreadSanitizer does not support the memory layout of newer kernels.
+# Turns off address space randomization, because ThreadSanitizer does not support the memory layout of newer kernels.
 if(TAKT_SANITIZE STREQUAL "thread")
   find_program(SETARCH setarch REQUIRED)
   set(TAKT_RUN_FIXED ${SETARCH} ${CMAKE_HOST_SYSTEM_PROCESSOR} --addr-no-randomize)

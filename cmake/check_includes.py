@@ -10,10 +10,10 @@ import re
 import sys
 from pathlib import Path
 
-# The headers of a library that only its owners may include.
+# For each library: the headers that only rooms that own the library may include.
 LIBRARIES = {
     "tinyxml2": r"tinyxml2\.h",
-    # Any file may include the fixed-size string: generated types contain it, and it needs nothing else of Fast DDS.
+    # Any file may include the fixed-size string: generated types contain it, and it depends on no other header of Fast DDS.
     "fastdds": r"(fastdds|fastrtps)/(?!utils/fixed_size_string\.hpp).*|takt/wire/taktPubSubTypes\.h",
     "openssl": r"openssl/.*",
     "sqlite": r"sqlite3\.h",
@@ -35,7 +35,7 @@ def listed(names):
 
 
 def room_of(included, source):
-    """The room of the header <takt/ROOM/NAME.hpp>, or <takt/NAME.hpp> for the authors of components. None if no room has the header."""
+    """Returns the room of the header <takt/ROOM/NAME.hpp>, or of the component authors' header <takt/NAME.hpp>. None if no room has it."""
     found = re.match(r"takt/([a-z]+)/", included)
     if found:
         return found[1]
@@ -43,7 +43,7 @@ def room_of(included, source):
 
 
 def complaint(source, room, included, rooms):
-    """Says what is wrong with `included` in a source of `room`; None if it is allowed. If `room` is None, the source is in tools/."""
+    """Returns why a source of `room` must not include `included`; None if it may. If `room` is None, the source is in tools/."""
     uses, owns = rooms[room] if room else (list(rooms), [])
     for library, headers in LIBRARIES.items():
         if re.fullmatch(headers, included) and library not in owns:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the rooms into ARCHITECTURE.md, between its two comments: a drawing, and a table of which room may include which.
+"""Writes a drawing and a table of the rooms into ARCHITECTURE.md, between two marks. Both show which room may include which.
 
 Usage: draw_rooms.py [--check] ROOMS_FILE PAGE
 
@@ -13,7 +13,7 @@ BEGIN, END = "<!-- rooms -->\n", "<!-- end of rooms -->"
 
 
 def read_rooms(file):
-    """Returns for each room the rooms that it uses, and the libraries that it owns."""
+    """Returns, for each room, the rooms that it uses and the libraries that it owns."""
     rooms = {}
     for line in Path(file).read_text().splitlines():
         name, used, owned = line.split(";")
@@ -22,7 +22,7 @@ def read_rooms(file):
 
 
 def reachable(uses, room):
-    """All rooms that `room` uses, directly or through other rooms."""
+    """Returns all rooms that `room` uses, directly or through other rooms."""
     found, pending = set(), list(uses[room])
     while pending:
         other = pending.pop()

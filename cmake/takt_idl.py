@@ -5,9 +5,9 @@
   takt_idl.py --out DIR a.idl b.idl        writes DIR/a.hpp, a_types.cpp, a_c.h, a_c.cpp and plain/a.idl (for fastddsgen),
                                            and the same files for b.idl
 
-A port type is a final struct without keys whose strings and sequences are bounded, so that its memory can be allocated
-before anything runs. All problems are reported in one run, one per line: `file:line: error: what; what to do`. The exit
-status is then 1. fastddsgen and Cyclone DDS's idlc also accept every file that this script accepts.
+A port type is a final struct without keys. Its strings and sequences are bounded, so that Takt can allocate its memory
+before the cell runs. One run reports all problems, one per line: `file:line: error: what; what to do`. The exit status is
+then 1. fastddsgen and Cyclone DDS's idlc also accept every file that this script accepts.
 """
 import argparse
 import sys

@@ -18,7 +18,7 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// Returns how often a test repeats its work. Under sanitizers the work takes ten times as long, so the short
+/// Returns how often a test repeats its work. Under sanitizers, the work takes ten times as long, so the short
 /// form does a tenth of it there.
 inline int how_often(int all) { return kSanitized && !full_form() ? all / 10 : all; }
 

@@ -42,14 +42,14 @@ def page(folder, address):
             browser.size(width, height)
             browser.prefer(theme)
             browser.go(route)
-            time.sleep(4)  # in this time, the page draws its first values
+            time.sleep(4)  # wait until the page has drawn its first values
             browser.driver.save_screenshot(out(name))
     finally:
         browser.close()
 
 
 class Terminal:
-    """A terminal that shows takt watch."""
+    """A tmux terminal that runs takt watch."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -79,7 +79,7 @@ class Terminal:
 
 
 def bench(folder):
-    """Takes a screenshot of the report of the paper's Table 1, measured here. Call it before the cell runs."""
+    """Measures the paper's Table 1 on this machine and takes a screenshot of the report. Call this before starting the cell."""
     measured = os.path.join(folder, "table1.html")
     takt("bench", "table1", "--for", "3", "--html", measured)
     browser = Browser(folder, 1200, 900)

@@ -1,4 +1,4 @@
-"""Generates the sources from declarations."""
+"""Generates C and C++ sources from IDL declarations."""
 import json
 import os
 
@@ -14,7 +14,7 @@ def outputs_of(stem):
 
 
 def literal(text):
-    """A C string literal, split into lines."""
+    """Returns the text as a C string literal, split into lines."""
     pieces = [text[i:i + 90] for i in range(0, len(text), 90)] or [""]
     return "\n      ".join(json.dumps(piece) for piece in pieces)
 
@@ -211,7 +211,7 @@ def head(file, what):
 
 
 def c_declaration(shape, name):
-    """A declaration in C."""
+    """Returns an IDL declaration as a declaration in C."""
     kind = "char" if shape.scalar == "string" else c_name(shape.of.name) if shape.of else SCALARS[shape.scalar][1]
     text = f"[{shape.bound + 1}]" if shape.scalar == "string" else ""
     if shape.sequence:
@@ -284,7 +284,7 @@ def c_source(file):
 
 
 def idl_declaration(declared, name):
-    """A declaration without typedefs, because fastddsgen does not initialize an array of a typedef. Sequences keep their typedefs."""
+    """Returns a declaration without typedefs, because fastddsgen does not initialize an array of a typedef. Sequences keep their typedefs."""
     shape = declared.shape
     if shape.sequence:
         return f"{shape.text} {name}{sizes(declared.own)};"
@@ -293,7 +293,7 @@ def idl_declaration(declared, name):
 
 
 def plain_idl(file):
-    """The declarations for fastddsgen, with numbers instead of constants, because its code for names of constants does not compile."""
+    """The declarations for fastddsgen, with numbers instead of constants, because its code for constants does not compile."""
     guard = f"{file.stem.upper()}_PLAIN_IDL"
     lines = head(file, "For fastddsgen.") + [f"#ifndef {guard}", f"#define {guard}"]
     lines += [f'#include "{stem}.idl"' for stem in included_stems(file)]
@@ -344,7 +344,7 @@ def header(file):
 
 
 def ros2_names(file):
-    """Aliases for ROS 2 messages: std_msgs::msg::dds_::String_ is the name on the network, and std_msgs::msg::String the name in programs."""
+    """Aliases for ROS 2 messages: std_msgs::msg::dds_::String_ is the type name on the network, std_msgs::msg::String that in programs."""
     lines = []
     for struct in structs_of(file):
         if is_ros2_message(struct.name):
@@ -374,7 +374,7 @@ def source(file):
                   "  CdrWriter writer{to, size};", "  put(writer, value);", "  return writer.size();", "}", ""]
         lines += [f"bool {port}::decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept {{",
                   "  CdrReader reader{from, size};"]
-        # Reading throws only if no memory is reserved for the sequences of the value.
+        # The generated read function throws only if no memory is reserved for the sequences of the value.
         lines += (["  try {", "    get(reader, value);", "  } catch (...) {", "    return false;", "  }"] if struct.sequences
                   else ["  get(reader, value);"]) + ["  return reader.complete();", "}", ""]
     return lines + ["}  // namespace takt"]

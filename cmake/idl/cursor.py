@@ -6,11 +6,11 @@ from idl.declarations import MAX_NAME, MAX_SAMPLE, Const, Scope
 from idl.tokens import IdlError
 
 
-# Keywords of IDL. idlc reserves them in any case.
+# Keywords of IDL that idlc reserves in upper and lower case.
 ANY_CASE_WORDS = set("""any bitfield bitmask bitset boolean case char const default double enum false fixed float int8 int16
     int32 int64 long map module native octet sequence short string struct switch true typedef uint8 uint16 uint32 uint64 union
     unsigned wchar wstring""".split())
-# More keywords of IDL, which fastddsgen reserves only as written here.
+# Further keywords of IDL, which fastddsgen reserves only in this spelling.
 WORDS = set("""Object ValueBase abstract annotation attribute component consumes context custom emits eventtype exception
     factory finder getraises home import in inout interface local manages multiple oneway out primarykey private provides
     public publishes raises readonly set setraises supports truncatable typeid typeprefix uses valuetype void""".split())
@@ -56,7 +56,7 @@ class Cursor:
 
     def expect(self, text, after):
         if not self.take(text):
-            # A missing ';' belongs to the line of the previous token.
+            # The error about a missing ';' cites the line of the previous token.
             token = self.tokens[self.at - 1] if text == ";" and self.at > 0 else self.token
             raise IdlError(self.place(token), f"{after} is followed by {self.token.text!r}; write {text!r}"
                            if self.token.kind != "end" else f"{after} has no end; write {text!r}")
@@ -128,7 +128,7 @@ class Cursor:
         return False
 
     def scoped_name(self):
-        """Returns whether a::b::c begins with ::, its parts as text, and the first token."""
+        """Parses a::b::c. Returns whether it begins with ::, its parts as text, and the first token."""
         first = self.token
         absolute = self.take("::")
         parts = []

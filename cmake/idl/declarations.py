@@ -1,4 +1,4 @@
-"""The declarations of an IDL file, their sizes, and the type description that is built into programs."""
+"""The declarations of an IDL file, their sizes, and the type description that generated code contains."""
 import functools
 import json
 import os
@@ -13,13 +13,13 @@ MAX_NESTING = 16
 MAX_NAME = 255
 MAX_DESCRIPTION = 1024 * 1024
 
-# For each IDL type, the size in bytes and the type in C and C++.
+# For each scalar IDL type: the size in bytes, and the type in C and C++.
 SCALARS = {
     "boolean": (1, "bool"), "octet": (1, "uint8_t"), "char": (1, "char"), "int8": (1, "int8_t"),
     "short": (2, "int16_t"), "unsigned short": (2, "uint16_t"), "long": (4, "int32_t"), "unsigned long": (4, "uint32_t"),
     "long long": (8, "int64_t"), "unsigned long long": (8, "uint64_t"), "float": (4, "float"), "double": (8, "double"),
 }
-# Other IDL names of these types.
+# Alternative IDL names of the types in SCALARS.
 SAME = {"uint8": "octet", "int16": "short", "uint16": "unsigned short", "int32": "long", "uint32": "unsigned long",
         "int64": "long long", "uint64": "unsigned long long"}
 INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
@@ -29,9 +29,9 @@ INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
 @dataclass
 class Shape:
     """The type of a field: an array (dimensions) of sequences of arrays (elements) of a scalar, a string, an enum or a struct."""
-    scalar: str                     # a key of SCALARS, or "string", "enum", "struct"; "" for a type that is not valid
-    bound: int = 0                  # the bound of a string
-    of: object = None               # the Enum or Struct
+    scalar: str                     # a key of SCALARS, or "string", "enum", "struct"; "" for an invalid type
+    bound: int = 0                  # for a string: its bound
+    of: object = None               # for an enum or a struct: its declaration
     dimensions: list = field(default_factory=list)
     sequence: int = 0
     elements: list = field(default_factory=list)
@@ -41,7 +41,7 @@ class Shape:
         return self.sequence > 0 or (self.scalar == "struct" and self.of.sequences)
 
     def may_not_fit(self):
-        """Whether a C++ value can be outside the type: a sequence that is too long, or a number that is not an enumerator."""
+        """Whether a C++ variable can have a value that the type does not allow: too long a sequence, or a number without an enumerator."""
         return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.misfits)
 
 
@@ -92,7 +92,7 @@ class Struct:
     def structs(self):
         return [f.shape.of for f in self.fields if f.shape.scalar == "struct"]
 
-    # Each of these properties is computed once. Otherwise the work would grow exponentially with the nesting of structs.
+    # Each of the following properties is computed only once, because recomputing nested structs would take exponential time.
 
     @functools.cached_property
     def sequences(self):
@@ -120,7 +120,7 @@ class Struct:
 
 
 class Scope:
-    """The names of a module, by lower-case name, because `Mode` and `mode` are the same name in IDL."""
+    """The declared names in an IDL module, by lower-case name, because `Mode` and `mode` are the same name in IDL."""
 
     def __init__(self, name, outer):
         self.name = name
@@ -134,7 +134,7 @@ class Scope:
 @dataclass
 class File:
     """One IDL file and its declarations, in order."""
-    path: str                       # for messages
+    path: str                       # the path for messages
     real: str                       # the real path
     declares: list = field(default_factory=list)
     includes: list = field(default_factory=list)  # (File, place)
@@ -167,17 +167,17 @@ def padded(position, alignment):
     return (position + alignment - 1) // alignment * alignment
 
 
-# A span: the bytes that the longest value appends, by its start offset modulo 8. Padding depends only on that offset.
+# A span is a list: for each start offset modulo 8, the number of bytes that the longest value takes. Padding depends only on that offset.
 NOTHING = (0,) * 8
 
 
 def both(first, second):
-    """The span of one value followed by another."""
+    """Returns the span of a value that is followed by another value."""
     return tuple(first[at] + second[(at + first[at]) % 8] for at in range(8))
 
 
 def repeated(one, n):
-    """The span of n equal values, by repeated doubling."""
+    """Returns the span of n values of the same type, by repeated doubling."""
     span = NOTHING
     while n:
         if n % 2:
@@ -187,7 +187,7 @@ def repeated(one, n):
 
 
 def aligned(size, more=0):
-    """The span of `size` bytes aligned to `size`, followed by `more` bytes."""
+    """Returns the span of `size` bytes aligned to `size`, followed by `more` bytes."""
     return tuple(padded(at, size) - at + size + more for at in range(8))
 
 
@@ -204,12 +204,12 @@ def span_of(shape):
 
 
 def max_size(struct):
-    """The largest size of a sample in bytes as RTPS sends it: with the encapsulation header, padded to 4 bytes."""
+    """Returns the largest size of a sample on the network in bytes: with the encapsulation header, padded to 4 bytes."""
     return padded(4 + struct.span[0], 4)
 
 
 def description(struct):
-    """The type description that model::parse_type() reads. model/type.hpp documents its members."""
+    """Returns the type description, which model::parse_type() parses. model/type.hpp documents its members."""
     def of_fields(fields):
         result = []
         for each in fields:

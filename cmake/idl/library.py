@@ -9,7 +9,7 @@ from idl.parser import Parser
 from idl.tokens import Problems
 
 
-# The names of system headers. math.idl would generate math.h, and programs would find that file instead of the system's <math.h>.
+# The names of system headers. math.idl would generate math.h, and programs would include that file instead of the system's <math.h>.
 SYSTEM_HEADERS = set("""alloca assert complex ctype dirent dlfcn elf endian errno fcntl features fenv float inttypes iso646
     limits link locale malloc math memory poll pthread sched semaphore setjmp signal spawn stdalign stdarg stdatomic stdbool
     stddef stdint stdio stdlib stdnoreturn string strings syscall termios tgmath threads time uchar unistd utime values wait
@@ -22,7 +22,7 @@ class Library:
     def __init__(self):
         self.problems = Problems()
         self.root = Scope("", None)
-        self.files = {}             # by real path, in the order of reading
+        self.files = {}             # each File by its real path, in the order in which they were read
         self.named = []             # the files on the command line
 
     def real_of(self, path):
@@ -57,9 +57,9 @@ class Library:
         by.includes.append((file, place))
 
     def check_files(self):
-        """Reports the problems of whole files."""
+        """Reports problems that concern whole files."""
         for file in self.files.values():
-            # As for the preprocessor, each #include repeats a file that has no include guard.
+            # Each #include inserts a file without an include guard again, as in the C preprocessor.
             seen = {}
 
             def visit(by, place):
@@ -92,7 +92,7 @@ class Library:
                                              "takt_add_idl")
 
     def check_hidden(self, scope):
-        """Reports names that hide a module: fastddsgen does not support ::a::b, so a::b must mean the same everywhere."""
+        """Reports names that hide a module. fastddsgen does not support ::a::b, so a::b must have the same meaning everywhere."""
         for name, entity in scope.names.values():
             outer = self.root.names.get(name.lower())
             own = scope.name.split("::")[-1].lower() == name.lower()  # already reported

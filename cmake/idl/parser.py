@@ -16,7 +16,7 @@ INSTEAD = {
 
 
 class Parser(Cursor):
-    """Parses one file. The library parses the files that it includes."""
+    """Parses one IDL file. The Library parses the files that this file includes."""
 
     def __init__(self, library, file, text):
         self.library = library
@@ -105,7 +105,7 @@ class Parser(Cursor):
         return found
 
     def body(self, what, each):
-        """Parses { each each ... };"""
+        """Parses { ... }; and calls `each` for each element in it."""
         self.expect("{", what)
         opened = self.tokens[self.at - 1]
         while not self.is_next("}"):
@@ -244,7 +244,7 @@ class Parser(Cursor):
                 self.problem(token, f"{struct.name}.{token.text} has the name of its struct (IDL is not case-sensitive); "
                                     "choose another name")
             if whole.sequence and whole.scalar in ("enum", "string"):
-                # Fast CDR has no functions for nested vectors and arrays of enums and strings.
+                # Fast CDR has no functions for nested vectors, nor for arrays of enums or strings.
                 what = ("an array of sequences", "the sequence", "an array") if whole.dimensions else \
                     ("a sequence of arrays", "the array", "a sequence") if whole.elements else None
                 if what:
@@ -280,7 +280,7 @@ class Parser(Cursor):
     # -- Types
 
     def basic_type(self):
-        """Parses one of SCALARS or long double. Returns None if the next tokens are neither."""
+        """Parses a scalar type of SCALARS, or long double. Returns None if the next tokens are no such type."""
         token = self.token
         if self.take("unsigned"):
             if self.take("short"):
@@ -299,7 +299,7 @@ class Parser(Cursor):
         return None
 
     def declared_name(self, full, otherwise):
-        """Looks ahead for the name of the declaration that begins here, which messages about its type contain."""
+        """Looks ahead for the name of the declaration that begins here, because error messages about its type contain this name."""
         at, depth = self.at, 0
         while self.tokens[at].kind != "end":
             text = self.tokens[at].text
@@ -311,7 +311,7 @@ class Parser(Cursor):
         return full(token.text) if at > self.at and token.kind == "name" else otherwise
 
     def type_of(self, name, token, members=()):
-        """Parses the type of the declaration `name`. `name` is only for messages."""
+        """Parses the type of the declaration `name`. `name` is only used in error messages."""
         invalid = Shape("")
         if self.take("string"):
             if not self.take("<") or self.take(">"):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 
 class Problems:
-    """The problems found, by (file, line). Line 0 means the whole file. Each problem is reported once."""
+    """The problems that were found, by (file, line). Line 0 means the whole file. Each problem is reported once."""
 
     def __init__(self):
         self.seen = {}
@@ -20,7 +20,7 @@ class Problems:
 
 
 class IdlError(Exception):
-    """Means that the text cannot be parsed from this place to the end of the declaration."""
+    """Raised when the rest of the current declaration cannot be parsed."""
 
     def __init__(self, place, text):
         super().__init__(text)

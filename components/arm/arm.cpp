@@ -35,7 +35,7 @@ class Arm : public takt::Component {
     const auto& parameters = std::get<arm_model::Parameters>(read);
     if (const std::size_t stiff = arm::RigidArm::too_stiff(parameters); stiff < arm_model::kAxes)
       return takt::fail("axes[" + std::to_string(stiff) + "] has too much friction to simulate",
-                        "viscous + 20 * dry must be below 1500 * rotor");
+                        "change the file so that viscous + 20 * dry is below 1500 * rotor");
     arm_.emplace(parameters);
     return {};
   }

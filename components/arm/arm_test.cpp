@@ -23,7 +23,7 @@ constexpr double kPeriod = 1e-3;
 const arm_model::Parameters& figures() { return arm_model::built_in(); }
 Joints home() { return arm_model::home(figures()); }
 
-// The kinetic and potential energy of all bodies.
+// Returns the kinetic and potential energy of all bodies.
 double energy(const arm::RigidArm& arm) {
   KDL::Chain chain = arm_model::chain(figures());
   KDL::ChainFkSolverPos_recursive forward{chain};
@@ -71,7 +71,7 @@ TEST(RigidArm, ConservesEnergyInAFreeSwing) {
   EXPECT_LT(drift, 1e-3);
 }
 
-TEST(RigidArm, HoldsItsPositionUnderGravityCompensation) {
+TEST(RigidArm, HoldsItsPositionWithGravityCompensation) {
   arm::RigidArm arm{figures()};
   servo::JointServo servo{figures()};
   const servo::Motion rest{arm.position, {}};
@@ -80,12 +80,12 @@ TEST(RigidArm, HoldsItsPositionUnderGravityCompensation) {
   for (int n = 0; n < 200; ++n) arm.step(weight, kPeriod);
   for (std::size_t i = 0; i < kAxes; ++i) EXPECT_NEAR(arm.position[i], home()[i], 1e-9);
   for (int n = 0; n < 200; ++n) arm.step({}, kPeriod);
-  EXPECT_GT(arm.position[1], home()[1] + 0.01) << "without compensation the arm falls forwards";
+  EXPECT_GT(arm.position[1], home()[1] + 0.01) << "without compensation, the arm must fall forwards";
 }
 
-TEST(RigidArm, StopsByFrictionAndFasterByItsBrakes) {
+TEST(RigidArm, ComesToRestByFrictionOrBrakes) {
   arm::RigidArm arm{figures()};
-  arm.velocity = {2, 0, 0, 0, 0, 4};  // at home, gravity turns neither the first axis nor the last
+  arm.velocity = {2, 0, 0, 0, 0, 4};  // at home, gravity does not turn these two axes
   const Joints weight = servo::JointServo{figures()}.torque({arm.position, {}}, {arm.position, {}},
                                                             {arm.position, {}}, kPeriod);
   for (int n = 0; n < 5000; ++n) arm.step(weight, kPeriod);
@@ -103,17 +103,16 @@ TEST(RigidArm, StopsAtItsAxisLimits) {
   EXPECT_EQ(arm.position[0], figures()[0].upper);
 }
 
-TEST(RigidArm, RejectsFrictionTooHighToIntegrate) {
+TEST(RigidArm, FindsTheAxisWhoseFrictionIsTooHighToSimulate) {
   EXPECT_EQ(arm::RigidArm::too_stiff(figures()), kAxes);
   arm_model::Parameters stiff = figures();
   stiff[3].dry = 200;
   EXPECT_EQ(arm::RigidArm::too_stiff(stiff), 3U);
 }
 
-// ---- the module
-// --------------------------------------------------------------------------------------------
+// The tests below run the whole module on virtual time.
 
-TEST(Arm, AppliesItsBrakesBeforeTheFirstEffortAndAfterTheLast) {
+TEST(Arm, AppliesItsBrakesWhileNoEffortsArrive) {
   takt::testing::Module module;
   auto& effort = module.in<motion::JointEffort>("effort");
   auto& measured = module.out<motion::JointState>("measured");
@@ -126,14 +125,14 @@ TEST(Arm, AppliesItsBrakesBeforeTheFirstEffortAndAfterTheLast) {
   effort.write(turn);
   module.step(20);
   EXPECT_GT(measured.value().velocity()[0], 0.02);
-  module.step(500);  // no more efforts arrive
+  module.step(500);  // no more efforts arrive during this time
   EXPECT_EQ(measured.value().velocity(), (std::array<double, kAxes>{}));
   const auto at = measured.value().position();
   module.step(500);
   EXPECT_EQ(measured.value().position(), at);
 }
 
-TEST(Arm, TreatsANonFiniteEffortAsAnErrorAndKeepsItsState) {
+TEST(Arm, KeepsItsStateAfterANonFiniteEffort) {
   takt::testing::Module module;
   auto& effort = module.in<motion::JointEffort>("effort");
   auto& measured = module.out<motion::JointState>("measured");

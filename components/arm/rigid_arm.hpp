@@ -1,6 +1,6 @@
-// The simulation behind the component arm: six driven links as rigid bodies under gravity, with joint
-// friction, using the forward dynamics of Orocos KDL. SI units, rad. The constructor allocates; all other
-// functions are real-time.
+// The simulation in arm: six driven links as rigid bodies under gravity, with joint friction, using the
+// forward dynamics of Orocos KDL. SI units, rad. The constructor allocates memory; real-time threads may call
+// all other functions.
 #pragma once
 
 #include <algorithm>
@@ -19,10 +19,11 @@ using arm_model::kAxes;
 
 class RigidArm {
  public:
-  static constexpr double kLongestStep = 1e-3;  ///< s; longer steps are divided
-  static constexpr double kDryBand = 0.05;      ///< rad/s; below this speed dry friction fades out
+  static constexpr double kLongestStep = 1e-3;  ///< s; step() divides longer times
+  static constexpr double kDryBand = 0.05;      ///< rad/s; below this speed, dry friction fades out
   static constexpr double kBraking = 15;        ///< rad/s^2, deceleration of every axis by its brake
-  /// 1/s: limit of friction divided by rotor inertia, above which an axis cannot be integrated.
+  /// 1/s, maximum ratio of friction to rotor inertia. Above this ratio, the integration of an axis is
+  /// unstable.
   static constexpr double kMostFriction = 1500;
 
   explicit RigidArm(const arm_model::Parameters& parameters)
@@ -36,7 +37,7 @@ class RigidArm {
   Joints velocity{};    ///< rad/s
   double friction = 1;  ///< fraction of the model's friction to apply
 
-  /// The first axis whose friction exceeds kMostFriction; kAxes if there is none.
+  /// Returns the first axis whose friction exceeds kMostFriction, or kAxes if there is none.
   [[nodiscard]] static std::size_t too_stiff(const arm_model::Parameters& parameters) noexcept {
     std::size_t i = 0;
     while (i < kAxes &&
@@ -45,14 +46,14 @@ class RigidArm {
     return i;
   }
 
-  /// Moves the links for `dt` seconds under this torque, with the fourth-order Runge-Kutta method. Clamps the
-  /// torque to the limits of the drives.
+  /// Moves the links for `dt` seconds under this torque, with the fourth-order Runge-Kutta method. The torque
+  /// is clamped to the limits of the drives.
   void step(const Joints& torque, double dt) noexcept {
     const int pieces = static_cast<int>(std::ceil(dt / kLongestStep - 1e-6));
     for (int n = 0; n < pieces; ++n) small_step(torque, dt / pieces);
     stop_at_limits();
   }
-  /// Moves the links with the brakes closed: every axis slows down and stops.
+  /// Moves the links for `dt` seconds with closed brakes: every axis slows down and stops.
   void brake(double dt) noexcept {
     for (std::size_t i = 0; i < kAxes; ++i) {
       velocity[i] -= std::clamp(velocity[i], -kBraking * dt, kBraking * dt);
@@ -61,7 +62,7 @@ class RigidArm {
     stop_at_limits();
   }
 
-  /// rad/s^2
+  /// Returns the accelerations of the axes, in rad/s^2.
   [[nodiscard]] Joints acceleration(const Joints& at, const Joints& speed, const Joints& torque) noexcept {
     for (std::size_t i = 0; i < kAxes; ++i) {
       const arm_model::Axis& axis = parameters_[i];

@@ -14,10 +14,10 @@ namespace arm_model {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// The KDL chain of the arm, with masses, rotors and the frames of Axis.
+/// Returns the KDL chain of the arm, with its masses, its rotors and the frames that Axis defines.
 KDL::Chain chain(const Parameters& parameters);
 
-/// x, y, z in m; roll, pitch, yaw in rad about the fixed axes, in this order.
+/// A pose of the tool: x, y, z in m; roll, pitch, yaw in rad about the fixed axes, in this order.
 struct Pose {
   double x = 0;
   double y = 0;
@@ -29,10 +29,12 @@ struct Pose {
 KDL::Frame frame(const Pose& pose) noexcept;
 Pose pose(const KDL::Frame& frame) noexcept;
 
-/// The axis motions (rad or rad/s) that move the tool by `twist`, by damped least squares. Real-time.
+/// Returns the axis motions (rad or rad/s) that move the tool by `twist`, by damped least squares. Real-time
+/// threads may call it.
 Vector6 rates(const Matrix6& jacobian, const Vector6& twist, double damping = 0) noexcept;
 
-/// The constructor allocates; all other functions are real-time.
+/// Computes the forward kinematics and the Jacobian of an arm. The constructor allocates memory; real-time
+/// threads may call all other functions.
 class Kinematics {
  public:
   explicit Kinematics(const Parameters& parameters);
@@ -40,13 +42,14 @@ class Kinematics {
   Kinematics& operator=(const Kinematics&) = delete;
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
-  /// The frame of the tool in the frame of the foot.
+  /// Returns the frame of the tool in the frame of the foot.
   [[nodiscard]] KDL::Frame forward(const Joints& joints) noexcept;
-  /// Velocity and angular velocity of the tool in the frame of the foot, for each axis at 1 rad/s.
+  /// Returns one column per axis: the velocity and angular velocity of the tool, in the frame of the foot,
+  /// while that axis turns at 1 rad/s.
   [[nodiscard]] const Matrix6& jacobian(const Joints& joints) noexcept;
 
-  /// Distance from a singularity: the smallest tool motion, in m, for a joint motion of length 1 rad. A turn
-  /// of the tool by 1 rad counts as a motion of `lever` m.
+  /// Returns the distance from a singularity: the smallest tool motion, in m, for a joint motion of length 1
+  /// rad. A turn of the tool by 1 rad counts as a motion of `lever` m.
   [[nodiscard]] static double dexterity(const Matrix6& jacobian, double lever = 0.5) noexcept;
 
  private:

@@ -17,7 +17,7 @@ struct Number {
   const char* name;
   double Axis::*value;
   double at_least;
-  bool above;  // the value must be above at_least, not equal to it
+  bool above;  // true: the value must be above at_least; false: it may also equal at_least
 };
 constexpr double kAny = -1e9;
 constexpr Number kNumbers[] = {

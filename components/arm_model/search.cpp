@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// The difference between two poses: m, and rad about an axis.
+/// Returns the difference between two poses: a translation in m, and a rotation in rad about an axis.
 Vector6 between(const KDL::Frame& from, const KDL::Frame& to) noexcept {
   const KDL::Twist twist = KDL::diff(from, to);
   Vector6 result;
@@ -23,8 +23,8 @@ Joints moved(const Joints& joints, const Vector6& by) noexcept {
   return result;
 }
 
-/// The i-th point of a van der Corput sequence. Its points fill the range 0 to 1 evenly, whatever their
-/// number is. Each `base` gives another sequence.
+/// Returns the i-th point of a van der Corput sequence. Any number of its points fills the range 0 to 1
+/// evenly. Each `base` gives a different sequence.
 double evenly(std::size_t i, std::size_t base) noexcept {
   double result = 0;
   double share = 1;
@@ -57,8 +57,8 @@ void Search::go_on() noexcept {
   start();
 }
 
-// Starting point 0 is the present axes, with the first axis turned towards the goal. Point 1 is the present
-// axes. The others are spread over the limits.
+// Chooses the starting point. Point 0 is the present axis positions with the first axis turned towards the
+// goal, and point 1 is the present axis positions. The other points are spread over the range of the axes.
 void Search::start() noexcept {
   static constexpr std::size_t kBases[kAxes] = {2, 3, 5, 7, 11, 13};
   const Parameters& axes = kinematics_.parameters();
@@ -98,7 +98,8 @@ Reach Search::step() noexcept {
 
 Reach Search::give_up() noexcept { return beyond_ ? Reach::joint_limit : Reach::out_of_reach; }
 
-/// Shifts each axis by full turns to a position near `near_` and within its limits. False if there is none.
+/// Shifts each axis by full turns to a position near `near_` and within its limits. Returns false if an axis
+/// has no such position.
 bool Search::within_limits() noexcept {
   for (std::size_t i = 0; i < kAxes; ++i) {
     const Axis& axis = kinematics_.parameters()[i];

@@ -1,7 +1,7 @@
-// Inverse kinematics: finds axis positions that bring the tool to a pose. There is no formula for arbitrary
-// six-axis arms, so it searches from many starting points until one succeeds. The time is not known in
-// advance, so a real-time thread does a bounded piece of the search each period. KDL's own search
-// (ChainIkSolverPos_LMA) allocates and returns only at its end.
+// Inverse kinematics: finds axis positions that bring the tool to a pose. No formula exists for arbitrary
+// six-axis arms, so the search tries many starting points until one succeeds. Nobody can predict how long
+// this takes, so a real-time thread does a bounded part of the search each period. KDL's own search
+// (ChainIkSolverPos_LMA) allocates memory and cannot stop before its end.
 #pragma once
 
 #include <cstddef>
@@ -10,32 +10,34 @@
 
 namespace arm_model {
 
-/// The result of a search.
+/// The state or the result of a search.
 enum class Reach { searching, found, out_of_reach, joint_limit };
 
-/// Uses the Levenberg-Marquardt method. It is deterministic: the same goal and start give the same answer in
-/// the same number of steps. All functions are real-time, including the constructor.
+/// Searches with the Levenberg-Marquardt method. The search is deterministic: the same goal and start give
+/// the same solution in the same number of steps. Real-time threads may call all functions, including the
+/// constructor.
 class Search {
  public:
   static constexpr std::size_t kStarts = 60;  ///< number of starting points
-  static constexpr int kStepsPerStart = 60;   ///< maximum
-  static constexpr int kStalled =
-      8;  ///< a starting point ends after this many consecutive steps with little progress
-  static constexpr double kTolerance = 1e-9;  ///< m and rad, of the answer
+  static constexpr int kStepsPerStart = 60;   ///< maximum per starting point
+  /// The search leaves a starting point after this many consecutive steps with little progress.
+  static constexpr int kStalled = 8;
+  static constexpr double kTolerance = 1e-9;  ///< m and rad, accuracy of a solution
 
   explicit Search(Kinematics& kinematics) noexcept : kinematics_(kinematics) {}
 
-  /// Begins a search for `goal`. Prefers answers near `near`.
+  /// Begins a search for `goal`. Prefers solutions near `near`.
   void begin(const KDL::Frame& goal, const Joints& near) noexcept;
-  /// Rejects the answer that was found and continues from the next starting point.
+  /// Rejects the solution that was found, and continues with the next starting point.
   void go_on() noexcept;
-  /// One step, about 3 us: one Jacobian and one linear system of six.
+  /// Makes one step, in about 3 us: one Jacobian and one linear system of six equations.
   Reach step() noexcept;
 
   [[nodiscard]] const Joints& found() const noexcept { return joints_; }
 
-  /// One step of Newton's method from `joints` to `goal`, with damping. Returns the new joints. Sets `error`
-  /// to the distance of the tool from the goal before the step (the larger of m and rad). Real-time.
+  /// Makes one damped step of Newton's method from `joints` towards `goal`. Returns the new joints. Sets
+  /// `error` to the distance of the tool from the goal before the step (the larger of m and rad). Real-time
+  /// threads may call it.
   static Joints newton(Kinematics& kinematics, const KDL::Frame& goal, const Joints& joints, double damping,
                        double& error) noexcept;
 
@@ -51,9 +53,9 @@ class Search {
   Vector6 miss_ = Vector6::Zero();
   double damping_ = 0;
   int steps_ = 0;
-  int stalled_ = 0;  // consecutive steps with little progress
+  int stalled_ = 0;  // number of consecutive steps with little progress
   std::size_t start_ = 0;
-  bool beyond_ = false;  // an answer was found, but beyond the limits
+  bool beyond_ = false;  // a solution was found, but outside the axis limits
 };
 
 }  // namespace arm_model

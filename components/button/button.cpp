@@ -1,13 +1,13 @@
-// A thread module in C++: a push button that an operator presses remotely, by its property.
+// A thread module in C++: a push button that an operator presses remotely, with its property.
 #include <takt/component.hpp>
 
 #include <basic.hpp>
 
 class Button : public takt::Component {
   takt::OutPort<basic::Flag> pressed{
-      *this, "pressed", {.text = "Normally open contact: true while pressed."}};
+      *this, "pressed", {.text = "Normally open contact: true while the button is pressed."}};
   takt::OutPort<basic::Flag> closed{
-      *this, "closed", {.text = "Normally closed contact: false while pressed."}};
+      *this, "closed", {.text = "Normally closed contact: false while the button is pressed."}};
   takt::Property<bool> down{
       *this, "down", false, {.text = "True: the button is pressed. Set it with takt set."}};
 

@@ -18,7 +18,7 @@ TEST(Button, HasANormallyOpenAndANormallyClosedContact) {
   module.step();
   EXPECT_TRUE(pressed.value().value());
   EXPECT_FALSE(closed.value().value());
-  EXPECT_EQ(pressed.count(), 2U) << "written every period";
+  EXPECT_EQ(pressed.count(), 2U) << "the button did not write its contact every period";
 }
 
 }  // namespace

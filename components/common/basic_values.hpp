@@ -1,4 +1,4 @@
-// Samples of the types of idl/basic.idl, for tests.
+// Creates samples of the types in idl/basic.idl, for tests.
 #pragma once
 
 #include <basic.hpp>

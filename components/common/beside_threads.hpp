@@ -1,4 +1,4 @@
-// For tests of programs that have threads of their own.
+// Helps to test a module program that has its own threads besides the cyclic body.
 #pragma once
 
 #include <chrono>
@@ -9,8 +9,9 @@
 
 namespace common {
 
-/// Steps the module until `done` is true; false after 20 s. It makes one release per real millisecond,
-/// because a body on virtual time would outrun a thread that runs on real time.
+/// Steps the module until `done` returns true. Returns false if this does not happen within 20 s. Makes one
+/// release per millisecond of real time, because on virtual time the body would outrun a thread that runs in
+/// real time.
 template <std::predicate Done>
 bool comes_in_time(takt::testing::Module& module, Done&& done) {
   using namespace std::chrono_literals;

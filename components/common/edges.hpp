@@ -1,4 +1,4 @@
-// Rising edges of a flag. For real-time threads.
+// Detects rising edges of a flag. Real-time threads may use everything here.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ std::uint32_t count_rising(Port& port, RisingEdge& edge) noexcept {
   return edges;
 }
 
-/// Advances a port to its newest sample, for any kind of connection. False if there is no new sample.
+/// Advances a port to its newest sample, for any kind of connection. Returns false if there is no new sample.
 template <class Port>
 bool read_newest(Port& port) noexcept {
   bool any = false;

@@ -8,8 +8,9 @@
 
 namespace common {
 
-/// Feeds the filter a sine with `cycles` whole periods in `window` steps. After `settle` steps it correlates
-/// the output with that sine over one window. The result is exact, apart from rounding errors.
+/// Returns the gain and phase of a filter as a complex number. Feeds the filter a sine with `cycles` whole
+/// periods in `window` steps. After `settle` steps, correlates the output with that sine over one window. The
+/// result is exact, apart from rounding errors.
 template <class Step>
 std::complex<double> frequency_response(Step&& step, int cycles, int window, int settle) {
   const double turn = 2 * std::numbers::pi * cycles / window;
@@ -19,7 +20,7 @@ std::complex<double> frequency_response(Step&& step, int cycles, int window, int
     const double output = step(std::sin(angle));
     if (i >= settle) sum += output * std::polar(1.0, -angle);
   }
-  // If the output is sin(angle), the sum is -i window / 2.
+  // For an output of sin(angle), the sum is -i window / 2. The result is then 1.
   return sum / std::complex<double>(0, -window / 2.0);
 }
 

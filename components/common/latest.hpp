@@ -6,29 +6,29 @@
 #include <atomic>
 #include <cstdint>
 
-/// A triple buffer: the writer owns one slot, the reader owns one, and the third is exchanged between them.
-/// Fill writing() completely before each publish(), because it holds an older value. Real-time for both
-/// sides.
+/// A triple buffer: the writer owns one slot, the reader owns one, and they exchange the third. Fill
+/// writing() completely before each publish(), because it holds an older value. Both the writer and the
+/// reader may be real-time threads.
 template <class T>
 class Latest {
  public:
-  /// For the writer.
+  /// The writer fills this slot and then calls publish().
   [[nodiscard]] T& writing() noexcept { return slots_[write_]; }
   void publish() noexcept {
-    // SYNC: latest published. Release, so that the reader that takes the slot sees the written value.
-    // Acquire, so that the reader has finished with the slot that comes back.
+    // SYNC: latest published. Release: a reader that takes the slot sees the written value. Acquire: the
+    // reader has finished with the slot that this exchange returns.
     write_ = static_cast<std::uint8_t>(
         middle_.exchange(static_cast<std::uint8_t>(write_ | kNew), std::memory_order_acq_rel) & kSlot);
   }
 
-  /// For the reader: true if a value was published since the last take().
+  /// The reader calls this. Returns true if a value was published since the last take().
   bool take() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kNew) == 0) return false;
     read_ = static_cast<std::uint8_t>(middle_.exchange(read_, std::memory_order_acq_rel) &
                                       kSlot);  // SYNC: latest published
     return true;
   }
-  /// The value taken last; T{} before the first take().
+  /// The value from the last successful take(); T{} before the first.
   [[nodiscard]] const T& taken() const noexcept { return slots_[read_]; }
 
  private:

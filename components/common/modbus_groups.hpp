@@ -1,5 +1,5 @@
-// Groups points into requests: adjacent points of one table, up to the size limit of a request. Addresses
-// between points are never requested, because a device may reject them.
+// Groups points into requests. One request covers adjacent points of one table, up to the size limit of a
+// request. No request covers addresses between points, because a device may reject them.
 #pragma once
 
 #include <algorithm>
@@ -21,11 +21,12 @@ inline constexpr Limits kWriteLimits{1968, 123};
 struct Group {
   Table table = Table::coil;
   std::uint16_t address = 0;
-  unsigned count = 0;                 ///< bits or registers
+  unsigned count = 0;                 ///< number of bits or registers
   std::vector<std::size_t> points{};  ///< indexes into the map, sorted by address
 };
 
-/// Groups the outputs or the inputs. A point is never split. Inputs may overlap, outputs do not.
+/// Returns the groups for the outputs or for the inputs. A group always holds whole points. Inputs may
+/// overlap; outputs do not.
 inline std::vector<Group> groups_of(const std::vector<Point>& points, bool out, Limits limits) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i) {

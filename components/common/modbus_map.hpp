@@ -1,13 +1,14 @@
 // Parses the property `map` of modbus_master and modbus_device, which assigns values of a Modbus device to
-// ports. One point per line, from the master's view:
+// ports. Each line describes one point; `in` and `out` are from the master's view:
 //
 //   lamp         out coil 0 safe 0
 //   button       in  discrete 3
 //   speed        out register 10 scale 0.001 unit m/s safe 0
 //   temperature  in  input-register 4 int16 scale 0.1 unit degC
-//   position     in  register 20 float32 order low-first      # two registers, the low word in the first
+//   position     in  register 20 float32 order low-first      # low word in the first of the two registers
 //
-// Addresses are those in the frames and begin at 0. Not for real-time threads.
+// Addresses are the numbers in the Modbus frames, which begin at 0. Do not use this header in real-time
+// threads.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ namespace modbus {
 
 /// Maximum number of points in a map.
 inline constexpr std::size_t kMaxPoints = 256;
-/// Parsing stops after this number of mistakes.
+/// The parser stops after this number of mistakes.
 inline constexpr std::size_t kMostMistakes = 50;
 
 enum class Table { coil, discrete, holding, input };
@@ -48,13 +49,13 @@ inline const char* to_text(Table table) noexcept {
 inline bool is_bit(Table table) noexcept { return table == Table::coil || table == Table::discrete; }
 
 struct Point {
-  std::string name{};  ///< name of its port
-  bool out = false;    ///< true: the master writes it
+  std::string name{};  ///< name of the port for this point
+  bool out = false;    ///< true: the master writes the point
   Table table = Table::coil;
   std::uint16_t address = 0;
-  Encoding encoding{};  ///< for a register
+  Encoding encoding{};  ///< used only if the point is a register
   std::string unit{};
-  std::optional<double> safe{};  ///< for an output: the value if its master ends or its values stop
+  std::optional<double> safe{};  ///< for an output: its value when the master ends or sends no values
 
   /// Number of bits or registers.
   [[nodiscard]] unsigned width() const noexcept { return is_bit(table) ? 1 : words(encoding.type); }
@@ -62,14 +63,14 @@ struct Point {
 };
 
 struct Mistake {
-  unsigned line = 0;  ///< line of the map, from 1
+  unsigned line = 0;  ///< line number in the map, starting at 1
   std::string what;
   std::string fix;
 };
 
 struct Map {
   std::vector<Point> points;
-  std::vector<Mistake> mistakes;  ///< if there is one, do not use the points
+  std::vector<Mistake> mistakes;  ///< if not empty, do not use the points
 };
 
 /// The names of the other ports of modbus_master and modbus_device. No point may have one of these names.
@@ -78,7 +79,7 @@ inline constexpr std::array<std::string_view, 5> kReserved{"connected", "exchang
 
 namespace detail {
 
-/// Whether the text is a valid port name in Takt.
+/// Returns whether the text is a valid port name in Takt.
 inline bool is_name(std::string_view text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto later = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; };
@@ -86,10 +87,10 @@ inline bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), later);
 }
 
-/// Whether `c` is a control character.
+/// Returns whether `c` is a control character.
 inline bool is_control(char c) { return (c >= 0 && c < ' ') || c == 0x7f; }
 
-/// Converts the text to a number. None if the text is not exactly one number.
+/// Converts the text to a number. Returns nothing if the text is not exactly one number.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -98,7 +99,7 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
-/// Puts text of the user in quotes. Shortens it and replaces unprintable characters.
+/// Puts the user's text in quotes. Shortens the text and replaces unprintable characters.
 inline std::string in_quotes(std::string_view text) {
   std::string result = "'";
   for (const char c : text.substr(0, 60)) result += c >= ' ' && c <= '~' ? c : '?';
@@ -150,14 +151,14 @@ class LineReader {
       wrong("the port name " + in_quotes(words_[0]) + " is reserved", "choose another name");
     else if (std::any_of(map_.points.begin(), map_.points.end(),
                          [&](const Point& p) { return p.name == words_[0]; }))
-      wrong("there are two points named " + in_quotes(words_[0]), "give each its own name");
+      wrong("there are two points named " + in_quotes(words_[0]), "give each point its own name");
   }
 
   void direction() {
     point_.out = words_[1] == "out";
     if (!point_.out && words_[1] != "in")
       wrong(in_quotes(words_[1]) + " is not a direction",
-            "write 'in' for a value that the master reads, 'out' for one that it writes");
+            "write 'in' for a value that the master reads, or 'out' for a value that the master writes");
   }
 
   bool table() {
@@ -179,7 +180,7 @@ class LineReader {
       point_.address = *address;
     else
       wrong("the address cannot be " + in_quotes(words_[3]),
-            "write the address in the frames, 0 to 65535 (register 40001 in a manual is 'register 0')");
+            "write the address as in Modbus frames, 0 to 65535 (register 40001 in a manual is 'register 0')");
   }
 
   void read_options(bool table_known) {
@@ -199,12 +200,13 @@ class LineReader {
         continue;
       }
       if (++i == words_.size()) {
-        wrong(in_quotes(key) + " has no value", "write '" + std::string{key} + " VALUE', or leave it out");
+        wrong(in_quotes(key) + " has no value",
+              "write '" + std::string{key} + " VALUE', or leave out this option");
         return;
       }
       if (bit && key != "safe") {
         wrong("a " + std::string{modbus::to_text(point_.table)} + " has no " + std::string{key},
-              "leave it out");
+              "leave out this option");
         continue;
       }
       option(key, words_[i]);
@@ -215,7 +217,8 @@ class LineReader {
     if (key == "unit") {
       point_.unit = value;
       if (std::any_of(value.begin(), value.end(), is_control))
-        wrong("the unit " + in_quotes(value) + " contains control characters", "write letters, as in 'm/s'");
+        wrong("the unit " + in_quotes(value) + " contains control characters",
+              "use printable characters, as in 'm/s'");
       return;
     }
     if (key == "order") {
@@ -236,13 +239,14 @@ class LineReader {
     if (key == "safe") point_.safe = *x;
   }
 
-  /// Makes the checks that need the whole line.
+  /// Checks the options of the line against each other and against the earlier points.
   void check_whole() {
     if (point_.end() > 65536)
       wrong("the two registers of " + in_quotes(point_.name) + " extend beyond address 65535",
             "start at 65534 or lower");
     if (order_given_ && point_.width() == 1)
-      wrong("a type of one register has no word order", "leave out 'order', or use uint32, int32 or float32");
+      wrong("only a type with two registers has a word order",
+            "leave out 'order', or use uint32, int32 or float32");
     if (point_.safe && !point_.out) wrong("an input has no safe value", "leave out 'safe'");
     if (point_.safe && is_bit(point_.table) && *point_.safe != 0 && *point_.safe != 1)
       wrong("the safe value of a coil is not 0 or 1", "write 'safe 0' or 'safe 1'");
@@ -255,11 +259,11 @@ class LineReader {
       if (point_.out && other.out && overlap)
         wrong(in_quotes(point_.name) + " and " + in_quotes(other.name) + " write the same " +
                   modbus::to_text(point_.table),
-              "give each its own address");
+              "give each point its own address");
     }
     if (map_.points.size() == kMaxPoints)
       wrong("there are more than " + std::to_string(kMaxPoints) + " points",
-            "use a second module for the rest");
+            "use a second module for the remaining points");
   }
 
   Map& map_;
@@ -271,7 +275,7 @@ class LineReader {
 
 }  // namespace detail
 
-/// Parses any text and collects all mistakes. A line ends with a line feed or ';'; '#' begins a comment.
+/// Parses any text and collects all mistakes. A line feed or ';' ends a line; '#' begins a comment.
 inline Map parse_map(std::string_view text) {
   Map map;
   unsigned line = 1;

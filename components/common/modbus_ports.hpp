@@ -1,5 +1,6 @@
-// The ports of a map's points: a basic::Flag for a bit, a basic::Number for a register. A program creates
-// them before initPeriodExe(), when it knows the map; its cyclic body calls read() and write().
+// The ports for the points of a map: a basic::Flag for a bit, a basic::Number for a register. A program
+// creates them after it has parsed the map and before it calls initPeriodExe(). Its cyclic body calls read()
+// and write().
 #pragma once
 
 #include <cstdio>
@@ -21,7 +22,7 @@ inline std::string description(const Point& point) {
   return point.unit.empty() ? text : text + ", in " + point.unit;
 }
 
-/// The input port of a point.
+/// The input port for a point.
 class PointInput {
  public:
   explicit PointInput(const Point& point) {
@@ -31,7 +32,7 @@ class PointInput {
       number_ =
           std::make_unique<takt::InPort<basic::Number>>(point.name, takt::PortOptions{description(point)});
   }
-  /// True if there is a new sample; `value` is then the newest one. A bit is 0 or 1.
+  /// Reads the newest sample into `value`; a bit is 0 or 1. Returns false if there is no new sample.
   bool read(double& value) noexcept {
     bool news = false;
     while (flag_ ? flag_->read() : number_->read()) news = true;
@@ -44,7 +45,7 @@ class PointInput {
   std::unique_ptr<takt::InPort<basic::Number>> number_;
 };
 
-/// The output port of a point.
+/// The output port for a point.
 class PointOutput {
  public:
   explicit PointOutput(const Point& point) {
@@ -72,8 +73,8 @@ class PointOutput {
   std::unique_ptr<takt::OutPort<basic::Number>> number_;
 };
 
-/// The points of the property `map`. If it has mistakes, prints each on a line of standard error and ends the
-/// program with status 1.
+/// Returns the points of the property `map`. If the map has mistakes, prints each on one line of standard
+/// error and ends the program with status 1.
 inline std::vector<Point> points_or_end(const std::string& text) {
   if (text.empty()) {
     std::fprintf(stderr, "property 'map' is missing; write one point per line, as in 'lamp out coil 0'\n");

@@ -1,5 +1,5 @@
-// Converts between a number and one or two registers of a Modbus device. For real-time threads, except
-// range_text().
+// Converts between a number and one or two registers of a Modbus device. Real-time threads may use everything
+// here except range_text().
 #pragma once
 
 #include <algorithm>
@@ -20,11 +20,11 @@ struct Encoding {
   Type type = Type::uint16;
   double scale = 1;  ///< value = register content * scale + offset; not 0
   double offset = 0;
-  bool low_first = false;  ///< true: the first of two registers holds the low word; false: the high word, as
-                           ///< usual in Modbus
+  bool low_first = false;  ///< whether the first of two registers holds the low word; usually, it holds the
+                           ///< high word
 };
 
-/// Number of registers.
+/// Returns the number of registers.
 constexpr unsigned words(Type type) noexcept { return type == Type::uint16 || type == Type::int16 ? 1 : 2; }
 
 inline std::optional<Type> type_of(std::string_view text) noexcept {
@@ -40,7 +40,7 @@ struct Range {
   double min;
   double max;
 };
-/// Range of the register content.
+/// Returns the range of the register content.
 constexpr Range raw_range(Type type) noexcept {
   switch (type) {
     case Type::uint16:
@@ -75,8 +75,8 @@ inline std::string range_text(const Encoding& encoding) {
   return text(std::min(a, b)) + " to " + text(std::max(a, b));
 }
 
-/// Writes the value, rounded and clamped to the range, into words(type) registers. If the value is NaN,
-/// returns false and writes nothing.
+/// Writes the value, rounded and clamped to the range of its type, into words(type) registers. If the value
+/// is NaN, returns false and writes nothing.
 inline bool encode(const Encoding& encoding, double value, std::uint16_t* to) noexcept {
   const Range range = raw_range(encoding.type);
   const double raw = (value - encoding.offset) / encoding.scale;
@@ -86,7 +86,7 @@ inline bool encode(const Encoding& encoding, double value, std::uint16_t* to) no
   if (encoding.type == Type::float32)
     bits = std::bit_cast<std::uint32_t>(static_cast<float>(held));
   else
-    bits = static_cast<std::uint32_t>(std::llround(held));  // modulo 2^32: two's complement
+    bits = static_cast<std::uint32_t>(std::llround(held));  // modulo 2^32, which gives two's complement
   if (words(encoding.type) == 1) {
     to[0] = static_cast<std::uint16_t>(bits);
     return true;

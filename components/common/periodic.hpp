@@ -10,7 +10,7 @@
 
 namespace common {
 
-/// Fails for a module without a period, which a block needs to count time and to design its filters.
+/// Fails if the module has no period. The component needs the period to count time and to design its filters.
 inline takt::Result<void> check_period(takt::Nanoseconds period) {
   if (period > takt::Nanoseconds{0}) return {};
   return takt::fail("this module has no period, but the component needs one",
@@ -18,13 +18,13 @@ inline takt::Result<void> check_period(takt::Nanoseconds period) {
 }
 
 inline double in_seconds(takt::Nanoseconds span) { return std::chrono::duration<double>(span).count(); }
-/// Rounds a value to six digits, for the limits of a range.
+/// Rounds a limit of a property's range to six digits.
 inline double rounded(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", value);
   return std::strtod(text.data(), nullptr);
 }
-/// The words that explain a range that depends on the period.
+/// Returns the words that explain why a range depends on the period.
 inline std::string at_period(takt::Nanoseconds period) { return "at a period of " + takt::to_text(period); }
 
 }  // namespace common

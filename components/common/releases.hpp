@@ -1,4 +1,4 @@
-// Counts the periods since a block's last call. For real-time threads.
+// Counts the periods since the last call of a component. Real-time threads may use everything here.
 #pragma once
 
 #include <algorithm>
@@ -6,19 +6,19 @@
 
 namespace common {
 
-/// Counts releases by their numbers in the grid, in which a missed release leaves a gap. A block that only
-/// counted its calls would lose that time.
+/// Counts periods with the numbers of the releases, in which a missed release leaves a gap. A component that
+/// only counted its own calls would lose the time of missed releases.
 class Releases {
  public:
-  /// Returns the number of releases since the last call; `number` is that of the present release. Returns at
-  /// least 1, and 1 at the first call.
+  /// Returns the number of releases since the last call, at least 1; the first call returns 1. `number` is
+  /// the number of the present release.
   std::uint64_t step(std::uint64_t number) noexcept {
     const std::uint64_t passed = known_ && number > last_ ? number - last_ : 1;
     last_ = number;
     known_ = true;
     return passed;
   }
-  /// The next call counts as the first.
+  /// Makes the next call count as the first.
   void reset() noexcept { known_ = false; }
 
  private:
@@ -26,8 +26,8 @@ class Releases {
   bool known_ = false;
 };
 
-/// The maximum number of steps for a block that computes one step per release that has passed. It bounds the
-/// run time after a long gap.
+/// The maximum number of steps per call, for a component that computes one step for each release that has
+/// passed. It bounds the run time after a long gap.
 inline constexpr std::uint64_t kMostSteps = 32;
 inline std::uint64_t steps_for(std::uint64_t passed) noexcept { return std::min(passed, kMostSteps); }
 

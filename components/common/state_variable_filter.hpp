@@ -1,5 +1,5 @@
-// A second-order filter whose two states are those of its analog model. low_pass and notch use it. For
-// real-time threads.
+// A second-order filter with the same two states as its analog model. The components low_pass and notch use
+// it. Real-time threads may use everything here.
 #pragma once
 
 #include <cmath>
@@ -7,29 +7,29 @@
 
 namespace common {
 
-/// The bilinear transform with prewarping maps the frequency f to tan(pi f / rate). At f, the filter then has
-/// exactly the gain of its analog model.
+/// Returns tan(pi f / rate): the bilinear transform with prewarping maps the frequency f to this value. At f,
+/// the filter then has exactly the gain of its analog model.
 inline double prewarped(double frequency, double period) noexcept {
   return std::tan(std::numbers::pi * frequency * period);
 }
 
 /// Two trapezoidal integrators in a loop: s'' + damping w s' + w^2 s = w^2 x, by the bilinear transform. The
-/// states are the low-pass and the band-pass output, so they keep their meaning when the coefficients change.
-/// The old samples in a direct-form filter do not. So coefficients may change between any two steps, and the
-/// output continues without a jump (Zavalishin, The Art of VA Filter Design).
+/// two states are the outputs of the low-pass and the band-pass. They keep their meaning when the
+/// coefficients change, unlike the old samples in a direct-form filter. So coefficients may change between
+/// any two steps, and the output continues without a jump (Zavalishin, The Art of VA Filter Design).
 class StateVariableFilter {
  public:
   struct Output {
-    double low, band;  ///< band: its gain at the centre frequency is 1 / damping
+    double low, band;  ///< `band` has the gain 1 / damping at the centre frequency
   };
 
-  /// `g`: the prewarped() frequency, above 0; `damping`: 1 / quality, above 0.
+  /// Sets the coefficients. `g` is the prewarped() frequency, above 0; `damping` is 1 / quality, above 0.
   void design(double g, double damping) noexcept {
     g_ = g;
     damping_ = damping;
     scale_ = 1 / (1 + g * (g + damping));
   }
-  /// Puts the filter at rest with this input: the next outputs are `input` (low) and 0 (band).
+  /// Settles the filter for this constant input: its next outputs are `input` (low) and 0 (band).
   void settle(double input) noexcept {
     band_state_ = 0;
     low_state_ = input;

@@ -1,5 +1,5 @@
-// A thread module in C++, 100 us: the velocity loop of a DC motor with a sine as set point and a load that
-// switches on and off.
+// The velocity loop of a DC motor, as a thread module in C++ with a period of 100 us. The set point is a
+// sine, and a load switches on and off.
 #include <takt/component.hpp>
 
 #include <cstdio>
@@ -15,7 +15,7 @@ class Control2 : public takt::Component {
   takt::Property<double> derivative{
       *this, "derivative", 0, {.unit = "V s^2/rad", .min = 0, .max = 0.01, .text = "Derivative gain."}};
   takt::Property<double> voltage{
-      *this, "voltage", 24, {.unit = "V", .min = 1, .max = 60, .text = "Limit of the amplifier."}};
+      *this, "voltage", 24, {.unit = "V", .min = 1, .max = 60, .text = "Voltage limit of the amplifier."}};
   takt::Property<double> amplitude{
       *this,
       "amplitude",
@@ -30,13 +30,13 @@ class Control2 : public takt::Component {
       *this,
       "load",
       0.1,
-      {.unit = "N m", .min = 0, .max = 2, .text = "Load torque, on or off for 0.5 s each."}};
+      {.unit = "N m", .min = 0, .max = 2, .text = "Load torque; on for 0.5 s, then off for 0.5 s."}};
 
   control2::Motor motor_;
   control2::Pid pid_;
   control2::ErrorMeter meter_;
-  double phase_ = 0;  // of the set point, in periods, 0 to 1
-  double time_ = 0;   // of the load, 0 to 1 s
+  double phase_ = 0;  // phase of the set point, in periods, 0 to 1
+  double time_ = 0;   // s since the load last switched off, 0 to 1
   unsigned long long limited_ = 0;
   unsigned long long runs_ = 0;
 
@@ -49,7 +49,8 @@ class Control2 : public takt::Component {
     time_ = time_ >= 1 ? 0 : time_ + dt;
     motor_.load = time_ < 0.5 ? 0 : load.value();
 
-    // Copied every time, so that a gain that is set while it runs takes effect at the next release.
+    // Copies the gains in each release, so that a gain that is set while the module runs takes effect at the
+    // next release.
     pid_.gain = gain;
     pid_.integral_gain = integral;
     pid_.derivative_gain = derivative;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPeriod = 100e-6;
 
-TEST(Motor, ReachesTheNoLoadSpeedOfItsConstants) {
+TEST(Motor, ReachesTheNoLoadSpeedThatItsConstantsPredict) {
   Motor motor;
   for (int i = 0; i < 50000; ++i) motor.step(12, kPeriod);
   const double no_load =
@@ -20,7 +20,7 @@ TEST(Motor, ReachesTheNoLoadSpeedOfItsConstants) {
   EXPECT_NEAR(motor.speed, no_load, 0.01);
 }
 
-TEST(Pid, FollowsAStepWithoutSteadyStateError) {
+TEST(Pid, HasNoSteadyStateErrorAfterAStep) {
   Motor motor;
   Pid pid;
   motor.load = 0.1;
@@ -34,19 +34,20 @@ TEST(Pid, NeverExceedsItsOutputLimit) {
   EXPECT_EQ(pid.step(-10000, 0, kPeriod), -24);
 }
 
-TEST(Pid, DoesNotWindUpAtItsLimit) {
+TEST(Pid, DoesNotWindUpWhileItsOutputIsLimited) {
   Motor motor;
   Pid pid;
-  // 24 V cannot reach 600 rad/s: one second at the limit.
+  // 24 V is not enough for 600 rad/s, so the output stays at its limit for one second.
   for (int i = 0; i < 10000; ++i) motor.step(pid.step(600, motor.speed, kPeriod), kPeriod);
   EXPECT_LT(motor.speed, 500);
   EXPECT_LT(pid.integral, 2 * pid.limit);
-  // It leaves the limit and settles at once; with windup it would stay at full speed for seconds.
+  // The output leaves the limit and the speed settles at once. With windup, the motor would stay at full
+  // speed for seconds.
   for (int i = 0; i < 5000; ++i) motor.step(pid.step(200, motor.speed, kPeriod), kPeriod);
   EXPECT_NEAR(motor.speed, 200, 1);
 }
 
-TEST(Pid, WindsUpWithoutTracking) {
+TEST(Pid, WindsUpIfAntiWindupIsPracticallyOff) {
   Motor motor;
   Pid pid{.tracking = 1e9};
   for (int i = 0; i < 10000; ++i) motor.step(pid.step(600, motor.speed, kPeriod), kPeriod);
@@ -69,7 +70,7 @@ TEST(ErrorMeter, KeepsTheLargestError) {
   EXPECT_EQ(meter.largest, 3);
 }
 
-TEST(ErrorMeter, ConvergesToTheMeanSquareOfASteadyError) {
+TEST(ErrorMeter, MeasuresTheMeanSquareOfASteadyError) {
   ErrorMeter meter;
   for (int i = 0; i < 100000; ++i) meter.step(i % 2 == 0 ? 2 : -2, kPeriod);
   EXPECT_NEAR(std::sqrt(meter.mean_square), 2, 0.001);
@@ -77,7 +78,7 @@ TEST(ErrorMeter, ConvergesToTheMeanSquareOfASteadyError) {
 
 using namespace std::chrono_literals;
 
-/// The root mean square of the speed error over two seconds.
+/// Returns the root mean square of the speed error over two seconds.
 double error_of(const char* gain, const char* integral) {
   takt::testing::Module module{{.period = 100us}};
   EXPECT_TRUE(module.set("gain", gain));
@@ -101,7 +102,7 @@ TEST(Control2, FollowsItsSetPointBetterWithHigherGains) {
   EXPECT_LT(tight, loose / 10);
 }
 
-TEST(Control2, RestartsFromStandstillAfterAnError) {
+TEST(Control2, RunsAgainAfterAnError) {
   takt::testing::Module module{{.period = 100us}};
   ASSERT_TRUE(module.start());
   module.step(1000);

@@ -1,4 +1,5 @@
-// The mathematics of control2: the velocity loop of a DC motor. SI units. Everything here is real-time.
+// The mathematics of control2: the velocity loop of a DC motor. SI units. Real-time threads may use
+// everything here.
 #pragma once
 
 #include <algorithm>
@@ -6,15 +7,15 @@
 
 namespace control2 {
 
-/// A brushed 24 V motor of about 100 W with its load. Each step integrates the current first, then the speed
-/// with the new current. It is stable for steps up to twice the electrical time constant.
+/// A brushed 24 V motor of about 100 W with its load. Each step integrates the current first and then the
+/// speed, with the new current. The integration is stable for steps up to twice the electrical time constant.
 struct Motor {
   double resistance = 0.6;     ///< ohm
   double inductance = 0.6e-3;  ///< H
-  double constant = 0.05;      ///< V s = N m / A
+  double constant = 0.05;      ///< V s = N m / A, motor constant
   double inertia = 1e-4;       ///< kg m^2
-  double friction = 1e-4;      ///< N m s
-  double load = 0;             ///< N m, against positive speed
+  double friction = 1e-4;      ///< N m s, viscous friction
+  double load = 0;             ///< N m, acts against positive speed
 
   double current = 0;  ///< A
   double speed = 0;    ///< rad/s
@@ -25,9 +26,9 @@ struct Motor {
   }
 };
 
-/// A PID with limited output. The derivative acts on the filtered measurement, so a set point step causes no
-/// derivative kick. Anti-windup by back-calculation removes the excess over the limit from the integral with
-/// the time constant `tracking`.
+/// A PID controller with limited output. The derivative acts on the filtered measurement, so a set point step
+/// causes no derivative kick. Anti-windup by back-calculation removes the excess over the limit from the
+/// integral with the time constant `tracking`.
 struct Pid {
   double gain = 0.2;           ///< V s/rad
   double integral_gain = 10;   ///< V/rad
@@ -53,7 +54,8 @@ struct Pid {
   void reset() noexcept { integral = slope = last = 0; }
 };
 
-/// The mean square of an error with a time constant of one second, and its largest absolute value.
+/// Measures the mean square of an error with a time constant of one second, and the largest absolute value of
+/// the error.
 struct ErrorMeter {
   double mean_square = 0;
   double largest = 0;

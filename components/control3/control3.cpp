@@ -1,21 +1,21 @@
-// A thread module in the form of the paper's Figure 8, 100 us: a notch and a low-pass keep a joint's
-// resonance out of its torque command.
+// Keeps a joint's resonance out of its torque command with a notch and a low-pass filter. This is a thread
+// module in the form of the paper's Figure 8, with a period of 100 us.
 #include <takt/module.h>
 
 #include <cstdio>
 
 #include "filter.hpp"
 
-TAKT_TEXT("Notch and low-pass that keep a joint's resonance out of its torque command.");
-TAKT_NUMBER(resonance_hz, 180, 1, 4999, "Hz", "Frequency of the ripple.");
+TAKT_TEXT("Notch and low-pass filters that keep a joint's resonance out of its torque command.");
+TAKT_NUMBER(resonance_hz, 180, 1, 4999, "Hz", "Frequency of the simulated resonance.");
 TAKT_NUMBER(notch_hz, 180, 1, 4999, "Hz", "Frequency that the notch removes.");
-TAKT_NUMBER(notch_quality, 2, 0.1, 100, "1", "Frequency divided by width of the notch.");
-TAKT_NUMBER(low_pass_hz, 1000, 1, 4999, "Hz", "Cut-off frequency of the low-pass.");
-TAKT_NUMBER(command_hz, 2, 0.01, 100, "Hz", "Frequency of the command.");
+TAKT_NUMBER(notch_quality, 2, 0.1, 100, "1", "Frequency of the notch divided by its width.");
+TAKT_NUMBER(low_pass_hz, 1000, 1, 4999, "Hz", "Cut-off frequency of the low-pass filter.");
+TAKT_NUMBER(command_hz, 2, 0.01, 100, "Hz", "Frequency of the sinusoidal torque command.");
 
 namespace {
 
-constexpr double kRate = 10000;  // Hz; the interface of Figure 8 does not pass the period
+constexpr double kRate = 10000;  // Hz, fixed, because the interface of Figure 8 does not pass the period
 constexpr double kTorque = 10;   // N m
 constexpr double kRipple = 2;    // N m
 

@@ -12,51 +12,51 @@ namespace {
 
 constexpr double kRate = 10000;
 
-/// The gain for a sine, after the filter has settled.
+/// Returns the gain for a sine of this frequency after the filter has settled.
 double gain_at(Biquad filter, double frequency) {
   Oscillator sine(frequency, kRate);
   Detector detector;
-  detector.window = 10000;  // a whole number of periods of any whole frequency
+  detector.window = 10000;  // holds a whole number of periods of each whole-hertz frequency
   for (int i = 0; i < 20000; ++i) detector.step(filter.step(sine.step()), sine);
   return detector.amplitude;
 }
 
-TEST(Oscillator, KeepsItsAmplitudeAndFrequencyForAMillionSteps) {
+TEST(Oscillator, IsStillExactAfterAMillionSteps) {
   Oscillator sine(180, kRate);
   for (int i = 0; i < 1000000; ++i) sine.step();
   EXPECT_NEAR(std::hypot(sine.x, sine.y), 1, 1e-12);
-  EXPECT_NEAR(sine.y, 0, 1e-6);  // 18000 whole periods
+  EXPECT_NEAR(sine.y, 0, 1e-6);  // after 18000 whole periods
 }
 
-TEST(LowPass, PassesLowFrequenciesAndStopsHighOnes) {
+TEST(LowPass, PassesLowFrequenciesAndBlocksHighFrequencies) {
   const Biquad filter = Biquad::low_pass(1000, 0.7071, kRate);
   EXPECT_NEAR(gain_at(filter, 2), 1, 1e-3);
   EXPECT_NEAR(gain_at(filter, 1000), 0.7071, 1e-3);
   EXPECT_LT(gain_at(filter, 4000), 0.02);
 }
 
-TEST(Notch, RemovesItsFrequencyAndPassesTheRest) {
+TEST(Notch, RemovesOnlyItsFrequency) {
   const Biquad filter = Biquad::notch(180, 2, kRate);
   EXPECT_LT(gain_at(filter, 180), 1e-6);
   EXPECT_NEAR(gain_at(filter, 2), 1, 1e-3);
   EXPECT_NEAR(gain_at(filter, 3000), 1, 1e-3);
 }
 
-TEST(Notch, PassesHalfThePowerAtTheEdgesOfItsWidth) {
-  // For a width of 90 Hz at 180 Hz, the product of the two edges is 180^2 and their distance is 90.
+TEST(Notch, PassesHalfThePowerAtTheEdgesOfItsBand) {
+  // The notch at 180 Hz is 90 Hz wide. Its edges are 90 Hz apart, and their product is 180^2.
   const Biquad filter = Biquad::notch(180, 2, kRate);
   EXPECT_NEAR(gain_at(filter, 141), 0.7071, 0.01);
   EXPECT_NEAR(gain_at(filter, 231), 0.7071, 0.01);
 }
 
-TEST(Biquad, RejectsFrequenciesOutsideItsRange) {
+TEST(Biquad, RejectsInvalidDesignValues) {
   EXPECT_THROW(Biquad::notch(0, 1, kRate), std::invalid_argument);
   EXPECT_THROW(Biquad::notch(5000, 1, kRate), std::invalid_argument);
   EXPECT_THROW(Biquad::low_pass(100, 0, kRate), std::invalid_argument);
   EXPECT_NO_THROW(Biquad::low_pass(4999, 0.7, kRate));
 }
 
-TEST(Detector, MeasuresOneSineInAMixOfTwo) {
+TEST(Detector, MeasuresOneOfTwoMixedSines) {
   Oscillator slow(2, kRate);
   Oscillator fast(180, kRate);
   Detector detector;
@@ -85,7 +85,7 @@ TEST(Control3, KeepsTheResonanceOutOfTheTorque) {
   EXPECT_LT(after, 0.05);
 }
 
-TEST(Control3, RejectsANotchFrequencyAtHalfTheRate) {
+TEST(Control3, RejectsANotchFrequencyAtHalfTheSamplingRate) {
   takt::testing::Module module{{.period = 100us}};
   ASSERT_TRUE(module.set("notch_hz", "5000"));
   EXPECT_EQ(module.start().text(),

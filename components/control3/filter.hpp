@@ -1,5 +1,5 @@
-// The mathematics of control3: filters for the torque command of a resonant joint. Everything is real-time
-// except the design of a filter.
+// The mathematics of control3: filters for the torque command of a resonant joint. Real-time threads may use
+// everything here except low_pass() and notch(), which throw.
 #pragma once
 
 #include <cmath>
@@ -14,8 +14,8 @@ struct Biquad {
   double b0 = 1, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   double s1 = 0, s2 = 0;
 
-  /// A low-pass with gain 1 at 0 Hz, and with -3 dB at `frequency` for a quality of 0.7071. Throws if the
-  /// frequency is not below half the rate.
+  /// Designs a low-pass filter. Its gain is 1 at 0 Hz, and -3 dB at `frequency` for a quality of 0.7071.
+  /// Throws if the frequency is not below half the rate.
   static Biquad low_pass(double frequency, double quality, double rate) {
     const auto [cosine, alpha] = warp(frequency, quality, rate);
     const double a0 = 1 + alpha;
@@ -26,8 +26,8 @@ struct Biquad {
             .a2 = (1 - alpha) / a0};
   }
 
-  /// A notch with gain 0 at `frequency` and 1 far from it. The half-power width is frequency/quality. Throws
-  /// like low_pass().
+  /// Designs a notch filter. Its gain is 0 at `frequency` and 1 far from it. Its half-power width is
+  /// `frequency` / `quality`. Throws if the frequency is not below half the rate.
   static Biquad notch(double frequency, double quality, double rate) {
     const auto [cosine, alpha] = warp(frequency, quality, rate);
     const double a0 = 1 + alpha;
@@ -53,15 +53,15 @@ struct Biquad {
       throw std::invalid_argument(
           "the frequency of a filter must be above 0 and below half the sampling rate");
     }
-    if (!(quality > 0)) throw std::invalid_argument("the quality of a filter must be above 0");
+    if (!(quality > 0)) throw std::invalid_argument("the quality factor of a filter must be above 0");
     const double angle = 2 * std::numbers::pi * frequency / rate;
     return {std::cos(angle), std::sin(angle) / (2 * quality)};
   }
 };
 
-/// Generates a sine without calling sin(): one rotation per step, with the length held at 1.
+/// Generates a sine without calling sin(): each step rotates a vector and holds its length at 1.
 struct Oscillator {
-  double cosine = 1, sine = 0;  // the rotation of one step
+  double cosine = 1, sine = 0;  // cosine and sine of the rotation per step
   double x = 1, y = 0;
 
   Oscillator() = default;
@@ -72,18 +72,18 @@ struct Oscillator {
   double step() noexcept {
     const double nx = x * cosine - y * sine;
     const double ny = x * sine + y * cosine;
-    const double correction = 1.5 - 0.5 * (nx * nx + ny * ny);  // one Newton step towards length 1
+    const double correction = 1.5 - 0.5 * (nx * nx + ny * ny);  // one Newton step to length 1
     x = nx * correction;
     y = ny * correction;
     return y;
   }
 };
 
-/// Measures one frequency in a signal: multiplies it with a sine and a cosine and averages over a whole
-/// number of periods.
+/// Measures the amplitude of one frequency in a signal. It multiplies the signal with a sine and a cosine and
+/// averages over a whole number of periods.
 struct Detector {
   double in_phase = 0, quadrature = 0;
-  double amplitude = 0;          ///< in the last full window
+  double amplitude = 0;          ///< of the last complete window
   std::uint64_t window = 10000;  ///< steps
   std::uint64_t step_number = 0;
 

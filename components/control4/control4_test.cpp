@@ -24,7 +24,7 @@ struct Plant {
   }
 };
 
-TEST(Zone, StaysAtRoomTemperatureWithoutPower) {
+TEST(HeatingZone, StaysAtRoomTemperatureWithoutPower) {
   zone block = zone_at_room(20);
   for (int i = 0; i < 1000; ++i) zone_step(&block, 0, kPeriod);
   EXPECT_EQ(block.block, 20);
@@ -37,13 +37,13 @@ TEST(HeaterLoop, BringsTheZoneToItsSetPoint) {
   EXPECT_NEAR(plant.block.sensor, 80, 0.1);
 }
 
-TEST(HeaterLoop, OvershootsLittleAfterHeaterSaturation) {
+TEST(HeaterLoop, HardlyOvershootsAfterSaturation) {
   Plant plant;
   plant.run(60, 80);
   EXPECT_LT(plant.hottest, 83);
 }
 
-TEST(HeaterLoop, NeitherCoolsNorExceedsItsPower) {
+TEST(HeaterLoop, KeepsItsCommandBetweenZeroAndFullPower) {
   heater_loop loop{.gain = 30, .integral_time = 4, .power_limit = 400, .integral = 0};
   EXPECT_EQ(heater_loop_step(&loop, 20, 200, kPeriod), 0);
   EXPECT_EQ(heater_loop_step(&loop, 200, 20, kPeriod), 400);

@@ -1,5 +1,5 @@
-// A thread module in the form of the paper's Figure 8, at the period of the descriptor: the position loop of
-// an axis.
+// The position loop of an axis, as a thread module in the form of the paper's Figure 8. Its period comes from
+// the descriptor.
 #include <takt/module.h>
 
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 TAKT_TEXT("Position loop of a linear axis that moves back and forth on a trapezoidal profile.");
 TAKT_INTEGER(counter, 5, 1, 1000000, "periods",
-             "Consecutive periods inside the window before the axis is in position.");
+             "Periods with an error of at most 0.01 mm before the axis is in position.");
 TAKT_NUMBER(stroke_mm, 100, 1, 10000, "mm", "Distance between the ends.");
 TAKT_NUMBER(velocity_mm_s, 500, 1, 5000, "mm/s", "Maximum velocity of the profile.");
 TAKT_NUMBER(acceleration_mm_s2, 5000, 10, 100000, "mm/s^2", "Acceleration of the profile.");

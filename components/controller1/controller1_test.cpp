@@ -31,29 +31,29 @@ TEST(Move, NeverExceedsItsVelocityAndAcceleration) {
   }
 }
 
-TEST(Move, IsATriangleWhenTooShortForItsVelocity) {
+TEST(Move, HasATriangularProfileWhenTooShortToReachItsVelocity) {
   const Move move{.from = 0, .to = 1, .velocity = 500, .acceleration = 5000};
   EXPECT_NEAR(move.duration(), 2 * std::sqrt(1.0 / 5000), 1e-9);
   EXPECT_NEAR(move.at(move.duration() / 2).position, 0.5, 1e-9);
 }
 
-TEST(Move, HasNoDurationWithoutADistance) {
+TEST(Move, TakesNoTimeWhenItsDistanceIsZero) {
   const Move move{.from = 5, .to = 5, .velocity = 500, .acceleration = 5000};
   EXPECT_EQ(move.duration(), 0);
   EXPECT_EQ(move.at(0).position, 5);
 }
 
-TEST(PositionLoop, BringsTheAxisToASetPointStep) {
+TEST(PositionLoop, BringsTheAxisToANewSetPoint) {
   Axis axis;
   PositionLoop loop;
   for (int i = 0; i < 5000; ++i) axis.step(loop.step({10, 0}, axis.position, kPeriod), kPeriod);
   EXPECT_NEAR(axis.position, 10, 1e-6);
 }
 
-TEST(PositionLoop, DoesNotWindUpAtItsLimit) {
+TEST(PositionLoop, DoesNotWindUpWhileItsCommandIsLimited) {
   Axis axis;
   PositionLoop loop{.command_limit = 50};
-  // 100 mm at 50 mm/s at most: two seconds at the limit.
+  // The command, at most 50 mm/s, stays at its limit for two seconds of the 100 mm step.
   double highest = 0;
   for (int i = 0; i < 10000; ++i) {
     axis.step(loop.step({100, 0}, axis.position, kPeriod), kPeriod);
@@ -73,7 +73,7 @@ TEST(InPosition, NeedsConsecutiveSamplesInsideTheWindow) {
   EXPECT_TRUE(in_position.step(0));
 }
 
-TEST(InPosition, IsReachedAtTheFirstSampleInsideWithACounterOfOne) {
+TEST(InPosition, NeedsOneSampleInsideTheWindowIfTheCounterIsOne) {
   InPosition in_position{.window = 0.01, .counter = 1};
   EXPECT_FALSE(in_position.step(0.02));
   EXPECT_TRUE(in_position.step(0.01));
@@ -91,7 +91,7 @@ TEST(Shuttle, MovesBackAndForthWithASmallFollowingError) {
   EXPECT_LT(shuttle.settling, 0.4);
 }
 
-TEST(Shuttle, SettlesLaterByTheExtraPeriodsOfItsCounter) {
+TEST(Shuttle, SettlesOnePeriodLaterForEachPeriodOfItsCounter) {
   double settling[2] = {};
   for (int which = 0; which < 2; ++which) {
     Shuttle shuttle;
@@ -113,7 +113,7 @@ std::string end_of(takt::testing::Module& module) {
   return testing::internal::GetCapturedStderr();
 }
 
-TEST(Controller1, MovesBackAndForthAtThePeriodOfItsDescriptor) {
+TEST(Controller1, MovesBackAndForthWithThePeriodFromItsDescriptor) {
   takt::testing::Module module{{.period = 600us}};
   ASSERT_TRUE(module.set("stroke_mm", "200"));
   ASSERT_TRUE(module.start());
@@ -124,7 +124,7 @@ TEST(Controller1, MovesBackAndForthAtThePeriodOfItsDescriptor) {
       std::sscanf(end_of(module).c_str(), "controller1: %llu moves of %lf mm, following error at most %lf mm",
                   &moves, &stroke, &error),
       3);
-  EXPECT_NEAR(static_cast<double>(moves), 6 / 0.75, 2);  // each move takes half a second and a rest
+  EXPECT_NEAR(static_cast<double>(moves), 6 / 0.75, 2);  // a move and its rest take about 0.75 s
   EXPECT_EQ(stroke, 200);
   EXPECT_LT(error, 5);
 }

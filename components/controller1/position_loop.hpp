@@ -1,5 +1,5 @@
 // The mathematics of controller1: the position loop of a linear axis. Lengths are in mm, times in seconds.
-// Everything here is real-time.
+// Real-time threads may use everything here.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace controller1 {
 
 /// A move from standstill to standstill with limited velocity and acceleration. Its velocity profile is a
-/// trapezoid, or a triangle if the move is too short to reach the velocity.
+/// trapezoid, or a triangle if the move is too short to reach the velocity limit.
 struct Move {
   double from = 0;
   double to = 0;
@@ -23,8 +23,8 @@ struct Move {
 
   [[nodiscard]] double duration() const noexcept { return 2 * ramp() + cruise(); }
 
-  /// The set point at `time` after the beginning of the move. Before the move it is the beginning of the
-  /// move, and after the move it is the end.
+  /// Returns the set point `time` seconds after the move begins. Before the move, the set point is at the
+  /// start of the move; after the move, it is at the end.
   [[nodiscard]] Point at(double time) const noexcept {
     const double sign = to < from ? -1.0 : 1.0;
     const double end = duration();
@@ -48,8 +48,8 @@ struct Move {
   }
 };
 
-/// The drive and the carriage. The drive follows a velocity command with a lag; the carriage integrates the
-/// velocity.
+/// Simulates the drive and the carriage. The drive follows a velocity command with a lag; the carriage
+/// integrates the velocity.
 struct Axis {
   double lag = 0.004;  ///< time constant of the drive's velocity loop
   double position = 0;
@@ -78,8 +78,8 @@ struct PositionLoop {
   }
 };
 
-/// A move is done when the error has been inside the window for `counter` consecutive periods. A single
-/// sample inside the window may only be an overshoot that passes through it.
+/// Detects the end of a move: the error has been inside the window for `counter` consecutive periods. A
+/// single sample inside the window may be an overshoot that only passes through.
 struct InPosition {
   double window = 0.01;      ///< mm
   std::int64_t counter = 5;  ///< periods, at least 1
@@ -91,19 +91,19 @@ struct InPosition {
   }
 };
 
-/// The axis moves back and forth between 0 and `stroke`, with a rest at each end.
+/// Moves the axis back and forth between 0 and `stroke`, with a rest at each end.
 struct Shuttle {
   double stroke = 100;
-  double rest = 0.2;  ///< seconds at each end, once in position
+  double rest = 0.2;  ///< s, rest at each end after the axis is in position
   Move move{};
   Axis axis{};
   PositionLoop loop{};
   InPosition in_position{};
 
-  double time = 0;           ///< since the beginning of the move
-  double arrived = -1;       ///< the `time` of arrival; negative during the move
-  double largest_error = 0;  ///< mm, over all moves
-  double settling = 0;       ///< the longest time from the end of a profile to "in position"
+  double time = 0;           ///< s, since the move began
+  double arrived = -1;       ///< s, the `time` at which the axis was in position; negative until then
+  double largest_error = 0;  ///< mm, largest following error of all moves
+  double settling = 0;       ///< s, longest time from the end of a profile until the axis is in position
   std::uint64_t moves = 0;
 
   void begin() noexcept {

@@ -1,5 +1,5 @@
-// A thread module in C++: simulates a conveyor belt that brings parts to a light barrier and holds each until
-// it is taken away.
+// A thread module in C++: simulates a conveyor belt that brings parts to a light barrier and holds each part
+// until it is taken away.
 #include <takt/component.hpp>
 
 #include <algorithm>
@@ -12,20 +12,22 @@
 #include "belt.hpp"
 
 class Conveyor : public takt::Component {
-  takt::InPort<line::BeltCommand> command{*this, "command", {.text = "Speed of the belt."}};
+  takt::InPort<line::BeltCommand> command{*this, "command", {.text = "Wanted speed of the belt."}};
   takt::InPort<basic::Flag> enable{
       *this,
       "enable",
-      {.text = "False stops the belt. Before the first value, or if not connected, the belt may run."}};
+      {.text = "False stops the belt. Counts as true before the first value and if not connected."}};
   takt::InPort<motion::PickDone> taken{
-      *this, "taken", {.text = "Parts that were taken away; connect it as a queue."}};
+      *this,
+      "taken",
+      {.text = "Results of pick requests, which tell that a part was taken away; connect it as a queue."}};
   takt::OutPort<line::BeltState> state{*this, "state", {.text = "State of the belt."}};
   takt::OutPort<line::Part> part{*this, "part", {.text = "Event: a part has arrived at the light barrier."}};
   takt::OutPort<basic::Flag> barrier{*this, "barrier", {.text = "A part is at the light barrier."}};
   takt::OutPort<line::Scene> scene{
       *this, "scene", {.text = "The parts before the light barrier, for a camera."}};
   takt::Service<basic::Count, basic::Count> count{
-      *this, "count", {.text = "Continues counting parts from this number; returns the previous count."}};
+      *this, "count", {.text = "Sets the count of parts to this number; returns the previous count."}};
   takt::Property<double> acceleration{
       *this,
       "acceleration",
@@ -48,16 +50,18 @@ class Conveyor : public takt::Component {
       {.unit = "s",
        .min = 0,
        .max = 3600,
-       .text = "An enable older than this, or a missing one, counts as false; 0: never expires."}};
-  takt::Property<double> repeat{
-      *this,
-      "repeat",
-      2,
-      {.unit = "s", .min = 0.1, .max = 3600, .text = "A waiting part is announced again after this time."}};
+       .text = "A missing enable, or one older than this, counts as false; 0: enable never expires."}};
+  takt::Property<double> repeat{*this,
+                                "repeat",
+                                2,
+                                {.unit = "s",
+                                 .min = 0.1,
+                                 .max = 3600,
+                                 .text = "Time after which a part that still waits is announced again."}};
 
   conveyor::Belt belt_;
   basic::Count counted_;
-  double waited_ = 0;  // s, since the part was announced
+  double waited_ = 0;  // s, since the last announcement of the part
   line::BeltState state_;
   line::Scene scene_;
   basic::Flag barrier_;
@@ -88,7 +92,8 @@ class Conveyor : public takt::Component {
     const std::int64_t number = count.request().value();
     if (number < 0 || number > 1'000'000'000) return count.refuse("the count must be 0 to 1000000000");
     if (belt_.holding)
-      return count.refuse("a part is waiting at the light barrier; its number cannot change");
+      return count.refuse(
+          "a part waits at the light barrier, and its number cannot change; try again when the part is gone");
     counted_.value(belt_.parts);
     belt_.recount(static_cast<std::uint32_t>(number));
     count.reply(counted_);
@@ -136,4 +141,4 @@ class Conveyor : public takt::Component {
     scene.write(scene_);
   }
 };
-TAKT_COMPONENT(Conveyor, "A belt with a light barrier, simulated.")
+TAKT_COMPONENT(Conveyor, "Simulates a belt that brings parts to a light barrier.")

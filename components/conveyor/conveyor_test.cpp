@@ -30,7 +30,7 @@ TEST(Belt, HoldsEachPartUntilItIsTaken) {
   EXPECT_EQ(belt.parts, 2U);
 }
 
-TEST(Belt, IgnoresTheNumberOfAPartThatIsGone) {
+TEST(Belt, IgnoresARepeatedRemovalOfTheSamePart) {
   Belt belt;
   while (!belt.step(0.5, kPeriod)) {
   }
@@ -60,7 +60,7 @@ TEST(Belt, NeverExceedsItsAcceleration) {
   }
 }
 
-TEST(Belt, DoesNotMoveAtANegativeOrNonFiniteSpeed) {
+TEST(Belt, StandsStillAtANegativeOrNonFiniteSpeed) {
   Belt belt;
   for (const double wanted :
        {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
@@ -68,7 +68,7 @@ TEST(Belt, DoesNotMoveAtANegativeOrNonFiniteSpeed) {
   EXPECT_EQ(belt.position, 0);
 }
 
-TEST(Belt, HasTheSamePartsInEachRun) {
+TEST(Belt, BringsTheSamePartsInEachRun) {
   Belt slow{.acceleration = 0.1};
   Belt fast{.acceleration = 5};
   while (!slow.step(0.1, kPeriod)) {
@@ -92,15 +92,15 @@ TEST(Belt, ReportsThePositionOfTheNextPart) {
   while (!belt.step(0.5, kPeriod)) {
   }
   EXPECT_EQ(belt.first(), 1U);
-  EXPECT_NEAR(belt.laid(1).x, 0, 0.5 * kPeriod);  // at most one step beyond the barrier
+  EXPECT_NEAR(belt.laid(1).x, 0, 0.5 * kPeriod);  // at most one step past the barrier
   EXPECT_LE(belt.laid(1).x, 0);
   belt.taken(1);
   EXPECT_EQ(belt.first(), 2U);
   EXPECT_NEAR(belt.laid(2).x, 0.3, 0.5 * kPeriod);
 }
 
-// Checks the formula in README.md, with a tolerance of two periods per part.
-TEST(Belt, BringsPartsAtTheRateOfTheFormula) {
+// Checks the formula of README.md, with a tolerance of two periods per part.
+TEST(Belt, BringsAsManyPartsPerMinuteAsTheFormulaPredicts) {
   struct Case {
     double spacing, speed, acceleration, held;
   };
@@ -137,7 +137,7 @@ motion::PickDone done(std::uint32_t number) {
   return part;
 }
 
-TEST(Conveyor, AnnouncesEachPartAndContinuesWhenItIsTaken) {
+TEST(Conveyor, BringsTheNextPartWhenTheWaitingPartIsTaken) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("spacing", "0.5"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -171,13 +171,13 @@ TEST(Conveyor, RepeatsTheAnnouncementOfAWaitingPart) {
   EXPECT_EQ(part.value().number(), 1U);
 }
 
-TEST(Conveyor, StopsWhenItsCommandIsStale) {
+TEST(Conveyor, GoesToRecoverAndStopsWhenItsCommandIsStale) {
   takt::testing::Module module{{.period = 2ms}};
   auto& command = module.in<line::BeltCommand>("command", {.deadline = 100ms, .stale_is_error = true});
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.start());
   command.write(speed(0.1));
-  module.step(51);  // until 100 ms after the first command
+  module.step(51);  // the first command is then 100 ms old
   EXPECT_GT(state.value().speed(), 0.09);
   module.step();
   EXPECT_EQ(module.state(), State::recover);
@@ -195,7 +195,7 @@ basic::Flag flag(bool value) {
   return one;
 }
 
-TEST(Conveyor, BrakesWhenDisabledAndContinuesWhenEnabled) {
+TEST(Conveyor, StandsStillWhileDisabled) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("spacing", "10"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -203,11 +203,11 @@ TEST(Conveyor, BrakesWhenDisabledAndContinuesWhenEnabled) {
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.start());
   command.write(speed(0.5));
-  module.step(300);  // no value of enable yet
+  module.step(300);  // before enable has a value
   EXPECT_DOUBLE_EQ(state.value().speed(), 0.5);
 
   enable.write(flag(false));
-  module.step(125);  // half of the braking time, at 1 m/s^2
+  module.step(125);  // half of the braking time at 1 m/s^2
   EXPECT_NEAR(state.value().speed(), 0.25, 1e-9);
   module.step(126);
   EXPECT_EQ(state.value().mode(), line::BELT_STOPPED);
@@ -230,7 +230,7 @@ TEST(Conveyor, WritesThePartsBeforeTheBarrierToTheScene) {
   auto& part = module.out<line::Part>("part");
   ASSERT_TRUE(module.start());
   module.step();
-  ASSERT_EQ(scene.value().parts().size(), 2U);  // at 0.3 and 0.6 m
+  ASSERT_EQ(scene.value().parts().size(), 2U);  // the parts at 0.3 and 0.6 m
   EXPECT_DOUBLE_EQ(scene.value().parts()[1].x(), 0.6);
   EXPECT_FALSE(barrier.value().value());
 
@@ -274,7 +274,7 @@ TEST(Conveyor, ContinuesCountingFromARequestedNumber) {
     number.value(from);
     return module.call<basic::Count, basic::Count>("count", number);
   };
-  EXPECT_FALSE(recount(41)) << "the waiting part keeps its number";
+  EXPECT_FALSE(recount(41)) << "the number of the waiting part must not change";
   taken.write(done(1));
   module.step();
   const auto last = recount(41);
@@ -295,7 +295,7 @@ TEST(Conveyor, RejectsPropertiesOutOfRange) {
   EXPECT_FALSE(module.set("acceleration", "fast"));
 }
 
-TEST(Conveyor, StopsWhenEnableTimesOut) {
+TEST(Conveyor, StopsWhenItsEnableInputTimesOut) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("enable_timeout", "0.1"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -306,7 +306,7 @@ TEST(Conveyor, StopsWhenEnableTimesOut) {
   fast.speed(0.5);
   command.write(fast);
   module.step(100);
-  EXPECT_EQ(state.value().speed(), 0) << "enable has no value yet";
+  EXPECT_EQ(state.value().speed(), 0) << "the belt moved although enable has no value";
   basic::Flag yes;
   yes.value(true);
   for (int i = 0; i < 100; ++i) {
@@ -314,7 +314,7 @@ TEST(Conveyor, StopsWhenEnableTimesOut) {
     module.step();
   }
   EXPECT_GT(state.value().speed(), 0.1);
-  module.step(400);  // after 0.1 s of silence it brakes
+  module.step(400);  // the belt brakes after 0.1 s without a value
   EXPECT_EQ(state.value().speed(), 0);
 }
 

@@ -19,8 +19,8 @@ double after(double seconds, double parts_per_second) {
 }
 
 TEST(Rate, IsZeroWithoutParts) { EXPECT_EQ(after(10, 0), 0); }
-TEST(Rate, ExtrapolatesDuringTheFirstMinute) { EXPECT_NEAR(after(10, 2), 120, 6); }
-TEST(Rate, CountsOnlyTheLastMinuteAfterTheFirstMinute) { EXPECT_NEAR(after(300, 0.5), 30, 1); }
+TEST(Rate, IsExtrapolatedDuringTheFirstMinute) { EXPECT_NEAR(after(10, 2), 120, 6); }
+TEST(Rate, CoversOnlyTheLastMinute) { EXPECT_NEAR(after(300, 0.5), 30, 1); }
 
 TEST(Rate, ForgetsPartsOlderThanAMinute) {
   counter_rate rate{};
@@ -30,7 +30,7 @@ TEST(Rate, ForgetsPartsOlderThanAMinute) {
   EXPECT_EQ(per_minute, 0);
 }
 
-TEST(Rate, AddsNoPartsWhenTheCountRestarts) {
+TEST(Rate, DoesNotRiseWhenThePartCountRestarts) {
   counter_rate rate{};
   double per_minute = 0;
   for (int i = 0; i < 10 * 50; ++i) per_minute = counter_rate_step(&rate, 10, 0.02);
@@ -41,7 +41,7 @@ TEST(Rate, AddsNoPartsWhenTheCountRestarts) {
 
 using namespace std::chrono_literals;
 
-TEST(Counter, WritesPartsAndPartsPerMinute) {
+TEST(Counter, WritesTheNumberOfPartsPerMinute) {
   takt::testing::Module module{{.period = 20ms}};
   auto& state = module.in<line::BeltState>("state");
   auto& throughput = module.out<line::Throughput>("throughput");

@@ -12,7 +12,7 @@
 namespace dispatcher {
 namespace {
 
-TEST(Pallet, FillsRowByRowAndThenStartsAgain) {
+TEST(Pallet, FillsItsPlacesRowByRow) {
   const Pallet pallet{{1, 2, 3}, 3, 2, 0.1};
   EXPECT_NEAR(pallet.slot(0).x, 1, 1e-12);
   EXPECT_NEAR(pallet.slot(2).x, 1.2, 1e-12);
@@ -61,7 +61,7 @@ TEST(Dispatcher, TurnsTheToolWithThePart) {
   auto& request = module.out<motion::PickRequest>("request");
   ASSERT_TRUE(module.start());
   line::Part turned = seen(1, "box", 0);
-  turned.x(0.01);  // not yet at the barrier
+  turned.x(0.01);  // the part is not yet at the barrier
   turned.angle(0.4);
   part.write(turned);
   module.step();
@@ -69,7 +69,7 @@ TEST(Dispatcher, TurnsTheToolWithThePart) {
   EXPECT_NEAR(request.value().pick().yaw(), -0.4, 1e-12);
   EXPECT_EQ(request.value().place().yaw(), 0);
   turned.number(2);
-  turned.angle(3);  // the same axis as -0.14
+  turned.angle(3);  // gives the same axis as -0.14
   part.write(turned);
   module.step();
   EXPECT_NEAR(request.value().pick().yaw(), std::numbers::pi - 3, 1e-12);

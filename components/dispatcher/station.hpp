@@ -11,15 +11,15 @@ struct Place {
   double z = 0;
 };
 
-/// A pallet with `columns` places along x and `rows` along y, `pitch` m apart. After the last place it starts
-/// again, as with an empty pallet.
+/// A pallet with `columns` places along x and `rows` places along y, `pitch` m apart. After the last place,
+/// the first place is next, as on an empty pallet.
 struct Pallet {
   Place first;
   std::int64_t columns = 4;
   std::int64_t rows = 3;
   double pitch = 0.12;
 
-  /// The place of part n, from 0.
+  /// Returns the place of part `n`; the first part has the number 0.
   [[nodiscard]] Place slot(std::uint64_t n) const noexcept {
     const auto place = n % static_cast<std::uint64_t>(columns * rows);
     const auto column = place % static_cast<std::uint64_t>(columns);

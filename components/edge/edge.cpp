@@ -8,9 +8,10 @@
 #include "edge_detector.hpp"
 
 class Edge : public takt::Component {
-  takt::InPort<basic::Flag> in{*this, "in", {.text = "CLK; connect it as a queue if no edge may be lost."}};
-  takt::OutPort<basic::Flag> q{*this, "q", {.text = "True for the one cycle that sees an edge."}};
-  takt::OutPort<basic::Count> count{*this, "count", {.text = "Edges since the start."}};
+  takt::InPort<basic::Flag> in{
+      *this, "in", {.text = "The flag (CLK); connect it as a queue if the module must see every edge."}};
+  takt::OutPort<basic::Flag> q{*this, "q", {.text = "True only in a cycle that sees an edge."}};
+  takt::OutPort<basic::Count> count{*this, "count", {.text = "Number of edges since the start."}};
   takt::Property<std::string> direction{
       *this,
       "direction",
@@ -43,7 +44,7 @@ class Edge : public takt::Component {
     count.write(count_);
   }
 
-  // The module did not see the flag before the recovery.
+  // During the error the module read no samples, so it does not know the last value of the flag.
   takt::Result<void> recover() override {
     detector_.forget();
     return {};

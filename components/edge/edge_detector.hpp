@@ -1,4 +1,4 @@
-// Detects edges of a flag. For real-time threads.
+// The mathematics of edge. Real-time threads may use everything here.
 #pragma once
 
 namespace edge {
@@ -8,19 +8,19 @@ struct EdgeDetector {
   bool rising = true;
   bool falling = false;
 
-  /// Whether there is an edge from the last value to this one.
+  /// Returns whether `value` makes an edge with the value of the last step.
   bool step(bool value) noexcept {
     const bool edge = known_ && value != last_ && (value ? rising : falling);
     known_ = true;
     last_ = value;
     return edge;
   }
-  /// Sets the value that counts as the one before the next value.
+  /// Sets the value that the next step takes as the last value.
   void assume(bool value) noexcept {
     known_ = true;
     last_ = value;
   }
-  /// The next value counts as the first one, which is not an edge.
+  /// Forgets the last value. The value of the next step is then never an edge.
   void forget() noexcept { known_ = false; }
 
  private:

@@ -23,7 +23,7 @@ std::string edges_of(bool rising, bool falling, const std::string& in) {
   return out;
 }
 
-TEST(EdgeDetector, ReportsEachEdgeForOneStep) {
+TEST(EdgeDetector, ReportsEachEdgeInOneStepOnly) {
   const std::string in = "0110010111000";
   EXPECT_EQ(edges_of(true, false, in), "0100010100000");
   EXPECT_EQ(edges_of(false, true, in), "0001001000100");
@@ -48,7 +48,7 @@ class Edge : public ::testing::Test {
   }
 };
 
-TEST_F(Edge, OutputIsTrueForOneCycleAfterAnEdge) {
+TEST_F(Edge, SetsItsOutputForOneCycleAfterAnEdge) {
   ASSERT_TRUE(module.start());
   EXPECT_FALSE(is(false));
   EXPECT_TRUE(is(true));
@@ -73,7 +73,7 @@ TEST_F(Edge, TreatsAFalseFirstSampleAsAFallingEdgeIfConfigured) {
   EXPECT_TRUE(is(false));
 }
 
-TEST_F(Edge, CountsEveryEdgeOfAQueue) {
+TEST_F(Edge, CountsEveryEdgeInItsQueue) {
   ASSERT_TRUE(module.set("direction", "both"));
   ASSERT_TRUE(module.start());
   std::mt19937 random(16);
@@ -95,7 +95,7 @@ TEST_F(Edge, CountsEveryEdgeOfAQueue) {
   }
 }
 
-TEST_F(Edge, ReportsNoEdgeAcrossARecovery) {
+TEST_F(Edge, ReportsNoEdgeIfTheFlagChangedDuringAnError) {
   ASSERT_TRUE(module.start());
   is(false);
   ASSERT_TRUE(module.error(takt::ErrorType::budget));

@@ -8,13 +8,15 @@
 #include "limit.hpp"
 
 TAKT_TEXT("Switches a motor off when its winding is too hot, and on again when it has cooled.");
-TAKT_NUMBER(current_a, 10, 0, 100, "A", "Motor current while on; heats the winding to 1.5 K/A^2.");
-TAKT_NUMBER(trip_k, 90, 1, 1000, "K", "Temperature above the room that trips.");
-TAKT_NUMBER(clear_k, 60, 0.1, 1000, "K", "Temperature above the room that clears; below trip_k.");
+TAKT_NUMBER(current_a, 10, 0, 100, "A",
+            "Current of the running motor; heats the winding by 1.5 K/A^2 in the steady state.");
+TAKT_NUMBER(trip_k, 90, 1, 1000, "K", "Temperature above ambient that switches the motor off.");
+TAKT_NUMBER(clear_k, 60, 0.1, 1000, "K",
+            "Temperature above ambient that switches the motor on again; below trip_k.");
 
 namespace {
 
-constexpr double kCheck = 100e-6;  // s between two checks: the basic period of deploy/module.xml
+constexpr double kCheck = 100e-6;  // s between two calls: the basic period of deploy/module.xml
 
 emergency::Drive drive;
 int errors = 0;
@@ -51,7 +53,7 @@ void recover(void) {
 
 void destruct(void) {
   std::fprintf(stderr,
-               "emergency: tripped %llu times, at most %.2f K above the room, limit %.2f K; %d errors\n",
+               "emergency: tripped %llu times, at most %.2f K above ambient, limit %.2f K; %d errors\n",
                static_cast<unsigned long long>(drive.trips), drive.hottest, drive.limit.trip, errors);
 }
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kCheck = 100e-6;
 
-TEST(Limit, FiresExactlyAtItsThresholds) {
+TEST(Limit, ReportsAnEdgeExactlyAtItsThresholds) {
   Limit limit{.trip = 90, .clear = 60};
   EXPECT_FALSE(limit.pending(std::nextafter(90.0, 0.0)));
   EXPECT_TRUE(limit.pending(90));
@@ -34,13 +34,13 @@ TEST(Limit, StaysPendingUntilServed) {
   EXPECT_FALSE(limit.pending(95));
 }
 
-TEST(Winding, WarmsToTheSteadyStateOfItsCurrent) {
+TEST(Winding, ReachesTheSteadyTemperatureForItsCurrent) {
   Winding winding;
   for (int i = 0; i < 100000; ++i) winding.step(2, kCheck);
   EXPECT_NEAR(winding.temperature, 6, 1e-6);
 }
 
-TEST(Drive, FiresInTheStepThatReachesTheLimitAndNotBefore) {
+TEST(Drive, TripsInTheStepThatReachesTheLimit) {
   Drive drive;
   while (!drive.condition(kCheck)) ASSERT_LT(drive.winding.temperature, drive.limit.trip);
   EXPECT_GE(drive.winding.temperature, drive.limit.trip);
@@ -67,7 +67,7 @@ TEST(Drive, TripsAFewTimesASecond) {
 
 TEST(Drive, NeverTripsAtASafeCurrent) {
   Drive drive;
-  drive.current = 7;  // steady state: 73.5 K
+  drive.current = 7;  // in the steady state, the winding is at 73.5 K
   for (int i = 0; i < 100000; ++i) ASSERT_FALSE(drive.condition(kCheck));
 }
 

@@ -1,4 +1,5 @@
-// A thread module in C++: the logic of an emergency stop with two channels. Not a certified safety function.
+// A thread module in C++: the logic of an emergency stop with two channels. It is not a certified safety
+// function.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -12,34 +13,38 @@
 
 class EmergencyStop : public takt::Component {
   takt::InPort<basic::Flag> channel_a{
-      *this, "channel_a", {.text = "First contact. True: closed, no stop is requested."}};
+      *this, "channel_a", {.text = "First contact. True: the contact is closed and requests no stop."}};
   takt::InPort<basic::Flag> channel_b{
-      *this, "channel_b", {.text = "Second contact. True: closed, no stop is requested."}};
+      *this, "channel_b", {.text = "Second contact. True: the contact is closed and requests no stop."}};
   takt::InPort<basic::Flag> reset{
-      *this, "reset", {.text = "A rising edge permits running, once both channels are closed."}};
+      *this, "reset", {.text = "A rising edge permits running once both channels are closed."}};
   takt::OutPort<basic::Flag> run_permitted{
       *this,
       "run_permitted",
-      {.text = "Written every cycle; read it with a deadline. Its safe value is false.",
+      {.text = "Whether the machine may run; written every cycle. Connect its readers with a deadline.",
        .safe = basic::Flag{}}};
   takt::OutPort<basic::Count> state{
-      *this, "state", {.text = "0 permitted, 1 stopped, 2 waits for the reset, 3 discrepancy, 4 no signal."}};
+      *this,
+      "state",
+      {.text = "0: permitted, 1: stopped, 2: waits for a reset, 3: discrepancy, 4: no signal."}};
   takt::Property<double> discrepancy_time{
       *this,
       "discrepancy_time",
       0.1,
       {.unit = "s", .min = 1e-6, .max = 10, .text = "One channel must follow the other within this time."}};
-  takt::Property<double> timeout{
-      *this,
-      "timeout",
-      0.1,
-      {.unit = "s", .min = 1e-6, .max = 10, .text = "An input older than this stops."}};
+  takt::Property<double> timeout{*this,
+                                 "timeout",
+                                 0.1,
+                                 {.unit = "s",
+                                  .min = 1e-6,
+                                  .max = 10,
+                                  .text = "An input older than this counts as missing and causes a stop."}};
 
   takt::Property<bool> start_reset{
       *this,
       "start_reset",
       false,
-      {.text = "True: after the start, no reset is needed once both channels are closed."}};
+      {.text = "True: after the start, the module needs no reset when both channels first close."}};
 
   emergency_stop::TwoChannelStop stop_;
   common::Releases releases_;
@@ -79,7 +84,8 @@ class EmergencyStop : public takt::Component {
     state.write(state_);
   }
 
-  // When the module leaves the table for any reason, it stops at once and then needs a reset.
+  // Withdraws the permission, so that a reset is needed. Called whenever the module leaves the table, for any
+  // reason.
   void halt() noexcept {
     stop_.trip();
     tell();

@@ -29,7 +29,7 @@ TwoChannelStop::Inputs one_open(bool a) {
   return in;
 }
 
-class Stop : public ::testing::Test {
+class TwoChannelLogic : public ::testing::Test {
  protected:
   TwoChannelStop stop;
   State step(const TwoChannelStop::Inputs& in) { return stop.step(in, 10, 100); }
@@ -40,18 +40,18 @@ class Stop : public ::testing::Test {
   }
 };
 
-TEST_F(Stop, PermitsNothingAtTheStart) {
+TEST_F(TwoChannelLogic, PermitsNothingAtTheStart) {
   EXPECT_EQ(step(kClosed), State::wait_reset);
   EXPECT_EQ(step(kClosed), State::wait_reset);
 }
 
-TEST_F(Stop, PermitsOnARisingEdgeOfTheReset) {
+TEST_F(TwoChannelLogic, PermitsOnARisingEdgeOfTheReset) {
   step(kClosed);
   EXPECT_EQ(step(with_reset(kClosed)), State::permitted);
   EXPECT_EQ(step(kClosed), State::permitted);
 }
 
-TEST_F(Stop, NeedsNoResetAfterTheStartWithStartReset) {
+TEST_F(TwoChannelLogic, NeedsNoResetAfterTheStartIfStartResetIsTrue) {
   TwoChannelStop::Inputs closed = kClosed;
   closed.start_reset = true;
   TwoChannelStop::Inputs open = kOpen;
@@ -59,24 +59,24 @@ TEST_F(Stop, NeedsNoResetAfterTheStartWithStartReset) {
   EXPECT_EQ(step(open), State::stopped);
   EXPECT_EQ(step(closed), State::permitted);
   step(open);
-  EXPECT_EQ(step(closed), State::wait_reset) << "only the first time";
+  EXPECT_EQ(step(closed), State::wait_reset) << "start_reset must permit only the first time";
   stop.trip();
-  EXPECT_EQ(step(closed), State::wait_reset) << "nor after an error";
+  EXPECT_EQ(step(closed), State::wait_reset) << "start_reset must not permit after an error";
 }
 
-TEST_F(Stop, IgnoresAHeldReset) {
+TEST_F(TwoChannelLogic, IgnoresAResetButtonThatIsHeld) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
   permit();
   step(with_reset(kOpen));
   for (int i = 0; i < 5; ++i) EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(Stop, IgnoresAResetEdgeInTheStepThatClosesTheChannels) {
+TEST_F(TwoChannelLogic, IgnoresAResetEdgeWhileTheChannelsAreJustClosing) {
   step(kOpen);
   EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(Stop, StopsAtOnceOnEitherChannel) {
+TEST_F(TwoChannelLogic, StopsAtOnceIfEitherChannelOpens) {
   for (const bool a : {true, false}) {
     permit();
     EXPECT_EQ(step(one_open(a)), State::stopped);
@@ -85,11 +85,11 @@ TEST_F(Stop, StopsAtOnceOnEitherChannel) {
   }
 }
 
-TEST_F(Stop, ReportsADiscrepancyWhenAChannelDoesNotFollow) {
+TEST_F(TwoChannelLogic, ReportsADiscrepancyIfTheOtherChannelDoesNotOpen) {
   permit();
   for (int i = 0; i < 10; ++i) EXPECT_EQ(step(one_open(true)), State::stopped) << i;
   EXPECT_EQ(step(one_open(true)), State::discrepancy);
-  // The discrepancy does not end by itself or by a reset before both channels have been open.
+  // Until both channels have been open, neither time nor a reset ends the discrepancy.
   EXPECT_EQ(step(kClosed), State::discrepancy);
   EXPECT_EQ(step(with_reset(kClosed)), State::discrepancy);
   EXPECT_EQ(step(kOpen), State::stopped);
@@ -97,7 +97,7 @@ TEST_F(Stop, ReportsADiscrepancyWhenAChannelDoesNotFollow) {
   EXPECT_EQ(step(with_reset(kClosed)), State::permitted);
 }
 
-TEST_F(Stop, ReportsADiscrepancyEvenIfTheFirstChannelClosedAgain) {
+TEST_F(TwoChannelLogic, ReportsADiscrepancyEvenIfTheFirstChannelClosesAgain) {
   permit();
   step(one_open(false));
   for (int i = 0; i < 9; ++i) {
@@ -106,13 +106,13 @@ TEST_F(Stop, ReportsADiscrepancyEvenIfTheFirstChannelClosedAgain) {
   EXPECT_EQ(step(kClosed), State::discrepancy);
 }
 
-TEST_F(Stop, ReportsADiscrepancyWhenOnlyOneChannelCloses) {
+TEST_F(TwoChannelLogic, ReportsADiscrepancyIfOnlyOneChannelCloses) {
   step(kOpen);
   for (int i = 0; i < 10; ++i) step(one_open(true));
   EXPECT_EQ(step(one_open(true)), State::discrepancy);
 }
 
-TEST_F(Stop, StopsWhenTheChannelsHaveNoRecentSample) {
+TEST_F(TwoChannelLogic, StopsIfTheChannelsHaveNoRecentSample) {
   permit();
   TwoChannelStop::Inputs silent = kClosed;
   silent.fresh = false;
@@ -120,18 +120,18 @@ TEST_F(Stop, StopsWhenTheChannelsHaveNoRecentSample) {
   EXPECT_EQ(step(kClosed), State::wait_reset);
 }
 
-TEST_F(Stop, IgnoresAResetEdgeFromAButtonThatWasSilent) {
+TEST_F(TwoChannelLogic, IgnoresAResetFromAButtonNotYetSeenReleased) {
   TwoChannelStop::Inputs unheard = kClosed;
   unheard.reset_fresh = false;
   step(unheard);
   EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(Stop, KeepsItsRulesForRandomInputs) {
+TEST_F(TwoChannelLogic, PermitsOnlyByItsRulesForRandomInputs) {
   std::mt19937 random(13);
   bool permitted = false;
-  bool both_last = false;      // at the last step both channels were closed and fresh
-  bool released_last = false;  // at the last step the button was seen released
+  bool both_last = false;      // both channels were closed and fresh at the last step
+  bool released_last = false;  // the logic saw the button released at the last step
   for (int i = 0; i < 200000; ++i) {
     const TwoChannelStop::Inputs in{.a = random() % 8 != 0,
                                     .b = random() % 8 != 0,
@@ -146,7 +146,7 @@ TEST_F(Stop, KeepsItsRulesForRandomInputs) {
         ASSERT_TRUE(both_last && released_last && in.reset && in.reset_fresh) << i;
       }
     } else if (permitted) {
-      ASSERT_FALSE(both) << i;  // there is no other reason to stop
+      ASSERT_FALSE(both) << i;  // only the channels may cause a stop
     }
     permitted = now;
     both_last = both;
@@ -175,7 +175,7 @@ class EmergencyStop : public ::testing::Test {
   }
 };
 
-TEST_F(EmergencyStop, WritesEveryCycle) {
+TEST_F(EmergencyStop, WritesItsOutputsEveryCycle) {
   ASSERT_TRUE(module.start());
   module.step(100);
   EXPECT_EQ(permitted.count(), 100U);
@@ -183,7 +183,7 @@ TEST_F(EmergencyStop, WritesEveryCycle) {
   EXPECT_EQ(state.value().value(), 4);
 }
 
-TEST_F(EmergencyStop, PermitsStopsAndPermitsAgain) {
+TEST_F(EmergencyStop, PermitsAgainAfterAStopAndAReset) {
   ASSERT_TRUE(module.start());
   permit();
   cycle(false, false, false);
@@ -192,7 +192,7 @@ TEST_F(EmergencyStop, PermitsStopsAndPermitsAgain) {
   permit();
 }
 
-TEST_F(EmergencyStop, StopsWhenAChannelTimesOut) {
+TEST_F(EmergencyStop, StopsIfAChannelTimesOut) {
   ASSERT_TRUE(module.start());
   permit();
   for (int i = 0; i < 10; ++i) {
@@ -206,7 +206,7 @@ TEST_F(EmergencyStop, StopsWhenAChannelTimesOut) {
   EXPECT_EQ(state.value().value(), 4);
 }
 
-TEST_F(EmergencyStop, StopsWhenMissedReleasesMakeItsInputsTooOld) {
+TEST_F(EmergencyStop, StopsIfItsInputsBecomeTooOldDuringMissedReleases) {
   ASSERT_TRUE(module.start());
   permit();
   module.miss(20);
@@ -225,7 +225,7 @@ TEST_F(EmergencyStop, NeedsAResetAfterAnError) {
   permit();
 }
 
-TEST_F(EmergencyStop, PermitsNothingWithOneChannelUnconnected) {
+TEST_F(EmergencyStop, PermitsNothingIfOneChannelIsNotConnected) {
   takt::testing::Module half{{.period = milliseconds{10}}};
   auto& only = half.in<basic::Flag>("channel_a");
   auto& button = half.in<basic::Flag>("reset");
@@ -239,7 +239,7 @@ TEST_F(EmergencyStop, PermitsNothingWithOneChannelUnconnected) {
   }
 }
 
-TEST_F(EmergencyStop, RejectsTimesShorterThanItsPeriod) {
+TEST_F(EmergencyStop, RejectsATimeoutShorterThanItsPeriod) {
   ASSERT_TRUE(module.set("timeout", "0.005"));
   EXPECT_EQ(module.start().text(),
             "property 'timeout' cannot be '0.005'; it takes a number, 0.01 to 10 at a period of 10 ms, in s");

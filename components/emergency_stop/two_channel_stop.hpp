@@ -1,4 +1,5 @@
-// The logic of an emergency stop with two channels. For real-time threads.
+// The mathematics of emergency_stop: the logic of an emergency stop with two channels. Real-time threads may
+// use everything here.
 #pragma once
 
 #include <cstdint>
@@ -6,29 +7,30 @@
 namespace emergency_stop {
 
 enum class State : std::uint8_t {
-  permitted = 0,    ///< running is permitted
-  stopped = 1,      ///< a channel is open, or was open and the other has not followed
+  permitted = 0,    ///< the machine may run
+  stopped = 1,      ///< a channel is open, or one channel was open and the other did not follow
   wait_reset = 2,   ///< both channels are closed; a reset permits running
   discrepancy = 3,  ///< a channel did not follow the other; both must open first
   no_signal = 4,    ///< a channel has no sample, or only one that is too old
 };
 
-/// A closed (true) channel requests no stop. The logic follows PLCopen Safety: SF_Equivalent for the two
-/// channels, SF_EmergencyStop for the rest. It needs a manual reset, also after the start unless start_reset
-/// is true.
+/// Decides whether the machine may run. A channel that is closed (true) requests no stop. The logic follows
+/// PLCopen Safety: SF_Equivalent for the two channels, and SF_EmergencyStop for the reset. It needs a manual
+/// reset after each stop, and also after the start unless start_reset is true.
 class TwoChannelStop {
  public:
   struct Inputs {
-    bool a = false, b = false;  ///< closed
-    bool fresh = false;         ///< both channels have a recent sample
-    bool reset = false;         ///< the button
-    bool reset_fresh = false;   ///< the button has a recent sample
-    bool start_reset = false;   ///< the first time needs no reset
+    bool a = false, b = false;  ///< whether the channel is closed
+    bool fresh = false;         ///< whether both channels have a recent sample
+    bool reset = false;         ///< whether the button is pressed
+    bool reset_fresh = false;   ///< whether the button has a recent sample
+    bool start_reset = false;   ///< whether the first permission needs no reset
   };
 
-  /// `passed_ns`: time since the last step. `discrepancy_ns`: one channel must follow the other within it.
+  /// Makes one step and returns the new state. `passed_ns`: time since the last step. `discrepancy_ns`: time
+  /// within which one channel must follow the other.
   State step(const Inputs& in, std::int64_t passed_ns, std::int64_t discrepancy_ns) noexcept {
-    // An edge counts only if the button was seen released and the channels were already closed.
+    // An edge counts only if the button was released at the last step and the channels were already closed.
     const bool edge = in.reset_fresh && in.reset && released_ && state_ == State::wait_reset;
     released_ = in.reset_fresh && !in.reset;
     if (!in.fresh) {
@@ -36,8 +38,8 @@ class TwoChannelStop {
       state_ = fault_ ? State::discrepancy : State::no_signal;
       return state_;
     }
-    // It is not enough that one channel opened and closed again, because the contact of the other channel may
-    // be welded.
+    // A channel that opens and closes again does not make the two agree, because the contact of the other
+    // channel may be welded.
     const bool agree = in.a == in.b && !(waits_ && agreed_ && in.a);
     waited_ns_ = waits_ && !agree ? waited_ns_ + passed_ns : 0;
     waits_ = !agree;
@@ -54,7 +56,7 @@ class TwoChannelStop {
     }
     return state_;
   }
-  /// Stops. After that a reset is needed, as after the start. A discrepancy stays.
+  /// Withdraws the permission, so that a reset is needed as after the start. A discrepancy remains.
   void trip() noexcept {
     state_ = State::stopped;
     released_ = false;
@@ -65,9 +67,9 @@ class TwoChannelStop {
   State state_ = State::stopped;
   bool was_permitted_ = false;
   bool fault_ = false;
-  bool agreed_ = false;    // the common value when the channels last agreed
-  bool waits_ = false;     // one channel has changed and the other has not followed yet
-  bool released_ = false;  // the button was seen released at the last step
+  bool agreed_ = false;    // the common value of the channels when they last agreed
+  bool waits_ = false;     // whether one channel has changed and the other has not followed yet
+  bool released_ = false;  // whether the button was seen released at the last step
   std::int64_t waited_ns_ = 0;
 };
 

@@ -1,4 +1,5 @@
-// The simulation behind gripper: two fingers that close on a part. SI units. For real-time threads.
+// The simulation in gripper: two fingers that close on a part. SI units. Real-time threads may use everything
+// here.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +9,7 @@ namespace gripper {
 struct Fingers {
   double stroke = 0.08;      ///< m, distance between the open fingers
   double speed = 0.1;        ///< m/s, rate of change of the width
-  double part_width = 0.04;  ///< m, width of a part; a part wider than the stroke cannot be gripped
+  double part_width = 0.04;  ///< m, width of a part; the gripper cannot grip parts wider than `stroke`
 
   double width = 0.08;  ///< m
   bool holding = false;
@@ -19,8 +20,8 @@ struct Fingers {
     holding = false;
   }
 
-  /// Moves the fingers. Fingers that are already closer together than a part is wide do not grip the part. If
-  /// a held part is gone, the fingers lose it and close.
+  /// Moves the fingers for `dt` s. Fingers that are already closer together than a part is wide do not grip
+  /// the part. If a held part disappears, the fingers close.
   void step(bool close, bool part_present, double dt) noexcept {
     const double before = width;
     const double wanted = close ? 0 : stroke;

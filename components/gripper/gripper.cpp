@@ -9,11 +9,9 @@
 #include "grip.hpp"
 
 class Gripper : public takt::Component {
-  takt::InPort<basic::Flag> close{*this, "close", {.text = "True closes the fingers, false opens them."}};
+  takt::InPort<basic::Flag> close{*this, "close", {.text = "True closes the fingers; false opens them."}};
   takt::InPort<basic::Flag> part_present{
-      *this,
-      "part_present",
-      {.text = "A part is between the fingers. If not connected, there is always one."}};
+      *this, "part_present", {.text = "A part is between the fingers. Always true if not connected."}};
   takt::OutPort<basic::Flag> holding{*this, "holding", {.text = "The fingers are closed on a part."}};
   takt::OutPort<basic::Number> width{*this, "width", {.text = "Distance between the fingers, m."}};
   takt::Property<double> stroke{
@@ -27,7 +25,7 @@ class Gripper : public takt::Component {
       *this,
       "part_width",
       0.04,
-      {.unit = "m", .min = 0, .max = 1, .text = "Width of the parts; at most stroke."}};
+      {.unit = "m", .min = 0, .max = 1, .text = "Width of the parts; at most the stroke."}};
 
   gripper::Fingers fingers_;
   basic::Flag holding_;
@@ -55,7 +53,7 @@ class Gripper : public takt::Component {
     fingers_.part_width = part_width;
     close.read();
     part_present.read();
-    // Inputs are false before their first sample: the fingers open.
+    // An input reads false before its first sample, so the fingers open.
     const bool there = !part_present.connected() || part_present.value().value();
     fingers_.step(close.value().value(), there, cycle.seconds());
     holding_.value(fingers_.holding);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;
 
-/// The fingers after this many seconds.
+/// Returns the fingers after they have moved for this many seconds.
 Fingers after(Fingers fingers, double seconds, bool close, bool part) {
   for (int i = 0; i < static_cast<int>(seconds / kPeriod + 0.5); ++i) fingers.step(close, part, kPeriod);
   return fingers;
@@ -31,19 +31,19 @@ TEST(Fingers, CloseCompletelyWithoutAPart) {
   EXPECT_DOUBLE_EQ(closed.width, 0);
 }
 
-TEST(Fingers, DoNotGripAPartThatArrivesTooLate) {
+TEST(Fingers, DoNotGripAPartThatArrivesAfterTheyClosed) {
   const Fingers closed = after(after({}, 1, true, false), 1, true, true);
   EXPECT_FALSE(closed.holding);
   EXPECT_DOUBLE_EQ(closed.width, 0);
 }
 
-TEST(Fingers, LoseAPartThatIsTakenAway) {
+TEST(Fingers, CloseWhenAHeldPartDisappears) {
   const Fingers closed = after({}, 1, true, true);
   EXPECT_FALSE(after(closed, kPeriod, true, false).holding);
   EXPECT_DOUBLE_EQ(after(closed, 1, true, false).width, 0);
 }
 
-TEST(Fingers, ReleaseThePartAndOpenToTheirStroke) {
+TEST(Fingers, ReleaseTheirPartAtOnceWhenTheyOpen) {
   const Fingers closed = after({}, 1, true, true);
   const Fingers opening = after(closed, kPeriod, false, true);
   EXPECT_FALSE(opening.holding);
@@ -51,7 +51,7 @@ TEST(Fingers, ReleaseThePartAndOpenToTheirStroke) {
   EXPECT_DOUBLE_EQ(after(closed, 1, false, true).width, 0.08);
 }
 
-TEST(Fingers, HoldAPartAsWideAsTheStroke) {
+TEST(Fingers, CanHoldAPartAsWideAsTheirStroke) {
   EXPECT_TRUE(after({.part_width = 0.08}, kPeriod, true, true).holding);
 }
 
@@ -104,7 +104,7 @@ TEST(Gripper, HoldsAPartOnlyWhileItIsPresent) {
   EXPECT_FALSE(holding.value().value());
 }
 
-TEST(Gripper, RejectsPartsThatDoNotFit) {
+TEST(Gripper, RejectsAPartWidthAboveTheStroke) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("part_width", "0.1"));
   EXPECT_EQ(

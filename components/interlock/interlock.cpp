@@ -1,4 +1,5 @@
-// A thread module in C++: permits while all conditions are true, and reports which one failed first.
+// A thread module in C++: permits an action while all conditions are true, and reports which condition failed
+// first.
 #include <takt/component.hpp>
 
 #include <array>
@@ -19,22 +20,23 @@ class Interlock : public takt::Component {
                           Input{*this, "in_6"},
                           Input{*this, "in_7"},
                           Input{*this, "in_8"}};
-  Input reset{*this, "reset", {.text = "A rising edge clears first_out, if all permissives are true."}};
+  Input reset{*this, "reset", {.text = "A rising edge clears first_out if all permissives are true."}};
   takt::OutPort<basic::Flag> permitted{
       *this, "permitted", {.text = "True if all connected permissives are true.", .safe = basic::Flag{}}};
   takt::OutPort<basic::Count> first_out{
       *this,
       "first_out",
-      {.text = "Number of the permissive that dropped first, 1 to 8; 0: none since the reset."}};
+      {.text = "Number of the permissive that became false first, 1 to 8; 0: none since the last reset."}};
   takt::Property<bool> latching{
       *this, "latching", false, {.text = "True: permission returns only after a reset."}};
-  takt::Property<double> timeout{*this,
-                                 "timeout",
-                                 0,
-                                 {.unit = "s",
-                                  .min = 0,
-                                  .max = 1e6,
-                                  .text = "An input older than this counts as false; 0: never expires."}};
+  takt::Property<double> timeout{
+      *this,
+      "timeout",
+      0,
+      {.unit = "s",
+       .min = 0,
+       .max = 1e6,
+       .text = "An input older than this counts as false; 0: inputs never expire."}};
 
   interlock::Permissives permissives_;
   common::RisingEdge reset_;
@@ -45,7 +47,7 @@ class Interlock : public takt::Component {
     for (const Input& input : in) {
       if (input.connected()) return {};
     }
-    return takt::fail("no permissive is connected, so it can never permit anything",
+    return takt::fail("no permissive is connected, so the module can never permit anything",
                       "connect a flag to one of in_1 to in_8");
   }
 
@@ -75,4 +77,5 @@ class Interlock : public takt::Component {
   void error(takt::ErrorType) override { tell(false); }
   void destruct() override { tell(false); }
 };
-TAKT_COMPONENT(Interlock, "Permits while all connected inputs are true, and reports which failed first.")
+TAKT_COMPONENT(Interlock,
+               "Permits an action while all connected inputs are true; reports which input failed first.")

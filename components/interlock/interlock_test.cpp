@@ -23,7 +23,7 @@ TEST(Permissives, PermitWhenAllUsedInputsAreTrue) {
   }
 }
 
-TEST(Permissives, KeepTheFirstInputThatDropped) {
+TEST(Permissives, KeepTheNumberOfTheFirstInputThatDropped) {
   Permissives permissives;
   permissives.step(0b111, 0b111, false, false);
   EXPECT_EQ(permissives.first_out(), 0);
@@ -33,19 +33,19 @@ TEST(Permissives, KeepTheFirstInputThatDropped) {
   permissives.step(0b111, 0b010, false, false);
   EXPECT_EQ(permissives.first_out(), 2);
   permissives.step(0b111, 0b111, false, false);
-  EXPECT_EQ(permissives.first_out(), 2);  // it stays readable
+  EXPECT_EQ(permissives.first_out(), 2);  // the number stays after all inputs are true again
   permissives.step(0b111, 0b011, false, false);
-  EXPECT_EQ(permissives.first_out(), 3);  // the next drop replaces it
+  EXPECT_EQ(permissives.first_out(), 3);  // the next input that drops replaces the number
 }
 
-TEST(Permissives, ReportTheLowestOfInputsThatDropTogether) {
+TEST(Permissives, ReportTheLowestNumberIfSeveralInputsDropTogether) {
   Permissives permissives;
   permissives.step(0b1111, 0b1111, false, false);
   permissives.step(0b1111, 0b0001, false, false);
   EXPECT_EQ(permissives.first_out(), 2);
 }
 
-TEST(Permissives, ClearTheFirstOutOnAResetWhileAllHold) {
+TEST(Permissives, ClearFirstOutOnlyIfAllInputsAreTrueAtTheReset) {
   Permissives permissives;
   permissives.step(1, 1, false, false);
   permissives.step(1, 0, false, true);
@@ -54,7 +54,7 @@ TEST(Permissives, ClearTheFirstOutOnAResetWhileAllHold) {
   EXPECT_EQ(permissives.first_out(), 0);
 }
 
-TEST(Permissives, MatchTheirDefinitionForRandomInputs) {
+TEST(Permissives, MatchASimpleReferenceForRandomInputs) {
   std::mt19937 random(17);
   for (const bool latching : {false, true}) {
     Permissives permissives;
@@ -96,7 +96,7 @@ class Interlock : public ::testing::Test {
   }
 };
 
-TEST_F(Interlock, IgnoresUnconnectedInputsAndWaitsForConnectedOnes) {
+TEST_F(Interlock, PermitsOnlyWhenEachConnectedInputIsTrue) {
   ASSERT_TRUE(module.start());
   second.write(flag(true));
   module.step();
@@ -117,12 +117,12 @@ TEST_F(Interlock, ReportsWhichInputDroppedFirst) {
   EXPECT_EQ(first_out.value().value(), 5);
 }
 
-TEST_F(Interlock, PermitsAgainAfterAResetWhenLatching) {
+TEST_F(Interlock, NeedsAResetToPermitAgainIfLatching) {
   auto& reset = module.in<basic::Flag>("reset");
   ASSERT_TRUE(module.set("latching", "true"));
   ASSERT_TRUE(module.start());
   cycle(true, true);
-  EXPECT_TRUE(permitted.value().value());  // nothing has dropped yet
+  EXPECT_TRUE(permitted.value().value());  // permitted, because no input has dropped yet
   cycle(false, true);
   cycle(true, true);
   EXPECT_FALSE(permitted.value().value());
@@ -154,13 +154,13 @@ TEST_F(Interlock, PermitsNothingAfterAnError) {
   EXPECT_FALSE(permitted.value().value());
 }
 
-TEST(InterlockAlone, DoesNotStartWithoutAConnectedPermissive) {
+TEST(UnconnectedInterlock, DoesNotStartWithoutAPermissive) {
   takt::testing::Module module;
   const auto start = module.start();
   ASSERT_FALSE(start.ok());
-  EXPECT_EQ(
-      start.text(),
-      "no permissive is connected, so it can never permit anything; connect a flag to one of in_1 to in_8");
+  EXPECT_EQ(start.text(),
+            "no permissive is connected, so the module can never permit anything; connect a flag to one of "
+            "in_1 to in_8");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Permits while all conditions are true, and keeps the first one that failed. For real-time threads.
+// The mathematics of interlock: permits an action while all conditions are true, and keeps the number of the
+// first condition that failed. Real-time threads may use everything here.
 #pragma once
 
 #include <bit>
@@ -6,12 +7,13 @@
 
 namespace interlock {
 
-/// A set of inputs is a bit mask: bit 0 is input 1. First-out works as in an annunciator of ISA-18.1. It
-/// keeps the number of the first input that dropped after all were true, whatever drops or returns later.
+/// Decides whether to permit. A set of inputs is a bit mask: bit 0 is input 1. The first-out works as in an
+/// annunciator of ISA-18.1: it keeps the number of the first input that dropped after all were true, even if
+/// other inputs drop or return later.
 class Permissives {
  public:
-  /// `used`: the inputs that count; `given`: the inputs that are true. With `latching`, permission returns
-  /// only on a `reset` while all used inputs are true. Returns whether it permits.
+  /// Returns whether the action is permitted. `used` holds the connected inputs, `given` the inputs that are
+  /// true. With `latching`, permission returns only on a `reset` while all used inputs are true.
   bool step(std::uint32_t used, std::uint32_t given, bool latching, bool reset) noexcept {
     const std::uint32_t missing = used & ~given;
     const bool all = used != 0 && missing == 0;
@@ -21,7 +23,7 @@ class Permissives {
     permitted_ = all && !tripped_;
     return permitted_;
   }
-  /// The number of the input that dropped first, 1 to 32; 0: none has dropped since the last reset.
+  /// Returns the number of the input that dropped first, 1 to 32; 0: none has dropped since the last reset.
   [[nodiscard]] int first_out() const noexcept { return first_out_; }
   [[nodiscard]] bool permitted() const noexcept { return permitted_; }
 

@@ -26,7 +26,7 @@ class JointStates : public takt::Component {
     const auto words = joint_states::words(names.value());
     if (words.size() != motion::AXES) {
       return takt::fail("'names' has " + std::to_string(words.size()) + " names",
-                        "an arm has six axes; write six names separated by spaces");
+                        "write six names separated by spaces, one for each axis");
     }
     for (const std::string& word : words) {
       if (word.size() > joint_states::kLongest)

@@ -33,20 +33,20 @@ TEST(JointStates, PublishesEachMeasurementOnce) {
   EXPECT_GT(state.header().stamp().sec(), 1'700'000'000);
   EXPECT_LT(state.header().stamp().nanosec(), 1'000'000'000U);
   module.step(10);
-  EXPECT_EQ(published.count(), 1U) << "no new measurement";
+  EXPECT_EQ(published.count(), 1U) << "a message was published without a new measurement";
 }
 
-TEST(JointStates, RejectsThreeNames) {
+TEST(JointStates, RejectsNamesForOnlyThreeAxes) {
   takt::testing::Module module{{}};
   ASSERT_TRUE(module.set("names", "a b c"));
   EXPECT_NE(module.initialize().text().find("'names' has 3 names"), std::string::npos);
 }
-TEST(JointStates, RejectsANameThatIsTooLong) {
+TEST(JointStates, RejectsANameAbove63Characters) {
   takt::testing::Module module{{}};
   ASSERT_TRUE(module.set("names", "a b c d e " + std::string(64, 'x')));
   EXPECT_NE(module.initialize().text().find("is too long"), std::string::npos);
 }
-TEST(Words, AreSeparatedByWhiteSpace) {
+TEST(AxisNames, AreSeparatedByWhiteSpace) {
   EXPECT_EQ(joint_states::words("  a  bc\td "), (std::vector<std::string>{"a", "bc", "d"}));
   EXPECT_TRUE(joint_states::words(" ").empty());
 }

@@ -8,7 +8,8 @@
 
 namespace joint_states {
 
-inline constexpr std::size_t kLongest = 63;  ///< limit of a name in sensor_msgs/JointState of idl/ros2
+/// Maximum length of a name in sensor_msgs/JointState of idl/ros2.
+inline constexpr std::size_t kLongest = 63;
 
 inline std::vector<std::string> words(const std::string& text) {
   std::istringstream stream{text};

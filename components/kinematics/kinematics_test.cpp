@@ -43,7 +43,7 @@ Answer search(Search& search, const KDL::Frame& goal, const Joints& near) {
   return answer;
 }
 
-TEST(Kinematics, PointsTheToolDownInFrontOfTheArmAtHome) {
+TEST(Kinematics, FindsTheToolPointingDownAtHome) {
   Kinematics kinematics{arm_model::built_in()};
   const arm_model::Pose pose = arm_model::pose(kinematics.forward(home()));
   EXPECT_NEAR(pose.x, 0.16 + 0.64, 1e-12);
@@ -54,7 +54,7 @@ TEST(Kinematics, PointsTheToolDownInFrontOfTheArmAtHome) {
   EXPECT_NEAR(pose.yaw, 0, 1e-9);
 }
 
-TEST(Kinematics, AppliesRollAndYawAboutTheFixedAxesInOrder) {
+TEST(Kinematics, RollsFirstAndThenYawsAboutFixedAxes) {
   // A quarter turn about x moves z to -y. A quarter turn about z then moves -y to x.
   const KDL::Frame frame = arm_model::frame({.roll = kPi / 2, .yaw = kPi / 2});
   EXPECT_LT((frame.M.UnitZ() - KDL::Vector{1, 0, 0}).Norm(), 1e-12);
@@ -63,7 +63,7 @@ TEST(Kinematics, AppliesRollAndYawAboutTheFixedAxesInOrder) {
   EXPECT_NEAR(back.yaw, kPi / 2, 1e-9);
 }
 
-TEST(Kinematics, HasAJacobianThatMatchesFiniteDifferences) {
+TEST(Kinematics, ComputesAJacobianThatMatchesFiniteDifferences) {
   Kinematics kinematics{arm_model::built_in()};
   const Joints at{0.3, 0.4, -0.2, 0.5, 1.1, -0.7};
   const arm_model::Matrix6 jacobian = kinematics.jacobian(at);
@@ -76,7 +76,7 @@ TEST(Kinematics, HasAJacobianThatMatchesFiniteDifferences) {
   }
 }
 
-TEST(Kinematics, IsSingularWhenTwoAxesAreAligned) {
+TEST(Kinematics, HasNoDexterityWhenTwoAxesAreAligned) {
   Kinematics kinematics{arm_model::built_in()};
   EXPECT_GT(Kinematics::dexterity(kinematics.jacobian(home())), 0.1);
   EXPECT_LT(Kinematics::dexterity(kinematics.jacobian({0.2, 0.3, 0.1, 0.4, 0, 0.5})), 1e-6);
@@ -106,11 +106,11 @@ TEST(Search, FindsThousandsOfReachablePoses) {
     most = std::max(most, answer.steps);
     all += answer.steps;
   }
-  std::printf("%d poses: %.1f steps each, at most %d\n", kPoses, double(all) / kPoses, most);
+  std::printf("searched %d poses: %.1f steps on average, at most %d\n", kPoses, double(all) / kPoses, most);
   EXPECT_LT(most, int(Search::kStarts) * Search::kStepsPerStart);
 }
 
-TEST(Search, PrefersTheAnswerNearestToTheAxes) {
+TEST(Search, FindsTheSolutionNearestToTheStartingAxes) {
   Kinematics kinematics{arm_model::built_in()};
   Search here{kinematics};
   Joints near = home();
@@ -119,12 +119,12 @@ TEST(Search, PrefersTheAnswerNearestToTheAxes) {
   for (std::size_t i = 0; i < kAxes; ++i) EXPECT_NEAR(here.found()[i], wanted[i], 1e-6) << "axis " << i;
 }
 
-TEST(Search, ReportsWhyThereIsNoAnswer) {
+TEST(Search, ReportsWhyItFindsNoSolution) {
   Kinematics kinematics{arm_model::built_in()};
   Search here{kinematics};
   const Answer far = search(here, arm_model::frame({.x = 2, .z = 0.5, .roll = kPi}), home());
   EXPECT_EQ(far.reach, Reach::out_of_reach);
-  std::printf("out of reach after %d steps\n", far.steps);
+  std::printf("search reported out of reach after %d steps\n", far.steps);
 
   arm_model::Parameters narrow = arm_model::built_in();
   narrow[0].lower = -0.2;
@@ -137,7 +137,7 @@ TEST(Search, ReportsWhyThereIsNoAnswer) {
   EXPECT_EQ(beside.reach, Reach::joint_limit);
 }
 
-TEST(Search, IsDeterministic) {
+TEST(Search, GivesTheSameResultEachTime) {
   Kinematics kinematics{arm_model::built_in()};
   const KDL::Frame goal = arm_model::frame({.x = 0.4, .y = -0.6, .z = 0.3, .roll = kPi, .yaw = 2});
   Search one{kinematics};
@@ -163,7 +163,7 @@ std::string axes(const std::string& last) {
   return text + good + last + "}]}";
 }
 
-TEST(Parameters, AreReadFromAFile) {
+TEST(ArmParameters, AreReadFromAJsonFile) {
   EXPECT_EQ(problem(axes("")), "");
   const auto read = arm_model::read(testing::TempDir() + "arm_parameters.json");
   EXPECT_EQ(std::get<arm_model::Parameters>(read)[5].d, 0.2);
@@ -171,7 +171,7 @@ TEST(Parameters, AreReadFromAFile) {
   EXPECT_EQ(std::get<arm_model::Parameters>(arm_model::read(""))[0].a, arm_model::built_in()[0].a);
 }
 
-TEST(Parameters, ReportErrorsWithTheirPlace) {
+TEST(ArmParameters, NameTheMemberInEachErrorMessage) {
   using testing::HasSubstr;
   EXPECT_THAT(std::get<std::string>(arm_model::read("/no/such.json")),
               HasSubstr("no/such.json: cannot be read"));
@@ -186,7 +186,7 @@ TEST(Parameters, ReportErrorsWithTheirPlace) {
   EXPECT_THAT(problem(R"({"axes":[{},{},{},{},{},{}]})"), HasSubstr("axes[0].a: is missing"));
 }
 
-TEST(KinematicsModule, WritesThePoseForEachNewAxisSample) {
+TEST(KinematicsModule, WritesOnePosePerNewSample) {
   takt::testing::Module module;
   auto& joints = module.in<motion::JointState>("joints");
   auto& pose = module.out<motion::Pose>("pose");

@@ -1,9 +1,10 @@
-// The bistable function blocks of IEC 61131-3. For real-time threads.
+// The mathematics of latch: the bistable function blocks of IEC 61131-3. Real-time threads may use everything
+// here.
 #pragma once
 
 namespace latch {
 
-/// SR: set wins over reset. RS: reset wins over set.
+/// The blocks SR, in which set wins over reset, and RS, in which reset wins over set.
 class Bistable {
  public:
   bool step(bool set, bool reset, bool set_wins) noexcept {

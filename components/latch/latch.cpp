@@ -9,14 +9,16 @@
 #include "bistable.hpp"
 
 class Latch : public takt::Component {
-  takt::InPort<basic::Flag> set{*this, "set", {.text = "S (S1 of SR); false before the first sample."}};
-  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "R (R1 of RS); false before the first sample."}};
+  takt::InPort<basic::Flag> set{
+      *this, "set", {.text = "Set: input S, or S1 of SR; false before the first sample."}};
+  takt::InPort<basic::Flag> reset{
+      *this, "reset", {.text = "Reset: input R, or R1 of RS; false before the first sample."}};
   takt::OutPort<basic::Flag> q{*this, "q", {.text = "Q1."}};
   takt::Property<std::string> kind{
       *this,
       "kind",
       "RS",
-      {.text = "Which input wins if both are true: RS: reset, SR: set.", .choices = {"RS", "SR"}}};
+      {.text = "Which input wins if both are true; RS: reset, SR: set.", .choices = {"RS", "SR"}}};
 
   latch::Bistable bistable_;
   basic::Flag q_;
@@ -33,4 +35,4 @@ class Latch : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Latch, "Stays set until a reset: SR and RS of IEC 61131-3.")
+TAKT_COMPONENT(Latch, "Holds a flag until a reset: SR and RS of IEC 61131-3.")

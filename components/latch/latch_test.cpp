@@ -11,7 +11,7 @@ namespace {
 
 using common::flag;
 
-TEST(Bistable, HasTheTruthTableOfTheStandard) {
+TEST(Bistable, FollowsTheTruthTableOfTheStandard) {
   for (const bool set_wins : {false, true}) {
     for (const bool before : {false, true}) {
       for (const bool set : {false, true}) {
@@ -26,7 +26,7 @@ TEST(Bistable, HasTheTruthTableOfTheStandard) {
   }
 }
 
-TEST(Latch, StaysSetAndLetsResetWinUnlessItsKindIsSR) {
+TEST(Latch, LetsResetWinUnlessItsKindIsSR) {
   takt::testing::Module module;
   auto& set = module.in<basic::Flag>("set");
   auto& reset = module.in<basic::Flag>("reset");

@@ -1,13 +1,14 @@
-// An alarm for a value beyond its limit. For real-time threads.
+// The mathematics of limit_monitor: an alarm for a value beyond its limit. Real-time threads may use
+// everything here.
 #pragma once
 
 #include <cstdint>
 
 namespace limit_monitor {
 
-/// The alarm starts when the value has been beyond the limit for the delay without interruption. It ends when
-/// the value is within the limit by the hysteresis (ISA-18.2: on-delay and deadband). With `latching` it then
-/// also needs an acknowledgement.
+/// Decides when an alarm is on. The alarm starts when the value has been beyond the limit for the delay
+/// without interruption. It ends when the value is inside the limit by at least the hysteresis (ISA-18.2:
+/// on-delay and deadband). With `latching`, it also needs an acknowledgement to end.
 class LimitAlarm {
  public:
   struct Settings {
@@ -16,8 +17,8 @@ class LimitAlarm {
     bool latching = false;
   };
 
-  /// `beyond`: distance of the value beyond the limit, negative within it. `passed_ns`: time since the last
-  /// step.
+  /// Returns whether the alarm is on. `beyond`: distance of the value beyond the limit, negative inside it.
+  /// `passed_ns`: time since the last step.
   bool step(double beyond, const Settings& settings, bool acknowledge, std::int64_t passed_ns) noexcept {
     const bool over = beyond > 0;
     over_ns_ = over && was_over_ ? over_ns_ + passed_ns : 0;

@@ -13,9 +13,9 @@
 class LimitMonitor : public takt::Component {
   takt::InPort<basic::Number> value{*this, "value", {.text = "The monitored value, in any unit."}};
   takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge clears latched alarms."}};
-  takt::OutPort<basic::Flag> high_alarm{*this, "high_alarm", {.text = "The value is above the high limit."}};
-  takt::OutPort<basic::Flag> low_alarm{*this, "low_alarm", {.text = "The value is below the low limit."}};
-  takt::OutPort<basic::Flag> ok{*this, "ok", {.text = "There is a finite value and no alarm."}};
+  takt::OutPort<basic::Flag> high_alarm{*this, "high_alarm", {.text = "The alarm of the high limit is on."}};
+  takt::OutPort<basic::Flag> low_alarm{*this, "low_alarm", {.text = "The alarm of the low limit is on."}};
+  takt::OutPort<basic::Flag> ok{*this, "ok", {.text = "The value is finite and no alarm is on."}};
   takt::Property<double> high{
       *this, "high", 1e300, {.text = "High limit, in the unit of the value; above low."}};
   takt::Property<double> low{
@@ -25,14 +25,15 @@ class LimitMonitor : public takt::Component {
       "hysteresis",
       0,
       {.min = 0, .max = 1e300, .text = "An alarm ends when the value is this far within its limit."}};
-  takt::Property<double> delay{*this,
-                               "delay",
-                               0,
-                               {.unit = "s",
-                                .min = 0,
-                                .max = 1e6,
-                                .text = "The value must be beyond its limit for this long before an alarm."}};
-  takt::Property<bool> latching{*this, "latching", false, {.text = "True: an alarm stays until the reset."}};
+  takt::Property<double> delay{
+      *this,
+      "delay",
+      0,
+      {.unit = "s",
+       .min = 0,
+       .max = 1e6,
+       .text = "How long the value must be beyond its limit before the alarm starts."}};
+  takt::Property<bool> latching{*this, "latching", false, {.text = "True: an alarm stays on until a reset."}};
 
   limit_monitor::LimitAlarm above_;
   limit_monitor::LimitAlarm below_;
@@ -58,8 +59,8 @@ class LimitMonitor : public takt::Component {
     const auto passed = static_cast<std::int64_t>(releases_.step(cycle.number)) * cycle.period.count();
     const bool acknowledge = common::count_rising(reset, reset_) > 0;
     common::read_newest(value);
-    // An operator sets limits one after the other. In between they may be inconsistent; then the previous
-    // limits stay in effect.
+    // An operator sets the two limits one after the other. In between, they may be inconsistent; then the
+    // previous limits stay in effect.
     if (limits_are_valid()) {
       high_ = high;
       low_ = low;

@@ -20,7 +20,7 @@ using common::flag;
 using common::number;
 using std::chrono::milliseconds;
 
-TEST(LimitAlarm, StartsBeyondTheLimitAndEndsWithinTheHysteresis) {
+TEST(LimitAlarm, EndsOnlyWhenTheValueIsInsideTheLimitByTheHysteresis) {
   LimitAlarm alarm;
   const LimitAlarm::Settings settings{.hysteresis = 2};
   EXPECT_FALSE(alarm.step(0, settings, false, 1));  // a value at the limit is not beyond it
@@ -30,7 +30,7 @@ TEST(LimitAlarm, StartsBeyondTheLimitAndEndsWithinTheHysteresis) {
   EXPECT_FALSE(alarm.step(-1.9, settings, false, 1));
 }
 
-TEST(LimitAlarm, NeedsTheDelayWithoutInterruption) {
+TEST(LimitAlarm, StartsOnlyAfterAnUninterruptedDelay) {
   LimitAlarm alarm;
   const LimitAlarm::Settings settings{.delay_ns = 30};
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(alarm.step(1, settings, false, 10)) << i;
@@ -39,7 +39,7 @@ TEST(LimitAlarm, NeedsTheDelayWithoutInterruption) {
   EXPECT_TRUE(alarm.step(1, settings, false, 10));
 }
 
-TEST(LimitAlarm, StaysLatchedUntilAcknowledgedWithinTheLimit) {
+TEST(LimitAlarm, StaysLatchedUntilAcknowledgedInsideTheLimit) {
   LimitAlarm alarm;
   const LimitAlarm::Settings settings{.latching = true};
   EXPECT_TRUE(alarm.step(1, settings, false, 10));
@@ -48,8 +48,8 @@ TEST(LimitAlarm, StaysLatchedUntilAcknowledgedWithinTheLimit) {
   EXPECT_FALSE(alarm.step(-1, settings, true, 10));
 }
 
-/// Compares the alarm with a slow implementation that looks back at every value.
-TEST(LimitAlarm, MatchesItsDefinitionForRandomValues) {
+/// Compares the alarm with a slow implementation that checks every earlier value in each step.
+TEST(LimitAlarm, MatchesASimpleReferenceForRandomValues) {
   std::mt19937 random(11);
   for (int n = 0; n < 100; ++n) {
     const LimitAlarm::Settings settings{
@@ -114,7 +114,7 @@ TEST_F(LimitMonitor, ReportsWhichLimitIsExceeded) {
   EXPECT_TRUE(ok.value().value());
 }
 
-TEST_F(LimitMonitor, CountsItsDelayOnTheGrid) {
+TEST_F(LimitMonitor, CountsMissedReleasesInItsDelay) {
   ASSERT_TRUE(module.set("delay", "0.05"));
   ASSERT_TRUE(module.start());
   is(20);
@@ -125,7 +125,7 @@ TEST_F(LimitMonitor, CountsItsDelayOnTheGrid) {
   EXPECT_TRUE(high.value().value());
 }
 
-TEST_F(LimitMonitor, IsNotOkForANonFiniteValueAndKeepsItsAlarms) {
+TEST_F(LimitMonitor, IsNotOkWhileItsValueIsNotFinite) {
   ASSERT_TRUE(module.start());
   is(0);
   is(std::nan(""));
@@ -137,7 +137,7 @@ TEST_F(LimitMonitor, IsNotOkForANonFiniteValueAndKeepsItsAlarms) {
   EXPECT_TRUE(ok.value().value());
 }
 
-TEST_F(LimitMonitor, IsNotOkAfterANonFiniteValueUntilTheResetWhenLatching) {
+TEST_F(LimitMonitor, NeedsAResetAfterANonFiniteValueIfLatching) {
   ASSERT_TRUE(module.set("latching", "true"));
   ASSERT_TRUE(module.start());
   is(std::nan(""));
@@ -148,14 +148,14 @@ TEST_F(LimitMonitor, IsNotOkAfterANonFiniteValueUntilTheResetWhenLatching) {
   EXPECT_TRUE(ok.value().value());
 }
 
-TEST_F(LimitMonitor, RejectsLimitsThatCross) {
+TEST_F(LimitMonitor, DoesNotStartIfLowIsAboveHigh) {
   ASSERT_TRUE(module.set("low", "11"));
   const auto start = module.start();
   ASSERT_FALSE(start.ok());
   EXPECT_NE(start.text().find("low < high"), std::string::npos) << start.text();
 }
 
-TEST_F(LimitMonitor, KeepsItsLimitsWhenNewOnesCross) {
+TEST_F(LimitMonitor, KeepsItsPreviousLimitsWhileTheNewLimitsAreInconsistent) {
   ASSERT_TRUE(module.start());
   is(0);
   ASSERT_TRUE(module.set("high", "-10"));

@@ -1,4 +1,4 @@
-// A logic gate with several inputs. For real-time threads.
+// The mathematics of logic_gate: a gate with several inputs. Real-time threads may use everything here.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,8 @@ namespace logic_gate {
 
 enum class Function { all_of, any_of, odd, not_all_of, none_of };
 
-/// "and", "or", "xor", "nand", "nor", "not". "not" is the same as "nor", meant for one input.
+/// Returns the function with this name: "and", "or", "xor", "nand", "nor" or "not". "not" is the same as
+/// "nor" and is meant for one input.
 constexpr std::optional<Function> function_of(std::string_view name) noexcept {
   if (name == "and") return Function::all_of;
   if (name == "or") return Function::any_of;
@@ -20,8 +21,9 @@ constexpr std::optional<Function> function_of(std::string_view name) noexcept {
   return std::nullopt;
 }
 
-/// A set of inputs is a bit mask: bit 0 is input 1. `used`: the inputs that count, not empty; `given`: the
-/// inputs that are true. xor is true if an odd number of inputs is true.
+/// Returns the output of the gate. A set of inputs is a bit mask: bit 0 is input 1. `used` holds the
+/// connected inputs and is not empty; `given` holds the inputs that are true. xor is true if an odd number of
+/// inputs is true.
 constexpr bool output(Function function, std::uint32_t used, std::uint32_t given) noexcept {
   given &= used;
   switch (function) {

@@ -11,15 +11,15 @@
 
 class LogicGate : public takt::Component {
   using Input = takt::InPort<basic::Flag>;
-  std::array<Input, 4> in{Input{*this, "in_1", {.text = "Ignored if not connected."}}, Input{*this, "in_2"},
-                          Input{*this, "in_3"}, Input{*this, "in_4"}};
+  std::array<Input, 4> in{Input{*this, "in_1", {.text = "Input of the gate; ignored if not connected."}},
+                          Input{*this, "in_2"}, Input{*this, "in_3"}, Input{*this, "in_4"}};
   takt::OutPort<basic::Flag> out{
-      *this, "out", {.text = "Written every cycle, after each connected input has received a sample."}};
-  takt::Property<std::string> function{
-      *this,
-      "function",
-      "and",
-      {.text = "Function of all connected inputs.", .choices = {"and", "or", "xor", "nand", "nor", "not"}}};
+      *this, "out", {.text = "Result; written every cycle once each connected input has received a sample."}};
+  takt::Property<std::string> function{*this,
+                                       "function",
+                                       "and",
+                                       {.text = "Logic function that combines the connected inputs.",
+                                        .choices = {"and", "or", "xor", "nand", "nor", "not"}}};
 
   basic::Flag out_;
 

@@ -16,7 +16,10 @@ class LowPass : public takt::Component {
   takt::Property<double> cutoff{
       *this, "cutoff", 10, {.unit = "Hz", .min = 1e-9, .text = "Frequency at which half the power passes."}};
   takt::Property<std::int32_t> order{
-      *this, "order", 2, {.min = 1, .max = 2, .text = "Order of the filter: 20 dB a decade each."}};
+      *this,
+      "order",
+      2,
+      {.min = 1, .max = 2, .text = "Order of the filter; each order adds 20 dB per decade."}};
 
   low_pass::LowPassFilter filter_;
   common::Releases releases_;

@@ -1,4 +1,5 @@
-// A Butterworth low-pass of first or second order. For real-time threads.
+// The mathematics of low_pass: a Butterworth low-pass of first or second order. Real-time threads may use
+// everything here.
 #pragma once
 
 #include <numbers>
@@ -7,16 +8,17 @@
 
 namespace low_pass {
 
-/// Limits of the cut-off, as fractions of the rate. Above the upper limit, tan() in the bilinear transform
-/// diverges. Below the lower limit, a step is too small to change a double.
+/// Limits of the cut-off frequency, as fractions of the sampling rate. Above the upper limit, tan() in the
+/// bilinear transform diverges. Below the lower limit, the change per step is too small for a double.
 inline constexpr double kLowest = 1e-6;
 inline constexpr double kHighest = 0.49;
 
-/// The filter starts as if its first input had always been there. Cut-off and order may change between any
-/// two steps; the output continues without a jump.
+/// Filters a signal. The filter starts as if its first input had always been present. The cut-off frequency
+/// and the order may change between any two steps; the output continues without a jump.
 class LowPassFilter {
  public:
-  /// `cutoff` in Hz, from kLowest to kHighest times the rate; `period` in s; `order` is 1 or 2.
+  /// Sets the coefficients. `cutoff` is in Hz, from kLowest to kHighest times the sampling rate; `period` is
+  /// in s; `order` is 1 or 2.
   void design(double cutoff, double period, int order) noexcept {
     const double g = common::prewarped(cutoff, period);
     if (order != order_) {

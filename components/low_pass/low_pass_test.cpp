@@ -18,7 +18,8 @@ namespace {
 using common::number;
 using std::chrono::milliseconds;
 
-/// The response of a Butterworth filter after a bilinear transform prewarped at the cut-off.
+/// Returns the theoretical response of a Butterworth filter after a bilinear transform that is prewarped at
+/// the cut-off frequency.
 std::complex<double> theory(double frequency, double cutoff, double period, int order) {
   const std::complex<double> s(
       0, std::tan(std::numbers::pi * frequency * period) / std::tan(std::numbers::pi * cutoff * period));
@@ -29,7 +30,7 @@ TEST(LowPassFilter, MatchesTheTheoreticalResponse) {
   constexpr int kWindow = 1000;
   for (const double period : {1e-4, 1e-3, 0.05}) {
     for (const int order : {1, 2}) {
-      for (const double part : {0.01, 0.1, 0.25, 0.45}) {  // fraction of the rate
+      for (const double part : {0.01, 0.1, 0.25, 0.45}) {  // cut-off as a fraction of the sampling rate
         for (const int cycles : {1, 5, 10, 100, 250, 450, 499}) {
           LowPassFilter filter;
           filter.design(part / period, period, order);
@@ -62,7 +63,7 @@ TEST(LowPassFilter, BeginsAtItsFirstInput) {
   }
 }
 
-TEST(LowPassFilter, ConvergesToAConstantEvenAtTheLowestCutoff) {
+TEST(LowPassFilter, ReachesAConstantInputEvenAtTheLowestCutoff) {
   for (const int order : {1, 2}) {
     LowPassFilter filter;
     filter.design(kLowest * 1000, 1e-3, order);
@@ -82,21 +83,21 @@ TEST(LowPassFilter, ChangesItsCutoffAndOrderWithoutAJump) {
   for (int i = 1; i < 20000; ++i) {
     if (i % 37 == 0) filter.design(cutoff(random), 1e-3, i % 2 + 1);
     const double now = filter.step(std::sin(i * 2e-3));
-    // A sine of amplitude 1 at 2 rad/s, filtered at 20 Hz at most, changes far less than 0.1 in a
+    // A sine of amplitude 1 at 2 rad/s, filtered at up to 20 Hz, changes by far less than 0.1 in a
     // millisecond.
     ASSERT_LT(std::abs(now - last), 0.1) << i;
     last = now;
   }
 }
 
-TEST(LowPass, MatchesTheFilter) {
+TEST(LowPass, FiltersItsInputWithTheGivenCutoff) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
   ASSERT_TRUE(module.set("cutoff", "30"));
   ASSERT_TRUE(module.start());
   module.step(5);
-  EXPECT_FALSE(out.has_value());  // no input yet
+  EXPECT_FALSE(out.has_value());  // no output, because no input has arrived
   LowPassFilter filter;
   filter.design(30, 1e-3, 2);
   std::mt19937 random(2);
@@ -109,7 +110,7 @@ TEST(LowPass, MatchesTheFilter) {
   }
 }
 
-TEST(LowPass, HoldsTheInputOverMissedReleases) {
+TEST(LowPass, MakesUpForMissedReleasesWithTheLastInput) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -136,14 +137,14 @@ TEST(LowPass, RejectsACutoffTooHighForItsPeriod) {
             "property 'cutoff' cannot be '50'; it takes a number, 1e-04 to 49 at a period of 10 ms, in Hz");
 }
 
-TEST(LowPass, RejectsACutoffTooHighForItsPeriodWhileItRuns) {
+TEST(LowPass, RejectsANewCutoffTooHighForItsPeriodWhileItRuns) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   ASSERT_TRUE(module.start());
   EXPECT_FALSE(module.set("cutoff", "60").ok());
   EXPECT_TRUE(module.set("cutoff", "40"));
 }
 
-TEST(LowPass, TreatsANonFiniteInputAsAnErrorAndRestarts) {
+TEST(LowPass, RestartsItsFilterAfterANonFiniteInput) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");

@@ -1,6 +1,6 @@
 // A process module in C++: a Modbus TCP device. Its ports are the points of the property `map`; its master
-// uses the same map. Input ports are the values that masters read; values that masters write appear on output
-// ports.
+// uses the same map. Masters read the values of the input ports. The values that masters write appear on the
+// output ports.
 #include <takt/process.hpp>
 
 #include <cstdio>
@@ -21,7 +21,9 @@ TAKT_TEXT("A Modbus TCP device (server): masters read its input ports and write 
 namespace {
 
 takt::Property<std::string> map{
-    "map", "", {.text = "The points, one per line, as in: lamp out coil 0. The master uses the same map."}};
+    "map",
+    "",
+    {.text = "The points, one per line, for example: lamp out coil 0. The master uses the same map."}};
 takt::Property<std::string> address{
     "bind", "127.0.0.1", {.text = "Address to listen on; 0.0.0.0: all addresses."}};
 takt::Property<std::int64_t> port{
@@ -32,7 +34,7 @@ takt::Property<double> watchdog{
     {.unit = "s",
      .min = 0,
      .max = 3600,
-     .text = "If no master writes for this long, outputs get their safe values; 0: never."}};
+     .text = "If no master writes for this long, the outputs take their safe values; 0: never."}};
 
 takt::OutPort<basic::Count> clients{"clients", {.text = "Number of connected masters."}};
 takt::OutPort<basic::Count> requests{"requests",
@@ -46,7 +48,7 @@ int main() {
   settings.port = static_cast<int>(port.value());
   settings.watchdog = modbus::Server::Seconds{watchdog.value()};
   const std::vector<modbus::Point> points = modbus::points_or_end(map.value());
-  // Indexed like the points; empty for points of the other direction.
+  // Both vectors are indexed like the points. An element is empty if its point has the other direction.
   std::vector<std::unique_ptr<modbus::PointInput>> from_cell(points.size());
   std::vector<std::unique_ptr<modbus::PointOutput>> to_cell(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -57,7 +59,7 @@ int main() {
   }
   initPeriodExe();
 
-  // Lives until the process ends; its thread is never joined.
+  // The server lives until the process ends, because its thread is never joined.
   static auto* const server = new modbus::Server{
       points, settings, [](const std::string& what) { std::fprintf(stderr, "%s\n", what.c_str()); }};
   if (const std::string problem = server->listen(); !problem.empty()) {

@@ -1,4 +1,4 @@
-// Tests the device's program on virtual time, with libmodbus's client as the master.
+// Tests the device program on virtual time. The client of libmodbus plays the master.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ using common::flag;
 using common::number;
 using takt::testing::Module;
 
-/// A socket on a free port of the loopback interface.
+/// A socket that listens on a free port of the loopback interface.
 class Listener {
  public:
   Listener() {
@@ -38,7 +38,7 @@ class Listener {
     auto* any = reinterpret_cast<sockaddr*>(&address);
     if (::bind(socket_, any, size) != 0 || ::listen(socket_, 1) != 0 ||
         ::getsockname(socket_, any, &size) != 0)
-      throw std::runtime_error("no free port");
+      throw std::runtime_error("found no free TCP port");
     port = ntohs(address.sin_port);
   }
   ~Listener() { ::close(socket_); }
@@ -57,9 +57,9 @@ constexpr const char* kMap = R"(
   temperature in  input-register 4 int16 scale 0.1 unit degC
 )";
 
-class Device : public ::testing::Test {
+class ModbusDevice : public ::testing::Test {
  protected:
-  Device() {
+  ModbusDevice() {
     EXPECT_TRUE(module.set("map", kMap));
     EXPECT_TRUE(module.set("port", std::to_string(port)));
   }
@@ -78,7 +78,7 @@ class Device : public ::testing::Test {
                                                         }};
 };
 
-TEST_F(Device, AnswersWithTheValuesOfItsInputPorts) {
+TEST_F(ModbusDevice, AnswersReadsWithTheValuesOfItsInputPorts) {
   ASSERT_TRUE(module.initialize());
   auto& button = module.in<basic::Flag>("button");
   auto& temperature = module.in<basic::Number>("temperature");
@@ -95,7 +95,7 @@ TEST_F(Device, AnswersWithTheValuesOfItsInputPorts) {
   }));
 }
 
-TEST_F(Device, PublishesTheValuesThatAMasterWrites) {
+TEST_F(ModbusDevice, PublishesTheValuesThatAMasterWrites) {
   ASSERT_TRUE(module.initialize());
   auto& lamp = module.out<basic::Flag>("lamp");
   auto& speed = module.out<basic::Number>("speed");
@@ -111,10 +111,10 @@ TEST_F(Device, PublishesTheValuesThatAMasterWrites) {
   EXPECT_EQ(clients.value().value(), 1);
   EXPECT_EQ(requests.value().value(), 2);
   module.step(100);
-  EXPECT_EQ(lamp.count(), 1U) << "written only when a master writes";
+  EXPECT_EQ(lamp.count(), 1U) << "the device wrote the output although no master wrote";
 }
 
-TEST_F(Device, RejectsAddressesOutsideTheMap) {
+TEST_F(ModbusDevice, RejectsAddressesOutsideTheMap) {
   ASSERT_TRUE(module.start());
   connect();
   std::uint16_t word = 0;
@@ -122,10 +122,11 @@ TEST_F(Device, RejectsAddressesOutsideTheMap) {
   EXPECT_EQ(errno, EMBXILADD);
   EXPECT_EQ(modbus_write_bit(master.get(), 1, 1), -1);
   EXPECT_EQ(errno, EMBXILADD);
-  EXPECT_EQ(modbus_read_input_registers(master.get(), 4, 1, &word), 1) << "addresses in the map still work";
+  EXPECT_EQ(modbus_read_input_registers(master.get(), 4, 1, &word), 1)
+      << "a read of an address in the map failed";
 }
 
-TEST_F(Device, AppliesSafeValuesWhenItsMasterIsSilent) {
+TEST_F(ModbusDevice, AppliesSafeValuesWhenNoMasterWrites) {
   ASSERT_TRUE(module.set("watchdog", "0.2"));
   ASSERT_TRUE(module.initialize());
   auto& lamp = module.out<basic::Flag>("lamp");
@@ -136,7 +137,7 @@ TEST_F(Device, AppliesSafeValuesWhenItsMasterIsSilent) {
   EXPECT_TRUE(comes([&] { return !lamp.value().value(); }));
 }
 
-TEST_F(Device, ExitsIfItsTcpPortIsInUse) {
+TEST_F(ModbusDevice, ExitsIfItsTcpPortIsInUse) {
   const Listener taken;
   ASSERT_TRUE(module.set("port", std::to_string(taken.port)));
   testing::internal::CaptureStderr();

@@ -14,8 +14,8 @@ namespace modbus {
 
 namespace {
 
-// A master that does not complete a request within this time is disconnected. The other masters wait until
-// then.
+// The server disconnects a master that does not complete a request within this time, so the other masters
+// wait no longer.
 constexpr std::uint32_t kRequestLimitUs = 100'000;
 
 struct Span {
@@ -25,7 +25,7 @@ struct Span {
   [[nodiscard]] int count() const { return static_cast<int>(end == 0 ? 0 : end - begin); }
 };
 
-/// The range from the first address of the table's points to the last.
+/// Returns the address range from the first point of the table to the last.
 Span span_of(const std::vector<Point>& points, Table table) {
   Span span;
   for (const Point& point : points) {
@@ -73,11 +73,11 @@ std::string Server::listen() {
   listener_ = modbus_tcp_listen(context_.get(), static_cast<int>(kMaxClients));
   if (listener_ < 0) {
     return "cannot listen on " + settings_.address + ":" + std::to_string(settings_.port) + ": " +
-           modbus_strerror(errno) + "; choose a free port that this user may open (above 1023)";
+           modbus_strerror(errno) + "; choose a free port that this user may open, usually one above 1023";
   }
   modbus_set_indication_timeout(context_.get(), 0, kRequestLimitUs);
   modbus_set_byte_timeout(context_.get(), 0, 0);
-  // libmodbus waits for this long before it rejects an unknown request.
+  // libmodbus waits for this time before it rejects an unknown request.
   modbus_set_response_timeout(context_.get(), 0, 1000);
   return "";
 }
@@ -107,7 +107,7 @@ void Server::accept_client() {
     ::close(client);
     return;
   }
-  // With this limit, a master that does not fetch its answers delays the others no longer than a master that
+  // Limits how long a master that does not fetch its answers can delay the others: as long as a master that
   // does not complete its requests.
   const timeval limit{.tv_sec = 0, .tv_usec = kRequestLimitUs};
   for (const int direction : {SO_SNDTIMEO, SO_RCVTIMEO})
@@ -120,8 +120,9 @@ bool Server::serve(int socket) {
   std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> request{};
   const int length = modbus_receive(context_.get(), request.data());
   if (length < 0) return false;
-  // In each request, two bytes identify Modbus and two hold the length. libmodbus derives the length from the
-  // function code and leaves the rest of an unknown request unread.
+  // The header has two bytes that identify Modbus and two that hold the length of the request. libmodbus does
+  // not use this length: it derives one from the function code, and leaves the rest of an unknown request
+  // unread.
   constexpr int kHeader = 6;
   if (length <= kHeader || two_bytes(&request[2]) != 0) return false;
   const int behind = static_cast<int>(two_bytes(&request[4])) + kHeader - length;
@@ -162,8 +163,8 @@ bool Server::put(const Point& point, double value) {
   return false;
 }
 
-/// Records the writes of an answered request. A request with an invalid address was rejected and wrote
-/// nothing.
+/// Records what an answered request wrote. The server rejected a request with an invalid address, so such a
+/// request wrote nothing.
 void Server::note_writes(const std::uint8_t* request, int length) {
   constexpr int kPdu = 7;
   const auto at = [&](int place) {
@@ -200,7 +201,7 @@ void Server::written(Table table, unsigned address, unsigned count) {
     const double value = table == Table::coil
                              ? tables.tab_bits[point.address - start]
                              : decode(point.encoding, &tables.tab_registers[point.address - start]);
-    if (!std::isfinite(value)) continue;  // ignore a float that is not finite
+    if (!std::isfinite(value)) continue;  // ignore a float register that holds no finite number
     now_.value[i] = value;
     ++now_.writes[i];
   }
@@ -217,7 +218,7 @@ void Server::watch_masters() {
     ++now_.writes[i];
     any = true;
   }
-  if (any) report_("no master has written for the watchdog time; outputs get their safe values");
+  if (any) report_("no master has written within the watchdog time; the outputs now have their safe values");
 }
 
 void Server::publish() {

@@ -1,7 +1,7 @@
 // The device's side of Modbus TCP: a separate thread serves the tables of a map to several masters.
 //
-// The cyclic body puts the inputs into `inputs` and gets the masters' writes from `image`; neither side
-// waits.
+// The cyclic body passes the values of its input ports to that thread in `inputs`, and gets the values that
+// masters wrote from `image`. Neither the body nor the thread waits for the other.
 #pragma once
 
 #include <array>
@@ -20,16 +20,16 @@ struct _modbus_mapping_t;
 
 namespace modbus {
 
-/// The cell's values of the inputs, indexed like the points of the map.
+/// Values of the cell's input ports, indexed like the points of the map.
 struct Inputs {
   std::array<double, kMaxPoints> value{};
-  std::array<bool, kMaxPoints> known{};  ///< there is a value
+  std::array<bool, kMaxPoints> known{};  ///< whether the port has received a value
 };
 
 /// The values that masters wrote.
 struct Image {
   std::array<double, kMaxPoints> value{};
-  std::array<std::uint32_t, kMaxPoints> writes{};  ///< number of writes; unchanged if there is no new value
+  std::array<std::uint32_t, kMaxPoints> writes{};  ///< number of writes; rises when a master writes
   std::int64_t clients = 0;                        ///< connected masters
   std::int64_t requests = 0;                       ///< answered requests, including rejected ones
 };
@@ -40,28 +40,29 @@ class Server {
   struct Settings {
     std::string address;  ///< address to listen on
     int port = 502;
-    Seconds watchdog{};  ///< outputs become safe if no master writes for this long; 0: never
+    Seconds watchdog{};  ///< outputs take their safe values if no master writes for this long; 0: never
   };
-  /// The thread calls `report` with one line of text for the user.
+  /// The server's thread calls `report` with one line of text for the user.
   Server(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> report);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// For the body. Real-time.
+  /// The cyclic body may use these two in real time.
   Latest<Inputs> inputs;
   Latest<Image> image;
 
-  /// Starts to listen. Returns an empty string, or the reason for a failure.
+  /// Starts to listen. Returns an empty string, or the reason if this fails.
   std::string listen();
-  /// The body of the thread; never returns.
+  /// Serves the masters in the calling thread; never returns.
   [[noreturn]] void work();
-  /// Used by work(): reads and answers the next request of a master. False: disconnect the master.
+  /// Used by work(): reads and answers the next request of a master. If it returns false, work() disconnects
+  /// the master.
   [[nodiscard]] bool serve(int socket);
-  /// Used by work(): publishes the writes so far in `image`.
+  /// Used by work(): copies all writes so far to `image`.
   void publish();
 
-  /// Maximum number of masters at once; the server turns away others.
+  /// Maximum number of connected masters; the server rejects further connections.
   static constexpr std::size_t kMaxClients = 16;
 
  private:
@@ -83,7 +84,7 @@ class Server {
   std::vector<int> clients_;
   Image now_;
   Clock::time_point written_at_{};
-  bool safe_ = true;  ///< no master has written since the outputs became safe
+  bool safe_ = true;  ///< true: no master has written since the outputs took their safe values
 };
 
 }  // namespace modbus

@@ -21,7 +21,7 @@ std::string in_seconds(Seconds time) {
   return text.data();
 }
 
-/// The device understood the request and rejected it; the connection is still valid.
+/// Returns whether the device understood the request but rejected it. The connection is then still valid.
 bool is_exception(int error) { return error >= EMBXILFUN && error <= EMBXGTAR; }
 
 const char* plural(Table table) {
@@ -63,7 +63,7 @@ void Exchange::work() {
     exchange_all();
     const auto now = Clock::now();
     next += std::chrono::duration_cast<Clock::duration>(settings_.cycle);
-    if (next < now) next = now;  // do not catch up on missed exchanges
+    if (next < now) next = now;  // skips missed exchanges
     lock.lock();
     changed_.wait_until(lock, next, [this] { return end_; });
   }
@@ -86,7 +86,7 @@ void Exchange::exchange_all() {
   const Outputs& outputs_now = wanted_outputs();
   if (device_ == nullptr && (Clock::now() < retry_at_ || !connect())) return;
   ok_ = true;
-  // Write the outputs first, because they are already one cycle old.
+  // The outputs come first, because they are already one cycle old.
   for (const Group& group : writes_) {
     if (device_ != nullptr) write(group, outputs_now);
   }
@@ -103,18 +103,18 @@ void Exchange::exchange_all() {
   image.publish();
 }
 
-/// The body's last outputs, or the safe values if the body has been silent for too long (it was stopped, or
-/// it hangs).
+/// Returns the body's last outputs. If the module was stopped or hangs, so that the body has sent nothing for
+/// too long, returns the safe values.
 const Outputs& Exchange::wanted_outputs() {
   const auto now = Clock::now();
   if (outputs.take()) {
     heard_ = now;
     ever_heard_ = true;
-    if (std::exchange(silent_, false)) report_("the module runs again; its outputs are written");
+    if (std::exchange(silent_, false)) report_("the module runs again; the device gets its outputs again");
   }
   if (!ever_heard_ || now - heard_ < settings_.watchdog) return outputs.taken();
   if (any_safe_ && !std::exchange(silent_, true))
-    report_("the module does not run: its outputs get their safe values");
+    report_("the module does not run; its outputs now have their safe values");
   return any_safe_ ? safe_ : outputs.taken();
 }
 
@@ -130,7 +130,7 @@ bool Exchange::connect() {
   }
   const auto [seconds, microseconds] = in_microseconds(settings_.timeout);
   modbus_set_response_timeout(device_, seconds, microseconds);
-  modbus_set_byte_timeout(device_, 0, 0);  // the time-out is for the whole answer, not for each byte
+  modbus_set_byte_timeout(device_, 0, 0);  // the time-out is for the whole answer, not per byte
   modbus_set_slave(device_, settings_.unit);
   if (modbus_connect(device_) == 0) {
     retry_after_ = kFirstRetry;
@@ -147,8 +147,8 @@ void Exchange::disconnect() {
   device_ = nullptr;
 }
 
-/// Handles a failed connection. Closes it so that a new one is opened, because data of the failed connection
-/// may still be in transit.
+/// Handles a failed connection. Closes it, because its data may still be in transit; the next exchange opens
+/// a new connection.
 void Exchange::failed(const std::string& what) {
   disconnect();
   ++now_.failures;
@@ -199,13 +199,14 @@ void Exchange::read(const Group& group) {
     const std::size_t at = point.address - group.address;
     const double value =
         is_bit(point.table) ? (bits[at] != 0 ? 1.0 : 0.0) : decode(point.encoding, &registers[at]);
-    if (!std::isfinite(value)) continue;  // ignore a float that is not finite
+    if (!std::isfinite(value)) continue;  // ignore a float register that holds no finite number
     now_.value[i] = value;
     ++now_.reads[i];
   }
 }
 
-/// Leaves points without a value unchanged in the device. Writes adjacent points with values in one request.
+/// Writes the points that have a value, and adjacent points in one request. The device keeps the other points
+/// unchanged.
 void Exchange::write(const Group& group, const Outputs& from) {
   std::size_t first = 0;
   const auto known = [&](std::size_t place) {

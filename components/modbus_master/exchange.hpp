@@ -1,8 +1,8 @@
-// Exchanges a map's values with a Modbus TCP device, on a separate thread. So a device that is off, that is
-// slow or that sends invalid data delays only this thread.
+// Exchanges the values of a map with a Modbus TCP device, on a separate thread. So a device that is off, is
+// slow or sends invalid data delays only this thread.
 //
-// The cyclic body puts its values into `outputs` and gets the device's values from `image`; neither side
-// waits.
+// The cyclic body passes its values to that thread in `outputs`, and gets the device's values from `image`.
+// Neither the body nor the thread waits for the other.
 #pragma once
 
 #include <array>
@@ -27,41 +27,41 @@ using Seconds = std::chrono::duration<double>;
 struct Settings {
   std::string host;
   int port = 502;
-  int unit = 255;      ///< 255: the device itself
-  Seconds cycle{};     ///< from one exchange to the next
-  Seconds timeout{};   ///< for a connection, and for each answer
-  Seconds backoff{};   ///< maximum time between two attempts to connect; begins at 0.1 s and doubles
-  Seconds watchdog{};  ///< outputs become safe if the body is silent for this long
+  int unit = 255;      ///< 255: the device itself, without a gateway
+  Seconds cycle{};     ///< time from one exchange to the next
+  Seconds timeout{};   ///< limit for a connection attempt, and for each answer
+  Seconds backoff{};   ///< maximum time between two attempts to connect; the first time is 0.1 s
+  Seconds watchdog{};  ///< outputs take their safe values if the body is silent for this long
 };
 
-/// The body's values, indexed like the points of the map.
+/// Values of the cell's input ports, indexed like the points of the map.
 struct Outputs {
   std::array<double, kMaxPoints> value{};
-  std::array<bool, kMaxPoints> known{};  ///< there is a value
+  std::array<bool, kMaxPoints> known{};  ///< whether the port has received a value
 };
 
-/// The device's values.
+/// The values that the device sent.
 struct Image {
   std::array<double, kMaxPoints> value{};
-  std::array<std::uint32_t, kMaxPoints> reads{};  ///< number of reads; unchanged if there is no new value
-  bool connected = false;                         ///< the last exchange succeeded completely
-  std::int64_t exchanges = 0;                     ///< exchanges that succeeded completely
-  std::int64_t failures = 0;                      ///< failed requests and connections
+  std::array<std::uint32_t, kMaxPoints> reads{};  ///< number of reads; rises when a value arrives
+  bool connected = false;                         ///< whether the last exchange succeeded completely
+  std::int64_t exchanges = 0;                     ///< number of exchanges that succeeded completely
+  std::int64_t failures = 0;                      ///< number of failed requests and connections
 };
 
 class Exchange {
  public:
-  /// The thread calls `report` with one line of text for the user: once when a fault begins, once when it
-  /// ends.
+  /// The exchange thread calls `report` with one line of text for the user when a fault begins, and again
+  /// when the fault ends.
   Exchange(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> report);
 
-  /// For the body. Real-time.
+  /// The cyclic body may use these two in real time.
   Latest<Outputs> outputs;
   Latest<Image> image;
 
-  /// The body of the thread. Returns after end() was called and the safe values are written.
+  /// Exchanges values in the calling thread. Returns after end() was called and the safe values are written.
   void work();
-  /// Ends the thread and waits for it, at most this long. Call it once, from the body's thread.
+  /// Ends the thread and waits for it, at most for `limit`. Call this once, from the thread of the body.
   void end(Seconds limit);
 
  private:
@@ -87,14 +87,14 @@ class Exchange {
   Outputs safe_;
   bool any_safe_ = false;
 
-  _modbus* device_ = nullptr;  ///< null if not connected
+  _modbus* device_ = nullptr;  ///< null while not connected
   Image now_;
-  bool ok_ = false;      ///< no fault in the current exchange so far
-  bool faulty_ = false;  ///< a fault is present and was reported
+  bool ok_ = false;      ///< whether the current exchange has had no fault so far
+  bool faulty_ = false;  ///< whether a fault is present; it has been reported
   Clock::time_point faulty_since_{};
   Clock::time_point heard_{};  ///< time of the body's last outputs
   bool ever_heard_ = false;
-  bool silent_ = false;  ///< the body is silent, and this was reported
+  bool silent_ = false;  ///< whether the body is silent; this has been reported
   Clock::time_point retry_at_{};
   Seconds retry_after_{};
 

@@ -19,17 +19,22 @@ TAKT_TEXT("Master (client) of a Modbus TCP device: its coils, inputs and registe
 
 namespace {
 
-takt::Property<std::string> map{"map", "", {.text = "The points, one per line, as in: lamp out coil 0."}};
+takt::Property<std::string> map{
+    "map", "", {.text = "The points, one per line, for example: lamp out coil 0."}};
 takt::Property<std::string> host{"host", "127.0.0.1", {.text = "Address of the device."}};
 takt::Property<std::int64_t> port{"port", 502, {.min = 1, .max = 65535, .text = "TCP port of the device."}};
 takt::Property<std::int64_t> unit{
-    "unit", 255, {.min = 0, .max = 255, .text = "Number of the device behind a gateway."}};
+    "unit",
+    255,
+    {.min = 0, .max = 255, .text = "Unit number of a device behind a gateway; 255: no gateway."}};
 takt::Property<double> cycle{
     "cycle", 0.02, {.unit = "s", .min = 0.001, .max = 60, .text = "Time from one exchange to the next."}};
-takt::Property<double> timeout{
-    "timeout",
-    0.3,
-    {.unit = "s", .min = 0.01, .max = 5, .text = "Limit for a connection, and for each whole answer."}};
+takt::Property<double> timeout{"timeout",
+                               0.3,
+                               {.unit = "s",
+                                .min = 0.01,
+                                .max = 5,
+                                .text = "Limit for a connection attempt, and for each whole answer."}};
 takt::Property<double> backoff{
     "backoff",
     2,
@@ -40,15 +45,15 @@ takt::Property<double> watchdog{
     {.unit = "s",
      .min = 0.05,
      .max = 60,
-     .text = "If the body has not run for this long, outputs get their safe values."}};
+     .text = "If the body has not run for this long, outputs take their safe values."}};
 
 takt::OutPort<basic::Flag> connected{"connected", {.text = "The last exchange succeeded completely."}};
 takt::OutPort<basic::Count> exchanges{"exchanges",
                                       {.text = "Number of exchanges that succeeded completely."}};
 takt::OutPort<basic::Count> failures{"failures", {.text = "Number of failed requests and connections."}};
 
-// Lives until the process ends. At the end the program waits for the thread, but not longer than the node
-// waits for the program.
+// The exchange lives until the process ends. When the program ends, it waits for the exchange thread, but not
+// longer than the node waits for the program.
 modbus::Exchange* exchange = nullptr;
 constexpr modbus::Seconds kEndLimit{0.9};
 
@@ -58,7 +63,8 @@ modbus::Settings settings_from_properties() {
   modbus::Settings settings;
   settings.host = host.value();
   if (settings.host.empty()) {
-    std::fprintf(stderr, "property 'host' is empty; name the device, as in 10.0.0.7 or press.plant\n");
+    std::fprintf(stderr,
+                 "property 'host' is empty; write the device's address, as in 10.0.0.7 or press.plant\n");
     std::exit(1);
   }
   settings.port = static_cast<int>(port.value());
@@ -75,7 +81,7 @@ modbus::Settings settings_from_properties() {
 int main() {
   modbus::Settings settings = settings_from_properties();
   const std::vector<modbus::Point> points = modbus::points_or_end(map.value());
-  // Indexed like the points; empty for points of the other direction.
+  // Both vectors are indexed like the points. An element is empty if its point has the other direction.
   std::vector<std::unique_ptr<modbus::PointInput>> to_device(points.size());
   std::vector<std::unique_ptr<modbus::PointOutput>> from_device(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -85,7 +91,7 @@ int main() {
       from_device[i] = std::make_unique<modbus::PointOutput>(points[i]);
   }
   initPeriodExe();
-  // A body with a long period must not trigger the watchdog.
+  // Three periods at least, so that a body with a long period does not trigger the watchdog.
   settings.watchdog =
       std::max(settings.watchdog, modbus::Seconds{3e-9 * static_cast<double>(takt_period_ns())});
 
@@ -111,7 +117,8 @@ int main() {
     exchange->image.take();
     const modbus::Image& image = exchange->image.taken();
     for (std::size_t i = 0; i < points.size(); ++i) {
-      // Write only values that were read again, so that a deadline at the connection can make them stale.
+      // Writes a port only if its value was read again, so that a deadline at the connection can make an old
+      // value stale.
       if (!from_device[i] || std::exchange(seen[i], image.reads[i]) == image.reads[i]) continue;
       from_device[i]->write(image.value[i]);
     }

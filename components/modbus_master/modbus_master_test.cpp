@@ -1,4 +1,5 @@
-// Tests the master's program on virtual time, with libmodbus's server as the device, on a thread of the test.
+// Tests the master program on virtual time. The server of libmodbus, on a thread of the test, plays the
+// device.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +40,7 @@ class Device {
     sockaddr_in address{};
     socklen_t size = sizeof address;
     if (listener < 0 || ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) != 0)
-      throw std::runtime_error("no port to listen on");
+      throw std::runtime_error("found no free TCP port");
     port_ = ntohs(address.sin_port);
     thread_ = std::thread{[this, listener] { work(listener); }};
   }
@@ -51,7 +52,7 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   [[nodiscard]] int port() const { return port_; }
-  /// Calls `use` with the tables while no request is being answered.
+  /// Calls `use` with the device's tables while the device answers no request.
   template <class Use>
   auto with_tables(Use&& use) {
     const std::lock_guard lock{mutex_};
@@ -95,9 +96,9 @@ constexpr const char* kMap = R"(
   temperature in  input-register 4 int16 scale 0.1 unit degC
 )";
 
-class Master : public ::testing::Test {
+class ModbusMaster : public ::testing::Test {
  protected:
-  Master() { prepare(device ? device->port() : 0); }
+  ModbusMaster() { prepare(device ? device->port() : 0); }
   void prepare(int port) {
     EXPECT_TRUE(module.set("map", kMap));
     EXPECT_TRUE(module.set("port", std::to_string(port)));
@@ -118,7 +119,7 @@ class Master : public ::testing::Test {
   Module module{{.period = 10ms}};
 };
 
-TEST_F(Master, ExchangesValuesInBothDirections) {
+TEST_F(ModbusMaster, ExchangesValuesInBothDirections) {
   device->with_tables([](modbus_mapping_t& tables) {
     tables.tab_input_bits[3] = 1;
     tables.tab_input_registers[4] = static_cast<std::uint16_t>(-215);
@@ -142,7 +143,7 @@ TEST_F(Master, ExchangesValuesInBothDirections) {
   EXPECT_TRUE(comes([&] { return !button.value().value() && lamp_is(false); }));
 }
 
-TEST_F(Master, WritesSafeValuesWhenItEnds) {
+TEST_F(ModbusMaster, WritesSafeValuesWhenItEnds) {
   ASSERT_TRUE(module.initialize());
   auto& lamp = module.in<basic::Flag>("lamp");
   auto& speed_wanted = module.in<basic::Number>("speed");
@@ -155,7 +156,7 @@ TEST_F(Master, WritesSafeValuesWhenItEnds) {
   EXPECT_EQ(speed(), 0);
 }
 
-TEST_F(Master, WritesNoInputPortsWhileTheDeviceIsGone) {
+TEST_F(ModbusMaster, PublishesNoValuesWhileTheDeviceIsGone) {
   ASSERT_TRUE(module.initialize());
   auto& button = module.out<basic::Flag>("button");
   auto& connected = module.out<basic::Flag>("connected");
@@ -165,19 +166,19 @@ TEST_F(Master, WritesNoInputPortsWhileTheDeviceIsGone) {
   device.reset();
   ASSERT_TRUE(comes([&] { return !connected.value().value() && failures.value().value() > 0; }));
   const std::uint64_t writes_before = button.count();
-  EXPECT_EQ(module.step(1000), 1000U) << "the body must not wait for the network";
+  EXPECT_EQ(module.step(1000), 1000U) << "the body waited for the network";
   EXPECT_EQ(button.count(), writes_before);
   EXPECT_TRUE(module.healthy());
 }
 
-TEST_F(Master, CreatesItsPortsFromTheMap) {
+TEST_F(ModbusMaster, CreatesItsPortsFromTheMap) {
   ASSERT_TRUE(module.set("map", "valve out coil 1"));
   ASSERT_TRUE(module.initialize());
   EXPECT_NO_THROW(module.in<basic::Flag>("valve"));
   EXPECT_THROW(module.in<basic::Flag>("lamp"), takt::testing::Error);
 }
 
-TEST_F(Master, RejectsInvalidProperties) {
+TEST_F(ModbusMaster, RejectsInvalidProperties) {
   const auto start_error = [this] {
     testing::internal::CaptureStderr();
     const takt::testing::Answer answer = module.start();

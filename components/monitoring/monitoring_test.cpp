@@ -4,11 +4,13 @@
 
 namespace {
 
-TEST(Machine, LoadIsTheFirstNumber) { EXPECT_EQ(machine_load("0.52 0.58 0.59 1/467 12345\n"), 0.52); }
+TEST(MachineStatus, TakesTheFirstNumberAsTheLoad) {
+  EXPECT_EQ(machine_load("0.52 0.58 0.59 1/467 12345\n"), 0.52);
+}
 
-TEST(Machine, LoadOfAnEmptyTextIsNegative) { EXPECT_LT(machine_load(""), 0); }
+TEST(MachineStatus, ReportsANegativeLoadIfTheTextIsEmpty) { EXPECT_LT(machine_load(""), 0); }
 
-TEST(Machine, MemoryIsFoundByItsWholeName) {
+TEST(MachineStatus, FindsAMemoryValueByItsWholeName) {
   const char* text = "MemTotal:       8000000 kB\nMemFree:         100000 kB\nMemAvailable:   4000000 kB\n";
   EXPECT_EQ(machine_memory_kib(text, "MemTotal"), 8000000);
   EXPECT_EQ(machine_memory_kib(text, "MemAvailable"), 4000000);

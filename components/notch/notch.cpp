@@ -1,4 +1,4 @@
-// A thread module in C++: a notch filter removes one frequency from a signal.
+// A thread module in C++: a notch filter that removes one frequency from a signal.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -15,11 +15,12 @@ class Notch : public takt::Component {
   takt::OutPort<basic::Number> out{*this, "out", {.text = "Filtered signal, in the unit of the input."}};
   takt::Property<double> frequency{
       *this, "frequency", 50, {.unit = "Hz", .min = 1e-9, .text = "The frequency to remove."}};
-  takt::Property<double> width{
-      *this,
-      "width",
-      10,
-      {.unit = "Hz", .min = 1e-9, .text = "Distance between the two frequencies at -3 dB."}};
+  takt::Property<double> width{*this,
+                               "width",
+                               10,
+                               {.unit = "Hz",
+                                .min = 1e-9,
+                                .text = "Distance between the two frequencies at which the gain is -3 dB."}};
 
   notch::NotchFilter filter_;
   common::Releases releases_;

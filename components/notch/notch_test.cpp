@@ -43,9 +43,9 @@ TEST(NotchFilter, MatchesTheTheoreticalResponse) {
   }
 }
 
-TEST(NotchFilter, HasItsWidthInTheSampledSignal) {
-  // 1000 steps a second, so frequencies are whole hertz. The loops search outwards for the half-power
-  // frequencies.
+TEST(NotchFilter, HasItsExactWidthInTheSampledSignal) {
+  // With 1000 steps per second, frequencies are whole hertz. The loops search for the half-power frequencies
+  // on both sides.
   for (const int frequency : {100, 250, 400}) {
     constexpr int kWidth = 60;
     double low = 0;
@@ -55,7 +55,7 @@ TEST(NotchFilter, HasItsWidthInTheSampledSignal) {
       if (cycles < frequency && power >= 0.5) low = cycles;
       if (cycles > frequency && power >= 0.5 && high == 0) high = cycles;
     }
-    EXPECT_NEAR(high - low, kWidth, 2) << frequency;  // both edges are rounded outwards to whole Hz
+    EXPECT_NEAR(high - low, kWidth, 2) << frequency;  // both edges are rounded outwards, to whole Hz
   }
 }
 
@@ -77,7 +77,7 @@ TEST(NotchFilter, ChangesItsFrequencyAndWidthWithoutAJump) {
   }
 }
 
-TEST(Notch, MatchesTheFilter) {
+TEST(Notch, FiltersItsInputWithTheGivenProperties) {
   takt::testing::Module module{{.period = milliseconds{2}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -96,16 +96,16 @@ TEST(Notch, MatchesTheFilter) {
   }
 }
 
-TEST(Notch, RejectsAFrequencyAboveHalfTheRate) {
+TEST(Notch, RejectsAFrequencyTooHighForItsPeriod) {
   takt::testing::Module module{{.period = milliseconds{10}}};
-  const auto start = module.start();  // 50 Hz, the default
+  const auto start = module.start();  // with the default frequency, 50 Hz
   ASSERT_FALSE(start.ok());
   EXPECT_EQ(
       start.text(),
       "property 'frequency' cannot be '50'; it takes a number, 1e-04 to 49 at a period of 10 ms, in Hz");
 }
 
-TEST(Notch, TreatsANonFiniteInputAsAnError) {
+TEST(Notch, GoesToRecoverIfItsInputIsNotFinite) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in");
   ASSERT_TRUE(module.start());

@@ -5,19 +5,19 @@
 namespace panel {
 namespace {
 
-/// Steps of 0.1 s.
+/// Lets time pass in steps of 0.1 s.
 void pass(Expected& expected, double seconds, bool permitted = true) {
   for (int i = 0; i < static_cast<int>(seconds * 10 + 0.5); ++i) expected.pass(0.1, permitted);
 }
 
-TEST(Expected, PredictsNothingWithoutABringTime) {
+TEST(PartPrediction, IsZeroWithoutABringTime) {
   Expected expected;
   expected.planned({.number = 1, .placed = 2, .ended = 3});
   pass(expected, 100);
   EXPECT_EQ(expected.parts(), 0U);
   EXPECT_EQ(expected.part_time(), 0);
 }
-TEST(Expected, CountsAPartAfterBringingAndPlacing) {
+TEST(PartPrediction, CountsAPartWhenItShouldBePlaced) {
   Expected expected;
   expected.bring(1);
   pass(expected, 1);
@@ -28,24 +28,24 @@ TEST(Expected, CountsAPartAfterBringingAndPlacing) {
   pass(expected, 0.2);
   EXPECT_EQ(expected.parts(), 1U);
 }
-TEST(Expected, ExtrapolatesWithTheTimesOfTheLastPart) {
+TEST(PartPrediction, AssumesThatFurtherPartsTakeAsLongAsTheLast) {
   Expected expected;
   expected.bring(1);
   expected.planned({.number = 1, .placed = 2, .ended = 2.5});
-  pass(expected, 30.1);  // 3 s a part
+  pass(expected, 30.1);  // each part takes 3 s
   EXPECT_EQ(expected.parts(), 10U);
 }
-TEST(Expected, WaitsUntilTheArmIsHome) {
+TEST(PartPrediction, StartsThePartOnlyWhenTheArmIsHome) {
   Expected expected;
   expected.bring(1);
   expected.planned({.number = 1, .placed = 2, .ended = 4});
   expected.planned({.number = 2, .placed = 2, .ended = 4});
-  pass(expected, 6.9);  // 1 to bring and 2 to place, then 2 to go home and 2 to place
+  pass(expected, 6.9);  // part 1: 1 s to bring, 2 s to place; part 2: 2 s until the arm is home, 2 s to place
   EXPECT_EQ(expected.parts(), 1U);
   pass(expected, 0.2);
   EXPECT_EQ(expected.parts(), 2U);
 }
-TEST(Expected, ExcludesTheTimeOfAnEmergencyStop) {
+TEST(PartPrediction, ExcludesTheTimeOfAnEmergencyStop) {
   Expected expected;
   expected.bring(1);
   expected.planned({.number = 1, .placed = 2, .ended = 2});
@@ -56,7 +56,7 @@ TEST(Expected, ExcludesTheTimeOfAnEmergencyStop) {
   pass(expected, 1.1);
   EXPECT_EQ(expected.parts(), 1U);
 }
-TEST(Expected, IgnoresARepeatedPlan) {
+TEST(PartPrediction, IgnoresARepeatedPlan) {
   Expected expected;
   expected.bring(1);
   for (int i = 0; i < 5; ++i) expected.planned({.number = 1, .placed = 2, .ended = 2});

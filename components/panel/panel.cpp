@@ -1,5 +1,5 @@
 // A process module in C++: the operator's panel of a station. It sets the belt speed, prints the state of the
-// cell, counts the placed parts, and predicts their number from the cell's timing.
+// cell, counts the placed parts, and predicts their number from the timing of the cell.
 #include <takt/process.hpp>
 
 #include <atomic>
@@ -19,7 +19,8 @@ TAKT_TEXT("Operator's panel without a screen: sets the belt speed, prints the ce
 
 namespace {
 
-takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Speed of the belt."}};
+takt::Property<double> speed{
+    "speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Wanted speed of the belt."}};
 takt::Property<double> every{
     "show", 1, {.unit = "s", .min = 0.1, .max = 3600, .text = "Time between two printed lines."}};
 takt::Property<double> bring{
@@ -30,19 +31,19 @@ takt::Property<double> bring{
      .max = 3600,
      .text = "Time from the placing of a part to the next pick request; 0: no prediction."}};
 
-takt::OutPort<line::BeltCommand> command{"command", {.text = "Speed of the belt."}};
+takt::OutPort<line::BeltCommand> command{"command", {.text = "Wanted speed of the belt."}};
 takt::OutPort<basic::Number> placed{"placed", {.text = "Number of placed parts, for a display."}};
 takt::InPort<line::BeltState> belt{"belt", {.text = "State of the belt."}};
 takt::InPort<motion::JointState> arm{"arm", {.text = "Position of the axes."}};
 takt::InPort<line::Throughput> throughput{"throughput", {.text = "Parts per minute."}};
-takt::InPort<motion::PickPlan> plan{
-    "plan", {.text = "Time that the arm will need for a part; connect it as a queue."}};
-takt::InPort<motion::PickDone> done{"done", {.text = "Result of a request; connect it as a queue."}};
+takt::InPort<motion::PickPlan> plan{"plan",
+                                    {.text = "Time that the arm needs for a part; connect it as a queue."}};
+takt::InPort<motion::PickDone> done{"done", {.text = "Result of a pick request; connect it as a queue."}};
 takt::InPort<basic::Flag> run_permitted{"run_permitted",
-                                        {.text = "False: emergency stop. If not connected: always true."}};
+                                        {.text = "False: emergency stop. Always true if not connected."}};
 
-/// The values to print. The real-time body passes them to a separate thread, because printing may block. Each
-/// value is consistent by itself, which is enough for a display.
+/// The values to print. The real-time body passes them to a separate thread, because printing may block. The
+/// values may be from different periods; a display needs no more.
 struct Shown {
   std::atomic<bool> any{false};
   std::atomic<bool> has_belt{false};
@@ -65,14 +66,14 @@ void show(std::chrono::duration<double> pause) {
   while (true) {
     std::this_thread::sleep_for(pause);
     if (!shown.any) continue;
-    std::printf("%sbelt %s at %.2f m/s, %.1f parts a minute, %u placed; axis 1 at %.2f rad%s\n",
+    std::printf("%sbelt %s at %.2f m/s, %.1f parts per minute, %u placed; axis 1 at %.2f rad%s\n",
                 shown.permitted ? "" : "EMERGENCY STOP; ", word(shown.mode), shown.speed.load(),
                 shown.per_minute.load(), shown.placed.load(), shown.axis.load(),
                 shown.has_belt ? "" : " (no data from the line)");
   }
 }
 
-/// Prints a summary at the end, when the body no longer runs.
+/// Prints a summary at the end of the program.
 void print_summary() {
   std::printf("parts placed: %u", shown.placed.load());
   if (expected.part_time() > 0) {
@@ -95,7 +96,8 @@ int main() {
   std::uint32_t last_done = 0;
 
   std::atexit(print_summary);
-  std::thread{show, std::chrono::duration<double>{every}}.detach();  // until the program ends
+  // This thread runs until the program ends.
+  std::thread{show, std::chrono::duration<double>{every}}.detach();
   while (true) {
     waitPeriod();
     command.write(belt_command);
@@ -109,7 +111,7 @@ int main() {
           {.number = announced.number(), .placed = announced.placed(), .ended = announced.ended()});
     }
     while (done.read()) {
-      // A part that was requested twice is reported twice.
+      // The arm reports a part twice if it was requested twice.
       if (std::exchange(last_done, done.value().number()) == done.value().number()) continue;
       ++(done.value().result() == motion::PICK_PLACED ? shown.placed : shown.failed);
     }

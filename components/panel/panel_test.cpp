@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Panel, WritesTheSpeedEveryPeriod) {
+TEST(Panel, WritesTheBeltSpeedEveryPeriod) {
   takt::testing::Module module{{.period = 100ms}};
   ASSERT_TRUE(module.set("speed", "0.7"));
   auto& command = module.out<line::BeltCommand>("command");
@@ -21,7 +21,7 @@ TEST(Panel, WritesTheSpeedEveryPeriod) {
   EXPECT_EQ(command.value().speed(), 0.7);
 }
 
-TEST(Panel, RejectsASpeedOutOfRange) {
+TEST(Panel, RejectsASpeedAboveItsRange) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("speed", "3"));
   const std::string problem = module.start().text();

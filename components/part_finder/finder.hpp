@@ -1,5 +1,5 @@
-// The image processing of part_finder: finds parts in a grey image of a belt. It allocates, as OpenCV does,
-// so it is not for real-time threads.
+// The image processing of part_finder: finds parts in a grey image of a belt. OpenCV allocates memory, so
+// real-time threads must not use it.
 #pragma once
 
 #include <cmath>
@@ -14,11 +14,11 @@ namespace vision {
 
 struct FinderSettings {
   Optics optics{};
-  double contrast = 50;  ///< a part is at least this much brighter than the belt (full scale 255)
+  double contrast = 50;  ///< minimum brightness difference between a part and the belt (full scale 255)
 };
 
-/// The belt's brightness as a plane over the image, because light falls on it from one side. The plane is
-/// fitted to the pixels of the upper and lower edge, which are free of parts.
+/// Estimates the brightness of the belt as a plane over the image, because light falls on the belt from one
+/// side. The plane fits the pixels of the upper and lower edge, where no parts lie.
 inline cv::Mat background(const cv::Mat& image) {
   const int edge = std::max(2, image.rows / 24);
   cv::Matx33d normal = cv::Matx33d::zeros();
@@ -41,7 +41,7 @@ inline cv::Mat background(const cv::Mat& image) {
   return result;
 }
 
-/// A mask: 255 for pixels that are brighter than the belt, else 0. Specks of noise are removed.
+/// Returns a mask: 255 for pixels that are brighter than the belt, 0 for all others, without specks of noise.
 inline cv::Mat bright(const cv::Mat& image, double contrast) {
   cv::Mat smooth;
   cv::GaussianBlur(image, smooth, {5, 5}, 0);
@@ -52,8 +52,8 @@ inline cv::Mat bright(const cv::Mat& image, double contrast) {
   return mask;
 }
 
-/// Returns the parts that are wholly in the image, beginning with the part farthest along the belt. Ignores
-/// shapes that are neither a box nor a bottle, such as a shadow or two parts that touch.
+/// Returns the parts that are completely in the image; the part that is farthest along the belt comes first.
+/// Ignores shapes that are neither a box nor a bottle, such as a shadow or two parts that touch.
 inline std::vector<PlacedPart> find_parts(const cv::Mat& image, const FinderSettings& settings) {
   const Optics& optics = settings.optics;
   std::vector<std::vector<cv::Point>> outlines;
@@ -63,8 +63,8 @@ inline std::vector<PlacedPart> find_parts(const cv::Mat& image, const FinderSett
   for (const auto& outline : outlines) {
     const cv::Rect around = cv::boundingRect(outline);
     if (around.x <= 1 || around.y <= 1 || around.br().x >= image.cols - 1 || around.br().y >= image.rows - 1)
-      continue;  // partly out of the image
-    // Moments of the pixels, not of the polygon through the pixel centres, which is half a pixel smaller on
+      continue;  // partly outside the image
+    // Use the moments of the pixels. The polygon through the pixel centres is smaller by half a pixel on
     // every side.
     cv::Mat inside = cv::Mat::zeros(around.size(), CV_8UC1);
     cv::drawContours(inside, std::vector<std::vector<cv::Point>>{outline}, 0, cv::Scalar(1), cv::FILLED,

@@ -1,6 +1,6 @@
 // A process module in C++: the camera over a belt's light barrier. Every period it takes an image and finds
 // the parts in it. There is no real camera, so it renders the image from the parts on the belt. When the belt
-// holds a part at the barrier, it publishes the part's number, kind, place and angle.
+// holds a part at the barrier, the module publishes the part's number, kind, position and angle.
 #include <takt/process.hpp>
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 #include "camera.hpp"
 #include "finder.hpp"
 
-TAKT_TEXT("A camera over a belt: finds the part at the light barrier and publishes its place and angle.");
+TAKT_TEXT("A camera over a belt: finds the part at the light barrier and publishes its position and angle.");
 
 namespace {
 
@@ -31,25 +31,27 @@ takt::Property<double> noise{
 takt::Property<double> light{
     "light", 30, {.min = 0, .max = 100, .text = "Brightness difference between opposite corners."}};
 takt::Property<double> contrast{
-    "contrast", 50, {.min = 10, .max = 200, .text = "A part is at least this much brighter than the belt."}};
+    "contrast",
+    50,
+    {.min = 10, .max = 200, .text = "Minimum brightness difference between a part and the belt."}};
 takt::Property<double> repeat{"repeat",
                               2,
                               {.unit = "s",
                                .min = 0.1,
                                .max = 3600,
-                               .text = "A part that still waits is published again after this time."}};
-takt::Property<std::int64_t> seed{"seed", 1, {.min = 0, .text = "Seed of the noise."}};
+                               .text = "Time after which a part that still waits is published again."}};
+takt::Property<std::int64_t> seed{"seed", 1, {.min = 0, .text = "Seed of the random noise."}};
 
 takt::InPort<line::Scene> scene{"scene", {.text = "The scene in front of the camera."}};
 takt::InPort<line::BeltState> belt{"belt", {.text = "State of the belt."}};
 takt::OutPort<line::Scene> seen{"seen", {.text = "Every part in the last image."}};
-takt::OutPort<line::Part> part{"part", {.text = "A part waits at the light barrier."}};
+takt::OutPort<line::Part> part{"part", {.text = "The part that waits at the light barrier."}};
 
-/// The data that the body passes to the image thread (Shutter) and gets back (Sight). Image processing
-/// allocates and takes milliseconds, so it cannot run in the real-time body.
+/// What the body passes to the image thread (Shutter), and what it gets back (Sight). Image processing
+/// allocates memory and takes milliseconds, so it cannot run in the real-time body.
 struct Shutter {
-  std::uint32_t waiting = 0;  ///< the number of the part that the belt holds; 0: none
-  double position = 0;        ///< m, of the belt
+  std::uint32_t waiting = 0;  ///< number of the part that the belt holds; 0: none
+  double position = 0;        ///< m, position of the belt
   std::array<vision::PlacedPart, line::MAX_PARTS> parts{};
   std::size_t count = 0;
 };
@@ -62,7 +64,7 @@ Latest<Shutter> shutter;
 Latest<Sight> sight;
 std::uint64_t images_taken = 0;
 std::uint64_t published = 0;
-std::uint64_t not_found = 0;  // images without a part at the barrier, although the belt held one
+std::uint64_t not_found = 0;  // images that show no part at the barrier although the belt holds one
 
 void print_summary() {
   std::printf("part_finder: %llu images, %llu parts published, %llu images without the waiting part\n",
@@ -111,7 +113,7 @@ line::Part to_part(const vision::PlacedPart& found, std::uint32_t number) {
   return result;
 }
 
-/// The part nearest to the barrier, if it is near enough to be the part that the belt holds; else null.
+/// Returns the part nearest to the barrier if it can be the part that the belt holds, else null.
 const vision::PlacedPart* at_the_barrier(const Sight& now) {
   constexpr double kNear = 0.05;  // m
   const vision::PlacedPart* nearest = nullptr;
@@ -130,10 +132,10 @@ int main() {
   std::atexit(print_summary);
   const vision::Camera::Settings camera{
       .noise = noise, .light = light, .seed = static_cast<std::uint64_t>(seed.value())};
-  // Runs until the program ends.
+  // This thread runs until the program ends.
   std::thread{process_images, camera, vision::FinderSettings{.contrast = contrast}}.detach();
-  std::uint32_t number = 0;  // of the part that was published last
-  double waited = 0;         // s, since then
+  std::uint32_t number = 0;  // number of the part that was published last
+  double waited = 0;         // s, since that publication
   line::Scene all;
   all.parts().reserve(line::MAX_PARTS);
 
@@ -152,7 +154,7 @@ int main() {
       all.parts().push_back(to_part(now.parts[i], static_cast<std::uint32_t>(i + 1)));
     seen.write(all);
 
-    // The waiting part is the one that the barrier counted last; the image gives its pose.
+    // The number of the waiting part comes from the belt; its pose comes from the image.
     if (now.of.waiting == 0) continue;
     if (now.of.waiting == number && waited < repeat) continue;
     const vision::PlacedPart* waiting = at_the_barrier(now);

@@ -21,7 +21,8 @@ using vision::Camera;
 using vision::Kind;
 using vision::PlacedPart;
 
-/// The angle between two longer sides, which have no direction: half a turn makes no difference.
+/// Returns the angle between two longer sides. A longer side has no direction, so half a turn makes no
+/// difference.
 double between_axes(double a, double b) {
   const double d = std::remainder(a - b, std::numbers::pi);
   return std::abs(d);
@@ -32,7 +33,7 @@ struct Worst {
   double angle = 0;  // rad
 };
 
-/// Places one part at random, 500 times, and searches for it.
+/// Places one part at random positions in 500 images and returns the largest errors of the search.
 Worst worst_of(Kind kind, Camera::Settings settings) {
   Camera camera{settings};
   std::mt19937_64 random{7};
@@ -73,14 +74,14 @@ TEST(PartFinder, FindsNothingOnAnEmptyBelt) {
   Camera camera{{.noise = 20, .light = 80}};
   for (int i = 0; i < 200; ++i) EXPECT_TRUE(vision::find_parts(camera.take({}, 0.007 * i), {}).empty()) << i;
 }
-TEST(PartFinder, IgnoresPartsPartlyOutOfTheImage) {
+TEST(PartFinder, IgnoresPartsPartlyOutsideTheImage) {
   Camera camera{{}};
   const std::vector<PlacedPart> parts{{.x = 0.15, .y = 0}, {.x = 0, .y = 0}};
   const auto found = vision::find_parts(camera.take(parts, 0), {});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].x, 0, 0.001);
 }
-TEST(PartFinder, DistinguishesSeveralParts) {
+TEST(PartFinder, DistinguishesBoxesFromBottles) {
   Camera camera{{}};
   const std::vector<PlacedPart> parts{{.kind = Kind::box, .x = 0.08, .y = 0.03, .angle = 0.4},
                                       {.kind = Kind::bottle, .x = -0.06, .y = -0.04, .angle = 1.2}};
@@ -112,9 +113,9 @@ line::BeltState holding(std::uint32_t number) {
   return state;
 }
 
-class PartFinderProgram : public ::testing::Test {
+class PartFinderModule : public ::testing::Test {
  protected:
-  PartFinderProgram() { lies({lying("box", 0.01, -0.02, 0.4), lying("box", -0.14, 0, 0)}); }
+  PartFinderModule() { lies({lying("box", 0.01, -0.02, 0.4), lying("box", -0.14, 0, 0)}); }
   void lies(const std::vector<line::Part>& parts) {
     line::Scene now;
     for (const line::Part& one : parts) now.parts().push_back(one);
@@ -132,11 +133,11 @@ class PartFinderProgram : public ::testing::Test {
   takt::testing::Out<line::Part>& part = module.out<line::Part>("part");
 };
 
-TEST_F(PartFinderProgram, AnnouncesAWaitingPartOnce) {
+TEST_F(PartFinderModule, AnnouncesAWaitingPartOnce) {
   ASSERT_TRUE(module.set("repeat", "3600"));
   ASSERT_TRUE(module.start());
   ASSERT_TRUE(comes([&] { return seen.has_value() && !seen.value().parts().empty(); }));
-  EXPECT_FALSE(part.has_value()) << "the belt holds no part";
+  EXPECT_FALSE(part.has_value()) << "a part was published although the belt holds no part";
   belt.write(holding(5));
   ASSERT_TRUE(comes([&] { return part.has_value(); }));
   EXPECT_EQ(part.value().number(), 5U);
@@ -152,14 +153,14 @@ TEST_F(PartFinderProgram, AnnouncesAWaitingPartOnce) {
   EXPECT_EQ(part.value().number(), 6U);
 }
 
-TEST_F(PartFinderProgram, RepeatsTheAnnouncementOfAWaitingPart) {
+TEST_F(PartFinderModule, RepeatsTheAnnouncementOfAWaitingPart) {
   ASSERT_TRUE(module.set("repeat", "0.1"));
   ASSERT_TRUE(module.start());
   belt.write(holding(5));
   EXPECT_TRUE(comes([&] { return part.count() == 3; }));
 }
 
-TEST_F(PartFinderProgram, AnnouncesNothingWithoutAPartInTheImage) {
+TEST_F(PartFinderModule, AnnouncesNoPartIfTheImageShowsNone) {
   lies({});
   ASSERT_TRUE(module.start());
   belt.write(holding(5));

@@ -15,11 +15,13 @@ class Pid : public takt::Component {
   takt::InPort<basic::Number> measured{*this, "measured", {.text = "The measured value to control."}};
   takt::InPort<basic::Flag> manual{*this, "manual", {.text = "True: the output is manual_value."}};
   takt::InPort<basic::Number> manual_value{
-      *this, "manual_value", {.text = "Output in manual mode; before the first sample it stays as it is."}};
+      *this,
+      "manual_value",
+      {.text = "Output in manual mode; until the first sample, manual mode keeps the last output."}};
   takt::OutPort<basic::Number> output{*this, "output", {.text = "Command for the actuator."}};
 
   takt::Property<double> setpoint{
-      *this, "setpoint", 0, {.text = "Set point if the port of that name is not connected."}};
+      *this, "setpoint", 0, {.text = "Set point if the port setpoint is not connected."}};
   takt::Property<double> gain{*this, "gain", 1, {.text = "Output per unit of measured."}};
   takt::Property<double> integral_time{
       *this, "integral_time", 0, {.unit = "s", .min = 0, .max = 1e6, .text = "Ti; 0: no integral action."}};
@@ -29,19 +31,20 @@ class Pid : public takt::Component {
       *this,
       "derivative_filter",
       10,
-      {.min = 1, .max = 100, .text = "N: time constant of the derivative's filter is Td / N."}};
+      {.min = 1, .max = 100, .text = "N: the time constant of the derivative's filter is Td / N."}};
   takt::Property<double> setpoint_weight{
       *this,
       "setpoint_weight",
       1,
       {.min = 0, .max = 1, .text = "b: fraction of a set point step that acts at once."}};
-  takt::Property<double> tracking_time{*this,
-                                       "tracking_time",
-                                       0,
-                                       {.unit = "s",
-                                        .min = 0,
-                                        .max = 1e6,
-                                        .text = "Tt of the anti-windup; 0: sqrt(Ti Td), or Ti if Td is 0."}};
+  takt::Property<double> tracking_time{
+      *this,
+      "tracking_time",
+      0,
+      {.unit = "s",
+       .min = 0,
+       .max = 1e6,
+       .text = "Tt, time constant of the anti-windup; 0: sqrt(Ti Td), or Ti if Td is 0."}};
   takt::Property<double> output_min{
       *this, "output_min", -1, {.text = "Lower limit of the output; below output_max."}};
   takt::Property<double> output_max{
@@ -62,7 +65,7 @@ class Pid : public takt::Component {
             .low = output_min,
             .high = output_max};
   }
-  /// Null if the values are consistent.
+  /// Returns the inconsistency between the values, or null if there is none.
   static const char* inconsistency_in(const pid::Tuning& tuning, double dt) noexcept {
     if (!(tuning.low < tuning.high)) return "output_min is not below output_max";
     if (tuning.integral_time > 0 && tuning.integral_time < dt)
@@ -100,8 +103,8 @@ class Pid : public takt::Component {
       fail("an input is not a finite number");
       return;
     }
-    // An operator sets values one after the other. In between they may be inconsistent; then the previous
-    // values stay in effect.
+    // An operator sets the values one after the other. In between, they may be inconsistent; then the
+    // previous values stay in effect.
     const pid::Tuning wanted_tuning = tuning();
     if (inconsistency_in(wanted_tuning, cycle.seconds()) == nullptr) loop_.tune(wanted_tuning);
     output_.value(manual.value().value() ? loop_.manual(wanted, is, by_hand, dt)

@@ -1,4 +1,5 @@
-// A PID controller in the ISA standard form. For real-time threads.
+// The mathematics of pid: a PID controller in the ISA standard form. Real-time threads may use everything
+// here.
 #pragma once
 
 #include <algorithm>
@@ -6,30 +7,29 @@
 
 namespace pid {
 
-/// u = gain (b r - y  +  1/Ti integral of (r - y)  -  Td dyf/dt), where yf is the measurement y filtered by a
-/// low-pass of Td / N.
+/// Tuning of the controller u = gain (b r - y  +  1/Ti integral of (r - y)  -  Td dyf/dt), where r is the set
+/// point, y the measurement, and yf the measurement after a low-pass of Td / N.
 struct Tuning {
-  double gain =
-      1;  ///< output per unit of the measurement; negative for a process that falls when the output rises
+  double gain = 1;  ///< output per unit of y; negative if a rising output makes the process value fall
   double integral_time = 0;       ///< Ti, s; 0: no integral action
   double derivative_time = 0;     ///< Td, s
-  double derivative_filter = 10;  ///< N, from 2 to 20 in practice
+  double derivative_filter = 10;  ///< N, usually 2 to 20
   double setpoint_weight = 1;     ///< b, 0 to 1: fraction of a set point step that acts at once
-  double tracking_time = 0;       ///< Tt of the anti-windup, s; 0: sqrt(Ti Td), or Ti if Td is 0
-  double low = -1, high = 1;      ///< limits of the output, low < high
+  double tracking_time = 0;   ///< Tt, time constant of the anti-windup, s; 0: sqrt(Ti Td), or Ti if Td is 0
+  double low = -1, high = 1;  ///< limits of the output, low < high
 
   bool operator==(const Tuning&) const = default;
 };
 
-/// After Astroem and Haegglund, Advanced PID Control. The integral is trapezoidal (bilinear), so it is exact
-/// for an error that changes linearly between releases. The derivative is a backward difference, so it does
-/// not ring, however short its filter is compared with the period. The anti-windup is exact for a constant
-/// excess, so it is stable for any tracking time.
+/// Controls a process as Astroem and Haegglund describe in Advanced PID Control. The integral is trapezoidal
+/// (bilinear), so it is exact for an error that changes linearly between releases. The derivative is a
+/// backward difference, so it does not ring, however short its filter is compared with the period. The
+/// anti-windup is exact for a constant excess, so it is stable for any tracking time.
 class PidLoop {
  public:
-  /// Sets the tuning from now on. The integral compensates the difference: for the inputs of the last step,
-  /// both tunings give the same output. Without integral action there is no compensation, and the output
-  /// jumps. The same holds for the functions below.
+  /// Sets the tuning for the following steps. The integral compensates for the change: for the inputs of the
+  /// last step, both tunings give the same output. Without integral action, nothing compensates, and the
+  /// output jumps; this is also true of the functions below.
   void tune(const Tuning& tuning) noexcept {
     if (tuning == tuning_) return;
     const double before = proportional(setpoint_, measured_) + derivative();
@@ -37,12 +37,12 @@ class PidLoop {
     if (begun_) integral_ += before - proportional(setpoint_, measured_) - derivative();
     if (tuning_.integral_time <= 0) integral_ = 0;
   }
-  /// Makes the next step count as the first: the output begins at `output`.
+  /// Makes the next step the first step, with an output that begins at `output`.
   void reset(double output = 0) noexcept {
     begun_ = false;
     output_ = output;
   }
-  /// One step in automatic mode, `dt` s (above 0) after the last one. Returns the limited output.
+  /// Makes one step in automatic mode, `dt` s (above 0) after the last step. Returns the limited output.
   double automatic(double setpoint, double measured, double dt) noexcept {
     if (!begun_) begin(setpoint, measured);
     take(setpoint, measured, dt);
@@ -52,8 +52,8 @@ class PidLoop {
       integral_ += (1 - std::exp(-dt / tracking_time())) * (output_ - wanted);
     return output_;
   }
-  /// One step in manual mode: the output is `value`, limited. The integral follows, so that automatic()
-  /// continues from there.
+  /// Makes one step in manual mode: the output is `value`, limited. The integral follows, so that automatic()
+  /// continues from this output.
   double manual(double setpoint, double measured, double value, double dt) noexcept {
     if (!begun_) begin(setpoint, measured);
     take(setpoint, measured, dt);
@@ -87,7 +87,8 @@ class PidLoop {
   [[nodiscard]] double proportional(double setpoint, double measured) const noexcept {
     return tuning_.gain * (tuning_.setpoint_weight * setpoint - measured);
   }
-  // The filter's input minus its output equals the filter time times the slope of its output.
+  // The difference between the filter's input and output equals the filter time times the slope of its
+  // output.
   [[nodiscard]] double derivative() const noexcept {
     return tuning_.derivative_time > 0 ? -tuning_.gain * tuning_.derivative_filter * (measured_ - filtered_)
                                        : 0;

@@ -40,7 +40,8 @@ TEST(PidLoop, IntegratesAConstantErrorExactlyForAnyPeriod) {
     PidLoop loop;
     loop.tune(pi());
     loop.automatic(0, 0, dt);
-    const double first = loop.automatic(1, 0, dt);  // 2 at once, plus the integral over half a period
+    // The first output is the proportional part, 2, plus the integral over half a period.
+    const double first = loop.automatic(1, 0, dt);
     double last = first;
     for (int i = 0; i < 1000; ++i) last = loop.automatic(1, 0, dt);
     EXPECT_NEAR(first, 2 + 2 / 0.5 * dt / 2, 1e-12);
@@ -48,7 +49,7 @@ TEST(PidLoop, IntegratesAConstantErrorExactlyForAnyPeriod) {
   }
 }
 
-TEST(PidLoop, CountsAMissedReleaseAsElapsedTime) {
+TEST(PidLoop, IntegratesOverTheTimeOfMissedReleases) {
   PidLoop one;
   PidLoop other;
   one.tune(pi());
@@ -62,7 +63,7 @@ TEST(PidLoop, CountsAMissedReleaseAsElapsedTime) {
   EXPECT_NEAR(one.output(), other.output(), 1e-12);
 }
 
-TEST(PidLoop, DifferentiatesAFilteredRamp) {
+TEST(PidLoop, DifferentiatesTheFilteredMeasurement) {
   Tuning tuning = kWide;
   tuning.gain = 2;
   tuning.derivative_time = 0.5;
@@ -74,7 +75,8 @@ TEST(PidLoop, DifferentiatesAFilteredRamp) {
   for (int i = 1; i <= 500; ++i) {
     measured = 3 * i * kPeriod;
     const double d = loop.automatic(0, measured, kPeriod) + 2 * measured;
-    // A backward difference with a first-order filter: (1 - r^n) times -K Td slope, with r = Tf / (Tf + h).
+    // The expected value is -K Td slope (1 - r^n) with r = Tf / (Tf + h): a backward difference with a
+    // first-order filter.
     ASSERT_NEAR(d, -2 * 0.5 * 3 * (1 - std::pow(0.1 / 0.11, i)), 1e-9) << i;
   }
 }
@@ -105,8 +107,8 @@ TEST(PidLoop, DoesNotRingWithADerivativeFilterShorterThanThePeriod) {
   EXPECT_LT(last, 1e-12);
 }
 
-/// The set point is unreachable for a while, then reachable. Returns how many steps the output then stays at
-/// its limit.
+/// Sets a set point that the output cannot reach, and then a set point that it can reach. Returns for how
+/// many further steps the output stays at its limit.
 int steps_at_the_limit(double tracking_time) {
   Tuning tuning = pi();
   tuning.low = 0;
@@ -122,17 +124,19 @@ int steps_at_the_limit(double tracking_time) {
 }
 
 TEST(PidLoop, LeavesItsLimitSoonerWithAShorterTrackingTime) {
-  EXPECT_LE(steps_at_the_limit(1e-6), 1);  // much shorter than the period, but still stable
-  // At rest at the limit the excess e has dv/dt = K error / Ti - e / Tt = 0, so e = K error Tt / Ti = 40 Tt.
-  // The step of the set point removes K 10.1 = 20.2 at once. With Tt = 0.5 s, this is all of e.
+  EXPECT_LE(steps_at_the_limit(1e-6), 1);  // a time far below the period is still stable
+  // While the output rests at its limit, the integral changes by K error / Ti - e / Tt = 0, so the excess e
+  // is K error Tt / Ti = 40 Tt. The step of the set point then removes K 10.1 = 20.2 at once. With Tt = 0.5
+  // s, this is all of e.
   EXPECT_LE(steps_at_the_limit(0.5), 1);
-  // With 2 s, 59.8 remain, which decay by de/dt = -e / Tt - 0.4 for Tt ln((59.8 + 0.8) / 0.8) = 8.65 s.
+  // With Tt = 2 s, 59.8 of e remain. They decay by de/dt = -e / Tt - 0.4 within Tt ln((59.8 + 0.8) / 0.8) =
+  // 8.65 s.
   const int slow = steps_at_the_limit(2);
   EXPECT_NEAR(slow, 865, 3);
-  EXPECT_GT(steps_at_the_limit(1e6), 100 * slow);  // practically no tracking: it winds up
+  EXPECT_GT(steps_at_the_limit(1e6), 100 * slow);  // practically without tracking, the integral winds up
 }
 
-TEST(PidLoop, HasTheTheoreticalExcessAtALimit) {
+TEST(PidLoop, LeavesItsLimitExactlyWhenTheoryPredicts) {
   Tuning tuning = pi();
   tuning.low = 0;
   tuning.high = 1;
@@ -146,9 +150,9 @@ TEST(PidLoop, HasTheTheoreticalExcessAtALimit) {
   const double gain = 2 * 3 * kPeriod / 0.5;
   const double share = 1 - std::exp(-kPeriod / 0.25);
   const double excess = gain / share;
-  // So the error that exactly removes the excess puts the output exactly at its limit.
+  // The error that exactly removes this excess puts the output exactly at its limit.
   const double error = 3 - (excess * (1 - share)) / 2;
-  // In the step that changes the error, the integral gains the mean of both errors.
+  // In the step that changes the error, the integral gains the mean of the old and the new error.
   const double output = loop.automatic(error, 0, kPeriod);
   EXPECT_NEAR(output, std::min(1.0, 1 + (3 + error) / 2 * 2 * kPeriod / 0.5), 1e-9);
   EXPECT_LT(loop.automatic(error - 1, 0, kPeriod), 1);
@@ -167,7 +171,7 @@ TEST(PidLoop, SwitchesFromManualWithoutAJump) {
     const double measured = value(random);
     const double by_hand = value(random);
     for (int i = 0; i < 1000; ++i) loop.manual(setpoint, measured, by_hand, kPeriod);
-    // The only difference is one step of the integral.
+    // The two outputs differ only by one step of the integral.
     EXPECT_NEAR(loop.automatic(setpoint, measured, kPeriod),
                 by_hand + 2 * (setpoint - measured) * kPeriod / 0.5, 1e-9);
   }
@@ -189,7 +193,8 @@ TEST(PidLoop, ChangesItsTuningWithoutAJump) {
     const double measured = 0.5 + 0.1 * std::sin(n * 1e-3);
     loop.tune(tuning);
     const double now = loop.automatic(1, measured, kPeriod);
-    // One step of the integral, plus P and D for a measurement that moves by 1e-4.
+    // The largest possible change: one step of the integral, plus the P and D parts for a measurement that
+    // moves by 1e-4.
     const double most = tuning.gain * kPeriod / tuning.integral_time +
                         tuning.gain * (1 + tuning.derivative_filter) * 2e-4 +
                         tuning.gain * tuning.derivative_filter * 0.1;
@@ -198,7 +203,7 @@ TEST(PidLoop, ChangesItsTuningWithoutAJump) {
   }
 }
 
-TEST(PidLoop, KeepsItsOutputAcrossATuningChange) {
+TEST(PidLoop, KeepsItsOutputWhenOnlyItsTuningChanges) {
   PidLoop loop;
   Tuning tuning = pi();
   tuning.derivative_time = 0.2;
@@ -208,14 +213,14 @@ TEST(PidLoop, KeepsItsOutputAcrossATuningChange) {
   tuning.gain = 9;
   tuning.setpoint_weight = 0;
   tuning.derivative_time = 0;
-  tuning.integral_time = 1e6;  // so that the integral does not move
+  tuning.integral_time = 1e6;  // long, so that the integral does not move
   loop.tune(tuning);
   EXPECT_NEAR(loop.automatic(1, 1, 1e-9), before, 1e-9);
 }
 
-/// The process is y' = (u - y) / T with T = 1 s, stepped exactly. With Ti = T, the closed loop is y' = K (r -
-/// y) / T.
-TEST(PidLoop, HasTheTheoreticalStepResponseWithLagCancellation) {
+/// The process is y' = (u - y) / T with T = 1 s, and each step is exact. With Ti = T, the closed loop is y' =
+/// K (r - y) / T.
+TEST(PidLoop, FollowsTheTheoreticalStepResponse) {
   constexpr double kGain = 4;
   constexpr double kStep = 1e-4;
   Tuning tuning = kWide;
@@ -271,7 +276,7 @@ TEST_F(PidModule, WritesNothingBeforeItHasAMeasurement) {
   EXPECT_TRUE(output.has_value());
 }
 
-TEST_F(PidModule, StartsAtItsPresentOutputAndIntegrates) {
+TEST_F(PidModule, IntegratesFromItsPresentOutput) {
   ASSERT_TRUE(module.set("setpoint", "3"));
   ASSERT_TRUE(module.start());
   measured.write(number(1));
@@ -282,13 +287,13 @@ TEST_F(PidModule, StartsAtItsPresentOutputAndIntegrates) {
   EXPECT_NEAR(output.value().value() - first, 2 * 2 * 0.5 / 0.5, 1e-9);
 }
 
-TEST_F(PidModule, PrefersTheSetPointOfItsPort) {
+TEST_F(PidModule, UsesTheSetPointFromItsPortIfConnected) {
   auto& setpoint = module.in<basic::Number>("setpoint");
   ASSERT_TRUE(module.set("setpoint", "99"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));
   module.step();
-  EXPECT_FALSE(output.has_value());  // connected, but no sample yet
+  EXPECT_FALSE(output.has_value());  // no output: the port is connected but has no sample yet
   setpoint.write(number(0));
   module.step(100);
   EXPECT_NEAR(output.value().value(), 0, 1e-12);
@@ -304,7 +309,7 @@ TEST_F(PidModule, SwitchesToManualAndBackWithoutAJump) {
   const double before = output.value().value();
   manual.write(flag(true));
   module.step(10);
-  EXPECT_EQ(output.value().value(), before);  // no manual value yet
+  EXPECT_EQ(output.value().value(), before);  // unchanged: no manual value has arrived yet
   by_hand.write(number(42));
   module.step(10);
   EXPECT_EQ(output.value().value(), 42);
@@ -318,7 +323,7 @@ TEST_F(PidModule, SwitchesToManualAndBackWithoutAJump) {
   EXPECT_NEAR(output.value().value(), 42 + 2 * 0.01 / 0.5, 1e-9);
 }
 
-TEST_F(PidModule, ChangesItsGainLiveWithoutAJump) {
+TEST_F(PidModule, ChangesItsGainWithoutAJumpWhileItRuns) {
   ASSERT_TRUE(module.set("setpoint", "1"));
   ASSERT_TRUE(module.start());
   measured.write(number(0.5));
@@ -329,7 +334,7 @@ TEST_F(PidModule, ChangesItsGainLiveWithoutAJump) {
   EXPECT_NEAR(output.value().value(), before + 20 * 0.5 * 0.01 / 0.5, 1e-9);
 }
 
-TEST_F(PidModule, ContinuesFromItsOutputAfterACrash) {
+TEST_F(PidModule, ContinuesFromItsLastOutputAfterACrash) {
   ASSERT_TRUE(module.set("setpoint", "1"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));
@@ -342,7 +347,7 @@ TEST_F(PidModule, ContinuesFromItsOutputAfterACrash) {
   EXPECT_NEAR(output.value().value(), before, 2 * 0.01 / 0.5 + 1e-9);
 }
 
-TEST_F(PidModule, CountsMissedReleases) {
+TEST_F(PidModule, IntegratesOverTheTimeOfMissedReleases) {
   ASSERT_TRUE(module.set("setpoint", "1"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));
@@ -353,7 +358,7 @@ TEST_F(PidModule, CountsMissedReleases) {
   EXPECT_NEAR(output.value().value() - before, 2 * 0.1 / 0.5, 1e-9);
 }
 
-TEST_F(PidModule, RejectsInconsistentProperties) {
+TEST_F(PidModule, DoesNotStartWithInconsistentProperties) {
   ASSERT_TRUE(module.set("integral_time", "0.005"));
   const auto start = module.start();
   ASSERT_FALSE(start.ok());
@@ -363,7 +368,7 @@ TEST_F(PidModule, RejectsInconsistentProperties) {
       "or to at least the period, 10 ms");
 }
 
-TEST_F(PidModule, KeepsItsTuningWhenNewValuesAreInconsistent) {
+TEST_F(PidModule, KeepsItsTuningWhileNewValuesAreInconsistent) {
   ASSERT_TRUE(module.set("setpoint", "1000000"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));
@@ -376,7 +381,7 @@ TEST_F(PidModule, KeepsItsTuningWhenNewValuesAreInconsistent) {
   EXPECT_EQ(output.value().value(), -200);
 }
 
-TEST_F(PidModule, TreatsANonFiniteInputAsAnErrorAndContinuesFromItsOutput) {
+TEST_F(PidModule, ContinuesFromItsLastOutputAfterANonFiniteInput) {
   ASSERT_TRUE(module.set("setpoint", "1"));
   ASSERT_TRUE(module.start());
   measured.write(number(0));

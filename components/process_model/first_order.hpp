@@ -1,4 +1,5 @@
-// A simulated process to try a controller on. For real-time threads.
+// The mathematics of process_model: a simulated process on which to test a controller. Real-time threads may
+// use everything here.
 #pragma once
 
 #include <array>
@@ -7,13 +8,14 @@
 
 namespace process_model {
 
-/// dy/dt = (gain u - y) / time_constant, with u delayed by a dead time: a good model for most temperature,
-/// flow or speed loops. It is exact for an input that is constant between steps.
+/// Simulates dy/dt = (gain u - y) / time_constant, with u delayed by a dead time. This is a good model for
+/// most temperature, flow or speed loops. The result is exact for an input that is constant between steps.
 class FirstOrder {
  public:
   static constexpr std::size_t kMostDelay = 4096;  ///< maximum dead time, in steps
 
-  /// `delay`: the dead time in steps, at most kMostDelay. `dt` and `time_constant` are in s, both above 0.
+  /// Makes one step and returns the output. `delay` is the dead time in steps, at most kMostDelay. `dt` and
+  /// `time_constant` are in s, both above 0.
   double step(double input, double gain, double time_constant, std::size_t delay, double dt) noexcept {
     delayed_[at_] = input;
     const double acts = delayed_[(at_ + delayed_.size() - delay) % delayed_.size()];

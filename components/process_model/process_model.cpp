@@ -1,4 +1,4 @@
-// A thread module in C++: simulates a first-order process with dead time, to try a controller on.
+// A thread module in C++: simulates a first-order process with dead time, on which to test a controller.
 #include <takt/component.hpp>
 
 #include <cmath>
@@ -12,13 +12,13 @@
 
 class ProcessModel : public takt::Component {
   takt::InPort<basic::Number> in{*this, "in", {.text = "Output of the actuator; 0 before the first sample."}};
-  takt::OutPort<basic::Number> out{*this, "out", {.text = "Value that a sensor measures."}};
-  takt::Property<double> gain{*this, "gain", 1, {.text = "Output divided by input, in the steady state."}};
+  takt::OutPort<basic::Number> out{*this, "out", {.text = "Value that a sensor would measure."}};
+  takt::Property<double> gain{*this, "gain", 1, {.text = "Ratio of output to input in the steady state."}};
   takt::Property<double> time_constant{
       *this,
       "time_constant",
       1,
-      {.unit = "s", .min = 1e-6, .max = 1e6, .text = "T: time to 63 % of a step."}};
+      {.unit = "s", .min = 1e-6, .max = 1e6, .text = "T: time until the output has made 63 % of a step."}};
   takt::Property<double> dead_time{
       *this,
       "dead_time",

@@ -16,7 +16,7 @@ namespace {
 using common::number;
 using std::chrono::milliseconds;
 
-TEST(FirstOrder, HasTheTheoreticalStepResponseForAnyPeriod) {
+TEST(FirstOrder, FollowsTheTheoreticalStepResponseForAnyPeriod) {
   for (const double dt : {1e-4, 0.01, 5.0}) {
     for (const std::size_t delay : {std::size_t{0}, std::size_t{7}, FirstOrder::kMostDelay}) {
       const auto process = std::make_unique<FirstOrder>();
@@ -29,14 +29,14 @@ TEST(FirstOrder, HasTheTheoreticalStepResponseForAnyPeriod) {
   }
 }
 
-TEST(ProcessModel, RejectsADeadTimeLongerThanItsMemory) {
+TEST(ProcessModel, RejectsADeadTimeAbove4096Periods) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   ASSERT_TRUE(module.set("dead_time", "5"));
   EXPECT_EQ(module.start().text(),
             "property 'dead_time' cannot be '5'; it takes a number, 0 to 4.096 at a period of 1 ms, in s");
 }
 
-TEST(ProcessModel, IsAtRestWithoutAnInputAndFollowsOne) {
+TEST(ProcessModel, StaysAtZeroUntilItsFirstInput) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -48,7 +48,7 @@ TEST(ProcessModel, IsAtRestWithoutAnInputAndFollowsOne) {
   EXPECT_NEAR(out.value().value(), 2 * (1 - std::exp(-1)), 1e-9);
 }
 
-TEST(ProcessModel, TreatsANonFiniteInputAsAnError) {
+TEST(ProcessModel, GoesToRecoverIfItsInputIsNotFinite) {
   takt::testing::Module module;
   auto& in = module.in<basic::Number>("in");
   ASSERT_TRUE(module.start());

@@ -13,7 +13,7 @@
 class RateLimiter : public takt::Component {
   takt::InPort<basic::Number> in{*this, "in", {.text = "Target value."}};
   takt::InPort<basic::Flag> enable{
-      *this, "enable", {.text = "False: the input passes unchanged. If not connected: true."}};
+      *this, "enable", {.text = "False: the input passes unchanged. Counts as true if not connected."}};
   takt::OutPort<basic::Number> out{*this, "out", {.text = "Limited value, in the unit of the input."}};
   takt::OutPort<basic::Flag> limiting{
       *this, "limiting", {.text = "True while the output differs from the input."}};
@@ -59,11 +59,11 @@ class RateLimiter : public takt::Component {
     limiting.write(limiting_);
   }
 
-  // Continues from its last value with rate 0, so that a recovery causes no jump.
+  // The output continues from its last value with rate 0, so that a recovery causes no jump.
   takt::Result<void> recover() override {
     limiter_.jump(limiter_.value());
     releases_.reset();
     return {};
   }
 };
-TAKT_COMPONENT(RateLimiter, "Limits how fast a value changes: slew rate and jerk.")
+TAKT_COMPONENT(RateLimiter, "Limits how fast a value changes: its slew rate and its jerk.")

@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 
 constexpr double kPeriod = 1e-2;
 
-TEST(SlewLimiter, RisesAndFallsAtSeparateRates) {
+TEST(SlewLimiter, HasSeparateLimitsForRisingAndFalling) {
   SlewLimiter limiter;
   const Limits limits{.up = 2, .down = 5};
   for (int i = 1; i <= 50; ++i) EXPECT_NEAR(limiter.step(1, limits, kPeriod), i * 0.02, 1e-12);
@@ -28,7 +28,7 @@ TEST(SlewLimiter, RisesAndFallsAtSeparateRates) {
   EXPECT_EQ(limiter.step(0, limits, kPeriod), 0);
 }
 
-TEST(SlewLimiter, FollowsASlowInputAtOnce) {
+TEST(SlewLimiter, PassesASlowInputUnchanged) {
   SlewLimiter limiter;
   std::mt19937 random(8);
   std::uniform_real_distribution<double> step(-0.0099, 0.0099);
@@ -65,7 +65,7 @@ TEST(SlewLimiter, NeverExceedsItsLimits) {
   }
 }
 
-TEST(SlewLimiter, BrakesInTimeForAConstantInput) {
+TEST(SlewLimiter, ReachesAConstantInputWithoutOvershoot) {
   std::mt19937 random(10);
   std::uniform_real_distribution<double> target(-5, 5);
   std::uniform_real_distribution<double> limit(0.1, 4);
@@ -84,8 +84,8 @@ TEST(SlewLimiter, BrakesInTimeForAConstantInput) {
       const bool beyond = wanted > from ? limiter.value() > wanted + 1e-12 : limiter.value() < wanted - 1e-12;
       ASSERT_FALSE(beyond) << from << " " << wanted << " " << limiter.value();
     }
-    // The minimum time in continuous theory: two equal ramps of the rate, with a phase at the limit in
-    // between if it is reached.
+    // The shortest possible time in continuous theory: the rate ramps up and down equally, with a phase at
+    // its limit in between if it reaches the limit.
     const double full = rate * rate / limits.jerk;
     const double least = way < full ? 2 * std::sqrt(way / limits.jerk) : way / rate + rate / limits.jerk;
     ASSERT_LE(steps * kPeriod, least + 3 * kPeriod) << from << " " << wanted;
@@ -94,7 +94,7 @@ TEST(SlewLimiter, BrakesInTimeForAConstantInput) {
   }
 }
 
-TEST(SlewLimiter, SlowsDownWithinTheJerkLimitWhenItsRateIsLowered) {
+TEST(SlewLimiter, KeepsTheJerkLimitWhenItsRateLimitFalls) {
   SlewLimiter limiter;
   Limits limits{.up = 2, .down = 2, .jerk = 10};
   for (int i = 0; i < 100; ++i) limiter.step(1000, limits, kPeriod);
@@ -109,7 +109,7 @@ TEST(SlewLimiter, SlowsDownWithinTheJerkLimitWhenItsRateIsLowered) {
   EXPECT_DOUBLE_EQ(last, 1);
 }
 
-TEST(RateLimiter, BeginsAtItsFirstInputAndFollowsTheNext) {
+TEST(RateLimiter, RampsFromItsFirstInputToTheNext) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");

@@ -1,4 +1,4 @@
-// Parses the recorder's properties, which are its arguments: name=value each.
+// Parses the recorder's properties. Each argument of the program is one property: name=value.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ inline std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// The options, or all errors at once.
+/// Returns the options, or all errors at once.
 inline Result<recording::RecordOptions> parse_properties(const std::vector<std::string>& arguments) {
   constexpr std::array<std::string_view, 9> kKnown{"ports",  "file",   "max_size", "full",  "flush",
                                                    "append", "domain", "peers",    "server"};
@@ -74,10 +74,10 @@ inline Result<recording::RecordOptions> parse_properties(const std::vector<std::
     }
   }
   if (options.ports.empty())
-    problems.push_back(
-        {"property ports", "is missing", "write the names of the ports, as in line.conveyor.state robot.*"});
+    problems.push_back({"property ports", "is missing",
+                        "write the names of ports, separated by spaces, as in line.conveyor.state robot.*"});
   if (options.recording.file.empty())
-    problems.push_back({"property file", "is missing", "write the path of the file"});
+    problems.push_back({"property file", "is missing", "write the path of the file to record to"});
   if (problems.empty()) return options;
   return problems;
 }

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   const int status = takt::recording::record(*options);
-  // Skips the static objects of Fast DDS, whose destructors sleep for a while.
+  // Ends without the destructors of Fast DDS's static objects, which sleep for a while.
   std::fflush(nullptr);
   std::_Exit(status);
 }

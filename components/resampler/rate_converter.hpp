@@ -1,4 +1,5 @@
-// Converts samples from one period to another. For real-time threads.
+// The mathematics of resampler: converts samples from one period to another. Real-time threads may use
+// everything here.
 #pragma once
 
 #include <algorithm>
@@ -12,12 +13,12 @@ enum class Method {
   average,  ///< the mean of the samples since the last output
 };
 
-/// add() takes samples with the times at which they were written, in order of time. output() may be called at
-/// any other times.
+/// Converts a signal. add() takes the samples in order of time, with the times at which they were written.
+/// You may call output() at any other times.
 class RateConverter {
  public:
   void add(double value, std::int64_t time_ns) noexcept {
-    // Assume that the signal had its first value before, too.
+    // Assumes that the signal already had its first value before.
     before_ = count_ == 0 ? value : newest_;
     before_ns_ = count_ == 0 ? time_ns : newest_ns_;
     newest_ = value;
@@ -28,10 +29,10 @@ class RateConverter {
     sum_ += value;
   }
   void reset() noexcept { *this = {}; }
-  /// True once there was a sample.
+  /// Returns whether add() has been called.
   [[nodiscard]] bool begun() const noexcept { return count_ > 0; }
 
-  /// Computes an output. Call it once per output, and only if begun().
+  /// Computes the next output. Call this once per output, and only if begun() returns true.
   double output(Method method, std::int64_t now_ns) noexcept {
     if (fresh_ > 0) mean_ = sum_ / static_cast<double>(fresh_);
     fresh_ = 0;
@@ -55,7 +56,7 @@ class RateConverter {
   double before_ = 0, newest_ = 0;
   std::int64_t before_ns_ = 0, newest_ns_ = 0;
   std::uint64_t count_ = 0;
-  std::uint64_t fresh_ = 0;  // samples since the last output
+  std::uint64_t fresh_ = 0;  // number of samples since the last output
   double sum_ = 0, mean_ = 0;
 };
 

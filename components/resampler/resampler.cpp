@@ -10,12 +10,14 @@
 
 class Resampler : public takt::Component {
   takt::InPort<basic::Number> in{
-      *this, "in", {.text = "Samples of any period; connect it as a queue if every sample counts."}};
+      *this,
+      "in",
+      {.text = "Samples of any period; connect it as a queue if the module must see every sample."}};
   takt::OutPort<basic::Number> out{*this, "out", {.text = "One sample per cycle, in the unit of the input."}};
   takt::Property<std::string> method{*this,
                                      "method",
                                      "hold",
-                                     {.text = "How an output is computed from the input samples.",
+                                     {.text = "Method that computes an output from the input samples.",
                                       .choices = {"hold", "linear", "average"}}};
 
   resampler::RateConverter converter_;

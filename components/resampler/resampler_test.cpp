@@ -38,8 +38,8 @@ TEST(RateConverter, InterpolatesLinearlyOneIntervalLate) {
       ASSERT_NEAR(converter.output(Method::linear, i * 1000 + t), expected, 1e-9);
     }
   }
-  EXPECT_EQ(converter.output(Method::linear, 1'000'000),
-            3.0 * 100 * 100);  // no extrapolation beyond the newest sample
+  // The converter does not extrapolate beyond the newest sample.
+  EXPECT_EQ(converter.output(Method::linear, 1'000'000), 3.0 * 100 * 100);
 }
 
 TEST(RateConverter, AveragesTheSamplesSinceTheLastOutput) {
@@ -64,8 +64,8 @@ TEST(RateConverter, AveragesTheSamplesSinceTheLastOutput) {
   }
 }
 
-TEST(RateConverter, AverageIsZeroAtMultiplesOfTheOutputRate) {
-  // With 10 samples per output, 1/10, 2/10 ... of the input rate would be aliased to 0 Hz.
+TEST(RateConverter, SuppressesMultiplesOfTheOutputRateInItsAverage) {
+  // With 10 samples per output, sampling would turn 1/10, 2/10 ... of the input rate into an alias at 0 Hz.
   for (int k = 1; k <= 5; ++k) {
     RateConverter converter;
     for (int i = 0; i < 1000; ++i) {
@@ -77,7 +77,7 @@ TEST(RateConverter, AverageIsZeroAtMultiplesOfTheOutputRate) {
   }
 }
 
-TEST(Resampler, AveragesEverySampleOfAQueue) {
+TEST(Resampler, AveragesEverySampleInItsQueue) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Number>("in", {.queue = 16});
   auto& out = module.out<basic::Number>("out");
@@ -98,7 +98,7 @@ TEST(Resampler, InterpolatesBetweenSlowSamples) {
   auto& out = module.out<basic::Number>("out");
   ASSERT_TRUE(module.set("method", "linear"));
   ASSERT_TRUE(module.start());
-  // A ramp of 8 per sample of 8 ms becomes a ramp of 1 per cycle, one sample late.
+  // The input is a ramp of 8 per sample, every 8 ms. The output is a ramp of 1 per cycle, one sample late.
   for (int i = 0; i < 50; ++i) {
     in.write(number(8.0 * i));
     for (int t = 0; t < 8; ++t) {
@@ -108,14 +108,18 @@ TEST(Resampler, InterpolatesBetweenSlowSamples) {
   }
 }
 
-TEST(Resampler, ChangesItsMethodLiveAndRejectsAnUnknownOne) {
+TEST(Resampler, RejectsAnUnknownMethod) {
+  takt::testing::Module module{{.period = milliseconds{1}}};
+  const auto rejected = module.set("method", "cubic");
+  ASSERT_FALSE(rejected.ok());
+  EXPECT_EQ(rejected.text(), "property 'method' cannot be 'cubic'; it takes text, hold, linear or average");
+}
+
+TEST(Resampler, ChangesItsMethodWhileItRuns) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in", {.queue = 4});
   auto& out = module.out<basic::Number>("out");
   ASSERT_TRUE(module.start());
-  const auto rejected = module.set("method", "cubic");
-  ASSERT_FALSE(rejected.ok());
-  EXPECT_EQ(rejected.text(), "property 'method' cannot be 'cubic'; it takes text, hold, linear or average");
   in.write(number(1), microseconds{500});
   in.write(number(2));
   module.step();
@@ -127,7 +131,7 @@ TEST(Resampler, ChangesItsMethodLiveAndRejectsAnUnknownOne) {
   EXPECT_EQ(out.value().value(), 5.5);
 }
 
-TEST(Resampler, TreatsANonFiniteInputAsAnErrorAndForgetsItsSamples) {
+TEST(Resampler, DiscardsItsSamplesAfterANonFiniteInput) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& in = module.in<basic::Number>("in", {.queue = 4});
   auto& out = module.out<basic::Number>("out");

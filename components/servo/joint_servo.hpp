@@ -1,5 +1,5 @@
 // The mathematics of servo: the position loop of an arm's joints, with the inverse dynamics of Orocos KDL. SI
-// units, rad. The constructor allocates; all other functions are real-time.
+// units, rad. The constructor allocates memory; real-time threads may call all other functions.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,9 @@ struct Motion {
   Joints velocity{};
 };
 
-/// The error of each axis yields a desired acceleration, as a spring and a damper would. The model of the arm
-/// converts the accelerations to torques. So one bandwidth suits every axis in every posture.
+/// Controls the joints of an arm. The loop converts the error of each axis to a desired acceleration, as a
+/// spring and a damper would. The model of the arm converts these accelerations to torques, so one bandwidth
+/// suits every axis in every posture.
 class JointServo {
  public:
   explicit JointServo(const arm_model::Parameters& parameters)
@@ -32,21 +33,21 @@ class JointServo {
   JointServo& operator=(const JointServo&) = delete;
 
   double bandwidth = 15;     ///< Hz
-  double damping = 1;        ///< ratio; 1: no overshoot
-  bool gravity = true;       ///< feed forward the weight of the links
-  bool acceleration = true;  ///< feed forward the acceleration of the set points, and the friction
-  static constexpr double kDryBand =
-      0.05;  ///< rad/s; below this speed dry friction is only partly fed forward
+  double damping = 1;        ///< damping ratio; 1: no overshoot
+  bool gravity = true;       ///< whether to feed forward the weight of the links
+  bool acceleration = true;  ///< whether to feed forward the set points' acceleration, and the friction
+  /// rad/s; below this speed, the servo feeds forward only a part of the dry friction.
+  static constexpr double kDryBand = 0.05;
 
-  /// Torques in N m, within the limits of the drives. `last` is the set point from `dt` seconds ago. It
-  /// caused the motion that is measured now, so the measurement is compared with `last`.
+  /// Returns the torques in N m, within the limits of the drives. `last` is the set point from `dt` seconds
+  /// ago. It caused the measured motion `is`, so the loop compares `is` with `last`.
   [[nodiscard]] Joints torque(const Motion& wanted, const Motion& last, const Motion& is,
                               double dt) noexcept {
     const double spring = std::pow(2 * std::numbers::pi * bandwidth, 2);
     const double damper = 2 * damping * 2 * std::numbers::pi * bandwidth;
     for (std::size_t i = 0; i < kAxes; ++i) {
       const auto row = static_cast<unsigned>(i);
-      const double most = 1.5 * parameters_[i].acceleration;  // ignore jumps of the set point
+      const double most = 1.5 * parameters_[i].acceleration;  // limits the effect of a set point jump
       const double forward =
           acceleration ? std::clamp((wanted.velocity[i] - last.velocity[i]) / dt, -most, most) : 0;
       position_(row) = is.position[i];

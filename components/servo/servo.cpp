@@ -33,13 +33,14 @@ class Servo : public takt::Component {
       "acceleration",
       true,
       {.text = "Feed forward the acceleration of the set points, and the friction."}};
-  takt::Property<double> following{*this,
-                                   "following",
-                                   0.1,
-                                   {.unit = "rad",
-                                    .min = 0.001,
-                                    .max = 3,
-                                    .text = "Maximum following error of an axis; a larger one is an error."}};
+  takt::Property<double> following{
+      *this,
+      "following",
+      0.1,
+      {.unit = "rad",
+       .min = 0.001,
+       .max = 3,
+       .text = "Maximum following error of an axis; beyond it, the module goes to RECOVER."}};
 
   std::optional<servo::JointServo> loop_;
   servo::Motion wanted_;

@@ -36,7 +36,7 @@ WholePlan plan(const KDL::Frame& pick, const KDL::Frame& place) {
   return trajectory::whole_plan(figures(), trajectory::usual_task(figures(), pick, place));
 }
 
-TEST(JointServo, NeverExceedsTheDriveTorques) {
+TEST(JointServo, NeverExceedsTheTorqueLimitsOfTheDrives) {
   servo::JointServo servo{figures()};
   servo::Motion far{home(), {}};
   for (double& position : far.position) position += 3;
@@ -45,13 +45,13 @@ TEST(JointServo, NeverExceedsTheDriveTorques) {
   EXPECT_EQ(torque[1], figures()[1].torque);
 }
 
-// Runs path, servo and arm together, with the delay of modules in one table: the servo sees the measurement
+// Runs path, servo and arm together, with the delay of modules in one table: the servo reads the measurement
 // of the previous period.
 struct Followed {
   double axis = 0;     // rad, largest error of an axis
   double tool = 0;     // m, largest error on the whole path
-  double at_part = 0;  // m, error at the end of gripping and of releasing
-  double torque = 0;   // fraction of the drives' limits
+  double at_part = 0;  // m, largest error when the gripper has closed or opened
+  double torque = 0;   // largest torque, as a fraction of the drive's limit
 };
 Followed follow(const WholePlan& planned, const std::function<void(servo::JointServo&)>& change = {},
                 double load = 0) {
@@ -88,8 +88,9 @@ Followed follow(const WholePlan& planned, const std::function<void(servo::JointS
 
 TEST(JointServo, FollowsAWholeCycleWithinATenthOfAMillimetre) {
   const Followed followed = follow(plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1)));
-  std::printf("axes %.2g rad, tool %.2g m, at the parts %.2g m, torque %.2f of the drives'\n", followed.axis,
-              followed.tool, followed.at_part, followed.torque);
+  std::printf(
+      "largest errors: axis %.2g rad, tool %.2g m, tool at the parts %.2g m; torque %.2f of the limit\n",
+      followed.axis, followed.tool, followed.at_part, followed.torque);
   EXPECT_LT(followed.tool, 1e-4);
   EXPECT_LT(followed.at_part, 1e-6);
   EXPECT_LT(followed.torque, 1);
@@ -97,13 +98,14 @@ TEST(JointServo, FollowsAWholeCycleWithinATenthOfAMillimetre) {
 
 TEST(JointServo, StaysWithinAMillimetreAtThePartsWithAnUnknownLoad) {
   const Followed followed = follow(plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1)), {}, 5);
-  std::printf("with 5 kg: tool %.2g m, at the parts %.2g m\n", followed.tool, followed.at_part);
+  std::printf("largest errors with a load of 5 kg: tool %.2g m, tool at the parts %.2g m\n", followed.tool,
+              followed.at_part);
   EXPECT_LT(followed.tool, 3e-3);
   EXPECT_LT(followed.at_part, 1e-3);
   EXPECT_GT(followed.at_part, 1e-5) << "the load has no effect";
 }
 
-TEST(JointServo, SagsWithoutGravityAndLagsWithoutAccelerationFeedForward) {
+TEST(JointServo, IsLessAccurateWithoutItsFeedForwardTerms) {
   const WholePlan way = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1));
   const Followed with = follow(way);
   const Followed without_gravity = follow(way, [](servo::JointServo& servo) { servo.gravity = false; });
@@ -114,8 +116,7 @@ TEST(JointServo, SagsWithoutGravityAndLagsWithoutAccelerationFeedForward) {
   EXPECT_GT(without_acceleration.tool, 20 * with.tool);
 }
 
-// ---- the module
-// --------------------------------------------------------------------------------------------
+// The tests below run the whole module on virtual time.
 
 motion::JointState state(const Joints& position) {
   motion::JointState state;
@@ -138,7 +139,7 @@ TEST(Servo, WritesNothingUntilBothInputsHaveArrived) {
   EXPECT_GT(std::abs(effort.value().torque()[1]), 50) << "the torque does not carry the weight of the arm";
 }
 
-TEST(Servo, FailsOnAFollowingErrorAndOnANonFiniteSetPoint) {
+TEST(Servo, FailsIfASetPointIsTooFarAwayOrNotFinite) {
   for (const double wrong : {0.2, std::numeric_limits<double>::quiet_NaN()}) {
     takt::testing::Module module;
     auto& setpoint = module.in<motion::JointState>("setpoint");

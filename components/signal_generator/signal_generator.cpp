@@ -10,13 +10,14 @@
 #include "waveform.hpp"
 
 class SignalGenerator : public takt::Component {
-  takt::OutPort<basic::Number> out{*this, "out", {.text = "offset + amplitude times the shape."}};
+  takt::OutPort<basic::Number> out{
+      *this, "out", {.text = "Offset + amplitude times the value of the shape (-1 to 1)."}};
   takt::OutPort<basic::Flag> flag{*this, "flag", {.text = "True in the first half of each signal period."}};
-  takt::OutPort<basic::Count> count{*this, "count", {.text = "Counts the cycles."}};
+  takt::OutPort<basic::Count> count{*this, "count", {.text = "Number of cycles that the module has run."}};
   takt::Property<std::string> shape{*this,
                                     "shape",
                                     "sine",
-                                    {.text = "Shape of the signal; constant is the offset alone.",
+                                    {.text = "Shape of the signal; with constant, the output is the offset.",
                                      .choices = {"sine", "square", "triangle", "sawtooth", "constant"}}};
   takt::Property<double> frequency{
       *this,
@@ -24,8 +25,8 @@ class SignalGenerator : public takt::Component {
       1,
       {.unit = "Hz", .min = 0, .text = "Frequency of the signal; at most half the sampling rate."}};
   takt::Property<double> amplitude{
-      *this, "amplitude", 1, {.text = "From the middle of the signal to its peak."}};
-  takt::Property<double> offset{*this, "offset", 0, {.text = "Middle of the signal."}};
+      *this, "amplitude", 1, {.text = "Distance from the middle of the signal to its peak."}};
+  takt::Property<double> offset{*this, "offset", 0, {.text = "Value in the middle of the signal's range."}};
 
   signal_generator::Phase phase_;
   common::Releases releases_;

@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(Waveform, MatchesTheFormulaOfItsShape) {
+TEST(Waveform, FollowsTheFormulaOfEachShape) {
   for (int i = 0; i < 1000; ++i) {
     const double phase = i / 1000.0;
     EXPECT_NEAR(shape_at(Shape::sine, phase), std::sin(2 * std::numbers::pi * phase), 1e-12);
@@ -37,14 +37,14 @@ TEST(SignalGenerator, KeepsItsPhaseOverAMillionCyclesAndMissedReleases) {
   module.step();
   EXPECT_EQ(out.value().value(), 1);
   module.miss(62);
-  module.step();  // n = 63: 0.252 of a period
+  module.step();  // release 63 is at 0.252 of a signal period
   EXPECT_NEAR(out.value().value(), 1 + 3 * std::sin(2 * std::numbers::pi * 0.252), 1e-9);
   EXPECT_TRUE(flag.value().value());
   module.step(1'000'000);
   EXPECT_NEAR(out.value().value(), 1 + 3 * std::sin(2 * std::numbers::pi * 0.252), 1e-6);
 }
 
-TEST(SignalGenerator, RepeatsEveryShapeEachPeriod) {
+TEST(SignalGenerator, RepeatsTheSameValuesInEachSignalPeriod) {
   for (const char* shape : {"sine", "square", "triangle", "sawtooth"}) {
     takt::testing::Module module{{.period = milliseconds{1}}};
     auto& out = module.out<basic::Number>("out");
@@ -65,7 +65,7 @@ TEST(SignalGenerator, RepeatsEveryShapeEachPeriod) {
   }
 }
 
-TEST(SignalGenerator, ChangesItsFrequencyWithoutAJump) {
+TEST(SignalGenerator, StaysContinuousWhenTheFrequencyChanges) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& out = module.out<basic::Number>("out");
   ASSERT_TRUE(module.start());
@@ -80,7 +80,7 @@ TEST(SignalGenerator, ChangesItsFrequencyWithoutAJump) {
   }
 }
 
-TEST(SignalGenerator, RejectsAFrequencyAboveHalfItsRate) {
+TEST(SignalGenerator, RejectsAFrequencyAboveHalfTheSamplingRate) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   ASSERT_TRUE(module.set("frequency", "51"));
   EXPECT_EQ(module.start().text(),

@@ -1,4 +1,4 @@
-// Test signals. For real-time threads.
+// The mathematics of signal_generator. Real-time threads may use everything here.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@ namespace signal_generator {
 
 enum class Shape { sine, square, triangle, sawtooth, constant };
 
-/// The signal, from -1 to 1. At phase 0 it rises through 0, if the shape allows it. `phase`: fraction of a
-/// period, from 0 to below 1.
+/// Returns the value of the signal, from -1 to 1. `phase` is a fraction of a signal period, from 0 to below
+/// 1. At phase 0, the sine, triangle and sawtooth rise through 0.
 inline double shape_at(Shape shape, double phase) noexcept {
   switch (shape) {
     case Shape::sine:
@@ -26,7 +26,7 @@ inline double shape_at(Shape shape, double phase) noexcept {
   return 0;
 }
 
-/// The phase of the signal. It is continuous when the frequency changes.
+/// Tracks the phase of the signal. The phase stays continuous when the frequency changes.
 class Phase {
  public:
   /// Advances the phase by `dt` s at `frequency` Hz. Returns the phase before the step.

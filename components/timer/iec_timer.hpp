@@ -1,4 +1,4 @@
-// The timers of IEC 61131-3. For real-time threads.
+// The mathematics of timer: the timers of IEC 61131-3. Real-time threads may use everything here.
 #pragma once
 
 #include <algorithm>
@@ -7,15 +7,16 @@
 namespace timer {
 
 enum class Kind {
-  on_delay,   ///< TON: true after the input has been true for the time
-  off_delay,  ///< TOF: true with the input and for the time after it
-  pulse,      ///< TP: true for the time from a rising edge on; ignores further edges meanwhile
+  on_delay,   ///< TON: Q becomes true when the input has been true for the preset time
+  off_delay,  ///< TOF: Q becomes false when the input has been false for the preset time
+  pulse,      ///< TP: a rising edge makes Q true for the preset time; edges during the pulse have no effect
 };
 
-/// Counts the time from the step that saw the edge.
+/// A timer. Its time begins at the step that saw the edge.
 class IecTimer {
  public:
-  /// `passed_ns`: time since the last step. `preset_ns`: PT, at least 0. Returns Q.
+  /// Makes one step and returns Q. `passed_ns`: time since the last step. `preset_ns`: the preset time PT, at
+  /// least 0.
   bool step(Kind kind, bool in, std::int64_t passed_ns, std::int64_t preset_ns) noexcept {
     if (kind == Kind::pulse) {
       if (running_) {
@@ -52,14 +53,14 @@ class IecTimer {
     last_ = in;
     return kind == Kind::on_delay ? done_ : in || running_;
   }
-  /// ET: the elapsed time, at most PT.
+  /// Returns ET: the elapsed time, at most PT.
   [[nodiscard]] std::int64_t elapsed_ns() const noexcept { return elapsed_ns_; }
   void reset() noexcept { *this = {}; }
 
  private:
   bool last_ = false;
   bool running_ = false;
-  bool done_ = false;  // the time has elapsed, and the input has not changed since
+  bool done_ = false;  // true: the time has elapsed, and the input has not changed since then
   std::int64_t elapsed_ns_ = 0;
 };
 

@@ -12,9 +12,9 @@
 #include "iec_timer.hpp"
 
 class Timer : public takt::Component {
-  takt::InPort<basic::Flag> in{*this, "in", {.text = "IN; false before the first sample."}};
+  takt::InPort<basic::Flag> in{*this, "in", {.text = "IN: starts the timer; false before the first sample."}};
   takt::OutPort<basic::Flag> q{*this, "q", {.text = "Q."}};
-  takt::OutPort<basic::Number> et{*this, "et", {.text = "ET, s: the elapsed time."}};
+  takt::OutPort<basic::Number> et{*this, "et", {.text = "ET: the elapsed time, in s."}};
   takt::Property<std::string> kind{
       *this,
       "kind",
@@ -24,7 +24,10 @@ class Timer : public takt::Component {
       *this,
       "time",
       1,
-      {.unit = "s", .min = 0, .max = 1e8, .text = "PT; a new value also applies to a running timer."}};
+      {.unit = "s",
+       .min = 0,
+       .max = 1e8,
+       .text = "PT: delay or length of the pulse; a new value also applies to a running timer."}};
 
   timer::IecTimer timer_;
   timer::Kind kind_ = timer::Kind::on_delay;

@@ -51,23 +51,23 @@ TEST(IecTimer, PulseFollowsItsDiagram) {
                  "00123000012344400123400000");
 }
 
-TEST(IecTimer, DelaysNothingAndGivesNoPulseWithATimeOfZero) {
+TEST(IecTimer, HasNoDelayAndNoPulseIfItsTimeIsZero) {
   for (const Kind kind : {Kind::on_delay, Kind::off_delay})
     expect_diagram(kind, 0, "0110100", "0110100", "0000000");
   expect_diagram(Kind::pulse, 0, "0110100", "0000000", "0000000");
 }
 
-/// A slow implementation that looks back at every value.
+/// A slow reference that derives Q from all earlier values.
 bool naive(Kind kind, const std::vector<bool>& in, const std::vector<std::int64_t>& at, std::int64_t preset) {
   const std::size_t now = in.size() - 1;
   if (kind == Kind::pulse) {
-    // Pulses follow each other; each starts at an edge outside all other pulses.
+    // Pulses do not overlap. A rising edge starts a pulse only if no pulse is active.
     std::int64_t end = -1;
     bool covered = false;
     for (std::size_t i = 0; i <= now; ++i) {
       if (covered && at[i] >= end) {
         covered = false;
-        continue;  // an edge in the step that ends a pulse is still inside the pulse
+        continue;  // an edge in the step that ends a pulse still belongs to that pulse
       }
       if (!covered && in[i] && (i == 0 || !in[i - 1])) {
         covered = preset > 0;
@@ -76,14 +76,14 @@ bool naive(Kind kind, const std::vector<bool>& in, const std::vector<std::int64_
     }
     return covered;
   }
-  std::size_t since = now;  // the first step of the current run of equal values
+  std::size_t since = now;  // the step at which the input took its present value
   while (since > 0 && in[since - 1] == in[now]) --since;
   const bool over = at[now] - at[since] >= preset;
   if (kind == Kind::on_delay) return in[now] && over;
   return in[now] || (since > 0 && !over);
 }
 
-TEST(IecTimer, MatchesItsDefinitionForRandomInputsAndGaps) {
+TEST(IecTimer, MatchesASlowReferenceForRandomInputsAndGaps) {
   std::mt19937 random(14);
   for (const Kind kind : {Kind::on_delay, Kind::off_delay, Kind::pulse}) {
     for (int n = 0; n < 60; ++n) {
@@ -108,7 +108,7 @@ TEST(IecTimer, MatchesItsDefinitionForRandomInputsAndGaps) {
   }
 }
 
-TEST(Timer, CountsItsTimeOnTheGrid) {
+TEST(Timer, CountsFromTheReleaseThatSawTheEdge) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Flag>("in");
   auto& q = module.out<basic::Flag>("q");
@@ -116,7 +116,7 @@ TEST(Timer, CountsItsTimeOnTheGrid) {
   ASSERT_TRUE(module.set("time", "0.1"));
   ASSERT_TRUE(module.start());
   module.step(20);
-  EXPECT_FALSE(q.value().value());  // no input yet: false
+  EXPECT_FALSE(q.value().value());  // without a sample, the input counts as false
   in.write(flag(true));
   module.step(10);
   EXPECT_FALSE(q.value().value());
@@ -125,7 +125,7 @@ TEST(Timer, CountsItsTimeOnTheGrid) {
   EXPECT_TRUE(q.value().value());
 }
 
-TEST(Timer, CountsMissedReleases) {
+TEST(Timer, CountsTheTimeOfMissedReleases) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Flag>("in");
   auto& q = module.out<basic::Flag>("q");
@@ -169,7 +169,7 @@ TEST(Timer, RestartsWhenItsKindChanges) {
   EXPECT_TRUE(q.value().value());
   ASSERT_TRUE(module.set("kind", "TON"));
   module.step(61);
-  EXPECT_FALSE(q.value().value()) << "the time before the change does not count";
+  EXPECT_FALSE(q.value().value()) << "the time before the change must not count";
   EXPECT_NEAR(et.value().value(), 0.6, 1e-9);
   module.step(40);
   EXPECT_TRUE(q.value().value());

@@ -1,4 +1,5 @@
-// One move of the arm from rest to rest, as fast as its limits allow. SI units, rad. Nothing allocates.
+// One move of the arm from rest to rest, as fast as its limits allow. SI units, rad. Nothing here allocates
+// memory.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +11,8 @@
 
 namespace trajectory {
 
-/// A polynomial from 0 to 1 on the range 0 to 1, with zero velocity and acceleration at both ends. Below are
-/// its first and second derivatives.
+/// A polynomial that rises from 0 to 1 for u from 0 to 1, with zero velocity and acceleration at both ends.
+/// The two functions below are its first and second derivatives.
 constexpr double quintic(double u) noexcept { return u * u * u * (10 + u * (-15 + 6 * u)); }
 constexpr double quintic_slope(double u) noexcept { return 30 * u * u * (1 - u) * (1 - u); }
 constexpr double quintic_bend(double u) noexcept { return 60 * u * (1 - u) * (1 - 2 * u); }
@@ -20,7 +21,7 @@ constexpr double quintic_bend(double u) noexcept { return 60 * u * (1 - u) * (1 
 struct Limits {
   Joints velocity{};      ///< rad/s
   Joints acceleration{};  ///< rad/s^2
-  double tool = 1;        ///< m/s, of the tool on a straight line
+  double tool = 1;        ///< m/s, tool speed on a straight line
 };
 
 struct Leg {
@@ -28,8 +29,8 @@ struct Leg {
 
   Kind kind = Kind::wait;
   Joints from{};               ///< where the arm waits or begins to turn
-  Joints to{};                 ///< where the arm turns to, all axes in the same time
-  const Line* line = nullptr;  ///< for the kinds line and line_back: the line of the tool
+  Joints to{};                 ///< where the arm turns to; all axes arrive together
+  const Line* line = nullptr;  ///< the path of the tool, for the kinds line and line_back
   double duration = 0;         ///< s
 
   static Leg wait(const Joints& at, double duration) noexcept {
@@ -43,7 +44,7 @@ struct Leg {
         limits, 1.875 * line.length() / limits.tool);
   }
 
-  /// The set point at `time`, from 0 to duration.
+  /// Returns the set point at `time`, from 0 to `duration`.
   [[nodiscard]] Point at(double time) const noexcept {
     if (kind == Kind::wait) return {from, {}, {}};
     return by_share(std::clamp(time / duration, 0.0, 1.0), duration);
@@ -76,8 +77,8 @@ struct Leg {
     return point;
   }
 
-  /// Sets the shortest duration within the limits. Velocities fall with the duration, accelerations with its
-  /// square.
+  /// Returns this leg with the shortest duration that keeps the limits. Velocities are inversely proportional
+  /// to the duration, accelerations to its square.
   [[nodiscard]] Leg fastest(const Limits& limits, double at_least) noexcept {
     duration = std::max(at_least, kShortest);
     for (std::size_t n = 0; n <= kSamples; ++n) {

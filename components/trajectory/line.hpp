@@ -1,6 +1,6 @@
-// A straight line of the tool as a curve of the axes. There is no formula for this curve. So the knots are
-// computed by search, one at a time, and joined by cubic splines with continuous accelerations. SI units,
-// rad. Nothing allocates.
+// A straight line of the tool as a curve of axis positions. No formula exists for this curve, so a search
+// computes its knots one at a time. Cubic splines with continuous accelerations join the knots. SI units,
+// rad. Nothing here allocates memory.
 #pragma once
 
 #include <algorithm>
@@ -16,26 +16,28 @@ using arm_model::Joints;
 using arm_model::kAxes;
 using arm_model::Kinematics;
 
-/// The axis positions and their derivatives by the parameter of the motion: s of a line, or time.
+/// The axis positions and their derivatives with respect to the parameter of the motion: the `s` of a line,
+/// or time.
 struct Point {
   Joints position{};
   Joints slope{};
   Joints bend{};  ///< derivative of the slope
 };
 
-/// A line from one tool pose to another with the same orientation. s is 0 at the beginning and 1 at the end.
+/// A line from one tool pose to another with the same orientation. The parameter `s` is 0 at the beginning
+/// and 1 at the end.
 class Line {
  public:
   static constexpr std::size_t kPieces = 24;
-  static constexpr int kNewtonSteps = 5;           ///< maximum per knot; two or three are usual
-  static constexpr double kTolerance = 1e-10;      ///< m and rad, error of the tool at a knot
-  static constexpr double kFarthest = 0.3;         ///< rad, maximum from knot to knot
-  static constexpr double kLeastDexterity = 0.02;  ///< m, see Kinematics::dexterity()
+  static constexpr int kNewtonSteps = 5;           ///< limit per knot; most knots take two or three
+  static constexpr double kTolerance = 1e-10;      ///< m and rad, permitted error of the tool at a knot
+  static constexpr double kFarthest = 0.3;         ///< rad, maximum axis move between two knots
+  static constexpr double kLeastDexterity = 0.02;  ///< m, smallest permitted Kinematics::dexterity()
 
   enum class State { building, done, joint_limit, singular };
 
-  /// Begins a line at `pose`, where the axes are at `joints`. `way` is its vector in m, in the frame of the
-  /// foot.
+  /// Begins a line at `pose`, where the axes are at `joints`. `way` is the vector to the end of the line, in
+  /// m, in the frame of the arm's foot.
   void begin(const KDL::Frame& pose, const KDL::Vector& way, const Joints& joints) noexcept {
     pose_ = pose;
     way_ = way;
@@ -83,8 +85,8 @@ class Line {
   [[nodiscard]] double length() const noexcept { return way_.Norm(); }
 
  private:
-  /// Computes a knot from the previous one, beginning with a linear guess. False if it does not converge
-  /// nearby.
+  /// Computes the next knot, with a linear guess from the previous knot. Returns false if the search finds no
+  /// solution near the previous knot.
   bool approach(Kinematics& kinematics, const KDL::Frame& goal) noexcept {
     const Joints& before = knots_[next_ - 1];
     Joints joints = before;
@@ -115,7 +117,7 @@ class Line {
   KDL::Frame pose_;
   KDL::Vector way_;
   std::array<Joints, kPieces + 1> knots_{};
-  std::array<Joints, kPieces + 1> slopes_{};  // derivatives by s
+  std::array<Joints, kPieces + 1> slopes_{};  // derivatives with respect to s
   std::size_t next_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// Moves the set points along a plan, period by period. The motion can be stopped anywhere, and the set points
-// stay on the path while they come to rest. SI units, rad. Nothing allocates.
+// Moves the set points along a plan, one period at a time. The motion can stop anywhere, and the set points
+// stay on the path while they come to rest. SI units, rad. Nothing here allocates memory.
 #pragma once
 
 #include <algorithm>
@@ -9,18 +9,19 @@
 
 namespace trajectory {
 
-/// Time on the path runs at a rate from 0 (held) to 1. The rate changes as fast as the acceleration limits of
-/// all axes allow, in addition to the accelerations of the path itself. So no set point exceeds an axis
-/// limit.
+/// The motion along a plan. Path time advances at a rate from 0 (held) to 1. The rate changes as fast as the
+/// acceleration limits of all axes allow, on top of the accelerations that the path itself needs. So no set
+/// point exceeds an axis limit.
 class Path {
  public:
-  /// The fractions of the axis limits that plans use, and that a plan and a stop on the path use together.
+  /// Fractions of the axis limits: velocity of a plan, acceleration of a plan, and acceleration of a plan
+  /// together with a stop on the path.
   static constexpr double kVelocityShare = 0.98;
   static constexpr double kPlanShare = 0.8;
   static constexpr double kHoldShare = 0.97;
 
-  /// The limits for plans of this arm. `speed`: a fraction; `tool`: maximum tool speed on straight lines,
-  /// m/s.
+  /// Returns the limits for plans of this arm. `speed` is a fraction; `tool` is the maximum tool speed on
+  /// straight lines, in m/s.
   static Limits limits(const arm_model::Parameters& arm, double speed, double tool) noexcept {
     Limits limits{.tool = tool};
     for (std::size_t i = 0; i < kAxes; ++i) {
@@ -29,17 +30,17 @@ class Path {
     }
     return limits;
   }
-  /// The acceleration limits for advance().
+  /// Returns the acceleration limits for advance().
   static Joints most_acceleration(const arm_model::Parameters& arm) noexcept {
     Joints most{};
     for (std::size_t i = 0; i < kAxes; ++i) most[i] = kHoldShare * arm[i].acceleration;
     return most;
   }
 
-  /// Begins at rest at this position.
+  /// Creates a path at rest at this position.
   explicit Path(const Joints& rest = {}) noexcept : at_{rest, {}, {}} {}
 
-  /// Starts the plan at its leg `first`. Do not change the plan while busy().
+  /// Starts the plan at the leg `first`. Do not change the plan while busy() is true.
   void begin(const Plan& plan, Step first) noexcept {
     plan_ = &plan;
     step_ = first;
@@ -47,7 +48,7 @@ class Path {
     busy_ = true;
   }
   [[nodiscard]] bool busy() const noexcept { return busy_; }
-  /// The current leg; valid while busy().
+  /// The current leg; valid only while busy() is true.
   [[nodiscard]] Step step() const noexcept { return step_; }
   /// The leg that the last advance() ended, if any.
   struct Ended {
@@ -55,7 +56,7 @@ class Path {
     Step step{};
   };
   [[nodiscard]] Ended ended() const noexcept { return ended_; }
-  /// Call it in the leg `up`: the arm then goes home from the end of this leg.
+  /// Makes the arm go home after the leg `up`. Call this during that leg.
   void give_up() noexcept { give_up_ = true; }
   [[nodiscard]] const Joints& position() const noexcept { return at_.position; }
   [[nodiscard]] const Joints& velocity() const noexcept { return velocity_; }
@@ -75,7 +76,7 @@ class Path {
   }
 
  private:
-  static constexpr double kFastest = 20;  // 1/s, maximum change of the rate
+  static constexpr double kFastest = 20;  // 1/s, maximum change of `rate_` per second
 
   [[nodiscard]] double next_rate(double wanted, const Joints& most, double dt) const noexcept {
     double lowest = -kFastest;
@@ -83,7 +84,7 @@ class Path {
     for (std::size_t i = 0; i < kAxes; ++i) {
       const double slope = at_.slope[i];
       if (std::abs(slope) < 1e-9) continue;
-      // -most <= bend rate^2 + slope change <= most
+      // Solves -most <= bend rate^2 + slope change <= most for the change of the rate.
       const double of_path = at_.bend[i] * rate_ * rate_;
       const double one = (-most[i] - of_path) / slope;
       const double other = (most[i] - of_path) / slope;
@@ -109,7 +110,7 @@ class Path {
 
   const Plan* plan_ = nullptr;
   Step step_{};
-  double time_ = 0;  // s, within the leg
+  double time_ = 0;  // s, since the beginning of the leg
   double rate_ = 1;
   Point at_;
   Joints velocity_{};

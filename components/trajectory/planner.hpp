@@ -1,5 +1,5 @@
-// Plans the legs of a cycle for a request, a bounded piece each period (see Search). It rejects an impossible
-// request before the arm moves. SI units, rad. Nothing allocates except the constructor.
+// Plans the legs of a cycle for a request, a bounded amount of work each period (see Search). The planner
+// rejects an impossible request before the arm moves. SI units, rad. Only the constructor allocates memory.
 #pragma once
 
 #include <array>
@@ -10,27 +10,27 @@
 
 namespace trajectory {
 
-/// A request and its parameters.
+/// A request to move one part, and the parameters of the motion.
 struct Task {
   KDL::Frame pick;
   KDL::Frame place;
-  double approach = 0.15;  ///< m, length of the straight lines above both poses, along the tool
+  double approach = 0.15;  ///< m, length of the straight lines above part and place, along the tool
   double grip = 0.3;       ///< s, time for the gripper to close and to open
   Limits limits;
 };
 
-/// The legs in order. If the gripper holds no part after `up`, `give_up` replaces the legs that follow.
+/// The legs in order. If the gripper holds no part during `up`, `give_up` replaces the remaining legs.
 enum class Step { to_pick, down, grip, up, to_place, lower, release, retreat, home, give_up };
 inline constexpr std::size_t kSteps = 10;
 
 struct Plan {
-  Line pick;   // upwards from the part
-  Line place;  // upwards from the place
+  Line pick;   // straight line from the part upwards
+  Line place;  // straight line from the target place upwards
   std::array<Leg, kSteps> legs;
 
   [[nodiscard]] Leg& leg(Step step) noexcept { return legs[static_cast<std::size_t>(step)]; }
   [[nodiscard]] const Leg& leg(Step step) const noexcept { return legs[static_cast<std::size_t>(step)]; }
-  /// Total duration in s of the legs up to and including this one.
+  /// Returns the total duration in s of the legs up to and including `last`.
   [[nodiscard]] double until(Step last) const noexcept {
     double sum = 0;
     for (std::size_t i = 0; i <= static_cast<std::size_t>(last); ++i) sum += legs[i].duration;
@@ -44,11 +44,11 @@ class Planner {
 
   enum class State { idle, planning, planned, out_of_reach, joint_limit, singular };
 
-  /// The constructor allocates.
+  /// Allocates memory.
   explicit Planner(const arm_model::Parameters& parameters) : kinematics_(parameters) {}
 
-  /// Begins to plan a cycle from `rest` and back to it. `plan` must not move; it is complete when step()
-  /// returns State::planned.
+  /// Begins to plan a cycle that starts and ends at `rest`. `plan` must keep its address. It is complete when
+  /// step() returns State::planned.
   void begin(const Task& task, const Joints& rest, Plan& plan) noexcept {
     task_ = task;
     rest_ = rest;
@@ -57,7 +57,7 @@ class Planner {
     state_ = State::planning;
   }
 
-  /// Does a piece of the planning; takes at most 40 us.
+  /// Continues the planning for at most 40 us. Returns the new state.
   State step() noexcept {
     if (state_ != State::planning) return state_;
     if (searching_)
@@ -99,7 +99,7 @@ class Planner {
       finish();
       return;
     }
-    // The line may be possible with another axis configuration.
+    // Another configuration of the axes may still make this line possible.
     saw_limit_ |= drawn == Line::State::joint_limit;
     saw_singular_ |= drawn == Line::State::singular;
     search_.go_on();
@@ -112,7 +112,7 @@ class Planner {
     const Joints above = line().at(1).position;
     const Leg up = Leg::along(line(), false, limits);
     Leg down = up;
-    down.kind = Leg::Kind::line_back;  // the same line backwards
+    down.kind = Leg::Kind::line_back;  // the line from the part upwards, backwards
     if (at_pick_) {
       plan_->leg(Step::to_pick) = Leg::turn(rest_, above, limits);
       plan_->leg(Step::down) = down;

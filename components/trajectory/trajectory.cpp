@@ -16,15 +16,19 @@ class Trajectory : public takt::Component {
   takt::InPort<motion::PickRequest> request{
       *this, "request", {.text = "Parts to move; connect it as a queue."}};
   takt::InPort<motion::JointState> measured{
-      *this, "measured", {.text = "Position of the arm. If not connected: at home, then at the set points."}};
+      *this,
+      "measured",
+      {.text = "Position of the arm. If not connected, the arm starts at home and follows its set points."}};
   takt::InPort<basic::Flag> enable{
-      *this, "enable", {.text = "False: come to rest on the path and wait. Before the first sample: true."}};
+      *this,
+      "enable",
+      {.text = "False: come to rest on the path and wait. Counts as true before the first sample."}};
   takt::InPort<basic::Flag> holding{
-      *this, "holding", {.text = "The gripper holds a part. If not connected: always true."}};
+      *this, "holding", {.text = "The gripper holds a part. Always true if not connected."}};
   takt::OutPort<motion::JointState> setpoint{*this, "setpoint", {.text = "Set points of the axes."}};
   takt::OutPort<basic::Flag> grip{*this, "grip", {.text = "True: the gripper must be closed."}};
   takt::OutPort<motion::PickPlan> plan{
-      *this, "plan", {.text = "How long the request will take; written when the arm begins it."}};
+      *this, "plan", {.text = "How long a request will take; written when the arm begins the request."}};
   takt::OutPort<motion::PickDone> done{
       *this, "done", {.text = "Result of a request: placed, rejected with the reason, or lost."}};
 
@@ -37,13 +41,14 @@ class Trajectory : public takt::Component {
       "line_speed",
       0.6,
       {.unit = "m/s", .min = 0.01, .max = 5, .text = "Maximum speed of the tool on straight lines."}};
-  takt::Property<double> approach{*this,
-                                  "approach",
-                                  0.15,
-                                  {.unit = "m",
-                                   .min = 0.01,
-                                   .max = 1,
-                                   .text = "Length of the straight lines at the part and at its place."}};
+  takt::Property<double> approach{
+      *this,
+      "approach",
+      0.15,
+      {.unit = "m",
+       .min = 0.01,
+       .max = 1,
+       .text = "Length of the straight lines above the part and its target place."}};
   takt::Property<double> grip_time{
       *this,
       "grip_time",
@@ -65,7 +70,7 @@ class Trajectory : public takt::Component {
       {.unit = "s",
        .min = 0,
        .max = 3600,
-       .text = "An enable older than this, or a missing one, counts as false; 0: never expires."}};
+       .text = "A missing enable, or one older than this, counts as false; 0: enable never expires."}};
 
   arm_model::Parameters arm_;
   arm_model::Joints home_{};
@@ -77,11 +82,11 @@ class Trajectory : public takt::Component {
   bool planning_ = false;
   bool lost_ = false;
   bool answered_ = true;
-  double since_request_ = 0;  // s, since the request
+  double since_request_ = 0;  // s, since the last request began
   motion::JointState state_;
   basic::Flag closed_;
   motion::PickPlan times_;
-  motion::PickDone report_;  // of the last request
+  motion::PickDone report_;  // result of the last request
 
   takt::Result<void> initialize() override {
     auto read = arm_model::read(model);
@@ -92,14 +97,14 @@ class Trajectory : public takt::Component {
     most_acceleration_ = trajectory::Path::most_acceleration(arm_);
     path_ = trajectory::Path{home_};
     planner_.emplace(arm_);
-    report_.result(motion::PICK_REFUSED);  // no part placed yet
+    report_.result(motion::PICK_REFUSED);  // no part has been placed yet
     began_ = planning_ = false;
     return {};
   }
 
   void run(const takt::Cycle& cycle) noexcept override {
     if (measured.read() && (!began_ || is_off_the_path())) go_home_from(measured.value().position());
-    if (!began_ && measured.connected()) return;  // the position of the arm is not known yet
+    if (!began_ && measured.connected()) return;  // wait for the first measured position
     began_ = true;
     enable.read();
     holding.read();
@@ -121,7 +126,7 @@ class Trajectory : public takt::Component {
     return false;
   }
 
-  // Is called at the beginning, and after something has moved or blocked the arm.
+  // Sends the arm home from `position`: after the start, and after something has moved or blocked the arm.
   void go_home_from(const arm_model::Joints& position) noexcept {
     for (const double joint : position)
       if (!std::isfinite(joint)) return fail("a measured position is not a finite number");
@@ -143,7 +148,8 @@ class Trajectory : public takt::Component {
     return arm_model::frame({pose.x(), pose.y(), pose.z(), pose.roll(), pose.pitch(), pose.yaw()});
   }
 
-  // A repeated request for a placed part means that the result was lost in the network, so it is sent again.
+  // Begins to plan a request. If the request is for the part placed last, its result was lost in the network,
+  // so this sends the result again.
   void begin_request(const motion::PickRequest& part) noexcept {
     if (part.number() == report_.number() && report_.result() == motion::PICK_PLACED) {
       done.write(report_);
@@ -180,7 +186,7 @@ class Trajectory : public takt::Component {
     plan.write(times_);
   }
 
-  // The gripper must hold the part from the end of gripping to the release.
+  // Notices the loss of a part. The gripper must hold the part from the end of gripping until the release.
   void watch_part() noexcept {
     using trajectory::Step;
     const Step step = path_.step();

@@ -32,12 +32,12 @@ WholePlan plan(const KDL::Frame& pick, const KDL::Frame& place) {
   return whole_plan(figures(), usual_task(figures(), pick, place));
 }
 
-// The largest velocities and accelerations, from differences between periods and from the path's own
-// velocity.
+// The largest velocities and accelerations of a motion, from the changes between periods and from the
+// velocity that the path reports.
 struct Extremes {
-  double velocity = 0;  // fraction of the limits
+  double velocity = 0;  // fraction of the limit
   double acceleration = 0;
-  double disagreement = 0;  // rad, between position and velocity
+  double disagreement = 0;  // rad, difference between the moved distance and the reported velocity
   int periods = 0;
   Joints last{};
   Joints last_velocity{};
@@ -81,7 +81,7 @@ void expect_within_limits(const Extremes& extremes) {
   EXPECT_LT(extremes.disagreement, 1e-5);
 }
 
-// A random pose in front of the arm or to its left or right, where it can pick and place.
+// A random pose in front of the arm, or on either side, where the arm can pick and place.
 KDL::Frame anywhere(std::mt19937& random) {
   const double angle = std::uniform_real_distribution{-1.8, 1.8}(random);
   const double radius = std::uniform_real_distribution{0.55, 1.0}(random);
@@ -90,14 +90,15 @@ KDL::Frame anywhere(std::mt19937& random) {
               angle + std::uniform_real_distribution{-1.2, 1.2}(random));
 }
 
-TEST(Plan, KeepsEveryAxisWithinItsLimitsWithoutJumps) {
+TEST(Plan, KeepsEveryAxisWithinItsLimits) {
   std::mt19937 random{2};
   double longest = 0;
   int planning = 0;
   int rejected = 0;
   for (int n = 0; n < 150; ++n) {
     const WholePlan planned = plan(anywhere(random), anywhere(random));
-    if (planned.state == Planner::State::singular && ++rejected > 0) continue;  // the forearm points down
+    // Some poses are singular, because the forearm points down.
+    if (planned.state == Planner::State::singular && ++rejected > 0) continue;
     ASSERT_EQ(planned.state, Planner::State::planned) << "pair " << n;
     const Extremes extremes = run(*planned.plan, [](int) { return true; });
     expect_within_limits(extremes);
@@ -105,12 +106,12 @@ TEST(Plan, KeepsEveryAxisWithinItsLimitsWithoutJumps) {
     longest = std::max(longest, planned.plan->until(Step::home));
     planning = std::max(planning, planned.periods);
   }
-  std::printf("150 cycles: at most %.2f s, planned in at most %d periods; %d rejected\n", longest, planning,
-              rejected);
+  std::printf("150 cycles: longest cycle %.2f s, longest planning %d periods, %d requests rejected\n",
+              longest, planning, rejected);
   EXPECT_LT(rejected, 8);
 }
 
-TEST(Plan, IsStraightAboveThePart) {
+TEST(Plan, MovesTheToolOnAStraightLineAboveThePart) {
   arm_model::Kinematics kinematics{figures()};
   const KDL::Frame pick = down(0.75, 0.45, 0.3, 0.4);
   const WholePlan planned = plan(pick, down(0.5, -0.7, 0.2));
@@ -122,11 +123,11 @@ TEST(Plan, IsStraightAboveThePart) {
     const KDL::Twist twist = KDL::diff(kinematics.forward(planned.plan->pick.at(s).position), wanted);
     off = std::max({off, twist.vel.Norm(), twist.rot.Norm()});
   }
-  std::printf("%.2g m or rad off a line of 0.15 m\n", off);
+  std::printf("largest deviation from a line of 0.15 m: %.2g m or rad\n", off);
   EXPECT_LT(off, 1e-5);
 }
 
-TEST(Plan, PutsTheToolAtTheRequestedPoses) {
+TEST(Plan, BringsTheToolToTheRequestedPoses) {
   arm_model::Kinematics kinematics{figures()};
   const KDL::Frame pick = down(0.75, 0.45, 0.3, 0.4);
   const KDL::Frame place = down(0.5, -0.7, 0.2, -1);
@@ -140,10 +141,10 @@ TEST(Plan, PutsTheToolAtTheRequestedPoses) {
   EXPECT_LT(off(Step::release, place), 1e-8);
 }
 
-TEST(Path, StopsOnThePathAndContinuesWithinTheLimits) {
+TEST(Path, KeepsItsLimitsWhenDisabledAtAnyTime) {
   const WholePlan planned = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1));
   ASSERT_EQ(planned.state, Planner::State::planned);
-  // Disable at every fortieth period of the cycle, for 0.7 s.
+  // In each run, disable the motion for 0.7 s. The start of this pause moves by 40 periods from run to run.
   const int whole = static_cast<int>(planned.plan->until(Step::home) / kPeriod);
   int slowest = 0;
   for (int at = 1; at + 400 < whole; at += 40) {
@@ -161,7 +162,7 @@ TEST(Path, StopsOnThePathAndContinuesWithinTheLimits) {
     EXPECT_GT(rested, 100) << "held at " << at;
     slowest = std::max(slowest, held - rested);
   }
-  std::printf("at rest after at most %d ms\n", slowest);
+  std::printf("longest time to come to rest: %d ms\n", slowest);
 }
 
 TEST(Path, KeepsItsLimitsForRandomEnableChanges) {
@@ -179,7 +180,7 @@ TEST(Path, KeepsItsLimitsForRandomEnableChanges) {
   }
 }
 
-TEST(Path, DoesNotBeginWhileDisabled) {
+TEST(Path, DoesNotLeaveItsStartWhileDisabled) {
   const WholePlan planned = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2));
   Path path{home()};
   for (int n = 0; n < 1000; ++n) path.advance(false, Path::most_acceleration(figures()), kPeriod);
@@ -189,7 +190,7 @@ TEST(Path, DoesNotBeginWhileDisabled) {
   EXPECT_TRUE(path.busy());
 }
 
-TEST(Path, GoesHomeFromAboveThePartWhenItGivesUp) {
+TEST(Path, GoesHomeFromAboveThePartAfterGiveUp) {
   const WholePlan planned = plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2));
   ASSERT_EQ(planned.state, Planner::State::planned);
   std::vector<Step> ended;
@@ -219,8 +220,7 @@ TEST(Planner, RejectsImpossiblePoses) {
   }
 }
 
-// ---- the module
-// --------------------------------------------------------------------------------------------
+// The tests below run the whole module on virtual time.
 
 motion::Pose pose(double x, double y, double z) {
   motion::Pose pose;
@@ -252,7 +252,7 @@ class Trajectory : public testing::Test {
   takt::testing::Out<motion::PickPlan>& times = module.out<motion::PickPlan>("plan");
   takt::testing::Out<motion::PickDone>& done = module.out<motion::PickDone>("done");
 
-  // Checks the velocity of every axis in every period.
+  // Steps the module until it writes a result, and checks the velocity of every axis in every period.
   void step_until_done() {
     Joints last = setpoint.has_value() ? setpoint.value().position() : home();
     const std::uint64_t before = done.count();
@@ -317,7 +317,7 @@ TEST_F(Trajectory, AnswersARepeatedRequestForAPlacedPartAtOnce) {
   EXPECT_EQ(done.value().number(), 1U);
 }
 
-TEST_F(Trajectory, RejectsImpossibleRequestsWithAReasonAndDoesNotMove) {
+TEST_F(Trajectory, StaysAtHomeWhenItRejectsAnImpossibleRequest) {
   ASSERT_TRUE(module.start());
   motion::PickRequest far = from_here_to_there(1);
   far.pick().x(2);
@@ -369,7 +369,7 @@ TEST_F(Trajectory, GoesHomeWhenTheGripperMissesThePart) {
   EXPECT_EQ(done.value().result(), motion::PICK_LOST);
   EXPECT_EQ(setpoint.value().position(), home());
   EXPECT_FALSE(grip.value().value());
-  // A repeated request makes it try again.
+  // If the requester repeats the request, the arm tries again.
   request.write(from_here_to_there(1));
   ASSERT_TRUE(module.step_until([&] { return grip.value().value(); }, 5000));
   holding.write(flag(true));
@@ -383,13 +383,13 @@ TEST_F(Trajectory, ReportsAPartThatFellOnTheWay) {
   holding.write(flag(true));
   request.write(from_here_to_there(1));
   ASSERT_TRUE(module.step_until([&] { return grip.value().value(); }, 5000));
-  module.step(1200);  // on its way to the place
+  module.step(1200);  // the arm is now on its way to the target place
   holding.write(flag(false));
   step_until_done();
   EXPECT_EQ(done.value().result(), motion::PICK_LOST);
 }
 
-TEST_F(Trajectory, BeginsWhereTheArmIs) {
+TEST_F(Trajectory, BeginsAtTheMeasuredPositionOfTheArm) {
   auto& measured = module.in<motion::JointState>("measured");
   ASSERT_TRUE(module.start());
   module.step(10);
@@ -404,13 +404,13 @@ TEST_F(Trajectory, BeginsWhereTheArmIs) {
   EXPECT_EQ(setpoint.value().position(), home());
 }
 
-TEST_F(Trajectory, GoesHomeFromWhereTheArmWasBlockedAndTakesTheNextPart) {
+TEST_F(Trajectory, MovesABlockedArmHomeFromItsMeasuredPosition) {
   auto& measured = module.in<motion::JointState>("measured");
   motion::JointState state;
   state.position() = home();
   measured.write(state);
   ASSERT_TRUE(module.start());
-  const auto follow = [&] {  // like an arm, one period later
+  const auto follow = [&] {  // imitates an arm that follows one period later
     state = setpoint.value();
     measured.write(state);
     return done.count() > 0;

@@ -1,5 +1,5 @@
-// Computes a whole plan at once instead of a piece per period. Tests use it, and programs that need the
-// duration of a cycle in advance. Not for real-time threads. SI units, rad.
+// Computes a whole plan in one call instead of a piece per period. Tests use this header, and so do programs
+// that need the duration of a cycle in advance. Do not use it in real-time threads. SI units, rad.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace trajectory {
 
-/// The task of the component trajectory with its default properties.
+/// Returns the task that the component trajectory has with its default properties.
 inline Task usual_task(const arm_model::Parameters& arm, const KDL::Frame& pick, const KDL::Frame& place) {
   Task task;
   task.pick = pick;
@@ -20,10 +20,10 @@ inline Task usual_task(const arm_model::Parameters& arm, const KDL::Frame& pick,
 struct WholePlan {
   std::unique_ptr<Plan> plan = std::make_unique<Plan>();
   Planner::State state = Planner::State::planning;
-  int periods = 0;  ///< periods that the planning takes
+  int periods = 0;  ///< number of periods that the planning takes
 };
 
-/// Plans a cycle from home.
+/// Plans a cycle that starts and ends at home.
 inline WholePlan whole_plan(const arm_model::Parameters& arm, const Task& task) {
   Planner planner{arm};
   WholePlan result;

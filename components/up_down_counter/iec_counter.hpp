@@ -1,4 +1,4 @@
-// The counters of IEC 61131-3. For real-time threads.
+// The mathematics of up_down_counter: the counters of IEC 61131-3. Real-time threads may use everything here.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,14 @@
 
 namespace up_down_counter {
 
-/// The counter CTUD. Without `down` and `load` it is CTU; without `up` and `reset` it is CTD. It saturates at
-/// the limits of 64 bits.
+/// The counter CTUD. If `down` and `load` stay unused, it is CTU; if `up` and `reset` stay unused, it is CTD.
+/// Its value saturates at the limits of 64 bits.
 class IecCounter {
  public:
   struct Inputs {
     std::uint32_t up = 0, down = 0;  ///< rising edges since the last step
-    bool reset = false;              ///< sets 0; overrides load
-    bool load = false;               ///< sets the preset; overrides counting
+    bool reset = false;              ///< sets the value to 0; overrides `load`
+    bool load = false;               ///< sets the value to the preset; overrides counting
   };
 
   void step(const Inputs& in, std::int64_t preset) noexcept {
@@ -24,7 +24,7 @@ class IecCounter {
     } else if (in.load) {
       value_ = preset;
     } else {
-      // An edge up and an edge down between two steps cancel out.
+      // An `up` edge and a `down` edge between two steps cancel out.
       const std::int64_t change = static_cast<std::int64_t>(in.up) - in.down;
       if (change > 0)
         value_ = value_ > kHighest - change ? kHighest : value_ + change;

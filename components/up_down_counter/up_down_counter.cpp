@@ -11,14 +11,15 @@ class UpDownCounter : public takt::Component {
   takt::InPort<basic::Flag> down{*this, "down", {.text = "CD: each rising edge counts down."}};
   takt::InPort<basic::Flag> reset{*this, "reset", {.text = "R: while true, the value is 0."}};
   takt::InPort<basic::Flag> load{*this, "load", {.text = "LD: while true, the value is the preset."}};
-  takt::OutPort<basic::Count> value{*this, "value", {.text = "CV: the counter value."}};
-  takt::OutPort<basic::Flag> full{*this, "full", {.text = "QU, Q of CTU: the value is at least the preset."}};
-  takt::OutPort<basic::Flag> empty{*this, "empty", {.text = "QD, Q of CTD: the value is at most 0."}};
+  takt::OutPort<basic::Count> value{*this, "value", {.text = "CV: the value of the counter."}};
+  takt::OutPort<basic::Flag> full{
+      *this, "full", {.text = "QU (Q of CTU): the value is at least the preset."}};
+  takt::OutPort<basic::Flag> empty{*this, "empty", {.text = "QD (Q of CTD): the value is at most 0."}};
   takt::Property<std::int64_t> preset{*this, "preset", 10, {.text = "PV: the preset value."}};
 
   struct Kept {
     up_down_counter::IecCounter counter;
-    common::RisingEdge up, down;  // saved, so that an input that stays true is not counted again
+    common::RisingEdge up, down;  // saved, so that an input that stays true does not count again
   };
   takt::Saved<Kept> kept_{*this, 1};
   basic::Count count_;

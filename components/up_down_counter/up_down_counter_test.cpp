@@ -14,7 +14,7 @@ namespace {
 
 using common::flag;
 
-TEST(IecCounter, CountsUpAndDownAndReportsBothEnds) {
+TEST(IecCounter, ReportsWhenItIsFullOrEmpty) {
   IecCounter counter;
   EXPECT_TRUE(counter.empty());
   for (int i = 0; i < 3; ++i) counter.step({.up = 1}, 3);
@@ -26,7 +26,7 @@ TEST(IecCounter, CountsUpAndDownAndReportsBothEnds) {
   EXPECT_EQ(counter.value(), 2);
 }
 
-TEST(IecCounter, ResetOverridesLoadAndLoadOverridesCounting) {
+TEST(IecCounter, PrefersResetToLoadAndLoadToCounting) {
   IecCounter counter;
   counter.step({.up = 1, .load = true}, 7);
   EXPECT_EQ(counter.value(), 7);
@@ -46,7 +46,7 @@ TEST(IecCounter, SaturatesAtTheLimitsOfItsRange) {
   EXPECT_EQ(counter.value(), kLowest);
 }
 
-TEST(UpDownCounter, MatchesItsDefinitionForRandomInputs) {
+TEST(UpDownCounter, MatchesASimpleReferenceForRandomInputs) {
   takt::testing::Module module;
   auto& up = module.in<basic::Flag>("up", {.queue = 16});
   auto& down = module.in<basic::Flag>("down");
@@ -85,7 +85,7 @@ TEST(UpDownCounter, MatchesItsDefinitionForRandomInputs) {
   }
 }
 
-TEST(UpDownCounter, KeepsItsCountOverARecovery) {
+TEST(UpDownCounter, KeepsItsValueAfterARecovery) {
   takt::testing::Module module;
   auto& up = module.in<basic::Flag>("up");
   auto& value = module.out<basic::Count>("value");
@@ -98,7 +98,7 @@ TEST(UpDownCounter, KeepsItsCountOverARecovery) {
   EXPECT_EQ(value.value().value(), 1);
 }
 
-TEST(UpDownCounter, KeepsItsCountOverACrashUntilAReset) {
+TEST(UpDownCounter, KeepsItsValueAfterACrashUntilAReset) {
   takt::testing::Module module;
   auto& up = module.in<basic::Flag>("up");
   auto& value = module.out<basic::Count>("value");
@@ -109,7 +109,7 @@ TEST(UpDownCounter, KeepsItsCountOverACrashUntilAReset) {
   }
   ASSERT_TRUE(module.crash());
   ASSERT_TRUE(module.recover());
-  up.write(flag(true));  // still true: no edge
+  up.write(flag(true));  // still true, so this is no edge
   module.step();
   EXPECT_EQ(value.value().value(), 2);
   ASSERT_TRUE(module.destruct());
@@ -120,7 +120,7 @@ TEST(UpDownCounter, KeepsItsCountOverACrashUntilAReset) {
   EXPECT_EQ(value.value().value(), 0);
 }
 
-TEST(UpDownCounter, AppliesANewPresetLive) {
+TEST(UpDownCounter, AppliesANewPresetWhileItRuns) {
   takt::testing::Module module;
   auto& up = module.in<basic::Flag>("up");
   auto& full = module.out<basic::Flag>("full");

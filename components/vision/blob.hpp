@@ -30,7 +30,7 @@ struct Frame {
   }
 };
 
-/// Sensor noise, the same in every run: numbers from -1 to 1.
+/// Generates sensor noise: numbers from -1 to 1, the same in every run.
 class Noise {
  public:
   double next() noexcept {
@@ -44,8 +44,8 @@ class Noise {
   std::uint32_t state_ = 2463534242;
 };
 
-/// Renders a disc of brightness 200 on a background of 40, with a rim one pixel wide, and noise of the given
-/// amplitude.
+/// Renders a disc of brightness 200, with a rim one pixel wide, on a background of brightness 40. Adds noise
+/// of the given amplitude.
 inline void render(Frame& frame, Spot centre, double radius, double noise, Noise& source) noexcept {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -62,9 +62,9 @@ struct Blob {
   double area = 0;  ///< number of pixels above the threshold
 };
 
-/// The centre of the pixels above the threshold: first moments divided by the zeroth. A pixel's weight is its
-/// brightness above the threshold. Returns nothing if fewer than `least` pixels are above it, because that is
-/// noise.
+/// Finds the centre of the pixels above the threshold: first moments divided by the zeroth moment. The weight
+/// of a pixel is its brightness above the threshold. Returns nothing if fewer than `least` pixels are above
+/// the threshold, because they are then only noise.
 inline std::optional<Blob> find(const Frame& frame, std::uint8_t threshold, int least) noexcept {
   std::int64_t weight = 0;
   std::int64_t moment_x = 0;

@@ -1,6 +1,6 @@
-// A sporadic process module in the form of the paper's Figure 11: every `every` releases it takes an image of
-// a part that moves in a circle, and measures its position. It prints the measurement errors only at the end,
-// because the body is real-time.
+// A sporadic process module in the form of the paper's Figure 11. Every `every` releases, it takes an image
+// of a part that moves in a circle, and measures the part's position. It prints the measurement errors only
+// at the end, because its body is real-time.
 #include <takt/process.h>
 
 #include <cstdio>
@@ -15,7 +15,7 @@ TAKT_NUMBER(radius_px, 8, 2, 20, "px", "Radius of the part.");
 TAKT_NUMBER(noise, 10, 0, 60, "grey levels", "Amplitude of the noise.");
 TAKT_INTEGER(threshold, 100, 1, 254, "grey levels",
              "Brightness threshold between the background (40) and the part (200).");
-TAKT_NUMBER(turn_s, 4, 0.1, 3600, "s", "Time for one turn of the part.");
+TAKT_NUMBER(turn_s, 4, 0.1, 3600, "s", "Time in which the part moves once around the circle.");
 
 namespace {
 

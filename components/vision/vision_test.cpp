@@ -39,7 +39,7 @@ TEST(Blob, IsNotFoundInAnEmptyImage) {
   EXPECT_FALSE(find(frame, 100, 10));
 }
 
-TEST(Blob, IsNotFoundBelowTheLeastArea) {
+TEST(Blob, IsNotFoundIfItHasTooFewPixels) {
   Frame frame;
   for (int x = 10; x < 19; ++x) frame.at(x, 5) = 255;
   EXPECT_FALSE(find(frame, 100, 10));
@@ -57,7 +57,7 @@ TEST(Blob, IsFoundAtTheEdgeOfTheImage) {
   EXPECT_LT(blob->centre.x, 8);
 }
 
-TEST(Noise, IsWithinOneAndAveragesToZero) {
+TEST(Noise, AveragesToZero) {
   Noise noise;
   double sum = 0;
   for (int i = 0; i < 100000; ++i) {

@@ -14,13 +14,15 @@
 #include "life_sign.hpp"
 
 class Watchdog : public takt::Component {
-  takt::InPort<basic::Count> count{*this, "count", {.text = "A running counter."}};
-  takt::InPort<basic::Flag> flag{*this, "flag", {.text = "A toggling flag."}};
+  takt::InPort<basic::Count> count{*this, "count", {.text = "A counter that another module increments."}};
+  takt::InPort<basic::Flag> flag{*this, "flag", {.text = "A flag that another module toggles."}};
   takt::InPort<basic::Number> number{*this, "number", {.text = "A value that arrives or changes."}};
   takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge clears a latched alarm."}};
   takt::OutPort<basic::Flag> healthy{*this, "healthy", {.text = "True if every connected input is alive."}};
   takt::OutPort<basic::Flag> alarm{
-      *this, "alarm", {.text = "True if an input was silent for too long, or none is connected."}};
+      *this,
+      "alarm",
+      {.text = "True if an input gave no sign of life in time, or if no input is connected."}};
   takt::Property<double> timeout{
       *this,
       "timeout",
@@ -30,9 +32,9 @@ class Watchdog : public takt::Component {
       *this,
       "sign",
       "change",
-      {.text = "Sign of life: a different value (change) or any sample (sample).",
+      {.text = "What counts as a sign of life: a different value (change) or any sample (sample).",
        .choices = {"change", "sample"}}};
-  takt::Property<bool> latching{*this, "latching", false, {.text = "True: an alarm stays until the reset."}};
+  takt::Property<bool> latching{*this, "latching", false, {.text = "True: an alarm stays on until a reset."}};
 
   template <class T>
   struct Watched {
@@ -73,7 +75,7 @@ class Watchdog : public takt::Component {
     while (port.read()) {
       const T value = port.value().value();
       if constexpr (std::is_same_v<T, double>) {
-        if (!std::isfinite(value)) continue;  // not a sign of life: a broken sensor may send it
+        if (!std::isfinite(value)) continue;  // a broken sensor may send this: no sign of life
       }
       any = any || sign.value() == "sample" || watched.last != value;
       watched.last = value;

@@ -26,7 +26,7 @@ TEST(LifeSign, IsNeitherAliveNorDeadBeforeTheFirstSign) {
   EXPECT_TRUE(life.dead());
 }
 
-TEST(LifeSign, IsDeadExactlyWhenSilentForLongerThanTheTimeout) {
+TEST(LifeSign, IsDeadExactlyWhenTheLastSignIsOlderThanTheTimeout) {
   std::mt19937 random(12);
   LifeSign life;
   std::int64_t silent = 0;
@@ -51,14 +51,14 @@ class Watchdog : public ::testing::Test {
   void SetUp() override { ASSERT_TRUE(module.set("timeout", "0.1")); }
 };
 
-TEST_F(Watchdog, AlarmsWhenNothingIsConnected) {
+TEST_F(Watchdog, RaisesAnAlarmIfNoInputIsConnected) {
   ASSERT_TRUE(module.start());
   module.step();
   EXPECT_TRUE(alarm.value().value());
   EXPECT_FALSE(healthy.value().value());
 }
 
-TEST_F(Watchdog, IsHealthyWhileTheCounterRuns) {
+TEST_F(Watchdog, IsHealthyWhileTheCounterChanges) {
   auto& input = module.in<basic::Count>("count");
   ASSERT_TRUE(module.start());
   module.step();
@@ -71,7 +71,7 @@ TEST_F(Watchdog, IsHealthyWhileTheCounterRuns) {
     ASSERT_FALSE(alarm.value().value());
   }
   module.step(6);
-  EXPECT_TRUE(healthy.value().value());  // 100 ms without a sign
+  EXPECT_TRUE(healthy.value().value());  // still healthy after 100 ms without a sign
   module.step();
   EXPECT_TRUE(alarm.value().value());
   input.write(count(100));
@@ -79,7 +79,7 @@ TEST_F(Watchdog, IsHealthyWhileTheCounterRuns) {
   EXPECT_TRUE(healthy.value().value());
 }
 
-TEST_F(Watchdog, RaisesAnAlarmForSamplesThatDoNotChange) {
+TEST_F(Watchdog, RaisesAnAlarmIfSamplesDoNotChange) {
   auto& input = module.in<basic::Count>("count");
   ASSERT_TRUE(module.start());
   for (int i = 0; i < 20; ++i) {
@@ -93,7 +93,7 @@ TEST_F(Watchdog, RaisesAnAlarmForSamplesThatDoNotChange) {
   EXPECT_TRUE(healthy.value().value());
 }
 
-TEST_F(Watchdog, TreatsNonFiniteNumbersAsSilence) {
+TEST_F(Watchdog, DoesNotTakeANonFiniteNumberAsASignOfLife) {
   auto& input = module.in<basic::Number>("number");
   ASSERT_TRUE(module.set("sign", "sample"));
   ASSERT_TRUE(module.start());
@@ -119,7 +119,7 @@ TEST_F(Watchdog, MonitorsEachInputSeparately) {
   }
 }
 
-TEST_F(Watchdog, CountsMissedReleasesAsSilence) {
+TEST_F(Watchdog, CountsTheTimeOfMissedReleases) {
   auto& input = module.in<basic::Count>("count");
   ASSERT_TRUE(module.start());
   input.write(count(1));

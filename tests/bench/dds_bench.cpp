@@ -92,7 +92,7 @@ void ring(channel::WakeWord& wake_word, std::uint32_t bits) {
   os::futex_wake(wake_word.rings, bits);
 }
 
-/// Writes a sample like a module, and then wakes the readers like the executor at the end of the cycle.
+/// Writes a sample as a module does, and then wakes the readers as the executor does at the end of a cycle.
 void write(channel::LinkWriter& writer, channel::WakeWord& wake_word, const std::byte* bytes) {
   std::memcpy(writer.link().payload(writer.buffer()), bytes, kBytes);
   writer.publish(kBytes, to_ns(os::now()));
@@ -100,7 +100,7 @@ void write(channel::LinkWriter& writer, channel::WakeWord& wake_word, const std:
   if (const std::uint32_t bits = wake_word.take_pending(); bits != 0) ring(wake_word, bits);
 }
 
-/// A writer and a reader of Fast DDS with the QoS of a flow, and nothing of Takt in between.
+/// A writer and a reader of Fast DDS with the QoS of a Takt flow, but without any other part of Takt.
 class Bare final : dds::fast::DataReaderListener, dds::Taker {
  public:
   Bare(const std::shared_ptr<dds::Participant>& participant, const std::string& out, const std::string& in,
@@ -166,7 +166,7 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
   std::array<std::byte, kBytes> bytes_{};
 };
 
-/// Passes samples from the thread of Fast DDS to a sleeping thread, as an application does.
+/// Passes samples from the receive thread of Fast DDS to a sleeping thread, as applications do.
 class Handover {
  public:
   void give(const std::byte* bytes) {
@@ -174,7 +174,7 @@ class Handover {
     count_.fetch_add(1);
     os::futex_wake(count_, ~0U);
   }
-  /// Returns false if it takes longer than a second.
+  /// Waits for the next sample. Returns false if none arrives within a second.
   bool take(std::uint32_t& seen) {
     const Instant end = os::now() + 1s;
     while (count_.load() == seen) {
@@ -191,13 +191,13 @@ class Handover {
   std::atomic<std::uint32_t> count_{0};
 };
 
-// ---- The other process: sends everything back
+// ---- The other process, which sends every sample back
 
 struct Way {
   const char* name;
   bool reliable;
   bool bare;
-  bool thread;  // whether a thread at each end waits for the sample; otherwise the callback sends it back
+  bool thread;  // whether a thread at each end waits for the sample; if not, the callback handles it
 };
 constexpr std::array<Way, 8> kWays{{{"bare/listener", false, true, false},
                                     {"gateway/links", false, false, false},
@@ -292,7 +292,7 @@ struct Times {
   }
 };
 
-/// Sends one ping at a time over one way.
+/// Sends pings, one at a time, over one of the ways in kWays.
 class Pinger {
  public:
   Pinger(const Way& way, const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
@@ -356,7 +356,7 @@ void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gate
   for (const Way& way : kWays)
     pingers.push_back(std::make_unique<Pinger>(way, participant, gateway, wake_word));
   std::array<Times, kWays.size()> times;
-  for (std::size_t way = 0; way < kWays.size(); ++way) {  // warm up until a ping returns
+  for (std::size_t way = 0; way < kWays.size(); ++way) {  // warm-up: repeats until a ping returns
     double us = 0;
     for (int i = 0; i < 20 && !pingers[way]->ping(us); ++i) continue;
   }
@@ -381,7 +381,8 @@ void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gate
   }
 }
 
-/// Measures the time from the write of an event to the ring that wakes its module, in one process.
+/// Measures the time from the write of an event to the increment of the wake word that wakes its module, in
+/// one process.
 void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
                    channel::WakeWord& wake_word, int count) {
   const Memory in{queue(channel::kSporadicBit)};
@@ -406,7 +407,7 @@ void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Ga
               times.quantile(0.5), times.quantile(0.99), times.lost);
 }
 
-/// Measures what writing costs the thread that runs a module.
+/// Measures how long a write takes on the thread that runs a module.
 void real_time_write(dds::Gateway& gateway, channel::WakeWord& wake_word) {
   const Memory out{{.depth = 8, .payload = kBytes, .is_queue = true, .wake_bits = channel::kGatewayBit}};
   if (!gateway.add_outgoing(flow("cost", false), out.link())) return;

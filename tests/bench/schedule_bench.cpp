@@ -1,5 +1,5 @@
-// Measures how long planning a schedule takes. It happens once for each `takt check` and each deployment,
-// never in real time.
+// Measures how long it takes to plan a schedule. Takt plans once for each `takt check` and each deployment,
+// never on a real-time thread.
 #include <array>
 #include <chrono>
 #include <string>
@@ -30,7 +30,7 @@ void build(benchmark::State& state, const std::vector<Task>& tasks) {
   state.SetItemsProcessed(static_cast<std::int64_t>(entries) * state.iterations());
 }
 
-/// A thousand modules with usual periods, 1 to 100 ms.
+/// Returns a thousand modules with common periods from 1 to 100 ms.
 std::vector<Task> thousand_modules() {
   constexpr std::array<Nanoseconds, 6> kPeriods{1ms, 2ms, 5ms, 10ms, 20ms, 100ms};
   std::vector<Task> tasks;
@@ -43,14 +43,14 @@ std::vector<Task> thousand_modules() {
 void TableOfAThousandModules(benchmark::State& state) { build(state, thousand_modules()); }
 BENCHMARK(TableOfAThousandModules)->Unit(benchmark::kMillisecond);
 
-/// The largest accepted table in three shapes: one row, a thousand rows, a million rows.
+/// These three benchmarks build the largest accepted table with one row, a thousand rows and a million rows.
 void TableOfAMillionEntriesInOneRow(benchmark::State& state) {
   build(state, std::vector<Task>(kMaxEntries, Task{1ms, 0}));
 }
 BENCHMARK(TableOfAMillionEntriesInOneRow)->Unit(benchmark::kMillisecond);
 
 void TableOfAMillionEntriesInAThousandRows(benchmark::State& state) {
-  // 999 tasks are due in every row, and 1000 tasks are due once.
+  // 999 tasks are due in every row, and 1000 tasks are due once per macro period.
   std::vector<Task> tasks(999, Task{1ms, 0});
   tasks.resize(1999, Task{1s, 1});
   build(state, tasks);
@@ -62,7 +62,8 @@ void TableOfAMillionEntriesInAMillionRows(benchmark::State& state) {
 }
 BENCHMARK(TableOfAMillionEntriesInAMillionRows)->Unit(benchmark::kMillisecond);
 
-/// A rejection names the pair of periods that makes the table too long. Here all ten thousand periods differ.
+/// A rejection names the pair of periods that makes the table too long. Here it is searched for among ten
+/// thousand different periods.
 void RejectionOfTenThousandPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 0; i < 10'000; ++i) tasks.push_back({1us * (100'000 + i), 0});
@@ -70,8 +71,8 @@ void RejectionOfTenThousandPeriods(benchmark::State& state) {
 }
 BENCHMARK(RejectionOfTenThousandPeriods)->Unit(benchmark::kMillisecond);
 
-/// Like RejectionOfTenThousandPeriods, but the periods have many common factors. Their products then say
-/// little about their common multiples.
+/// Like RejectionOfTenThousandPeriods, but the periods have many common factors, so their products are much
+/// larger than their least common multiples.
 void RejectionOfRoundPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 1; i <= 10'000; ++i) tasks.push_back({1us * i, 0});

@@ -3,8 +3,9 @@
 
     tests/bench/storm.py [--rate 20000] [--turns 5] [--seconds 4] [--program] [--build build/release]
 
-A periodic module (500 us) and a sporadic module with immediate dispatch share an executor; a module of another executor sends events.
-Each turn has three runs: without events, with one event every millisecond, and with the storm. Prints the results and never fails."""
+A periodic module (500 us) and a sporadic module with immediate dispatch share an executor. A module of another executor sends the events.
+Each turn consists of three runs: without events, with one event every millisecond, and with the storm. The script prints the results
+and never fails."""
 import argparse
 import json
 import os
@@ -60,7 +61,7 @@ def turn(burst):
                               env=environment, capture_output=True, text=True, cwd=folder)
         if done.returncode != 0:
             sys.exit(done.stderr)
-        events = {"age_p50_us": "-", "age_p99_us": "-"}  # the program does not record the ages
+        events = {"age_p50_us": "-", "age_p99_us": "-"}  # a process module does not record the ages of the events
         if not options.program:
             with open(os.path.join(folder, "seen")) as file:
                 events = json.load(file)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Measures how browsers that show the page of takt web change the jitter of an executor's rows.
+"""Measures how much open pages of takt web change the jitter of an executor's rows.
 
     tests/bench/viewers.py [--modules 100] [--browsers 3] [--turns 3] [--seconds 20] [--build build/release]
 
-The modules run every millisecond. Headless browsers go through the views of the page, which shows all modules. Each turn measures
-one run without and one with browsers. The browsers run on the same machine as the executor; those of an operator would not.
-Prints the results and never fails."""
+The modules run every millisecond. Headless browsers show the views of the page in turn, with all modules. Each turn measures one run
+without and one run with browsers. The browsers run on the same machine as the executor, unlike the browser of an operator.
+The script prints the results and never fails."""
 import argparse
 import json
 import os
@@ -42,7 +42,7 @@ def ticks():
 
 
 def turn(browsers):
-    """Returns the report of a run, and the share of CPU time that the hypervisor took meanwhile."""
+    """Returns the report of a run, and the share of CPU time that the hypervisor took during the run."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "cell.xml")
         with open(path, "w") as file:
@@ -54,7 +54,7 @@ def turn(browsers):
             if browsers:
                 web = subprocess.Popen([takt, "web", "--port", "0"], env=environment, stdout=subprocess.PIPE, text=True)
                 address = re.search(r"http://\S+/", web.stdout.readline()).group()
-                for i in range(browsers):  # opened before the run, so that starting them is not measured
+                for i in range(browsers):  # opens the browsers before the run, so that the run does not include their start
                     place = os.path.join(folder, str(i))
                     os.mkdir(place)
                     opened.append(Browser(place))

@@ -48,7 +48,7 @@ def idl_files(folder):
     return sorted(os.path.basename(path) for path in glob.glob(os.path.join(folder, "*.idl")))
 
 
-def test_ours(scratch):
+def test_the_idl_files_of_takt_are_accepted_by_every_compiler(scratch):
     folder = os.path.join(source, "idl")
     names = idl_files(folder)
     expect({"takt.idl", "motion.idl", "line.idl"} <= set(names), f"idl/ has only {names}")
@@ -65,7 +65,7 @@ def test_ours(scratch):
     expect(result.returncode == 1 and "takt::LifecycleStatus.path is a key" in result.stderr, "takt.idl has no keys", result)
 
 
-def test_good(scratch):
+def test_valid_port_types_are_accepted_by_every_compiler(scratch):
     folder = os.path.join(here, "good")
     names = idl_files(folder)
     expect(len(names) >= 6, f"{folder} has only {names}")
@@ -97,7 +97,7 @@ def test_good(scratch):
     expect(result.returncode == 0, f"the C headers of {stems} do not compile", result)
 
 
-def test_bad(scratch):
+def test_invalid_port_types_are_rejected_with_the_expected_message(scratch):
     folder = os.path.join(here, "bad")
     # These cases consist of several files.
     more = {"sees.idl": ["part_a.idl", "sees.idl"], "twins.idl": ["folder/twins.idl", "twins.idl"]}
@@ -124,7 +124,8 @@ def test_bad(scratch):
     expect(result.stderr == "missing.idl: error: the file cannot be read: No such file or directory\n", "missing.idl", result)
 
 
-for test in (test_ours, test_good, test_bad):
+for test in (test_the_idl_files_of_takt_are_accepted_by_every_compiler, test_valid_port_types_are_accepted_by_every_compiler,
+             test_invalid_port_types_are_rejected_with_the_expected_message):
     with tempfile.TemporaryDirectory() as scratch:
         test(scratch)
 print("\n".join(failures) or f"{checked} expectations are met")

@@ -35,7 +35,7 @@ def name_of(kind):
     return "_".join(kind).replace("c++", "cpp")
 
 
-def test_every_kind(folder):
+def test_a_new_component_of_every_kind_builds_and_runs(folder):
     for kind in KINDS:
         type_, operation, language = kind
         run("takt", "new", name_of(kind), "--type", type_, "--operation", operation, "--language", language, cwd=folder)
@@ -66,7 +66,7 @@ def test_every_kind(folder):
         assert "already exists" in refused.stderr, refused.stderr
 
 
-def test_a_cell(folder):
+def test_a_new_cell_runs(folder):
     run("takt", "new", "cell", "plant", cwd=folder)
     done = run("takt", "run", "plant/plant.xml", "--for", "2", "--json", cwd=folder)
     report = json.loads(done.stdout)
@@ -80,14 +80,15 @@ def test_a_cell(folder):
     assert {name: m["errors"] for name, m in modules.items()} == {"level": 0, "filter": late, "limit": 0}, (modules, done.stderr)
 
 
-def test_what_is_refused(folder):
-    for name, words in (("Pump", "is not a valid component name"), ("2nd", "is not a valid component name"), ("test", "is reserved by the build")):
+def test_takt_new_rejects_invalid_names_and_options(folder):
+    for name, words in (("Pump", "is not a valid component name"), ("2nd", "is not a valid component name"), ("test", "is reserved for a build target")):
         assert words in run("takt", "new", name, cwd=folder, status=1).stderr
     run("takt", "new", "pump", "--type", "fibre", cwd=folder, status=2)
     assert os.listdir(folder) == [], "takt new must not write anything after an error"
 
 
-for test in (test_what_is_refused, test_a_cell, test_every_kind):
+for test in (test_takt_new_rejects_invalid_names_and_options, test_a_new_cell_runs,
+             test_a_new_component_of_every_kind_builds_and_runs):
     with tempfile.TemporaryDirectory(prefix="takt-new-") as scratch:
         test(scratch)
 print(f"{len(KINDS)} kinds of components and a cell build and run")

@@ -103,7 +103,7 @@ TYPED_TEST(Ports, MeasureTheAgeOfASampleFromTheWritersRunToTheReadersRun) {
   EXPECT_EQ(reader.in.age(), Nanoseconds{0}) << "the reader's run began before the writer's";
 }
 
-TYPED_TEST(Ports, WorkWithoutAConnection) {
+TYPED_TEST(Ports, CanBeUsedWithoutAConnection) {
   Writer writer;
   Reader reader;
   EXPECT_FALSE(writer.out.connected());
@@ -147,7 +147,7 @@ TYPED_TEST(Ports, InterleaveTheSamplesOfSeveralWritersInOneQueue) {
   EXPECT_EQ(reader.read_all(), (Numbers{1, 11, 2, 12, 3}));
 }
 
-TYPED_TEST(Ports, LetARestartedReaderContinueWhereItStopped) {
+TYPED_TEST(Ports, LetARestartedReaderContinueAfterTheLastSampleItRead) {
   TypeParam way{Quality{.depth = 8}};
   Writer writer;
   way.connect(writer.out);
@@ -226,7 +226,7 @@ TYPED_TEST(Ports, NeverShowATornSample) {
 }
 
 // This test is only for links with bytes, which outlive a process.
-TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
+TEST(RingPorts, KeepTheLatestValueForANewInstanceOfTheReader) {
   for (const bool is_queue : {false, true}) {
     Ring ring{Quality{.depth = is_queue ? 4U : 1U}};
     Writer writer;

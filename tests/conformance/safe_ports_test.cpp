@@ -36,7 +36,7 @@ TYPED_TEST(SafePorts, StartWithTheSafeValueWhileTheWriterDoesNotExecute) {
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
 }
 
-TYPED_TEST(SafePorts, ResumeWithTheFirstSampleWrittenWhileExecuting) {
+TYPED_TEST(SafePorts, DeliverSamplesAgainOnceTheWriterExecutes) {
   TypeParam way{Quality{.safe = true}};
   give_safe(way.at_reader());
   Writer writer;
@@ -118,7 +118,7 @@ TYPED_TEST(SafePorts, ReplaceASampleOlderThanTheDeadlineByTheSafeValue) {
   EXPECT_EQ(reader.in.value().number(), 3U);
 }
 
-TYPED_TEST(SafePorts, BehaveNormallyUntilTheSafeValueIsKnown) {
+TYPED_TEST(SafePorts, DeliverSamplesUntilASafeValueIsGiven) {
   TypeParam way{Quality{.safe = true}};
   Writer writer;
   Reader reader;

@@ -1,4 +1,5 @@
-// Reads the input of a fuzzer from its beginning. After its end, all values are zero or empty.
+// Reads values from the input of a fuzzer, one after the other. After the end of the input, all values are
+// zero or empty.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ class Bytes {
     left_.remove_prefix(taken.size());
     return taken;
   }
-  /// Reads a length of two bytes, and as many bytes.
+  /// Reads a length of two bytes, and then that many bytes.
   std::string_view take_counted() { return take(take<std::uint16_t>()); }
   std::string_view rest() { return take(left_.size()); }
 

@@ -2,7 +2,7 @@
 // the device. The node must answer each valid command once. Everything that it publishes must pass
 // validation.hpp.
 //
-// An input is a list of steps. Each step begins with a letter, see Play.
+// An input is a list of steps. Each step begins with a letter, which selects the action (see Play).
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +26,7 @@ using namespace takt;
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 
-/// Decodes like the generated type support and dds/checked_type.hpp.
+/// Decodes a sample in the same way as the generated type support and dds/checked_type.hpp.
 template <class T>
 bool decode(std::string_view bytes, T& value) {
   std::string copy{bytes};
@@ -51,7 +51,7 @@ void check_same_again(const T& value) {
   TAKT_CHECK(decode({buffer.getBuffer(), cdr.getSerializedDataLength()}, again) && again == value);
 }
 
-/// Decodes and cleans a sample; returns false if it is rejected.
+/// Decodes and validates a sample. Returns false if it is rejected.
 template <class T>
 bool take(std::string_view bytes, T& value) {
   if (!decode(bytes, value) || !wire::validate(value)) return false;
@@ -137,7 +137,7 @@ class Play {
     device_.agent.step();
   }
 
-  // Returns the result that a real inspection would have: a file for each module.
+  // Returns a result like that of a real inspection: a file for each module.
   [[nodiscard]] agent::Inspected found() const {
     agent::Inspected inspected{
         .paths = {}, .description = R"({"modules":[{"name":"servo","properties":[{"name":"gain"}]}]})"};
@@ -155,10 +155,10 @@ class Play {
     device_.agent.step();
     device_.work.inspected.reset();
   }
-  // Phases only move forward.
+  // Moves the deployment to the phase `to`, but never to an earlier phase.
   void phase(agent::Supervised::Phase to) {
     if (device_.work.supervised == 0 || device_.work.phase > to) return;
-    // Every pending request gets an outcome.
+    // When the deployment ends, every pending request gets an outcome.
     while (to == agent::Supervised::Phase::ended && !device_.work.done.empty()) outcomes(REPLY_FAILED);
     device_.work.phase = to;
     device_.agent.step();
@@ -174,7 +174,7 @@ class Play {
     device_.agent.step();
   }
 
-  // Ends everything that is in progress.
+  // Ends all deployments and requests that are in progress.
   void end() {
     device_.agent.end(true);
     inspected(fail("it ends"));

@@ -1,5 +1,5 @@
-// Reads arbitrary bytes as a descriptor. The result is either a cell that satisfies every rule of the model,
-// or readable problems. tinyxml2 can read everything that the scanner accepts.
+// Parses arbitrary bytes as a descriptor. The result must be either a cell that satisfies every rule of the
+// model, or readable problems. tinyxml2 must be able to read everything that Takt's own scanner accepts.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -19,16 +19,16 @@ bool is_plain(const std::string& text) { return !text.empty() && takt::on_one_li
 void check_problem(const takt::Problem& problem, int last_line, bool bundle) {
   TAKT_CHECK(is_plain(problem.what));
   TAKT_CHECK(is_plain(problem.fix));
-  if (bundle) return;  // a bundle has its own file names and lines
+  if (bundle) return;  // the problems of a bundle name its own files and lines, so they are not checked
   TAKT_CHECK(problem.what.size() < 1000 && problem.fix.size() < 4000);
   TAKT_CHECK(problem.where.starts_with(kFile));
   const int line = std::stoi(problem.where.substr(kFile.size()));
   TAKT_CHECK(line >= 1 && line <= last_line);
-  // Takt's own scanner reports invalid XML first, so tinyxml2 never does.
+  // Takt's own scanner runs first and reports all invalid XML, so tinyxml2 must never find any.
   TAKT_CHECK(!problem.what.starts_with("the XML cannot be read"));
 }
 
-/// Checks what other code relies on in an accepted cell.
+/// Checks the properties of an accepted cell on which other code relies.
 void check_cell(const takt::model::Cell& cell) {
   using namespace takt::model;
   TAKT_CHECK(validate(cell).empty());

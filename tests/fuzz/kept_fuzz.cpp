@@ -1,9 +1,9 @@
 // Reads arbitrary bytes as a file that a node finds on its disk when it starts: its deployment, the saved
-// state of a module, or the fault record. If the node accepts a file, the content is the same after it was
-// written and read again. A fault record continues after its last event.
+// state of a module, or the fault record. If the node accepts a file, writing and reading the content must
+// not change it. A fault record must continue after its last event.
 //
-// The first letter of an input selects the file, see LLVMFuzzerTestOneInput. A small letter means that the
-// checksum of the body is correct.
+// The first letter of an input selects the file (see LLVMFuzzerTestOneInput). If it is in lower case, the
+// fuzzer adds a correct checksum of the body.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -34,8 +34,8 @@ namespace {
 
 using namespace takt;
 
-/// A private folder of this process, in memory if possible. A helper process removes it however this process
-/// ends: a fuzzer that finds something aborts, so destructors would not run.
+/// A private folder of this process, in memory if possible. A fuzzer that finds a bug aborts without running
+/// destructors. So a helper process removes the folder when this process has ended.
 class Folder {
  public:
   Folder() {
@@ -46,7 +46,7 @@ class Folder {
       ::setsid();  // a signal to the fuzzer's process group must not end the helper
       ::close(life_[1]);
       char none = 0;
-      while (::read(life_[0], &none, 1) > 0) continue;  // until the fuzzer has ended
+      while (::read(life_[0], &none, 1) > 0) continue;  // waits until the fuzzer has ended
       std::error_code ignored;
       std::filesystem::remove_all(path, ignored);
       ::_exit(0);
@@ -101,7 +101,8 @@ void check_deployment(std::string_view content) {
   TAKT_CHECK(kept->has_value());
   TAKT_CHECK(file.keep(**kept));
   const auto again = file.kept();
-  // Reading the file replaces bytes that are not UTF-8, and keep() writes the replaced form.
+  // Reading the file replaces bytes that are not valid UTF-8, and keep() writes the text with the
+  // replacements.
   TAKT_CHECK(again && *again && **again == **kept);
   static_cast<void>(model::parse_safe((*kept)->safe));
 }
@@ -128,7 +129,7 @@ void check_record(std::string_view content) {
   const std::string path = folder() + "/robot.7.faults";
   put(path, content);
   const auto recorded = node::read_record(content);
-  constexpr std::size_t kSlots = 8;  // the number of slots of a new record
+  constexpr std::size_t kSlots = 8;  // number of slots in a new record
   node::FaultRecord record = node::FaultRecord::open(path, kSlots);
   TAKT_CHECK(record.file() == path);
   if (!recorded) {
@@ -140,13 +141,15 @@ void check_record(std::string_view content) {
     for (const model::Fault& fault : recorded->events) {
       TAKT_CHECK(fault.sequence > last);
       last = fault.sequence;
-      const auto again = node::decode_slot(node::encode_slot(fault));  // cuts off a text without an end
+      // Encoding shortens a text that has no terminating zero.
+      const auto again = node::decode_slot(node::encode_slot(fault));
       TAKT_CHECK(again && node::decode_slot(node::encode_slot(*again)) == *again);
       static_cast<void>(wire::to_wire(fault));
     }
   }
   const std::uint64_t newest = record.events().empty() ? 0 : record.events().back().sequence;
-  if (newest > (std::uint64_t{1} << 62U) - 3) return;  // near the highest possible numbers
+  // Numbers near the maximum leave no room for further events.
+  if (newest > (std::uint64_t{1} << 62U) - 3) return;
   for (int i = 1; i <= 3; ++i) {
     model::Fault fault{
         .cell = "cell", .device = "robot", .kind = model::FaultKind::deployed, .cause = "it runs"};
@@ -158,7 +161,7 @@ void check_record(std::string_view content) {
   TAKT_CHECK(on_disk && on_disk->events == record.events());
 }
 
-/// A record with valid slots that contain arbitrary fields.
+/// Returns a record with valid slots, whose fields have arbitrary contents.
 std::string forged_record(fuzz::Bytes bytes) {
   constexpr std::size_t kHeader = 4096;
   constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;

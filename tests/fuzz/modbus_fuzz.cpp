@@ -1,9 +1,9 @@
-// Reads arbitrary text as a map of Modbus points, and sends arbitrary bytes from a master to a device with
-// that map. A map is accepted, or all its mistakes are reported. Its points satisfy what the programs rely
-// on, and a value survives conversion to registers and back. The master gets only well-formed frames, and
-// writes only outputs.
+// Parses arbitrary text as a map of Modbus points, and sends arbitrary bytes from a master to a device with
+// that map. The parser must accept the map or report all its mistakes. Accepted points must be valid, and a
+// value must survive the conversion to registers and back. The master must get only well-formed frames, and
+// must be able to write only outputs.
 //
-// An input is the map, a zero byte, and the bytes of the master.
+// An input consists of the map, a zero byte, and the bytes that the master sends.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -75,7 +75,7 @@ void check_points(const std::vector<Point>& points) {
   check_groups(points, false, kReadLimits);
 }
 
-/// Checks that the bytes consist of whole frames.
+/// Checks that the device has answered with complete frames only.
 void check_answers(std::string_view bytes) {
   while (!bytes.empty()) {
     TAKT_CHECK(bytes.size() >= 9 && bytes[2] == 0 && bytes[3] == 0);

@@ -1,6 +1,6 @@
-// Decodes arbitrary bytes as a sample of a port. Three decoders must agree on whether it is valid: that of
-// C++ components, that of C components, and the one that knows the type only as data (dds/raw.cpp). A valid
-// sample is the same again after it is encoded.
+// Decodes arbitrary bytes as a sample of a port. Three decoders must agree on whether the sample is valid:
+// the decoder of C++ components, the decoder of C components, and the decoder that knows the type only from
+// its description (dds/raw.cpp). Decoding and encoding must not change a valid sample.
 //
 // The first byte of an input selects the type.
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace {
 
 using Sample = std::vector<std::byte>;
 
-/// Extra bytes behind the buffer.
+/// Number of extra bytes in the output buffer, after the maximum size of a sample.
 constexpr std::size_t kGuard = 16;
 
 template <class T>
@@ -58,7 +58,7 @@ void check(const takt_type& in_c, const std::byte* bytes, std::size_t size) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  // A buffer of exactly this size, so that reading beyond its end is detected.
+  // The buffer has exactly the size of the sample, so that AddressSanitizer detects reading beyond its end.
   const Sample sample(reinterpret_cast<const std::byte*>(data) + 1,
                       reinterpret_cast<const std::byte*>(data) + size);
   switch (data[0]) {

@@ -1,6 +1,6 @@
-"""Writes the seeds of the fuzzers: messages and files as nodes, modules and Modbus masters really send and save them.
+"""Writes the seeds of the fuzzers: messages and files like those of real nodes, modules and Modbus masters.
 
-seeds.py FOLDER makes FOLDER/command_seeds, kept_seeds, modbus_seeds, rtps_seeds and sample_seeds."""
+seeds.py FOLDER writes the folders command_seeds, kept_seeds, modbus_seeds, rtps_seeds and sample_seeds into FOLDER."""
 
 import json
 import os
@@ -18,7 +18,7 @@ CELL = """<cell name="cell"><device name="robot">
 
 
 class Cdr:
-    """Encodes values as XCDR1 in little or big endian, with the encapsulation."""
+    """Encodes values as XCDR1, in little-endian or big-endian byte order, with the encapsulation."""
 
     def __init__(self, order="<"):
         self.order = order
@@ -231,7 +231,7 @@ def part(order, cdr=None):
 
 
 def whole(order, n):
-    """Encodes everything::Whole with n elements in each sequence, or as many as its bound allows."""
+    """Encodes an everything::Whole with n elements in each sequence, or as many as the bound of the sequence allows."""
     cdr = scalars(order)
     cdr.text("label")
     part(order, cdr)

@@ -1,9 +1,9 @@
-// Reads arbitrary bytes as the description of a type, and as a sample of a type. A description gives either a
-// type within its limits that is the same after printing and parsing, or problems. A sample is either
-// invalid, or can be printed and made again from the text.
+// Parses arbitrary bytes as the description of a type, and as a sample of a type. A description must give
+// either problems, or a type within its limits that printing and parsing does not change. A sample must be
+// either invalid, or one that can be printed and built again from the text.
 //
-// An input that begins with a digit is a sample of that type of kTypes. Any other input is a description up
-// to the first line feed, followed by a sample as bytes or as JSON.
+// An input that begins with a digit is a sample of the type with that index in kTypes. Any other input is a
+// description up to the first line feed, followed by a sample as bytes or as JSON.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -39,7 +39,7 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// Larger types are skipped: their samples take long to make and show nothing more.
+/// The fuzzer skips larger types, because their samples take long to build and find no other bugs.
 constexpr std::size_t kLarge = 64 * 1024;
 
 void check_sample(const Type& type, std::string_view input) {
@@ -51,7 +51,7 @@ void check_sample(const Type& type, std::string_view input) {
     TAKT_CHECK(is_utf8(json) && json.find('\n') == std::string::npos);
     if (takt::model::max_size(type) > kLarge) return;
     const auto again = takt::model::sample_bytes(type, json);
-    // A byte that is not UTF-8 is printed as three bytes, which may not fit.
+    // A byte that is not valid UTF-8 is printed as three bytes, which may exceed the bound.
     if (!again.ok()) return TAKT_CHECK(json.find("\xEF\xBF\xBD") != std::string::npos);
     TAKT_CHECK(takt::model::is_sample(type, again->data(), again->size()));
     TAKT_CHECK(takt::model::sample_json(type, again->data(), again->size()) == json);

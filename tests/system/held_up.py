@@ -1,4 +1,5 @@
-"""Measures how long threads that were ready to run waited for a CPU, as the kernel counts it. On a shared machine they may wait."""
+"""Measures how long threads that were ready to run waited for a CPU, according to the kernel. On a machine that other programs use, they
+may have to wait."""
 
 import os
 
@@ -14,8 +15,8 @@ def _waited(pid, task):
 
 
 def waits(pids, but=()):
-    """Returns for each thread of these processes the time, in seconds since its start, in which it was ready but did not run. Leaves out
-    threads with a name in `but`."""
+    """Returns, for each thread of these processes, how many seconds it has waited for a CPU since its start. Ignores threads whose name is
+    in `but`."""
     found = {}
     for pid in pids:
         try:
@@ -30,5 +31,5 @@ def waits(pids, but=()):
 
 
 def longest(before, after):
-    """Returns the longest time that any thread waited between two calls of waits()."""
+    """Returns the longest time that any thread waited for a CPU between two calls of waits(), whose results are `before` and `after`."""
     return max((waited - before.get(thread, 0.0) for thread, waited in after.items()), default=0.0)

@@ -1,6 +1,7 @@
 """Importing this module moves a test program into its own namespaces, so that tests can run at the same time. The program then has
 its own loopback interface with all ports and DDS domains free, its own mounts, and an empty /dev/shm. The namespaces end with the program
-and its children. This needs root. Otherwise `MISSING` says why, and the tests share the machine and use different DDS domains."""
+and its children. This needs root. Without root, `MISSING` contains the reason, the tests share the network of the machine, and each of them
+uses another DDS domain."""
 
 import ctypes
 import os
@@ -11,7 +12,7 @@ CLONE_NEWNET = 0x40000000
 
 
 def _enter():
-    """Moves this process into new namespaces. Returns an empty text, or the reason why it could not."""
+    """Moves this process into new namespaces. Returns an empty string, or the reason why this failed."""
     if os.geteuid() != 0:
         return "namespaces need root"
     if ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS | CLONE_NEWNET) != 0:

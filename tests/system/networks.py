@@ -1,5 +1,5 @@
-"""Simulates several machines on one machine: network namespaces that a bridge connects. The bridge also has its own namespace, so the tests
-do not touch the real network. This needs root and iproute2."""
+"""Simulates several machines on one machine: each is a network namespace, and a bridge connects them. The bridge has its own namespace, so
+that the tests do not touch the real network. This needs root and iproute2."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ import takt_system
 
 
 def available():
-    """Returns an empty text, or the reason why no namespaces can be made."""
+    """Returns an empty string if this process can create network namespaces, and otherwise the reason why it cannot."""
     if os.geteuid() != 0:
         return "network namespaces need root"
     if shutil.which("ip") is None:
@@ -24,7 +24,8 @@ def available():
 
 
 class Networks:
-    """The network of some machines: with Networks("robot", "line", "operator") as net. net.on("robot") before a command runs it on robot."""
+    """A network of simulated machines: with Networks("robot", "line", "operator") as net. A command that begins with net.on("robot") runs
+    on machine robot."""
 
     def __init__(self, *machines):
         self.mark = "t" + uuid.uuid4().hex[:6]
@@ -68,27 +69,27 @@ class Networks:
         return ["ip", "netns", "exec", self._space(machine)]
 
     def cut(self, machine):
-        """Pulls the cable of the machine."""
+        """Disconnects the network cable of the machine."""
         self._in_bridge("link", "set", self._cable(machine), "down")
 
     def join(self, machine):
         self._in_bridge("link", "set", self._cable(machine), "up")
 
     def drop(self, machine):
-        """Makes the switch drop all packets from and to the machine. No interface goes down, and pass_on() takes effect at once."""
+        """Makes the switch drop all packets from and to the machine, while all interfaces stay up. pass_on() undoes this at once."""
         self._port(machine, 0)
 
     def pass_on(self, machine):
         self._port(machine, 3)
 
     def _port(self, machine, state):
-        if self._switch is None:  # this process keeps running, so that each change takes effect at once
+        if self._switch is None:  # one process makes all changes, because starting one per change takes too long
             self._switch = subprocess.Popen(["ip", "netns", "exec", self._bridge, "bridge", "-batch", "-"], stdin=subprocess.PIPE,
                                             text=True, bufsize=1)
         self._switch.stdin.write("link set dev %s state %d\n" % (self._cable(machine), state))
 
     def no_multicast(self):
-        """Makes the bridge pass unicast only, as many managed switches do."""
+        """Makes the bridge forward only unicast packets, as many managed switches do."""
         for machine in self.machines:
             self._run(["ip", "netns", "exec", self._bridge, "bridge", "link", "set", "dev", self._cable(machine),
                        "mcast_flood", "off"])
@@ -113,12 +114,12 @@ class Networks:
 
 
 class NetworkCase(takt_system.Case):
-    """A test with one machine per node. The commands run on a further machine, "operator"."""
-    MACHINES = ()  # the machines except "operator"; a test that leaves this empty calls lay() itself
+    """The base class of tests in which each node has its own machine. Commands run on an additional machine, "operator"."""
+    MACHINES = ()  # all machines except "operator"; a test that leaves this empty calls lay() itself
 
     def setUp(self):
         super().setUp()
-        self.domain = 0  # no other test is on this network
+        self.domain = 0  # domain 0 is free, because no other test uses this network
         if self.MACHINES:
             self.lay(*self.MACHINES)
 
@@ -131,22 +132,22 @@ class NetworkCase(takt_system.Case):
         self.addCleanup(self.net.__exit__)
 
     def program(self, name, *arguments, on="operator", environment=None, **options):
-        # The program uses all interfaces, not only loopback, because the network belongs to this test.
+        # The program may use all network interfaces, not only loopback, because no other test uses this network.
         return super().program(name, *arguments, environment={"TAKT_INTERFACE": "", **(environment or {})},
                                before=self.net.on(on), **options)
 
     def node(self, device, *arguments, on=None, **options):
-        """Starts a takt-node on the machine of its device, with its own state folder."""
+        """Starts a takt-node on the machine of the device, with a state folder of its own."""
         environment = {"TAKT_STATE_DIR": os.path.join(self.folder, device), **(options.pop("environment", None) or {})}
         return super().node(device, *arguments, on=on or device, environment=environment, **options)
 
     def operator(self, *arguments, limit=60.0, **options):
-        """Runs a command to its end. Does not keep the run in self.runs, because a long test makes thousands of runs."""
+        """Runs a command until it ends. Removes the run from self.runs, because a long test runs thousands of commands."""
         run = self.takt(*arguments, limit=limit, **options)
         self.runs.remove(run)
         return run
 
     def status(self):
-        """Returns the status by device; empty if no node answers."""
+        """Returns the status of each device, by name. The result is empty if no node answers."""
         run = self.operator("status", "--json")
         return {d["name"]: d for d in run.report["devices"]} if run.status == 0 else {}

@@ -8,6 +8,7 @@ TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them
 TAKT_TEST_FULL=1 runs the full form of the tests that have a short form.
 """
 
+import glob
 import json
 import os
 import random
@@ -25,14 +26,14 @@ import unittest
 import uuid
 from collections import namedtuple
 
-import machine  # noqa: F401, moves this process into its own namespaces
+import machine  # noqa: F401, the import moves this process into its own namespaces
 
 BIN = os.environ.get("TAKT_BIN", "")
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STATES = ("IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT")
-# The states of a module that runs and ends without an error.
+# The states that a module passes through if it runs and ends without an error.
 LIFE = ["IDLE", "INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"]
-# The states of a module that reached START on a device that then did not run.
+# The states that a module passes through if it reaches START, but its device never runs.
 NEVER_RAN = ["IDLE", "INITIALIZE", "START", "DESTRUCT"]
 MARK = "TAKT_TEST_RUN"
 os.environ.setdefault("TAKT_INTERFACE", "127.0.0.1")
@@ -42,12 +43,14 @@ FULL = os.environ.get("TAKT_TEST_FULL", "") == "1"
 
 
 def how_much(variable, short, full):
-    """Returns how long or how often a test does something: the value of the environment variable `variable`, else `short` or `full`."""
+    """Returns the duration or the number of repetitions of a test: the value of the environment variable `variable` if it is set, otherwise
+    `full` or `short`."""
     return type(full)(os.environ.get(variable) or (full if FULL else short))
 
 
 def timing(why):
-    """Marks a test that asserts on real time. `why` says why virtual time cannot show the same. CTest runs one such test at a time."""
+    """Marks a test that asserts durations in real time. `why` says why a test on virtual time could not check the same. CTest runs only one
+    such test at a time."""
     assert why
     return lambda test: test
 
@@ -67,14 +70,14 @@ STEP = re.compile(r"^(%s) -> (%s)(?: \((.*)\))?$" % ("|".join(STATES), "|".join(
 
 
 class Process(namedtuple("Process", "pid program arguments")):
-    """One process, as /proc shows it. `program` is the file's name: takt, takt-node, takt-host, fine.exe."""
+    """One process, as /proc shows it. `program` is the file name of its executable: takt, takt-node, takt-host, fine.exe."""
 
     @property
     def alive(self):
         return _read(self.pid, "cmdline") != b""  # a zombie has no command line
 
     def parent(self):
-        """The pid of the parent; 0 if this process has ended."""
+        """The pid of the parent process, or 0 if this process has ended."""
         stat = _read(self.pid, "stat")
         return int(stat.rsplit(b")", 1)[1].split()[1]) if stat else 0
 
@@ -85,7 +88,7 @@ class Process(namedtuple("Process", "pid program arguments")):
             return 0
 
     def memories(self):
-        """Returns the shared memories of Takt that this process has open, as pairs of name and inode."""
+        """Returns the shared memories of Takt that this process has open, as pairs of name and inode number."""
         found = set()
         try:
             for fd in os.listdir("/proc/%d/fd" % self.pid):
@@ -116,15 +119,16 @@ def _pids():
     return [int(entry) for entry in os.listdir("/proc") if entry.isdigit()]
 
 
-_claims = []  # one socket for each domain that the running test has claimed
+_claims = []  # one socket for each domain that the current test has claimed
 
 
 def claim_domain(domain):
-    """Claims the domain until release_domains(). Returns False if a process uses the domain or another test has claimed it."""
+    """Claims the domain until release_domains() is called. Returns False if another process uses the domain or another test has claimed
+    it."""
     claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            claim.bind("\0takt-test-domain-%d" % domain)  # the kernel frees an abstract name when the process ends
+            claim.bind("\0takt-test-domain-%d" % domain)  # the kernel releases an abstract socket name when the process ends
             probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
         except OSError:
             claim.close()
@@ -134,7 +138,7 @@ def claim_domain(domain):
 
 
 def progress(text):
-    """Shows the progress of a long test in one line, if standard error is a terminal."""
+    """Shows the progress of a long test on one line, if standard error is a terminal."""
     if sys.stderr.isatty():
         sys.stderr.write("\r\x1b[K%s" % text)
         sys.stderr.flush()
@@ -158,10 +162,10 @@ def release_domains():
 
 
 def wait_until(condition, limit=10.0, what="the condition"):
-    """Returns the value of `condition` as soon as it is true. Fails after `limit` seconds."""
+    """Returns the value of `condition` as soon as it is true. Fails if it is still false after `limit` seconds."""
     end = time.monotonic() + limit
     while True:
-        late = time.monotonic() > end  # read before the check, so that a stalled test still checks once more
+        late = time.monotonic() > end  # read the clock before the check, so that a test that was stalled still checks once more
         value = condition()
         if value:
             return value
@@ -186,15 +190,15 @@ class Run:
                                          stdout=subprocess.PIPE if terminal is None else terminal, stderr=error,
                                          start_new_session=True, preexec_fn=become)
         self.pid = self._process.pid
-        self.raw = []  # the lines of standard error
-        self.out_lines = []  # lines of standard output, each with the time at which it was read
+        self.raw = []  # all lines of standard error
+        self.out_lines = []  # all lines of standard output, each with the time at which this process read it
         self._readers = [threading.Thread(target=read, daemon=True) for read in (self._read_out, self._read_err)]
         for reader in self._readers:
             reader.start()
 
     def _read_out(self):
         if self._process.stdout is None:
-            return  # standard output goes to a terminal
+            return  # standard output is connected to a terminal
         for line in self._process.stdout:
             self.out_lines.append((time.monotonic(), line.decode(errors="replace")))
 
@@ -207,7 +211,8 @@ class Run:
     # While it runs
 
     def processes(self, program=None):
-        """Returns all processes of this run, except zombies and children between fork and exec (still copies of their parent)."""
+        """Returns all processes of this run. Leaves out zombies, and children between fork and exec, which are still copies of their
+        parent."""
         wanted = ("%s=%s" % (MARK, self.mark)).encode()
         all_of_it = {}
         for pid in _pids():
@@ -228,18 +233,19 @@ class Run:
         return sorted(found)
 
     def one(self, program):
-        """Returns the only process of this program. Waits a moment, because a process in exec has no name yet."""
+        """Returns the process of this run that executes `program`, which must be the only one. Waits briefly, because a process has no name
+        during exec."""
         try:
             return wait_until(lambda: (lambda found: found[0] if len(found) == 1 else None)(self.processes(program)), 2)
         except AssertionError:
             raise AssertionError("expected one process %s, found %d" % (program, len(self.processes(program)))) from None
 
     def wait_for_line(self, pattern, limit=15.0, after=0):
-        """Waits for a line of standard error that contains `pattern`, from index `after` on, and returns it."""
+        """Waits for a line of standard error that matches `pattern`, beginning at line index `after`. Returns the line."""
         expression = re.compile(pattern)
 
         def find():
-            # This is checked before the search, which could otherwise miss the last lines.
+            # Check this before the search; otherwise the search could miss the last lines.
             over = self._process.poll() is not None and not self._readers[1].is_alive()
             for text in self.raw[after:]:
                 if expression.search(text):
@@ -254,13 +260,23 @@ class Run:
         return self.wait_for_line(r" %s\.%s: \w+ -> %s\b" % (device, re.escape(module), state), limit)
 
     def signal(self, number):
-        """Sends a signal and returns the time of sending (time.monotonic())."""
+        """Sends a signal to the program and returns the value of time.monotonic() at that moment."""
         now = time.monotonic()
         os.kill(self.pid, number)
+        if number == signal.SIGSTOP:
+            wait_until(self._is_stopped, 10, "every thread to stop")
         return now
 
+    def _is_stopped(self):
+        """Whether every thread is stopped. A busy machine stops them some milliseconds after the signal."""
+        for stat in glob.glob("/proc/%d/task/*/stat" % self.pid):
+            with open(stat) as file:
+                if file.read().rpartition(")")[2].split()[0] != "T":
+                    return False
+        return True
+
     def wait(self, limit=60.0):
-        """Waits until the process has ended and all its children have closed both outputs."""
+        """Waits until the program has ended and all its child processes have closed standard output and standard error."""
         try:
             self._process.wait(limit)
         except subprocess.TimeoutExpired:
@@ -268,7 +284,7 @@ class Run:
             self.kill_all()
             raise AssertionError("the program did not end within %g s; standard error:\n%s" % (limit, said)) from None
         for reader in self._readers:
-            reader.join(limit)  # waits for a full limit again, so that the last lines of a long run are read too
+            reader.join(limit)  # each output gets the full limit, so that the last lines of a long run are read too
         if self._process.stdout is not None:
             self._process.stdout.close()
         if self._process.stderr is not None:
@@ -291,7 +307,7 @@ class Run:
 
     @property
     def status(self):
-        """The exit status of the program, or minus the signal that ended it. None while the program runs."""
+        """The exit status of the program, or the negative number of the signal that ended it, or None while it runs."""
         return self._process.poll()
 
     @property
@@ -299,7 +315,8 @@ class Run:
         return "".join(line for _, line in self.out_lines)
 
     def wait_for_out(self, pattern, limit=15.0, after=0):
-        """Waits for a line of standard output that contains `pattern`, from index `after` on. Returns the time at which it was read."""
+        """Waits for a line of standard output that matches `pattern`, beginning at line index `after`. Returns the time at which it was
+        read."""
         expression = re.compile(pattern)
 
         def find():
@@ -313,7 +330,7 @@ class Run:
 
     @property
     def report(self):
-        """The JSON object on standard output, which must contain nothing else."""
+        """The JSON object on standard output. Standard output must contain nothing else."""
         return json.loads(self.out)
 
     def device(self, name=None):
@@ -328,7 +345,7 @@ class Run:
 
     @property
     def lines(self):
-        """The lines of the nodes, one for each event."""
+        """The lines that nodes wrote to standard error, one for each event."""
         found = []
         for text in list(self.raw):
             match = LINE.match(text)
@@ -339,14 +356,14 @@ class Run:
 
     @property
     def other_lines(self):
-        """The lines of standard error that no node wrote, such as the reasons that takt prints at the end."""
+        """The lines of standard error that no node wrote, such as the errors that takt prints before it exits."""
         return [text for text in list(self.raw) if not LINE.match(text)]
 
     def said(self, module, device=None):
         return [line for line in self.lines if line.module == module and device in (None, line.device)]
 
     def printed(self, module):
-        """The lines that the program of a process module printed."""
+        """The lines that the program of this process module printed."""
         return [line.text[2:] for line in self.said(module) if line.text.startswith("| ")]
 
     def steps(self, module, device=None):
@@ -358,7 +375,8 @@ class Run:
         return found
 
     def states(self, module, device=None):
-        """Returns all states of the module, in order. Fails if a step does not begin in the state in which the last step ended."""
+        """Returns all states of the module, in order. Fails if a transition does not begin in the state in which the previous transition
+        ended."""
         states = ["IDLE"]
         for step in self.steps(module, device):
             assert step.source == states[-1], "%s: a step from %s while in state %s" % (module, step.source, states[-1])
@@ -367,15 +385,15 @@ class Run:
 
 
 class Watcher:
-    """Reads the output of a running `takt watch` and keeps the last state of each device and module."""
+    """Reads the output of a running `takt watch` and remembers the last state of each device and module."""
     DEVICE = re.compile(r"^\S+ ([\w-]+): (\w+)(?:, (\d+) of (\d+) modules EXECUTING)?")
     MODULE = re.compile(r"^\S+ ([\w-]+)\.([\w-]+): \w+ -> (\w+)")
 
     def __init__(self, run):
         self._run = run
         self._heard = 0
-        self._modules = {}  # for each device, the state of each module
-        self._whole = {}  # the state of each device; EXECUTING if all of its modules are
+        self._modules = {}  # for each device, the state of each of its modules
+        self._whole = {}  # for each device, its state, which is EXECUTING if all its modules are EXECUTING
 
     def _hear(self):
         lines = self._run.out_lines[self._heard:]
@@ -387,7 +405,8 @@ class Watcher:
                 self._whole[match[1]] = "EXECUTING" if match[3] and match[3] == match[4] else match[2]
 
     def holds(self, wanted):
-        """Returns whether takt watch has shown these states (see Case.wait_for_states()). Modules of an earlier deployment may make it wrong."""
+        """Returns whether takt watch has shown these states (see Case.wait_for_states()). The answer may be wrong if it still shows modules
+        of an earlier deployment."""
         self._hear()
         for device, states in wanted.items():
             found = self._modules.get(device, {})
@@ -404,7 +423,7 @@ class Watcher:
 
 
 class Case(unittest.TestCase):
-    """The base of all test cases. Gives each test its own folder, and checks that the test leaves nothing behind."""
+    """The base class of all system tests. It gives each test its own folder, and checks that the test leaves nothing behind."""
 
     def setUp(self):
         self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
@@ -418,7 +437,7 @@ class Case(unittest.TestCase):
     def tearDown(self):
         try:
             for run in self.runs:
-                if run.status is not None:  # if it still runs, the test has failed
+                if run.status is not None:  # if the program is still running, the test has already failed
                     self.assert_nothing_left(run)
         finally:
             for run in self.runs:
@@ -426,16 +445,17 @@ class Case(unittest.TestCase):
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def beside(self, name):
-        """Returns the path of a file in the folder of test.py."""
+        """Returns the path of a file in the folder that contains test.py."""
         return os.path.join(os.path.dirname(os.path.abspath(sys.modules[type(self).__module__].__file__)), name)
 
     def start(self, *arguments, **options):
-        """Starts takt and does not wait for its end. A descriptor without a path is a file in the folder of test.py."""
+        """Starts takt and returns without waiting for its end. A descriptor name without a path refers to the folder that contains
+        test.py."""
         arguments = [self.beside(a) if a.endswith(".xml") and not os.path.isabs(a) else a for a in arguments]
         return self.program("takt", *arguments, **options)
 
     def program(self, name, *arguments, **options):
-        """Starts one of Takt's programs on the domain of the test and does not wait for its end."""
+        """Starts one of Takt's programs on the DDS domain of this test, and returns without waiting for its end."""
         environment = {"TAKT_DOMAIN": str(self.domain), "TAKT_STATE_DIR": os.path.join(self.folder, "state")}
         environment.update(options.pop("environment", None) or {})
         run = Run([os.path.join(options.pop("programs", BIN), name)] + list(arguments), self.folder,
@@ -447,25 +467,27 @@ class Case(unittest.TestCase):
         return self.start(*arguments, **options).wait(limit)
 
     def at_once(self, *commands, limit=60.0):
-        """Runs several commands at the same time, because each mostly waits. A command is the command line after the word `takt`."""
+        """Runs several takt commands at the same time, because each of them mostly waits. Each command is a string without the leading word
+        `takt`."""
         runs = [self.start(*shlex.split(command)) for command in commands]
         return [run.wait(limit) for run in runs]
 
     def done(self, *commands):
-        """Runs these commands at the same time and returns their outputs. All must succeed."""
+        """Runs these commands at the same time and returns the standard output of each. Fails if any command fails."""
         runs = self.at_once(*commands)
         for command, run in zip(commands, runs):
             self.assertEqual(0, run.status, "takt %s: %s" % (command, run.err))
         return [run.out.rstrip("\n") for run in runs]
 
     def refused(self, commands):
-        """Each command must end with status 1, print nothing, and match its pattern on standard error."""
+        """Runs commands that must fail: each must exit with status 1, write nothing to standard output, and write a match for its pattern
+        to standard error."""
         for (command, pattern), run in zip(commands.items(), self.at_once(*commands)):
             self.assertEqual((1, ""), (run.status, run.out), "takt %s: %s" % (command, run.err))
             self.assertRegex(run.err, pattern, "takt %s" % command)
 
     def nodes(self, *devices, **options):
-        """Starts a node for each device. Returns when all nodes wait for a deployment."""
+        """Starts a node for each device, and returns when all nodes are ready for a deployment."""
         return {device: self.node(device, **options) for device in devices}
 
     def end(self, nodes):
@@ -476,7 +498,7 @@ class Case(unittest.TestCase):
             self.assertEqual(0, node.wait(10).status, node.err)
 
     def deploy(self, descriptor, *options):
-        """Deploys a cell, and repeats this if the machine stalled (see agreed())."""
+        """Deploys a cell, and repeats the deployment if the machine stalled (see agreed())."""
         return self.agreed(lambda: self.takt("deploy", descriptor, *options))
 
     def agreed(self, deploy):
@@ -503,13 +525,13 @@ class Case(unittest.TestCase):
                 return None
             asked = time.monotonic()
             run = self.takt("status", "--json")
-            if run.status != 0:  # no node was found in time, because the machine stalled
+            if run.status != 0:  # takt status found no node in time, because the machine stalled
                 return None
             status = {d["name"]: d for d in run.report["devices"]}
             for device, states in wanted.items():
                 found = {m["name"]: m["state"] for m in status.get(device, {"modules": []})["modules"]}
                 if found and not status[device]["alive"]:
-                    return None  # these are only the last states that other nodes know
+                    return None  # these are only the last states that other nodes know of this device
                 if isinstance(states, str):
                     if not found or set(found.values()) != {states}:
                         return None
@@ -525,7 +547,7 @@ class Case(unittest.TestCase):
         return run
 
     def status_of(self, device=None, **options):
-        """Returns the JSON of takt status, or its part about one device."""
+        """Returns the JSON output of takt status, or only the part about one device."""
         run = self.takt("status", "--json", **options)
         self.assertEqual(0, run.status, run.err)
         return run.report if device is None else run.device(device)
@@ -545,7 +567,8 @@ class Case(unittest.TestCase):
         return path
 
     def assert_nothing_left(self, run, limit=3.0):
-        """Checks that no process of the run is left, that no process holds its shared memories, and that /dev/shm has no new file."""
+        """Checks that no process of the run remains, that no other process has opened its shared memories, and that /dev/shm has no new
+        file."""
         def left():
             return [p for p in run.processes() if p.alive]
         try:
@@ -553,7 +576,7 @@ class Case(unittest.TestCase):
         except AssertionError:
             self.fail("left behind: %s" % left())
         if run._seen:
-            # An ending process loses its environment before it closes its files.
+            # In /proc, an ending process loses its environment before it closes its files.
             def holders():
                 return [p for p in _pids() if Process(p, "", []).memories() & run._seen]
             try:
@@ -576,7 +599,7 @@ class Case(unittest.TestCase):
         self.assertGreaterEqual(met, due - rows["missed"], module)
 
     def assert_refused(self, run, *patterns):
-        """Checks that the run exited with status 1, that no module ran, and that standard error matches each pattern."""
+        """Checks that the run exited with status 1, that no module ran, and that standard error matches each of the patterns."""
         self.assertEqual(1, run.status, run.err)
         self.assertNotIn("EXECUTING", run.err)
         for pattern in patterns:

@@ -1,4 +1,4 @@
-"""A small terminal emulator, in which a test reads the screen that a program draws, and presses keys."""
+"""A small terminal emulator. A test uses it to read the screen that a program draws, and to press keys."""
 import fcntl
 import os
 import pty
@@ -17,16 +17,16 @@ _CONTROL = re.compile(r"\x1b\[([?\d;]*)([A-Za-z])")
 
 
 class Terminal:
-    """A screen of `rows` by `columns`. Like xterm, it keeps the cursor on the last column after a character there."""
+    """A screen of `rows` by `columns`. As in xterm, the cursor stays on the last column after a character is drawn there."""
 
     def __init__(self, rows=24, columns=100):
         self._master, self.slave = pty.openpty()
         self.settings = termios.tcgetattr(self.slave)
-        self.alternate = False  # whether the alternate screen is on
+        self.alternate = False  # True if the alternate screen is active
         self.cursor = True
-        self.wrap = True  # whether text right of the last column goes to the next line
+        self.wrap = True  # True if text beyond the last column continues on the next line
         self.strange = []  # unknown control sequences, and text outside the screen
-        self.seen = 0  # the number of characters drawn
+        self.seen = 0  # the number of characters that the program has drawn
         self._lock = threading.Lock()
         self._over = threading.Event()
         self.resize(rows, columns)
@@ -52,7 +52,7 @@ class Terminal:
         return not self.alternate and self.cursor and self.wrap and termios.tcgetattr(self.slave) == self.settings
 
     def close(self):
-        """Closes the terminal. Programs that still run in it get SIGHUP."""
+        """Closes the terminal. Programs that are still running in it get SIGHUP."""
         if self._over.is_set():
             return
         self._over.set()
@@ -70,7 +70,7 @@ class Terminal:
         return "\n".join(self.lines)
 
     def wait_for(self, pattern, limit=15.0):
-        """Waits for a line that contains `pattern` and returns it."""
+        """Waits until a line of the screen matches `pattern`, and returns this line."""
         expression = re.compile(pattern)
 
         def find():
@@ -98,7 +98,7 @@ class Terminal:
                 rest = self._draw(rest + text)
 
     def _draw(self, text):
-        """Draws the text and returns an incomplete control sequence at its end."""
+        """Draws the text, and returns the rest of it if it ends with an incomplete control sequence."""
         at = 0
         while at < len(text):
             if text[at] == "\x1b":

@@ -1,4 +1,4 @@
-"""Runs a program in tmux, a real terminal multiplexer, reads its screen and sends it keys."""
+"""Runs a program in tmux, reads the screen that tmux shows, and sends keys to the program. tmux is a real terminal multiplexer."""
 import os
 import re
 import shlex
@@ -9,14 +9,14 @@ from takt_system import Process, wait_until
 
 
 class Tmux:
-    """A tmux server with its socket in `folder`."""
+    """A tmux server that has its socket in `folder`."""
 
     def __init__(self, folder, arguments, columns=80, rows=24, environment=None):
         self._socket = os.path.join(folder, "tmux")
         settings = os.path.join(folder, "tmux.conf")
         with open(settings, "w", encoding="utf-8") as file:
             file.write("set -g status off\nset -g default-shell /bin/sh\n")
-        # The screen uses UTF-8, whatever the locale of the test is.
+        # The screen uses UTF-8, independent of the locale of the test.
         self._environment = dict(os.environ, LC_ALL="C.UTF-8", **(environment or {}))
         self._do("-f", settings, "new-session", "-d", "-x", str(columns), "-y", str(rows), "-c", folder,
                  shlex.join(arguments))
@@ -27,7 +27,7 @@ class Tmux:
                               capture_output=True, text=True, timeout=10).stdout
 
     def close(self):
-        """Ends the server by its process id, because the folder with its socket may no longer exist."""
+        """Kills the server by its process id, because the folder that contains its socket may no longer exist."""
         try:
             os.kill(self._server, signal.SIGTERM)
         except ProcessLookupError:
@@ -56,7 +56,7 @@ class Tmux:
         return self._do("display-message", "-p", "#{%s}" % of).strip()
 
     def wait_for(self, pattern, limit=15.0):
-        """Waits for a line that contains `pattern` and returns it."""
+        """Waits until a line of the screen matches `pattern`, and returns this line."""
         expression = re.compile(pattern)
         try:
             return wait_until(lambda: next((line for line in self.lines if expression.search(line)), None), limit,

@@ -1,10 +1,10 @@
-"""Checks that a long-running process does not use more and more memory, threads and open files."""
+"""Checks that a long-running process does not leak memory, threads or open files."""
 
 import os
 
 
 def taken_by(pid):
-    """Returns the memory, threads and open files of a process."""
+    """Returns how much memory, how many threads and how many open files a process has."""
     with open("/proc/%d/status" % pid) as file:
         status = dict(line.split(":", 1) for line in file if ":" in line)
     return {"rss_kib": int(status["RssAnon"].split()[0]),
@@ -13,14 +13,14 @@ def taken_by(pid):
 
 
 class Wear:
-    """Observes one program that is sometimes killed and restarted. Call look() from time to time, and assert_none() at the end."""
+    """Measures the resources of one program that is sometimes killed and restarted. Call look() regularly, and assert_none() at the end."""
 
     def __init__(self, name):
         self.name = name
-        self.lives = []  # for each process in order, the values that look() read
+        self.lives = []  # for each process of the program, a list of the values that look() read
 
     def begin(self):
-        """Call this when a new process starts."""
+        """Starts the measurement of a new process of this program."""
         self.lives.append([])
 
     def look(self, pid, **more):
@@ -28,14 +28,14 @@ class Wear:
 
     @property
     def ends(self):
-        """The first values (after the warm-up), the last values, and the numbers of looks and processes."""
+        """The first values after the warm-up, the last values, and the numbers of measurements and processes."""
         looks = [look for life in self.lives for look in life]
         return {"first": looks[min(1, len(looks) - 1)], "last": looks[-1], "looks": len(looks), "lives": len(self.lives)} if looks else {}
 
     def assert_none(self, test, memory_from=4):
-        """Fails if a resource grew. Does not compare the memory of a process with fewer looks than `memory_from`."""
-        # A process needs more memory after its first fault trace than at its start. So this compares the end of its life with the first
-        # half.
+        """Fails if the use of a resource has grown. Ignores the memory of a process that was measured less than `memory_from` times."""
+        # A process needs more memory after it has written its first fault trace. So this compares the last values with the first half of
+        # its life, not with its start. half.
         for life in self.lives:
             first, second = life[1:len(life) // 2], life[len(life) // 2:]
             if not first:

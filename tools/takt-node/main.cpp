@@ -21,14 +21,14 @@
 
 namespace {
 
-// The terminate handler. If the system denies memory or a thread, the standard library throws. This also
-// happens inside Fast DDS and on its threads.
+// The terminate handler. When the system denies memory or a thread, the standard library throws an exception.
+// Code of Fast DDS may throw it on a thread of its own, where nothing catches it.
 [[noreturn]] void report_exhaustion() {
   const auto report = [](const char* what) {
     std::fprintf(
         stderr,
-        "takt-node: error: the system denies takt-node memory or a thread: %s; free memory, or raise "
-        "the limits on memory and tasks: ulimit -v and -u, MemoryMax= and TasksMax= of its service\n",
+        "takt-node: error: the system denied takt-node memory or a new thread: %s; free memory, or raise the "
+        "limits: ulimit -v and -u, or MemoryMax= and TasksMax= in the systemd service of takt-node\n",
         what);
     std::_Exit(1);
   };
@@ -46,11 +46,11 @@ namespace {
 }  // namespace
 
 int main(int argc, char** argv) {
-  takt::tool::require_signatures();  // first, because the process below that inspects components needs this
+  takt::tool::require_signatures();  // comes first because run_inspection() needs it too
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
   if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
     const int status = takt::node::run_bridge(takt::client::interfaces());
-    std::_Exit(status);  // skips the destructors of Fast DDS, as below
+    std::_Exit(status);  // skips the static destructors of Fast DDS, which sleep for a while
   }
 
   std::set_terminate(report_exhaustion);
@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
       "programs, supervises them, and shuts them down.",
       "takt-node"};
   app.add_option("--device", options.device,
-                 "name of the device that this machine, or a part of it, represents")
+                 "name of the device that this node runs, as in the cell's descriptor")
       ->type_name("NAME")
       ->required();
   takt::tool::add_network_options(app, network);
@@ -72,15 +72,15 @@ int main(int argc, char** argv) {
       ->type_name("PORT");
   const auto* state_folder =
       app.add_option("--state-dir", options.state_folder,
-                     "folder of the fault record and of the deployment that --resume restores (default: "
+                     "folder for the fault record and for the deployment that --resume restores (default: "
                      "TAKT_STATE_DIR, else /var/lib/takt for root and ~/.local/state/takt for other users)")
           ->type_name("DIR");
-  app.add_flag("--resume", options.resume, "restore the deployment that was running when this node ended");
+  app.add_flag("--resume", options.resume,
+               "restore the deployment that was running when the node last ended");
   app.add_flag("--require-realtime", options.require_real_time,
                "reject a deployment if the system denies real-time scheduling");
-  app.add_flag(
-      "--check-realtime", options.check_real_time,
-      "detect what real-time code must not do in modules: allocations, locks, system calls, page faults");
+  app.add_flag("--check-realtime", options.check_real_time,
+               "report allocations, locks, system calls and page faults in the real-time code of modules");
   app.add_option(
          "--signed-by", options.signed_by,
          "use only components that are signed with the key of this certificate (default: TAKT_SIGNED_BY, "
@@ -111,8 +111,8 @@ Status: 0 clean shutdown, 1 rejected or failed (the reason is on standard error)
   }
   options.domain = *domain;
   options.state_folder_given = state_folder->count() != 0;
-  // Programs of the cell that use DDS themselves, such as the recorder, find the cell's domain in this
-  // variable.
+  // Programs of the cell that use DDS directly, such as the recorder, read the cell's domain from
+  // TAKT_DOMAIN.
   takt::os::set_environment("TAKT_DOMAIN", std::to_string(*domain));
   options.discovery = takt::client::discovery_of(network);
   options.interfaces = takt::client::interfaces();
@@ -122,7 +122,7 @@ Status: 0 clean shutdown, 1 rejected or failed (the reason is on standard error)
     options.discovery.serve = true;
     if (options.discovery.server.empty()) options.discovery.server = "0.0.0.0:" + std::to_string(port);
   }
-  // Skips the static objects of Fast DDS, whose destructors sleep for a while.
+  // Ends with _Exit to skip the static destructors of Fast DDS, which sleep for a while.
   const int status = takt::node::run_node(options);
   std::fflush(nullptr);
   std::_Exit(status);

@@ -65,7 +65,7 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
 
 int main(int argc, char** argv) {
   const int status = run_program(argc, argv);
-  // Skip the static destructors: those of Fast DDS sleep for a while.
+  // End with _Exit to skip the static destructors of Fast DDS, which sleep for a while.
   std::fflush(nullptr);
   std::_Exit(status);
 }

@@ -3,8 +3,8 @@
 
 namespace takt::tool {
 
-/// If TAKT_SIGNED_BY names a certificate, rejects all components that are not signed with its key from now
-/// on. Call it while the process has only one thread.
+/// If TAKT_SIGNED_BY names a certificate, this process rejects all components not signed with the
+/// certificate's key from now on. Call this function before the process starts other threads.
 void require_signatures();
 
 }  // namespace takt::tool

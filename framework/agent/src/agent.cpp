@@ -63,7 +63,8 @@ void Agent::step() {
   filter_.step(options_.now());
 }
 
-// If two nodes had one name, both would answer, and a cell could run on either or both.
+// Looks for other nodes with this node's name. Both would answer commands, and a cell could run on either or
+// both.
 void Agent::watch_names() {
   std::string clash;
   for (const wire::ObservedDevice& other : others_.devices(options_.device)) {
@@ -73,14 +74,15 @@ void Agent::watch_names() {
             other.status.host_name().to_string();
   }
   if (clash == name_clash_) return;
-  log(clash.empty() ? "the other node of this name is gone"
-                    : clash + "; end or rename one of them: neither can be deployed to while both run");
+  log(clash.empty()
+          ? "the other node with this name is gone"
+          : clash + "; end or rename one of them: no cell can be deployed to either while both run");
   name_clash_ = clash;
 }
 
 // Stops this device when a failure stops the whole cell. The loss of a device that has a stop-cell module
-// counts as such a failure, because the lost device could not report one. A device with such a module that
-// has lost all others stops as well, because the others see it as lost.
+// counts as such a failure, because the lost device could not report one. A device with such a module also
+// stops if it loses contact with all other devices, because they see it as lost.
 void Agent::watch_cell() {
   if (!deployment_ || !deployment_->supervised) return;
   const Deployment& d = *deployment_;

@@ -15,7 +15,7 @@ void Agent::begin_again(const Deployment& description) {
   bring_up();
 }
 
-// Gives a module the value of a property, or its new file.
+// Sets a property of a module to `value`, or swaps in the file `value`.
 void Agent::Update::apply_change(const model::ModuleChange& change, const std::string& value,
                                  const std::function<void(const Outcome&)>& done) {
   const std::size_t index = agent_.deployment_->index_of(change.module);

@@ -39,11 +39,12 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
 void Agent::receive(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const Nanoseconds late = span(head.deadline_ns(), options_.wall_ns());
-  // A device whose clock differs can still be observed.
+  // Questions are answered even after their deadline, so that a device whose clock differs can still be
+  // observed.
   if (head.deadline_ns() != 0 && late > Nanoseconds{0} && !wire::is_question(head.kind())) {
     answer(head, REPLY_LATE,
-           std::string{takt::to_text(head.kind())} + " came " + takt::to_text(late) +
-               " after its deadline; synchronise the clocks of the devices, or allow it more time");
+           std::string{takt::to_text(head.kind())} + " arrived " + takt::to_text(late) +
+               " after its deadline; synchronise the clocks of the devices, or allow the command more time");
     return;
   }
   switch (head.kind()) {
@@ -97,7 +98,7 @@ void Agent::receive(const wire::WholeCommand& command) {
       return update_->cancel(head);
   }
   answer(head, REPLY_REFUSED,
-         "this node has no command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));
+         "this node does not know command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));
 }
 
 void Agent::report(const Command& command) {
@@ -128,8 +129,8 @@ void Agent::report(const Command& command) {
   answer(command, REPLY_OK, "", model::json_text(report));
 }
 
-// The lost devices of this cell with the states received last. Programs that start later cannot get them from
-// the lost devices themselves.
+// The lost devices of this cell, with the last received states of their modules. Programs that start later
+// cannot get them from the lost devices themselves.
 json Agent::lost_devices() const {
   json list = json::array();
   if (!deployment_) return list;
@@ -214,7 +215,7 @@ struct Agent::WholeDevice {
   std::size_t open = 0;
   std::size_t done = 0;
   std::size_t refused = 0;
-  std::string why;  ///< why the first module that failed did so
+  std::string why;  ///< why the first of the failed modules failed
 };
 
 bool Agent::runs(const Command& command) {
@@ -265,7 +266,7 @@ void Agent::tap(const Command& command) {
   if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  // The requested end is of no use if the requester's clock differs.
+  // The requested end may be wrong if the requester's clock differs. So its distance is limited.
   const Nanoseconds asked = span(options_.wall_ns(), command.time_ns());
   const Nanoseconds longer = asked > Nanoseconds{0} ? std::min(asked, kLongestTap) : kLongestTap;
   const auto tapped =

@@ -20,8 +20,8 @@ using Phase = Supervised::Phase;
 
 namespace {
 
-// Finds the device in a descriptor's text. Plans its schedule as a check, so that no later step can fail on
-// it.
+// Finds the device in a descriptor's text. Also plans the device's schedule, so that no later step can fail
+// because of it.
 struct Found {
   model::Cell cell;
   std::size_t device;
@@ -33,7 +33,7 @@ Result<Found> find_device(const std::string& text, const std::string& file, cons
                                    [&](const model::Device& d) { return d.name == name; });
   if (device == cell->devices.end()) {
     return Problem{file, "cell " + cell->name + " has no device " + name,
-                   "deploy it to the devices that it names"};
+                   "deploy the cell only to its own devices"};
   }
   if (const auto plan = schedule::plan(*cell, *device); !plan) return plan.problems();
   const auto index = static_cast<std::size_t>(device - cell->devices.begin());
@@ -70,7 +70,7 @@ std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
   return again;
 }
 
-// Why there can be no other deployment now.
+// Returns why the device cannot accept another deployment now.
 std::string Agent::occupied() const {
   const std::string cell = " cell " + deployment_->cell.name;
   const std::string device = "device " + options_.device;
@@ -151,12 +151,12 @@ Result<void> Agent::check_security(const model::Cell& cell) const {
   if (cell.security_required && options_.cell.empty()) {
     return fail("cell " + cell.name + " requires security, but the node of device " + options_.device +
                     " runs without it",
-                "start it with --security FOLDER; takt secure makes such folders");
+                "start the node with --security FOLDER; takt secure creates such folders");
   }
   if (!options_.cell.empty() && options_.cell != cell.name) {
     return fail("the identity of device " + options_.device + " is for cell " + options_.cell +
                     ", not for cell " + cell.name,
-                "give the device an identity of that cell");
+                "give the device an identity for that cell");
   }
   return {};
 }
@@ -257,7 +257,7 @@ void Agent::step_supervised() {
         }
         if (update_ && update_->in_transit()) update_->brought_up();
       } else if (options_.now() - *d.ready_since > kRunAwaited) {
-        d.undone = "no command to run it arrived within " + takt::to_text(kRunAwaited);
+        d.undone = "no run command arrived within " + takt::to_text(kRunAwaited);
         log("the deployment of cell " + d.cell.name + " is undone: " + d.undone);
         d.supervised->stop();
       }
@@ -329,7 +329,7 @@ void Agent::keep_for_restart() {
   note({.kind = model::FaultKind::error, .cause = what});
 }
 
-// Tries again to write what could not be written: there may be space on the disk again.
+// Tries again to write the files that could not be written, because there may be space on the disk again.
 void Agent::watch_disk() {
   const Instant now = options_.now();
   if (now - disk_tried_at_ < kDiskTriedEvery) return;
@@ -364,7 +364,7 @@ void Agent::undeploy(const Command& command) {
   }
 }
 
-// The deployment has ended, by a failure or on command.
+// Called when the deployment has ended, by a failure or on command.
 void Agent::finish() {
   Deployment& d = *deployment_;
   const Problems failures = d.supervised->failures();
@@ -441,7 +441,7 @@ void Agent::resume() {
   // The wall clock may have been set, but the monotonic clock is valid until the machine is booted again.
   std::optional<Instant> t0;
   if (!options_.boot.empty() && (*kept)->boot == options_.boot) t0 = from_ns((*kept)->t0_monotonic_ns);
-  // Otherwise it would wait silently for that instant, perhaps for years if a clock is wrong.
+  // Without this limit, the device would wait silently for T0, perhaps for years if a clock is wrong.
   const Nanoseconds ahead =
       t0 ? span(to_ns(options_.now()), to_ns(*t0)) : span(options_.wall_ns(), (*kept)->t0_ns);
   if (ahead > kFurthestStart) {

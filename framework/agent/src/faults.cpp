@@ -1,4 +1,5 @@
-// Events that the agent adds to the fault record (start, end, commands, lost devices), and COMMAND_LOG.
+// Events that the agent adds to the fault record (start, end, commands, lost devices), and the answer to
+// COMMAND_LOG.
 #include <algorithm>
 #include <utility>
 

@@ -12,14 +12,14 @@
 
 namespace takt::agent {
 
-/// An update of the agent's deployment. It is checked, held, carried out, held, and then kept or undone. So
-/// either all devices of a cell carry it out or none.
+/// An update of the agent's deployment. It is checked, waits for the client, is carried out, waits for the
+/// client again, and is then kept or undone. So either all devices of a cell carry it out or none.
 class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
  public:
   Update(Agent& agent, const wire::WholeCommand& command);
 
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
-  /// Whether the client has sent the new deployment with this id.
+  /// Whether this is the id of the new deployment.
   [[nodiscard]] bool leads_to(const std::string& deployment) const { return after_->id == deployment; }
   /// Whether the update is ending a deployment or bringing one up at this moment.
   [[nodiscard]] bool in_transit() const {
@@ -47,7 +47,7 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   void undo(const Problems& problems);
   /// Ends the update, because the deployment that it changes has ended.
   void drop(const std::string& why);
-  /// The deployment that the update ends is down, or the new one could not be brought up.
+  /// Called when the deployment that the update ends is down, or when the new one could not be brought up.
   void taken_down(const Problems& problems);
   void brought_up();
 
@@ -80,7 +80,8 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   std::unique_ptr<Deployment> after_;   ///< the new deployment; not brought up if the device is removed
   std::unique_ptr<Deployment> before_;  ///< the deployment that the update has ended
   bool is_after_ = false;               ///< `after_` was, or is being, brought up
-  std::vector<std::string> replaced_;   ///< in place: the old value or file of each change made so far
+  std::vector<std::string> replaced_;   ///< for a change in place: the old value or file of each module
+                                        ///< changed so far
   std::unique_ptr<Inspection> inspection_;
   std::optional<Command> asker_;   ///< to be answered when the present stage is over
   std::optional<Command> undoer_;  ///< to be answered when the update is undone

@@ -238,7 +238,7 @@ void Agent::Update::judge_in_place(const Inspected& found) {
     std::string why = "module " + one.module;
     if (one.property.empty() &&
         !same_ports(ports_at(agent_.deployment_->found, index), ports_at(found, index)))
-      why += " has other ports in its new file";
+      why += " has different ports in its new file";
     else if (!one.property.empty() && !declares(found.description, one))
       why += " reads property " + one.property + " only in initialize()";
     else
@@ -261,7 +261,7 @@ Result<void> Agent::Update::may_change_in_place() const {
       problems.push_back({"module " + agent_.options_.device + "." + one.module,
                           std::string{"it is in "} + takt::to_text(state) +
                               "; its properties can be set once it is in INITIALIZE",
-                          "reset and start it, or deploy the cell again"});
+                          "reset and start the module, or deploy the cell again"});
     }
   }
   if (!problems.empty()) return problems;
@@ -352,7 +352,7 @@ void Agent::Update::cancel(const Command& command) {
       return undo({fail("the update was cancelled")});
     case Stage::changing:
       if (in_transit() && is_after_) return undo({fail("the update was cancelled")});
-      return;  // undo after the step that is in progress
+      return;  // the update is undone after the step that is in progress
     case Stage::undoing:
       return;
   }

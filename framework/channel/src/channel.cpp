@@ -32,7 +32,7 @@ const char* to_text(Doing doing) noexcept {
 
 namespace {
 
-constexpr std::uint64_t kChannelMagic = 0x7461'6b74'0000'0008;  // "takt", layout 8
+constexpr std::uint64_t kChannelMagic = 0x7461'6b74'0000'0008;  // "takt" in ASCII, then the layout version: 8
 
 struct alignas(64) ChannelHeader {
   std::uint64_t magic;
@@ -77,7 +77,7 @@ Result<Channel> Channel::attach(os::Fd fd) {
   Channel channel;
   channel.memory_ = std::move(*memory);
   if (channel.memory_.size() < sizeof(ChannelHeader))
-    return fail("the memory is not a channel", "start the host with takt-node");
+    return fail("the shared memory of the host is not a channel", "start the host with takt-node");
   const auto& header = at<ChannelHeader>(channel.memory_, 0);
   channel.hosts_ = header.hosts;
   channel.executors_ = header.executors;

@@ -8,7 +8,8 @@ namespace takt::channel {
 
 namespace {
 
-constexpr std::uint64_t kFlightMagic = 0x666c'6967'6874'0001;  // "flight", layout 1
+constexpr std::uint64_t kFlightMagic =
+    0x666c'6967'6874'0001;  // "flight" in ASCII, then the layout version: 1
 
 struct alignas(64) FlightHeader {
   std::uint64_t magic;
@@ -111,12 +112,12 @@ FlightCopy FlightRecord::copy(std::size_t index) const {
     const std::int64_t time_ns = entry.time_ns.load(std::memory_order_acquire);
     all.push_back(FlightWriter::unpack(time_ns, entry.what.load(std::memory_order_acquire)));
   }
-  // The entry after the last counted one may be partly written, in the place of the oldest. SYNC: flight
+  // The writer may already be overwriting the oldest entry with one that it has not counted yet. SYNC: flight
   const std::uint64_t now = ring(index).written.load(std::memory_order_relaxed);
   const std::uint64_t first = now + 1 > capacity ? now + 1 - capacity : 0;
   const std::uint64_t gone = first <= begin ? 0 : (first < end ? first : end) - begin;
-  // If no entry was written meanwhile, the oldest entry may be missing from the copy, but does not count as
-  // lost.
+  // If the writer counted no entry during the copy, `gone` may exclude the oldest entry from the copy, but
+  // that entry does not count as lost.
   copy.lost = now == end ? 0 : gone;
   copy.entries.assign(all.begin() + static_cast<std::ptrdiff_t>(gone), all.end());
   copy.written = end;

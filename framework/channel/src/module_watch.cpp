@@ -13,7 +13,8 @@ Result<ModuleWatch> ModuleWatch::find() {
   };
   find(watch.enter_, "takt_check_enter");
   find(watch.leave_, "takt_check_leave");
-  // The library removes the variable when it is loaded.
+  // libtakt_check.so removes this environment variable when it is loaded. So if the variable is still set,
+  // the library is missing.
   if (!os::environment(kCheckFd).empty() || (watch.enter_ == nullptr) != (watch.leave_ == nullptr)) {
     return fail(
         "the dynamic loader did not load libtakt_check.so",

@@ -25,7 +25,7 @@ class Pause {
   char before_;
 };
 
-/// A violation of the calling thread. Record it only if counts(), and within a Pause.
+/// A violation of the calling thread. Record it only if counts() returns true, and only while a Pause exists.
 struct Occurrence {
   channel::ViolationKind kind = channel::ViolationKind::allocation;
   const char* function = "";

@@ -34,14 +34,16 @@ class Deployment {
     if (options_.progress) options_.progress(text);
   }
   Question question(CommandKind kind, const std::string& device) const;
-  // Asks all devices. Returns the problems of the devices that did not accept.
+  // Sends the questions to the devices. Returns the problems of the devices that did not answer with
+  // REPLY_OK.
   Problems ask(const std::vector<Question>& questions, std::vector<wire::WholeReply>* replies = nullptr);
 
   Operator& asker_;
   const model::Cell& cell_;
   const DeployOptions& options_;
   std::string id_;
-  std::string safe_;  // the safe values of all outputs, as JSON, because a device knows only its own
+  std::string safe_;  // the safe values of all outputs of the cell, as JSON; each device gets them, because
+                      // it knows only its own
   KeepAlive keep_alive_;
 };
 
@@ -73,7 +75,8 @@ Problems Deployment::ask(const std::vector<Question>& questions, std::vector<wir
   return problems;
 }
 
-// Finds one node of each device. The node must have no deployment.
+// Finds the node of each device. Each device must have exactly one node, and the node must not have a
+// deployment.
 Problems Deployment::find() {
   const auto nodes = [](const std::vector<wire::ObservedDevice>& devices, const model::Device& device) {
     std::vector<wire::ObservedDevice> found;
@@ -113,7 +116,7 @@ Problems Deployment::find() {
     const auto found = nodes(devices, device);
     if (found.empty()) {
       problems.push_back({where, "not found on " + domain,
-                          "start it with takt-node --device " + device.name + " --domain " +
+                          "start its node with takt-node --device " + device.name + " --domain " +
                               std::to_string(asker_.domain())});
     } else if (found.size() > 1) {
       std::string places;
@@ -121,16 +124,17 @@ Problems Deployment::find() {
         places += (places.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
                   " on " + seen.status.host_name().to_string();
       }
-      problems.push_back(
-          {where, std::to_string(found.size()) + " nodes of this name are on " + domain + ": " + places,
-           "end all but one of them, or use another domain"});
+      problems.push_back({where,
+                          std::to_string(found.size()) + " nodes on " + domain + " have this name: " + places,
+                          "end all but one of them, or use another domain"});
     } else if (!expected(found[0])) {
-      problems.push_back({where, "another node has this name on " + domain, "use another domain"});
+      problems.push_back({where, "another node on " + domain + " has this name", "use another domain"});
     } else if (found[0].status.cell() != std::string{wire::kNoCell}) {
       const std::string cell = found[0].status.cell().to_string();
       const bool over = found[0].status.state() == DEVICE_ENDED;
       std::string fix = "run takt undeploy " + cell + " first";
-      if (!over && cell == cell_.name) fix += "; or run takt deploy --update to change it while it runs";
+      if (!over && cell == cell_.name)
+        fix += "; or run takt deploy --update to change the cell while it runs";
       problems.push_back(
           {where, over ? "it still holds cell " + cell + ", which has ended" : "it already runs cell " + cell,
            fix});
@@ -189,7 +193,7 @@ void Deployment::undo() {
 Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
                         const DeployOptions& options) {
   if (text.size() > wire::kMaxData)
-    return fail("the descriptor has more than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
+    return fail("the descriptor is larger than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
                 "make it smaller");
   Deployment deployment{asker, cell, options};
   if (Problems problems = deployment.find(); !problems.empty()) return problems;
@@ -229,7 +233,7 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
       if (data.is_object()) {
         one.report = data.value("report", json{});
         for (const std::string& failure : data.value("failures", std::vector<std::string>{})) {
-          // Repeated failures of one module are reported only once.
+          // Equal failure texts are reported only once.
           if (std::find(one.failures.begin(), one.failures.end(), failure) == one.failures.end())
             one.failures.push_back(failure);
         }
@@ -265,7 +269,8 @@ Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
     return fail("no device on domain " + std::to_string(asker.domain()) + " runs cell " + cell,
                 list.empty() ? "no cell runs on this domain" : "cells on this domain: " + list);
   }
-  // Each device of the cell knows the other devices. Waits for those that are alive but not discovered yet.
+  // Each device knows all devices of its cell. Asks the first one, then waits for those that are alive but
+  // not discovered yet.
   const auto answer = accepted(asker.ask({.kind = COMMAND_REPORT, .device = *names.begin()}));
   std::set<std::string> lost;
   if (answer) {

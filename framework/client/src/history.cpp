@@ -8,12 +8,14 @@ namespace takt::client {
 
 namespace {
 
-/// Statistics come about once a second. Statistics that follow earlier than this are skipped.
+/// A device publishes statistics about once a second. Statistics that follow the last entry sooner than this
+/// are skipped.
 constexpr std::int64_t kApart_ms = 900;
 
 std::int64_t milliseconds_of(std::int64_t ns) { return ns / 1'000'000; }
 
-/// Computes the mean of the measurements since the previous statistics, from both overall means and counts.
+/// Computes the mean of the measurements made since the previous statistics, from the overall mean and count
+/// now and then.
 double between(double mean, double count, double mean_before, double count_before) {
   return (mean * count - mean_before * count_before) / (count - count_before);
 }
@@ -40,7 +42,7 @@ void History::add(Module& module, const ModuleStatistics& now) {
                                   loaded_afresh ? 0 : mean_square(before.jitter_us()), count_before);
     const double run =
         between(now.run_us().mean(), count, loaded_afresh ? 0 : before.run_us().mean(), count_before);
-    // Rounding may make the difference slightly negative.
+    // Rounding may make this mean slightly negative.
     entry.jitter = value(std::sqrt(std::max(square, 0.0)));
     entry.run = value(std::max(run, 0.0));
   }

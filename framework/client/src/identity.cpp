@@ -19,7 +19,8 @@ Result<std::string> identity_of(const Network& network) {
   if (!identity) return identity.problems();
   const security::Subject& subject = identity->subject;
   if (!chosen.passed_over.empty()) {
-    // The hints of these problems are not printed, because a revoked operator should stay revoked.
+    // The fixes of these problems are not printed, because a revoked operator should not be told how to get a
+    // new certificate.
     for (const Problem& problem : chosen.passed_over)
       std::fprintf(stderr, "%s: %s\n", problem.where.c_str(), problem.what.c_str());
     std::fprintf(stderr, "using the identity of operator %s instead\n", subject.name.c_str());
@@ -28,14 +29,14 @@ Result<std::string> identity_of(const Network& network) {
   return Problem{chosen.folder,
                  std::string{"this is the identity of "} + to_text(subject.role) + " " + subject.name +
                      ", not of an operator or observer",
-                 "give the folder of an operator or observer, such as DIR/operators/NAME"};
+                 "give the identity folder of an operator or observer, such as DIR/operators/NAME"};
 }
 
 Result<void> may_write(const dds::Participant& participant, const std::string& what) {
   const auto& identity = participant.identity();
   if (!identity || identity->subject.role != Role::observer) return {};
   return Problem{identity->folder, "observer " + identity->subject.name + " may only observe, not " + what,
-                 "give the folder of an operator, such as DIR/operators/NAME"};
+                 "give the identity folder of an operator, such as DIR/operators/NAME"};
 }
 
 }  // namespace takt::client

@@ -24,7 +24,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
 
-/// A newly found node sends its last events within this time.
+/// Within this time after its discovery, a node sends its latest events again.
 constexpr std::chrono::seconds kLastEvents{3};
 
 Question question_of(const std::string& device, const model::FaultFilter& filter) {
@@ -33,17 +33,18 @@ Question question_of(const std::string& device, const model::FaultFilter& filter
 
 Problem unreadable(const std::string& device) {
   return {"device " + device, "its answer is not a fault record",
-          "check that it runs the same version of Takt"};
+          "check that it runs the same version of Takt as this program"};
 }
 
-// Adds each problem once. If two nodes have one name, every question about this name gives the same problem.
+// Adds each problem only once. If two nodes have the same device name, every question to this device fails
+// with the same problem.
 void add_new(Problems& problems, const Problems& more) {
   for (const Problem& problem : more) {
     if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
   }
 }
 
-// Adds the events in the answer of one node. Adds the devices that the node has lost to `missed`.
+// Adds the events in a node's answer to `log`, and the devices that the node has lost to `missed`.
 void add_events_of(Log& log, const std::string& device, const wire::WholeReply& reply,
                    std::set<std::string>* missed) {
   const json value = model::parse_json(reply.data);
@@ -71,8 +72,8 @@ void add_events_of(Log& log, const std::string& device, const wire::WholeReply& 
 }  // namespace
 
 void sort_by_time(std::vector<model::Fault>& events) {
-  // An event that the node's rate limit merged may have an earlier time than the event before it. The order
-  // of the numbers is kept.
+  // A node's rate limit may merge events. A merged event may have an earlier time than the event before it.
+  // So events of one device stay in the order of their sequence numbers.
   std::stable_sort(events.begin(), events.end(),
                    [](const auto& a, const auto& b) { return a.sequence < b.sequence; });
   std::map<std::string, std::int64_t> newest;
@@ -127,7 +128,7 @@ Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limi
     if (names.contains(name) || missed.contains(name)) continue;
     log.problems.push_back(
         {"device " + name,
-         "other devices of its cell list it, but it was not found from here within " + takt::to_text(limit),
+         "other devices of its cell list it, but this program did not find it within " + takt::to_text(limit),
          "try again, or read the file on its machine with takt log --file"});
   }
   sort_by_time(log.events);
@@ -140,7 +141,8 @@ struct LogFollower::Inside {
   struct Place {
     std::uint64_t sequence = 0;
     std::int64_t time_ns = 0;
-    /// When the device's node was found, if the follower had already started.
+    /// When the follower discovered the device's node; empty if the log of go_on_after() already contains the
+    /// device.
     std::optional<Clock::time_point> found{};
   };
 
@@ -149,7 +151,8 @@ struct LogFollower::Inside {
   std::deque<model::Fault> news;
   std::map<std::string, Place> places;  ///< the last returned event of each device
   std::int64_t began_ns = 0;
-  // The last member, which is destroyed first, so that no callback uses the other members.
+  // Must be the last member: it is destroyed first, so that no callback uses members that are already
+  // destroyed.
   std::optional<dds::Reader<FaultEvent>> reader;
 };
 
@@ -197,8 +200,9 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
     Inside::Place& place = at->second;
     const auto now = Clock::now();
     if (added) place.found = now;
-    // A node that appears after this follower sends its last events at once. Events from before the start of
-    // the follower are skipped. After kLastEvents all events count, even if the node's clock is slow.
+    // A node that is discovered later sends its latest events at once. Of these, the follower skips events
+    // from before its own start. After kLastEvents it accepts every event, because the node's clock may be
+    // slow.
     if (place.found && now - *place.found < kLastEvents && fault.time_ns < inside_->began_ns) {
       place.sequence = fault.sequence;
       place.time_ns = std::max(place.time_ns, fault.time_ns);
@@ -209,7 +213,8 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
       continue;
     }
     if (fault.sequence <= place.sequence) {
-      // The event was already returned, unless the node lost its record and counts from 1 again.
+      // A sequence number that is not new: the follower has already returned the event, or the node has lost
+      // its fault record and counts from 1 again. In the second case the time is later.
       if (fault.time_ns > place.time_ns) add(place, std::move(fault));
       continue;
     }
@@ -223,7 +228,7 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
       }
       if (fault.sequence > place.sequence + 1) {
         problems.push_back({"device " + fault.device,
-                            std::to_string(fault.sequence - place.sequence - 1) + " events before number " +
+                            std::to_string(fault.sequence - place.sequence - 1) + " events before event " +
                                 std::to_string(fault.sequence) + " are missing",
                             ""});
       }

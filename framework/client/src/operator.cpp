@@ -22,13 +22,13 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
 
-/// A node must begin a command within this time if the question has no limit.
+/// If the question has no time limit, the node must begin to execute the command within this time.
 constexpr std::chrono::seconds kBegun{10};
-/// The longest search for a node, without DDS Security and with it.
+/// How long to search for a node, without and with DDS Security.
 constexpr Nanoseconds kSearch = std::chrono::seconds{3};
 constexpr Nanoseconds kSecuredSearch = std::chrono::seconds{10};
-/// A node that is lost while a command waits for the node's answer may come back within this time, because
-/// its machine may only have been busy.
+/// A node that is lost while a command waits for its answer may come back within this time, because perhaps
+/// its machine was only busy. After this time, the command fails.
 constexpr Nanoseconds kBack = milliseconds{700};
 
 std::string device_of(const Question& question) { return "device " + question.device; }
@@ -38,9 +38,9 @@ std::string device_of(const Question& question) { return "device " + question.de
 struct Operator::Inside {
   std::mutex mutex;
   std::condition_variable answered;
-  std::map<std::string, std::optional<wire::WholeReply>> open;  // answers by the id of the command
+  std::map<std::string, std::optional<wire::WholeReply>> open;  // answers received so far, by command id
   std::uint64_t asked = 0;
-  std::string name;  // the beginning of every id
+  std::string name;  // the first part of every command id, unique to this program
   std::optional<dds::CommandClient> client;
 
   void heard(const wire::WholeReply& reply) {
@@ -82,7 +82,7 @@ Result<wire::WholeReply> Operator::ask(const Question& question) {
 
 std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>& questions,
                                                    const std::function<bool()>& give_up) {
-  // Each question goes through three stages: the node is found, the command is sent, the answer is received.
+  // Each question passes through three stages: find the node, send the command, receive the answer.
   struct State {
     std::string id;
     std::string node;
@@ -141,8 +141,8 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
                  " on " + seen.status.host_name().to_string();
       }
       state.outcome = Problem{device_of(q),
-                              std::to_string(alive.size()) + " nodes of this name are on domain " +
-                                  std::to_string(domain_) + ": " + where,
+                              std::to_string(alive.size()) + " nodes on domain " + std::to_string(domain_) +
+                                  " have this name: " + where,
                               "end all but one of them"};
       return;
     }
@@ -150,7 +150,7 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
       if (Clock::now() - begun <= find_within) return;
       state.outcome = lost
                           ? Problem{device_of(q), "it is lost: its node no longer answers",
-                                    "start its node again; with --resume it restores its deployment"}
+                                    "start its node again; with --resume, the node restores its deployment"}
                           : Problem{device_of(q), "not found: no answer within " + takt::to_text(find_within),
                                     "check that takt-node --device " + q.device + " is running on domain " +
                                         std::to_string(domain_)};
@@ -187,7 +187,8 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
       for (State& state : states) {
         auto& reply = inside_->open.at(state.id);
         if (!reply) continue;
-        state.outcome = std::move(*reply);  // even if the reply came just after give_up() returned true
+        state.outcome = std::move(*reply);  // a reply that has arrived counts, even if give_up() has returned
+                                            // true
         reply.reset();
         taken = true;
       }
@@ -223,8 +224,8 @@ Problems problems_of(const wire::WholeReply& reply) {
   }
   if (problems.empty()) {
     const std::string text = reply.head.text().to_string();
-    problems.push_back(
-        {"device " + reply.head.device().to_string(), text.empty() ? "it gave no reason" : text, ""});
+    problems.push_back({"device " + reply.head.device().to_string(),
+                        text.empty() ? "its answer reports an error without a reason" : text, ""});
   }
   return problems;
 }

@@ -12,7 +12,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-/// Adds a device's report. Throws json::exception if `report` is not a report.
+/// Adds the report of device `name`. Throws json::exception if `report` lacks a member that every report has.
 void add(Reports& reports, const std::string& name, json report) {
   for (const json& device : report.at("lost"))
     reports.lost.try_emplace(device.at("name").get<std::string>(), device.at("modules"));
@@ -37,8 +37,8 @@ void ask(Reports& reports, Operator& asker, const std::set<std::string>& names) 
     try {
       add(reports, name, model::parse_json(answer->data));
     } catch (const json::exception&) {
-      reports.problems.push_back(
-          {"device " + name, "its report cannot be read", "check that it runs the same version of Takt"});
+      reports.problems.push_back({"device " + name, "its report cannot be read",
+                                  "check that it runs the same version of Takt as this program"});
     }
   }
 }
@@ -66,10 +66,10 @@ Result<Reports> all_reports(Operator& asker, Nanoseconds limit) {
   if (!observer.wait([](const auto& seen) { return !alive(seen).empty(); }, limit)) {
     const std::string domain = std::to_string(asker.domain());
     return fail("no device found on domain " + domain,
-                "start one with takt-node --device NAME --domain " + domain);
+                "start a node with takt-node --device NAME --domain " + domain);
   }
   Reports reports;
-  std::set<std::string> asked;  // ids of nodes, because a second node of one name must be asked, too
+  std::set<std::string> asked;  // ids of nodes, not device names, because two nodes may have the same name
   const auto is_new = [&asked](const wire::ObservedDevice& seen) {
     return seen.alive && !asked.contains(seen.node());
   };
@@ -89,7 +89,7 @@ Result<Reports> all_reports(Operator& asker, Nanoseconds limit) {
       if (seen.alive) asked.insert(seen.node());
     }
     ask(reports, asker, names);
-    // A device that other devices have lost may be coming back, so the search goes on for a while.
+    // A device that other devices have lost may come back, so the search goes on for kQuiet.
     const bool none_lost =
         std::all_of(reports.lost.begin(), reports.lost.end(),
                     [&reports](const auto& lost) { return reports.devices.contains(lost.first); });

@@ -52,7 +52,8 @@ Result<json> status(Operator& asker, Nanoseconds limit) {
   auto found = all_reports(asker, limit);
   if (!found) return found.problems();
   Reports& reports = *found;
-  // The status would be incomplete, because two nodes have one name or a node was lost before it answered.
+  // Each problem means that the status would be incomplete. For example, two nodes have the same device name,
+  // or a node was lost before it answered.
   if (!reports.problems.empty()) return reports.problems;
   for (const auto& [name, modules] : reports.lost)
     reports.devices.try_emplace(name, lost_device(name, modules));

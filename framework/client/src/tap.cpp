@@ -23,8 +23,8 @@ Result<dds::Flow> tapped(Operator& asker, const std::string& port) {
   if (!place.is_object()) return fail("the device runs another version of Takt: its answer cannot be read");
   if (place.contains("reply")) {
     return fail(port + " is a service", "call it with takt call " + port +
-                                            "; takt echo of the client's NAME/request and NAME/reply "
-                                            "shows requests and replies");
+                                            "; to see its requests and replies, use takt echo with the "
+                                            "client's ports NAME/request and NAME/reply");
   }
   auto type = model::parse_type(place.value("type", ""));
   if (!type) return type.problems();

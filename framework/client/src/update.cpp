@@ -62,9 +62,10 @@ class Update {
   std::string id_;
   std::string deployment_;
   std::vector<std::string> devices_;       // devices of the running cell and of the new descriptor
-  std::vector<std::string> differences_;   // one line for each difference
-  std::vector<std::string> changing_;      // devices on which something differs
-  std::set<std::string> rejecting_;        // devices that did not begin the update
+  std::vector<std::string> differences_;   // one line of text for each difference
+  std::vector<std::string> changing_;      // devices on which the update changes something
+  std::set<std::string> rejecting_;        // devices that rejected the update, so that they have nothing to
+                                           // undo
   std::vector<std::string> not_restored_;  // devices that could not undo their changes
   std::int64_t t0_ns_ = 0;
   bool require_real_time_ = false;
@@ -81,7 +82,8 @@ Update::Answers Update::ask(const std::vector<Question>& questions, bool may_be_
   });
 }
 
-// Returns each problem once, because all devices report a problem of the whole cell.
+// Returns the problems in the answers. Each problem is returned only once, because every device reports a
+// problem that concerns the whole cell.
 Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* replies) const {
   Problems problems;
   for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -91,7 +93,7 @@ Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* rep
       continue;
     }
     for (const Problem& problem : answer.problems()) {
-      // A problem that names a line of the descriptor needs no device name.
+      // A problem that cites a line of the descriptor needs no device name.
       const bool of_file = !cell_.file.empty() && problem.where.find(':') != std::string::npos;
       const Problem placed = of_file ? problem : of_device(devices_[i], {problem})[0];
       if (std::find(problems.begin(), problems.end(), placed) == problems.end()) problems.push_back(placed);
@@ -111,7 +113,7 @@ Problems Update::find() {
   Problems problems;
   for (const std::string& device : there->lost)
     problems.push_back({"device " + device, "it is lost; an update needs all devices",
-                        "start its node again with --resume, or undeploy the cell and deploy it"});
+                        "start its node again with --resume, or undeploy the cell and deploy it again"});
   devices_ = there->names;
   for (const model::Device& device : cell_.devices) {
     if (std::find(devices_.begin(), devices_.end(), device.name) == devices_.end())
@@ -124,7 +126,7 @@ Problems Update::find() {
 }
 
 Problems Update::compare(const std::string& text) {
-  show_progress("comparing the cell on " + list_of(devices_));
+  show_progress("comparing the running cell with the new descriptor on " + list_of(devices_));
   std::vector<Question> questions;
   for (const std::string& device : devices_) {
     questions.push_back(question(COMMAND_UPDATE, device));
@@ -143,7 +145,7 @@ Problems Update::compare(const std::string& text) {
     const json answer = model::parse_json(replies[i].data);
     if (!answer.is_object())
       return {{"device " + devices_[i], "its answer cannot be read",
-               "check that it runs the same version of Takt"}};
+               "check that it runs the same version of Takt as this program"}};
     if (answer.value("change", "") != model::to_text(model::Change::none)) changing_.push_back(devices_[i]);
     for (const std::string& line : answer.value("words", std::vector<std::string>{}))
       differences_.push_back(line);
@@ -175,7 +177,8 @@ Problems Update::change() {
   return cancelled() ? Problems{fail("the update was cancelled")} : problems;
 }
 
-// Makes the changes permanent. After this, no device undoes them.
+// Asks the devices to make their changes permanent. A device that has done this cannot undo its changes any
+// more.
 Problems Update::keep() {
   std::vector<Question> questions;
   for (const std::string& device : devices_) questions.push_back(question(COMMAND_KEEP, device));
@@ -233,7 +236,7 @@ Updated Update::carry_out(const std::string& text) {
 Updated update(Operator& asker, const model::Cell& cell, const std::string& text,
                const UpdateOptions& options) {
   if (text.size() > wire::kMaxData)
-    return {{fail("the descriptor has more than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
+    return {{fail("the descriptor is larger than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
                   "make it smaller")},
             "nothing was changed"};
   return Update{asker, cell, options}.carry_out(text);

@@ -18,7 +18,7 @@ class CProperty final : public Property<T> {
   CProperty(const takt_property& property, T value, typename Property<T>::Options options)
       : Property<T>(property.name, std::move(value), std::move(options)),
         variable_(*static_cast<Variable*>(property.value)) {
-    write_variable();  // the base class got its value before this class was constructed
+    write_variable();  // the base class already got its value, before it could call this class's take_over()
   }
 
   void take_over() noexcept override {

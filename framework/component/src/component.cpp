@@ -61,9 +61,9 @@ Nanoseconds Component::period() noexcept { return served == nullptr ? Nanosecond
 void Component::fail(const char* text) noexcept { report_failure(text); }
 
 Result<void> Component::restore(const SavedBefore& before) {
-  return takt::fail("it was saved by version " + std::to_string(before.version) +
-                        ", and this component saves another version or size",
-                    "override restore() to take over what is still valid");
+  return takt::fail("the saved value has version " + std::to_string(before.version) +
+                        ", but this component saves another version or size",
+                    "override restore() to convert the saved value");
 }
 
 void ServiceBase::enlist(Component& owner) { owner.services_.push_back(this); }
@@ -75,9 +75,9 @@ bool Component::condition() {
 }
 
 namespace {
-/// The objects without a component that belong to the module that this thread loads. Their constructors run
-/// within dlopen(). Null if the thread's list is already destroyed: ports that are global variables outlive
-/// it.
+/// The ports, properties and Saved objects that belong to no component but to the module that this thread is
+/// loading. dlopen() runs their constructors. Null if the thread's list is already destroyed: ports that are
+/// global variables outlive it.
 template <class T>
 std::vector<T*>* loose() {
   thread_local bool gone = false;

@@ -122,10 +122,11 @@ void Guest::restore() const {
   if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
   for (SavedBase* one : saved()) one->set_restored(same);
   if (same) {
-    std::puts("takt: its saved state is restored");
+    std::puts("takt: the program's saved state was restored");
   } else {
     std::printf(
-        "takt: the state that version %u saved (%u bytes) is not restored: this is version %u (%u bytes)\n",
+        "takt: the program's saved state was not restored: it has version %u (%u bytes), but this program "
+        "saves version %u (%u bytes)\n",
         before->version, before->size, saved_.version, saved_.size);
   }
 }
@@ -184,11 +185,12 @@ void Guest::connect_ports(const char* function) {
         std::find_if(ports().begin(), ports().end(), [name](const PortBase* p) { return p->name() == name; });
     if (port == ports().end()) {
       refuse(function, "a connection names port '" + std::string{name} +
-                           "', which the program does not have; construct the port before this call");
+                           "', but the program has not constructed that port; construct it before this call");
     }
     const channel::Link link{memory->data()};
     if (link.stride() < (*port)->type().max_size)
-      refuse(function, "the type of port '" + std::string{name} + "' has changed; deploy the cell again");
+      refuse(function, "the type of port '" + std::string{name} +
+                           "' has changed since the deployment; deploy the cell again");
     (*port)->connect(link, nullptr);
     link_memories_.push_back(std::move(*memory));
   }
@@ -205,7 +207,7 @@ std::int64_t Guest::event_at() {
 }
 
 void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
-  // Line buffering: through a pipe too, each line must appear when it is written.
+  // Buffers the output by line, so that a line appears as soon as it is written, even through a pipe.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (slot_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
   check_ports(function);
@@ -216,7 +218,8 @@ void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
   os::Fd wake_word = os::take_fd_from_environment("TAKT_WAKE_WORD_FD");
   if (!slot || !wake_word)
     refuse(function,
-           "takt-node did not start this program; name the program in a descriptor, and run the descriptor");
+           "takt-node did not start this program; add the program to the descriptor of a cell, and run the "
+           "cell");
   auto slot_memory = os::SharedMemory::attach(std::move(slot));
   auto wake_memory = os::SharedMemory::attach(std::move(wake_word));
   if (!slot_memory || !wake_memory) refuse(function, "the memory shared with takt-node cannot be mapped");
@@ -230,10 +233,10 @@ void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
   if (slot_->kind != kind) {
     refuse(function,
            slot_->kind == channel::ReleaseSlotKind::periodic
-               ? "the descriptor says periodic; use initPeriodExe() and waitPeriod()"
+               ? "the descriptor declares the module periodic; use initPeriodExe() and waitPeriod()"
            : slot_->kind == channel::ReleaseSlotKind::sporadic
-               ? "the descriptor says sporadic; use initSporadicExe() and waitSporadic()"
-               : "the descriptor says non-real; such a program has no releases, so remove this call");
+               ? "the descriptor declares the module sporadic; use initSporadicExe() and waitSporadic()"
+               : "the descriptor declares the module non-real, so it has no releases; remove this call");
   }
   context_ = {.start_ns = to_ns(os::now()), .wake_word = wake_word_};
   for (PortBase* port : ports()) port->serve(context_);
@@ -279,7 +282,7 @@ bool Guest::release_by_event() {
   const Instant now = os::now();
   if (to_ns(now) < std::max(event_at(), channel::not_before_ns(*slot_))) return false;
   if (channel::begin(*slot_, to_ns(now))) return true;
-  // Meanwhile the node took the module out of the tables, so there is no release to serve.
+  // The node has just taken the module out of the tables, so there is no release to serve.
   taken_.count = slot_->released.load(std::memory_order_relaxed);
   return false;
 }
@@ -290,8 +293,8 @@ void Guest::sleep_on_wake_word() {
   bool due = slot_->released.load(std::memory_order_seq_cst) != taken_.count ||
              slot_->end.load(std::memory_order_seq_cst) != 0;
   std::optional<Instant> until;
-  // The writer of an event, and the node when it opens the slot, wake this program afterwards. So a change
-  // that comes too late to be seen here ends the sleep.
+  // A writer wakes this program after it writes an event, and the node after it opens the slot. So a change
+  // that comes too late for this check ends the sleep.
   const std::int64_t event = slot_->immediate != 0 ? event_at() : channel::kNever;
   if (event != channel::kNever && slot_->open.load(std::memory_order_seq_cst) != 0) {
     until = from_ns(std::max(event, channel::not_before_ns(*slot_)));

@@ -8,9 +8,8 @@
 
 namespace takt {
 
-/// Everything that is wrong with the properties or their arguments: a duplicate name, a default out of its
-/// range, a value that was rejected, an argument that names no property. Empty for a program without
-/// properties.
+/// Returns all problems of the properties and their arguments: a duplicate name, a default out of its range,
+/// a value that was rejected, an argument that names no property. Empty for a program without properties.
 Problems check_program_properties();
 
 /// The properties as JSON: a list of {"name", "type", "default", "range", "min", "max", "unit", "text"}.

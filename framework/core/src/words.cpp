@@ -16,9 +16,9 @@ constexpr std::size_t kMostChoicesTried = 1000;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// The edit distance: the number of letters to change, insert, drop or swap with their neighbour. Returns
-/// `limit` + 1 if the distance exceeds `limit`. Cells of the table that are more than `limit` away from the
-/// diagonal are not computed, because their values exceed `limit` anyway.
+/// The edit distance: how many letters must be changed, inserted, removed or swapped with their neighbour to
+/// turn one word into the other. Returns `limit` + 1 if the distance exceeds `limit`. Cells of the table more
+/// than `limit` away from its diagonal are not computed, because their values exceed `limit`.
 std::size_t distance(std::string_view a, std::string_view b, std::size_t limit) {
   const std::size_t apart = a.size() > b.size() ? a.size() - b.size() : b.size() - a.size();
   if (apart > limit) return limit + 1;
@@ -55,7 +55,7 @@ bool is_control(std::string_view character) {
   const auto second = character.size() > 1 ? static_cast<unsigned char>(character[1]) : 0U;
   if (character.size() == 2) return first == 0xc2 && second < 0xa0;
   if (character.size() != 3 || first != 0xe2) return false;
-  // Line and paragraph separators, and the marks that change the direction of the text after them.
+  // Line and paragraph separators, and characters that change the direction of the text after them.
   const auto third = static_cast<unsigned char>(character[2]);
   return (second == 0x80 && third >= 0xa8 && third <= 0xae) ||
          (second == 0x81 && third >= 0xa6 && third <= 0xa9);
@@ -106,7 +106,7 @@ std::string on_one_line(std::string_view text) {
 
 std::string brief(std::string_view text) {
   if (text.size() <= kLongestQuote) return on_one_line(text);
-  // Cut between characters only: half a character would look like invalid UTF-8.
+  // Cut only between characters, because half a character would be invalid UTF-8.
   const auto continues = [text](std::size_t i) {
     return (static_cast<unsigned char>(text[i]) & 0xc0U) == 0x80U;
   };
@@ -140,7 +140,7 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
 }
 
 namespace {
-/// Each text once, in the order of first appearance.
+/// Returns each text once, in the order of first appearance.
 std::vector<std::string_view> without_repeats(const std::vector<std::string_view>& all) {
   std::vector<std::string_view> once;
   std::unordered_set<std::string_view> seen;
@@ -169,7 +169,7 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
   const std::string_view meant = nearest(word, choices);
   if (!meant.empty()) return "did you mean " + brief(meant) + "?";
   const std::vector<std::string_view> once = without_repeats(choices);
-  return (once.size() == 1 ? "it must be " : "it can be ") + listed(once);
+  return "use " + listed(once);
 }
 
 }  // namespace takt

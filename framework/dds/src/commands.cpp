@@ -31,17 +31,17 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int32_t kDepth = 32;
-constexpr std::size_t kPaced = kDepth / 2;  // number of parts to send before waiting for acknowledgements
-constexpr std::size_t kRemembered = 256;    // number of commands that are answered, being handled or waiting
-// The limit for the waiting commands, and for the kept replies.
+constexpr std::size_t kPaced = kDepth / 2;  // parts to send before a wait for acknowledgements
+constexpr std::size_t kRemembered = 256;    // most commands to remember: waiting, executing or answered
+// Two limits, in bytes: for the data of all waiting commands, and for the data of all kept replies.
 constexpr std::size_t kMostWaitingBytes = 4 * wire::kMaxData;
 constexpr auto kResend = milliseconds{1000};
-constexpr auto kSlowestResend = milliseconds{8000};  // for commands with many parts
+constexpr auto kSlowestResend = milliseconds{8000};  // for commands with more than one part
 constexpr auto kAcknowledge = milliseconds{2000};
-// The time for the client's reader to match. After that, the reply is sent anyway.
+// How long to wait for the client's reader to match. After this time, the reply is sent without a match.
 constexpr auto kMatchWait = milliseconds{3000};
-// A heartbeat asks for missing acknowledgements. By default, a writer sends one every 3 s, and a reader
-// answers after 5 ms.
+// A heartbeat asks readers to acknowledge samples. By default, a writer sends one every 3 s, and a reader
+// answers after 5 ms. These values make commands faster.
 constexpr Nanoseconds kCommandHeartbeat = milliseconds{10};
 constexpr Nanoseconds kCommandNackDelay = milliseconds{1};
 constexpr Nanoseconds kCommandFirstAck = milliseconds{10};
@@ -64,8 +64,8 @@ void set_command_quality(Qos& qos) {
   qos.data_sharing().off();
 }
 
-/// Writes data in parts. Waits for acknowledgements after every kPaced parts, because the history keeps only
-/// 32 samples.
+/// Writes a command or reply in parts. Waits for acknowledgements after every kPaced parts, because the
+/// writer's history keeps only kDepth samples.
 template <class Whole>
 bool write_parts(fast::DataWriter& writer, const Whole& whole) {
   auto head = whole.head;
@@ -83,13 +83,14 @@ bool write_parts(fast::DataWriter& writer, const Whole& whole) {
   return true;
 }
 
-/// A writer of the topic `out` and a reader of the topic `in`.
+/// The two ends of a command connection: a writer of one topic and a reader of one or two other topics.
 class Ends : Recreatable {
  public:
   explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
   ~Ends() override { end(); }
 
-  /// Creates the writer and the reader. `also_in` is another topic to read, of the type of `in`, or null.
+  /// Creates a writer of topic `out` and a reader of topic `in`. `also_in` is another topic to read, of the
+  /// same type as `in`, or null.
   Result<void> begin(const char* out, const fast::TypeSupport& out_type, const char* in,
                      const fast::TypeSupport& in_type, const char* also_in,
                      fast::DataWriterListener* writer_listener, fast::DataReaderListener* reader_listener,
@@ -115,7 +116,7 @@ class Ends : Recreatable {
     return {};
   }
 
-  /// Deletes the writer and the reader. Afterwards no listener is called.
+  /// Deletes the writer and the readers. When this function has returned, no listener is called any more.
   void end() {
     own(*participant_).dismiss(*this);
     unmake();
@@ -155,7 +156,8 @@ class Ends : Recreatable {
           mine.make_reader(also_in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
     }
     if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
-      return fail("DDS created no writer or reader for commands", "see the message that DDS printed");
+      return fail("DDS could not create a writer and a reader for commands",
+                  "see the message that DDS printed");
     return {};
   }
   void unmake() {
@@ -196,7 +198,7 @@ std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
 
 struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterListener {
   struct Asked {
-    std::uint64_t client = 0;  // number of the client's participant
+    std::uint64_t client = 0;  // identifies the client's participant
     bool answered = false;
     wire::WholeReply reply;
   };
@@ -223,7 +225,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
   std::uint64_t invalid = 0;
   std::uint64_t over_limit = 0;
   wire::RateLimit rate_limit;
-  std::multiset<std::uint64_t> matched;  // the participants of matched reply readers
+  std::multiset<std::uint64_t> matched;  // the participant of each matched reader of replies
   std::thread handler;
   std::thread sender;
   Ends ends;
@@ -254,12 +256,13 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       if (command.node().size() != 0 && node != command.node().c_str()) continue;
       const rtps::GuidPrefix_t& prefix = info.sample_identity.writer_guid().guidPrefix;
       const std::uint64_t client = number_of(prefix);
-      // The rate limit counts only the first part of a command. Without that part, the other parts are
-      // useless.
+      // The rate limit counts only the first part of a command. If that part is rejected, the other parts
+      // have no effect.
       if (command.part() == 0 && !rate_limit.admit(client, Clock::now())) {
         ++over_limit;
         ends.participant().notices().tell(
-            "rejected: more than " + std::to_string(static_cast<int>(wire::RateLimit::kEach.per_second)) +
+            "rejected a command: more than " +
+            std::to_string(static_cast<int>(wire::RateLimit::kEach.per_second)) +
             " commands per second from one client, or " +
             std::to_string(static_cast<int>(wire::RateLimit::kAll.per_second)) + " in total");
         continue;
@@ -279,7 +282,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     ends.participant().notices().tell("rejected: " + who + " asked to " + to_text(command.head.kind()) +
                                       ", which only an operator may do");
     const std::string id = command.head.id().to_string();
-    if (asked.contains(id)) return arrived(std::move(command), client);  // repeats the reply
+    if (asked.contains(id)) return arrived(std::move(command), client);  // sends the reply again
     if (!make_room(0)) return;
     asked[id].client = client;
     asked_order.push_back(id);
@@ -300,11 +303,12 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       asked_order.push_back(id);
       to_handle_bytes += command.data.size();
       to_handle.push_back(std::move(command));
-    }  // otherwise the command is dropped, and the client sends it again
+    }  // else drops the command; the client will send it again
     changed.notify_all();
   }
 
-  // Makes room for one more command. Returns false if too many commands still wait for their reply.
+  // Forgets an answered command if necessary, so that one more command can be accepted. Returns false if too
+  // many commands are still unanswered.
   bool make_room(std::size_t bytes) {
     if (to_handle_bytes + bytes > kMostWaitingBytes) return false;
     if (asked_order.size() < kRemembered) return true;
@@ -336,7 +340,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     found->second.reply = std::move(full);
     while (answer_bytes > kMostWaitingBytes && forget_an_answer()) {
     }
-    found->second.answered = true;  // from now on, this reply may be forgotten
+    found->second.answered = true;  // set last, so that the loop above does not forget this reply
     changed.notify_all();
   }
 
@@ -372,7 +376,8 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     }
   }
 
-  // Holds each reply until the client's reader has matched, because a reply that is sent earlier is lost.
+  // Sends the replies. Holds each reply until the client's reader has matched, because a reply sent before
+  // the match would be lost.
   void send() {
     std::unique_lock lock{mutex};
     while (!ending) {
@@ -403,7 +408,8 @@ Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> partici
   inside->device = std::move(device);
   inside->node = std::move(node);
   inside->handle = std::move(handle);
-  // Without security, all clients have the same rights and use takt/command, so takt/question is not read.
+  // Without security, all clients have the same rights and use takt/command, so the server does not read
+  // takt/question.
   const char* questions = inside->ends.participant().watch() == nullptr ? nullptr : security::kQuestionTopic;
   if (auto made =
           inside->ends.begin("takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
@@ -477,7 +483,8 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
       wire::WholeReply whole;
       {
         const std::lock_guard lock{mutex};
-        // This reader receives the replies to all clients. Replies to other clients' commands are ignored.
+        // Every client receives the replies to all clients. This client ignores replies to commands that it
+        // did not send.
         const auto mine = open.find(reply.id().c_str());
         if (mine == open.end()) continue;
         const std::string key = std::string{reply.id().c_str()} + '/' + reply.node().c_str();
@@ -491,7 +498,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
     const std::lock_guard lock{mutex};
     matched = status.current_count;
-    if (status.current_count_change > 0) {  // a new node has not received the open commands
+    if (status.current_count_change > 0) {  // sends open commands to the new node at once
       for (auto& each : open) each.second.again = Clock::now();
     }
     changed.notify_all();
@@ -507,8 +514,8 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     while (!ending) {
       const auto now = Clock::now();
       const std::int64_t wall = wall_ns();
-      // After its deadline, a command that was sent is still repeated, to get the reply of a node that has
-      // it.
+      // A command that was sent before its deadline is repeated even after it, because a node may have
+      // executed the command although its reply was lost.
       const auto due = std::find_if(open.begin(), open.end(), [&](const auto& each) {
         const Open& one = each.second;
         return matched > 0 && one.again <= now && (one.sent || one.command.head.deadline_ns() >= wall);

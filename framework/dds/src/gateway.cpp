@@ -16,12 +16,13 @@ namespace takt::dds {
 
 namespace {
 
-constexpr int kAtOnce = 16;  // samples to move from one link before the next link is served
+constexpr int kAtOnce = 16;  // samples to move from one link before the turn of the next link
 constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
-// If a sample seems to be older than this, the writer's clock must differ from this machine's.
+// In ns. If a sample's time stamp is older than this, the writer's clock must differ from this machine's
+// clock.
 constexpr std::int64_t kOldest = std::int64_t{60} * 1'000'000'000;
 
-/// Both clocks, read at the same time.
+/// The time on the wall clock and on the monotonic clock, read at the same moment.
 struct Now {
   std::int64_t wall_ns =
       std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -44,12 +45,12 @@ void ring(channel::WakeWord& wake_word, std::uint32_t bits) noexcept {
 Result<void> fits(const Flow& flow, const channel::Link& link) {
   const std::size_t size = model::max_size(flow.type);
   if (link.stride() >= size) return {};
-  return fail("samples of '" + flow.type.name + "' have up to " + std::to_string(size) +
-              " bytes, but the link of '" + flow.topic + "' has room for only " +
+  return fail("samples of type '" + flow.type.name + "' have up to " + std::to_string(size) +
+              " bytes, but the link of topic '" + flow.topic + "' holds samples of at most " +
               std::to_string(link.stride()));
 }
 
-/// Moves samples from a link to DDS.
+/// An outgoing flow: moves samples from one link to DDS.
 class Outgoing {
  public:
   Outgoing(std::unique_ptr<RawWriter> writer, channel::Link from) : writer_(std::move(writer)), from_(from) {}
@@ -57,7 +58,7 @@ class Outgoing {
   [[nodiscard]] std::int64_t news_at() const noexcept { return from_.news_at(); }
   [[nodiscard]] wire::FlowHealth health() const { return writer_->health(); }
 
-  /// Moves a few samples. Returns false if there was none.
+  /// Moves up to kAtOnce samples. Returns false if the link had none.
   bool move() {
     const Now now;
     if (!from_.take(now.monotonic_ns)) return false;
@@ -74,7 +75,7 @@ class Outgoing {
   channel::LinkReader from_;
 };
 
-/// Moves samples from DDS to links.
+/// An incoming flow: moves samples from DDS to one or more links.
 class Incoming final : RawReader::Receiver {
  public:
   Incoming(const std::vector<channel::Link>& to, channel::WakeWord& wake_word) : wake_word_(wake_word) {
@@ -91,11 +92,11 @@ class Incoming final : RawReader::Receiver {
  private:
   struct End {
     channel::LinkWriter writer;
-    std::uint32_t size = 0;  // bytes in the writer's buffer; 0 if there is no sample
+    std::uint32_t size = 0;  // bytes of the sample in the writer's buffer; 0 if the buffer holds none
   };
 
-  // Copies the bytes into the writer's buffer of each link. No reader sees them before received() publishes
-  // them.
+  // Copies the bytes of a sample into the writer's buffer of each link. Readers of the links see the sample
+  // only after received() has published it.
   void receive(const Bytes& bytes) override {
     for (End& end : to_) {
       const channel::Link& link = end.writer.link();
@@ -121,7 +122,7 @@ class Incoming final : RawReader::Receiver {
   channel::WakeWord& wake_word_;
   std::vector<End> to_;
   std::uint32_t to_ring_ = 0;
-  // Must be the last member, because it calls this object until it is destroyed.
+  // Must be the last member: the reader calls this object until the reader is destroyed.
   std::unique_ptr<RawReader> reader_;
 };
 
@@ -166,8 +167,8 @@ class OwnGateway final : public Gateway {
   }
 
   void remove(FlowId flow) override {
-    // These are declared before the lock, so the flow is deleted after unlocking. Deleting waits for
-    // callbacks.
+    // These are declared before the lock, so that the flow is deleted after the mutex is unlocked: the
+    // deletion waits for callbacks, which may need the mutex.
     std::unique_ptr<Outgoing> outgoing;
     std::unique_ptr<Incoming> incoming;
     const std::lock_guard lock{mutex_};
@@ -198,7 +199,8 @@ class OwnGateway final : public Gateway {
       const Instant now = os::now();
       const std::int64_t news = news_at();
       if (news > to_ns(now) && !ending_.load()) {
-        // kLongestSleep limits the delay of a sample if its host died before it rang the wake word.
+        // kLongestSleep limits the delay of a sample if the host that wrote it died before it rang the wake
+        // word.
         const Instant until = std::min(now + kLongestSleep, from_ns(news));
         os::futex_wait(wake_word_.rings, rings, channel::kGatewayBit, until);
       }
@@ -211,7 +213,7 @@ class OwnGateway final : public Gateway {
     for (auto& [id, flow] : outgoing_) moved = flow->move() || moved;
     return moved;
   }
-  /// The time from which the first available sample may be read.
+  /// Returns the earliest time at which a sample of an outgoing flow may be read.
   std::int64_t news_at() {
     const std::lock_guard lock{mutex_};
     std::int64_t first = channel::kNever;
@@ -248,7 +250,8 @@ class OwnTap final : public Tap, RawReader::Receiver {
 
   std::function<void(const std::byte*, std::size_t, std::int64_t)> sample_;
   std::vector<std::byte> bytes_;
-  std::unique_ptr<RawReader> reader_;  // the last member: it calls this object until it is destroyed
+  std::unique_ptr<RawReader> reader_;  // must be the last member: the reader calls this object until it is
+                                       // destroyed
 };
 
 class OwnFeed final : public Feed {

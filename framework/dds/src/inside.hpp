@@ -1,4 +1,4 @@
-// The Fast DDS objects behind a Participant, shared by the sources of this room. Not for other rooms.
+// The implementation of Participant with Fast DDS objects, for the source files of this room only.
 #pragma once
 
 #include <cstdint>
@@ -32,13 +32,13 @@ namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
-/// An object whose readers and writers can be recreated. This is needed when addresses change, because in
-/// this version of Fast DDS readers and writers announce their addresses only when they are created.
+/// An object whose readers and writers can be recreated. This is necessary when the machine's addresses
+/// change, because in Fast DDS 2.9.1 readers and writers announce their addresses only when they are created.
 class Recreatable {
  public:
   virtual ~Recreatable() = default;
-  /// Recreates the readers and writers. Called on the thread that rescans the interfaces, while other threads
-  /// use this object.
+  /// Recreates the readers and writers. The thread that rescans the interfaces calls this, while other
+  /// threads may use this object.
   virtual void recreate() = 0;
 };
 
@@ -47,7 +47,7 @@ class Watch;
 /// The one participant of the process, with its topics. Thread-safe.
 class OwnParticipant final : public Participant {
  public:
-  /// `watch` is null without DDS Security.
+  /// `watch` must be null if DDS Security is off.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                  fast::Subscriber* subscriber, bool only_loopback, std::unique_ptr<wire::Notices> notices,
                  std::unique_ptr<Watch> watch, std::shared_ptr<PacketFilter> filter);
@@ -60,31 +60,32 @@ class OwnParticipant final : public Participant {
     return filter_->refused.load(std::memory_order_relaxed);
   }
 
-  /// Reports rejected participants and packets.
+  /// Returns the object that reports rejected participants and packets.
   [[nodiscard]] wire::Notices& notices() noexcept { return *notices_; }
-  /// Observes the other participants; null without DDS Security.
+  /// Returns the observer of the other participants; null if DDS Security is off.
   [[nodiscard]] Watch* watch() noexcept { return watch_.get(); }
 
-  /// Returns the topic of this name, and creates it if needed. Fails if the topic has another type in this
-  /// process, or if a different type has the same name.
+  /// Returns the topic of this name; creates it if necessary. Fails if this process already uses the topic
+  /// with another type, or another type with the same name.
   Result<fast::Topic*> topic(const std::string& name, const fast::TypeSupport& type);
   /// Releases a topic that topic() returned; the last release deletes the topic.
   void release(fast::Topic* topic);
 
   void enlist(Recreatable& one);
-  /// On return, `one` is not being recreated and will never be.
+  /// Removes `one` from the list. When this function has returned, `one` is not recreated any more.
   void dismiss(Recreatable& one);
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
   [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
-  /// Deletes a writer, which may be null. Removes its samples first. Otherwise Fast DDS frees the samples
-  /// while the writer's heartbeat still runs, and the heartbeat loops for ever in search of a freed sample.
+  /// Deletes a writer, which may be null, and sets it to null. Removes the writer's samples before. Otherwise
+  /// Fast DDS would free the samples while a heartbeat of the writer still runs, and the heartbeat would
+  /// search for a freed sample in an endless loop.
   void end(fast::DataWriter*& writer);
-  /// Creates a reader; returns null if DDS created none. Readers are created and deleted only while no packet
-  /// is handled, see ReceiveLock. The caller must hold no lock that a listener waits for.
+  /// Creates a reader; returns null if DDS fails to create it. Waits until Fast DDS handles no packet, see
+  /// ReceiveLock. So the caller must not hold a lock that a listener waits for.
   fast::DataReader* make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
                                 fast::DataReaderListener* listener, const fast::StatusMask& mask);
-  /// Deletes a reader, which may be null.
+  /// Deletes a reader, which may be null, and sets it to null.
   void end(fast::DataReader*& reader);
 
  private:
@@ -99,7 +100,7 @@ class OwnParticipant final : public Participant {
     int topics = 0;
   };
   std::unique_ptr<wire::Notices> notices_;
-  std::unique_ptr<Watch> watch_;  // the listener of the participant
+  std::unique_ptr<Watch> watch_;  // also the listener of the participant
   std::shared_ptr<PacketFilter> filter_;
   std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
@@ -110,21 +111,21 @@ class OwnParticipant final : public Participant {
   std::map<std::string, Known> types_;
   std::mutex remaking_;
   std::vector<Recreatable*> remade_;
-  bool only_loopback_;  // whether there was only loopback when the readers and writers were created
+  bool only_loopback_;  // whether loopback was the only interface when the readers and writers were created
 };
 
-/// Casts a Participant, which is always an OwnParticipant.
+/// Casts a Participant to OwnParticipant, the only implementation.
 OwnParticipant& own(Participant& participant);
 
 eprosima::fastrtps::Duration_t duration(Nanoseconds time);
 
-/// A number for the GUID of a writer or reader, for comparisons.
+/// Returns a number that identifies the writer or reader with this GUID.
 std::uint64_t number_of(const rtps::GUID_t& guid);
 std::uint64_t number_of(const rtps::InstanceHandle_t& handle);
-/// A number for the GUID prefix of a participant, for comparisons.
+/// Returns a number that identifies the participant with this GUID prefix.
 std::uint64_t number_of(const rtps::GuidPrefix_t& prefix);
 
-/// The name of the QoS policy with this number, such as "reliability".
+/// Returns the name of a QoS policy, such as "reliability".
 std::string policy_name(fast::QosPolicyId_t id);
 
 }  // namespace takt::dds

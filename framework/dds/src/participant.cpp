@@ -33,10 +33,11 @@ constexpr const char* kServerPrefix =
     "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the first server's prefix, according to the manual
 constexpr std::uint16_t kServerPort = 11811;
 constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
-/// The number of participants to look for on a machine of which only the address is known.
+/// How many participants to look for on a peer, that is, on a machine of which only the address is known.
 constexpr std::uint32_t kPeerParticipants = 40;
-/// The number of file descriptors that must be free, which is more than a participant needs on a machine with
-/// a few networks. If there are too few, Fast DDS ends the process.
+/// The number of file descriptors that must be free before a participant is created. This is more than a
+/// participant needs on a machine with a few networks. If Fast DDS runs out of file descriptors, it ends the
+/// process.
 constexpr std::size_t kDescriptors = 48;
 
 std::atomic<bool> there_is_one{false};
@@ -82,10 +83,10 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = {3, 0};
-  // A participant answers the announcement of a new one at once, perhaps before the new one listens. Then the
-  // next announcement, a short time later, gets through.
+  // A participant answers the announcement of a new participant at once, perhaps before the new participant
+  // listens. So announcements are repeated after a short time.
   config.leaseDuration_announcementperiod = {0, 250'000'000};
-  // The first announcement can be lost if both participants start at the same time.
+  // The first announcements can be lost if two participants start at the same time.
   config.initial_announcements.count = 25;
   config.initial_announcements.period = {0, 20'000'000};
   switch (discovery.kind) {
@@ -129,7 +130,7 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
       std::string known;
       for (const std::string& each : mine) known += (known.empty() ? "" : ", ") + each;
       return fail("this machine has no interface with the address '" + address + "'",
-                  known.empty() ? "no interface is up" : "its addresses are " + known);
+                  known.empty() ? "no network interface is up" : "its addresses are " + known);
     }
     udp->interfaceWhiteList.push_back(address);
   }
@@ -139,7 +140,8 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
   return {};
 }
 
-/// Reads the identity in the folder of the options. Fails if it is damaged or not for the options' domain.
+/// Reads the identity from the folder `options.security`. Fails if the identity is damaged or not valid for
+/// `options.domain`.
 Result<security::Identity> identity_for(const ParticipantOptions& options) {
   if (options.discovery.kind == model::Discovery::Kind::server) {
     return fail("DDS Security and a discovery server exclude each other in this version of Fast DDS",
@@ -151,7 +153,7 @@ Result<security::Identity> identity_for(const ParticipantOptions& options) {
   if (std::find(domains.begin(), domains.end(), options.domain) != domains.end()) return identity;
   if (domains.empty()) {
     return Problem{options.security, "this identity may not read or write any topic of its cell",
-                   "give the cell a connection that has only one end; its topic is for programs"};
+                   "add a connection with only one end to the cell; programs may use its topic"};
   }
   std::string known;
   for (const int domain : domains) known += (known.empty() ? "" : ", ") + std::to_string(domain);
@@ -191,7 +193,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
         "create it before the thread becomes real-time, or on another thread");
   }
   if (there_is_one.exchange(true))
-    return fail("this process has a DDS participant already", "use that participant");
+    return fail("this process has a DDS participant already", "use the existing participant");
   const auto refuse = [](Problems problems) {
     there_is_one = false;
     return problems;
@@ -227,9 +229,9 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
                                                               qos, watch.get(), fast::StatusMask::none());
   if (made == nullptr) {
     return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
-                        "see the message that DDS printed; each process takes ports from " +
+                        "see the message that DDS printed; the processes of this domain use UDP ports from " +
                             std::to_string(7400 + 250 * options.domain) +
-                            " upwards, and about 120 processes fit on one machine")});
+                            " upwards, enough for about 120 processes on one machine")});
   }
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
@@ -237,7 +239,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
       made, publisher, subscriber, options.interfaces.empty() && only_loopback(*addresses),
       std::move(notices), std::move(watch), std::move(filter));
   if (publisher == nullptr || subscriber == nullptr)
-    return fail("DDS created no publisher or subscriber", "see the message that DDS printed");
+    return fail("DDS could not create a publisher and a subscriber", "see the message that DDS printed");
   return participant;
 }
 
@@ -265,7 +267,8 @@ OwnParticipant::~OwnParticipant() {
 }
 
 void OwnParticipant::rescan_interfaces() {
-  // This fails if no file descriptor is free. Then Fast DDS would report an error on each call.
+  // os::ipv4_addresses() fails if no file descriptor is free. In this case, the calls of Fast DDS below would
+  // only report errors.
   const auto addresses = os::ipv4_addresses();
   if (!addresses) return;
   fast::DomainParticipantQos qos;
@@ -316,7 +319,7 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
       participant_->unregister_type(type_name);
       types_.erase(type_name);
     }
-    return fail("DDS created no topic '" + name + "' of type '" + type_name + "'",
+    return fail("DDS could not create topic '" + name + "' of type '" + type_name + "'",
                 "see the message that DDS printed");
   }
   ++known.topics;

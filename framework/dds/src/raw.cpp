@@ -9,12 +9,12 @@ namespace takt::dds {
 
 namespace {
 
-constexpr std::size_t kWriters = 64;  // number of writers whose sequence numbers are tracked
+constexpr std::size_t kWriters = 64;  // the number of writers whose sequence numbers a reader tracks
 constexpr std::int32_t kReliableReaderDepth = 32;
-// At most this number of bytes is preallocated for one flow.
+// The largest number of bytes to preallocate for one flow.
 constexpr std::size_t kPreallocated = 4 * 1024 * 1024;
-// A reader notices a lost sample at the writer's next sample or heartbeat. By default, the heartbeat period
-// is 3 s.
+// A reader detects a lost sample when the writer's next sample or heartbeat arrives. By default, the
+// heartbeat period is 3 s, which is too long for a flow.
 constexpr Nanoseconds kFlowHeartbeat = std::chrono::milliseconds{10};
 constexpr Nanoseconds kFlowNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kFlowFirstAck = std::chrono::milliseconds{10};
@@ -120,7 +120,8 @@ Result<void> RawWriter::make() {
   mask << fast::StatusMask::offered_incompatible_qos();
   writer_ = own(*participant_).publisher().create_datawriter(topic_, qos, this, mask);
   if (writer_ == nullptr)
-    return fail("DDS created no writer of '" + flow_.topic + "'", "see the message that DDS printed");
+    return fail("DDS could not create a writer for topic '" + flow_.topic + "'",
+                "see the message that DDS printed");
   return {};
 }
 
@@ -130,7 +131,7 @@ void RawWriter::recreate() {
   const std::lock_guard lock{using_it_};
   unmake();
   health_.matched(0);
-  static_cast<void>(make());  // without a writer, every write fails and is counted
+  static_cast<void>(make());  // if this fails, each later write() fails and is counted
 }
 
 bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns) {
@@ -174,12 +175,13 @@ RawReader::~RawReader() {
 
 Result<void> RawReader::make() {
   fast::DataReaderQos qos;
-  // Samples that arrive before a missing sample is resent must be kept until then.
+  // If a sample was lost, the reader must keep later samples until the lost one is resent. So a reliable
+  // reader needs a deeper history.
   const std::int32_t depth = flow_.quality.reliable ? std::max(depth_of(flow_.quality), kReliableReaderDepth)
                                                     : depth_of(flow_.quality);
   set_flow_quality(qos, flow_.quality, depth, model::max_size(flow_.type));
-  // With buffers of fixed size, Fast DDS would offer a sample that is too long again and again, without
-  // counting it.
+  // With fixed buffers, Fast DDS would try to deliver a sample that is too long again and again, without
+  // counting it as rejected.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kFlowNackDelay);
   qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFlowFirstAck);
@@ -187,7 +189,8 @@ Result<void> RawReader::make() {
   mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
   reader_ = own(*participant_).make_reader(topic_, qos, this, mask);
   if (reader_ == nullptr)
-    return fail("DDS created no reader of '" + flow_.topic + "'", "see the message that DDS printed");
+    return fail("DDS could not create a reader for topic '" + flow_.topic + "'",
+                "see the message that DDS printed");
   return {};
 }
 

@@ -1,5 +1,5 @@
-// Readers and writers of samples as raw bytes, for types that this process was not compiled with. Not for
-// other rooms.
+// Read and write samples as raw bytes, for types that were not compiled into this process. For the source
+// files of this room only.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace takt::dds {
 
-/// The bytes that a raw writer writes.
+/// The bytes of one sample, in CDR with its encapsulation header.
 struct Bytes {
   const std::byte* data = nullptr;
   std::size_t size = 0;
@@ -27,11 +27,12 @@ struct Bytes {
 class Taker {
  public:
   virtual ~Taker() = default;
-  /// Receives the bytes of one sample in DDS's history; they are valid only during the call.
+  /// Takes the bytes of one sample. They are in the history of DDS and are valid only during the call.
   virtual void take(const Bytes& bytes) = 0;
 };
 
-/// A bounded type without a key. No sample is longer than `max_size`, including the encapsulation.
+/// A bounded type without a key, for samples as raw bytes. `max_size` is the size of the largest sample,
+/// including the encapsulation header.
 class RawType final : public fast::TopicDataType {
  public:
   RawType(const std::string& name, std::size_t max_size);
@@ -44,7 +45,7 @@ class RawType final : public fast::TopicDataType {
   bool is_bounded() const override { return true; }
 };
 
-/// The counters of a flow, which threads of Fast DDS write.
+/// The state and counters of one flow. Any thread may update and read them.
 class Health {
  public:
   void matched(std::int32_t count) { matched_ = static_cast<std::uint32_t>(count); }
@@ -65,15 +66,15 @@ class Health {
   std::string incompatible_;
 };
 
-/// A writer of one topic.
+/// Writes samples of one topic.
 class RawWriter final : fast::DataWriterListener, Recreatable {
  public:
   static Result<std::unique_ptr<RawWriter>> create(std::shared_ptr<Participant> participant,
                                                    const Flow& flow);
   ~RawWriter() override;
 
-  /// Writes a sample. `time_ns` is since 1970. Returns false if DDS rejects the sample, which is also
-  /// counted.
+  /// Writes a sample with the source time `time_ns`, in ns since 1970. Returns false if DDS rejects the
+  /// sample, and counts this as a failure.
   bool write(const Bytes& bytes, std::int64_t time_ns);
   [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
 
@@ -95,23 +96,23 @@ class RawWriter final : fast::DataWriterListener, Recreatable {
   Health health_;
 };
 
-/// A reader of one topic. It passes on only valid samples of the type.
+/// Reads samples of one topic and passes the valid ones to a receiver.
 class RawReader final : fast::DataReaderListener, Taker, Recreatable {
  public:
-  /// The receiver of the samples. Threads of Fast DDS call it, one at a time.
+  /// Receives the samples. Threads of Fast DDS call it, never two at the same time.
   struct Receiver {
     virtual ~Receiver() = default;
-    /// Receives a valid sample of the type. The bytes exist only during the call.
+    /// Called first, with the bytes of a valid sample. They are valid only during the call.
     virtual void receive(const Bytes& bytes) = 0;
-    /// Receives the time at which the sample of the last receive() was written, in ns since 1970.
+    /// Called after receive(), with the source time of this sample, in ns since 1970.
     virtual void received(std::int64_t time_ns) = 0;
-    /// Called when there are no more samples for now.
+    /// Called when all samples that have arrived so far were passed on.
     virtual void done() {}
   };
 
   static Result<std::unique_ptr<RawReader>> create(std::shared_ptr<Participant> participant, const Flow& flow,
                                                    Receiver& receiver);
-  /// Waits until a current call of the receiver has ended. The receiver is not called afterwards.
+  /// Waits until no call of the receiver is running. Afterwards the receiver is not called any more.
   ~RawReader() override;
   [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
 
@@ -134,8 +135,9 @@ class RawReader final : fast::DataReaderListener, Taker, Recreatable {
   fast::Topic* topic_ = nullptr;
   fast::DataReader* reader_ = nullptr;
   std::mutex calling_;
-  bool is_sample_ = false;                      // whether the last taken bytes were a valid sample
-  std::map<std::uint64_t, std::int64_t> last_;  // number of the last sample of each writer
+  bool is_sample_ = false;                      // whether the bytes in the last call of take() were a valid
+                                                // sample
+  std::map<std::uint64_t, std::int64_t> last_;  // last sequence number, by writer
   Health health_;
 };
 

@@ -21,26 +21,28 @@ namespace takt::dds {
 
 namespace {
 
-/// The largest number of keys, such as modules of all devices on a domain. The default is 10; samples of
-/// further keys are lost.
+/// The largest number of keys of a topic, for example one for each module on a domain. The default of Fast
+/// DDS is 10; it would drop samples of further keys.
 constexpr int kMaxKeys = 16384;
 constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
-/// Large enough that the listener takes the samples of a burst before they are overwritten.
+/// The history of a reader. Must be so deep that the listener takes the samples of a burst before newer ones
+/// overwrite them.
 constexpr std::int32_t kReaderDepth = 64;
-constexpr std::int32_t kEventsKept = 64;  ///< number of events per device that later readers get
-// A heartbeat asks for missing acknowledgements. By default, a writer sends one every 3 s, and a reader
-// answers after 5 ms. A transition must not wait that long for the acknowledgement of the previous one.
+constexpr std::int32_t kEventsKept = 64;  ///< events per device that a reader gets when it joins later
+// A heartbeat asks readers to acknowledge samples. By default, a writer sends one every 3 s, and a reader
+// answers after 5 ms. This is too long, because a module's transition waits until the previous one is
+// acknowledged.
 constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
-/// The length of one step of a wait. The lock is held during a step.
+/// The length of one step of wait_acknowledged(), which holds the writer's lock during each step.
 constexpr Nanoseconds kStep = std::chrono::milliseconds{20};
 
-/// The sorts of topics. A state is kept for later readers, and its writer's liveliness is watched. The last
-/// events are kept for later readers. Measurements are not kept.
+/// The kinds of topics. DDS keeps the last state of each key and the last events for readers that join later.
+/// It does not keep measurements. For states, DDS also checks that the writer is alive.
 enum class Sort { state, measure, event };
 
-/// The definition of each topic.
+/// The name, kind and generated type of the topic with samples of type T.
 template <class T>
 struct TopicOf;
 template <>
@@ -105,7 +107,8 @@ fast::TypeSupport type_of() {
   return fast::TypeSupport{new CheckedType<typename TopicOf<T>::Generated>};
 }
 
-/// The device in a path, such as "robot" for "cell/robot" and "cell/robot/arm"; empty if there is none.
+/// Returns the device in a path: "robot" for "cell/robot" and "cell/robot/arm"; "" if the path names no
+/// device.
 std::string device_in(std::string_view path) {
   const std::size_t begin = path.find('/');
   if (begin == std::string_view::npos) return {};
@@ -113,8 +116,8 @@ std::string device_in(std::string_view path) {
   return std::string{rest.substr(0, rest.find('/'))};
 }
 
-/// Whether the writer may publish this sample. With DDS Security, a device may publish only about itself,
-/// although all devices write these topics.
+/// Returns whether the writer may publish this sample; reports the writer if it may not. With DDS Security
+/// all devices may write these topics, but each device may publish only about itself.
 template <class T>
 bool may_publish(OwnParticipant& participant, const rtps::GUID_t& writer, const T& sample) {
   Watch* const watch = participant.watch();
@@ -122,7 +125,7 @@ bool may_publish(OwnParticipant& participant, const rtps::GUID_t& writer, const 
   const std::string path = sample.path().to_string();
   const std::string device = device_in(path);
   const bool named = sample.device().size() == 0 ||
-                     sample.device().to_string() == device;  // the device is empty in a disposal
+                     sample.device().to_string() == device;  // a disposal has an empty device name
   if (named && watch->is_device(writer, device)) return true;
   watch->impostor(writer, TopicOf<T>::name, path);
   return false;
@@ -130,7 +133,7 @@ bool may_publish(OwnParticipant& participant, const rtps::GUID_t& writer, const 
 
 template <class T>
 Problem no_entity(const char* what) {
-  return fail(std::string{"DDS created no "} + what + " of " + TopicOf<T>::name,
+  return fail(std::string{"DDS could not create a "} + what + " for topic " + TopicOf<T>::name,
               "see the message that DDS printed");
 }
 
@@ -142,8 +145,8 @@ struct Writer<T>::Inside final : Recreatable {
   fast::Topic* topic = nullptr;
   std::mutex using_it;
   fast::DataWriter* writer = nullptr;
-  std::map<std::string, T> states;  // the last sample of each path, which recreate() publishes again
-  std::deque<T> events;             // the last events, which recreate() publishes again
+  std::map<std::string, T> states;  // the last sample of each path, for recreate() to publish again
+  std::deque<T> events;             // the last events, for recreate() to publish again
   std::atomic<std::uint64_t> failures{0};
 
   ~Inside() override {
@@ -167,7 +170,7 @@ struct Writer<T>::Inside final : Recreatable {
   void recreate() override {
     const std::lock_guard lock{using_it};
     own(*participant).end(writer);
-    if (!make()) return;  // without a writer, every write fails and is counted
+    if (!make()) return;  // each later write() then fails and is counted
     for (auto& [path, sample] : states) writer->write(&sample);
     for (T& sample : events) writer->write(&sample);
   }
@@ -228,7 +231,8 @@ void Writer<T>::assert_liveliness() {
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  // Waits in steps, so that other threads can assert the writer's liveliness between the steps.
+  // Waits in steps and releases the lock between them, so that other threads can assert the writer's
+  // liveliness in time.
   const auto end = std::chrono::steady_clock::now() + limit;
   for (;;) {
     const auto left = std::max(
@@ -253,12 +257,13 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   fast::Topic* topic = nullptr;
   fast::DataReader* reader = nullptr;
   std::atomic<int> matched{0};
-  std::mutex calling;  // data and status arrive on different threads
+  std::mutex calling;  // locks the callbacks, because DDS reports data and status on different threads
   T sample;
   std::set<wire::WriterId> living;
   Undecoded* undecoded = nullptr;
   std::atomic<std::uint64_t> refused{0};
-  // The path of each instance. A disposal arrives without the path, only with the handle of the instance.
+  // The path of each instance, by handle. They are stored because a disposal contains only the handle, not
+  // the path.
   std::map<rtps::InstanceHandle_t, std::string> paths;
 
   ~Inside() override {

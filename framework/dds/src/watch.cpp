@@ -87,8 +87,8 @@ void Watch::on_participant_discovery(fast::DomainParticipant*, rtps::Participant
     if (property.name() == "dds.cert.sn") seen.subject = property.value();
     if (property.name() == "dds.ca.sn") seen.authority = property.value();
   }
-  // A participant with an identity of another authority is reported here. If that participant starts the
-  // authentication and rejects this one, Fast DDS reports nothing, or only after 14 s.
+  // Reports a participant whose identity another authority has issued. If such a participant starts the
+  // authentication and rejects this process, Fast DDS reports nothing, or reports it only after 14 s.
   const bool foreign = !seen.authority.empty() && seen.authority != mine_.authority;
   lock.unlock();
   if (foreign) report_rejected(data.m_guid.guidPrefix);
@@ -101,9 +101,10 @@ void Watch::report_rejected(const rtps::GuidPrefix_t& prefix) {
     if (const auto found = seen_.find(prefix); found != seen_.end()) seen = found->second;
   }
   tell("rejected: " + who(prefix) +
-       (seen.subject.empty()                ? " has no identity of this cell"
-        : seen.authority != mine_.authority ? ": its identity is from another authority"
-                                            : ": its identity was revoked, has expired, or is not its own"));
+       (seen.subject.empty() ? " has no identity of this cell"
+        : seen.authority != mine_.authority
+            ? ": its identity was issued by another authority"
+            : ": its identity was revoked, has expired, or belongs to another participant"));
 }
 
 void Watch::onParticipantAuthentication(fast::DomainParticipant*,
@@ -115,7 +116,8 @@ void Watch::onParticipantAuthentication(fast::DomainParticipant*,
 }
 
 bool Watch::look(const std::string& message) {
-  // "Error checking create remote writer b5.32.[...]|0.0.1.3 (TOPIC topic not found in allow rule. [...]"
+  // A message has this form: "Error checking create remote writer b5.32.[...]|0.0.1.3 (TOPIC topic not found
+  // in allow rule. [...]"
   for (const auto& [begin, does] :
        {std::pair{std::string_view{"Error checking create remote writer "}, "writes"},
         {"Error checking create remote reader ", "reads"}}) {

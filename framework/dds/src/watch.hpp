@@ -1,5 +1,5 @@
-// Observes which participants join, and reports which are rejected and why. Used only with DDS Security. Not
-// for other rooms.
+// Observes the participants that join a cell with DDS Security, and reports each rejected participant and the
+// reason. For the source files of this room only.
 #pragma once
 
 #include <map>
@@ -17,8 +17,8 @@
 
 namespace takt::dds {
 
-/// Parses the identity that a participant announces, such as "/O=cell/OU=device/CN=robot". Returns nothing if
-/// the text does not have this form.
+/// Parses the identity that a participant announces, such as "/O=cell/OU=device/CN=robot". Returns
+/// std::nullopt if the text does not have this form.
 std::optional<security::Subject> announced_subject(std::string_view text);
 
 class Watch final : public fast::DomainParticipantListener {
@@ -29,15 +29,16 @@ class Watch final : public fast::DomainParticipantListener {
 
   [[nodiscard]] const security::Identity& mine() const noexcept { return mine_; }
 
-  /// Whether the writer belongs to this device of the cell. Its GUID shows this, because it is bound to the
-  /// identity.
+  /// Returns whether the writer belongs to this device of the cell. The writer's GUID proves this, because it
+  /// contains a hash of the device's identity.
   bool is_device(const rtps::GUID_t& writer, const std::string& device);
-  /// Reports, once, that a writer published a sample on `topic` about `path` without permission.
+  /// Reports that a writer published a sample on `topic` about `path` without permission. The same report is
+  /// made only once.
   void impostor(const rtps::GUID_t& writer, const std::string& topic, const std::string& path);
-  /// Whether a message in the log of Fast DDS reports that a participant uses a topic without permission.
-  /// Fast DDS reports this nowhere else.
+  /// Reads a message from the log of Fast DDS. If it says that a participant uses a topic without permission,
+  /// reports this and returns true. Fast DDS reports this only in its log.
   bool look(const std::string& message);
-  /// A description of a participant, such as "observer eve at 10.77.0.3".
+  /// Returns a description of a participant, such as "observer eve at 10.77.0.3".
   [[nodiscard]] std::string who(const rtps::GuidPrefix_t& prefix);
   void tell(const std::string& text) { notices_.tell(text); }
 
@@ -45,7 +46,7 @@ class Watch final : public fast::DomainParticipantListener {
   struct Seen {
     std::string name;
     std::string address;
-    std::string subject;  // the identity as announced
+    std::string subject;  // the identity that it announces
     std::string authority;
   };
 
@@ -59,7 +60,7 @@ class Watch final : public fast::DomainParticipantListener {
   wire::UnauthenticatedParticipants& unauthenticated_;
   std::mutex mutex_;
   std::map<rtps::GuidPrefix_t, Seen> seen_;
-  std::map<std::string, security::Prefix> prefixes_;  // the GUID prefixes of devices, by name
+  std::map<std::string, security::Prefix> prefixes_;  // GUID prefixes of devices, by device name
 };
 
 }  // namespace takt::dds

@@ -1,8 +1,8 @@
-// A bundle: a descriptor and the files that it includes, unchanged, in one text.
+// A bundle is one text that contains a descriptor and the files that it includes, unchanged.
 //
-// A node receives one text and no files, and its messages must name the files and lines that the author
-// knows. So a bundle contains the files themselves instead of the expanded descriptor. The descriptor is the
-// first of them: <bundle><source file="cell.xml">...</source>...</bundle>.
+// A node receives one text instead of files, but its messages must cite the files and lines that the author
+// wrote. So a bundle contains the files themselves and not the expanded descriptor. Its first source is the
+// descriptor: <bundle><source file="cell.xml">...</source>...</bundle>.
 #pragma once
 
 #include <map>
@@ -22,7 +22,7 @@ struct Source {
 
 std::string bundle_of(const std::vector<Source>& sources);
 
-/// The sources of a bundle. If the bundle is not valid, reports the problem and returns no sources.
+/// Returns the sources of a bundle. If the bundle is not valid, reports the problem and returns no sources.
 std::vector<Source> sources_of(const Node& bundle, Report& report);
 
 }  // namespace takt::descriptor

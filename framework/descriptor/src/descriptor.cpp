@@ -18,10 +18,10 @@ namespace takt::descriptor {
 
 namespace {
 
-/// A valid descriptor.
+/// The result of reading a valid descriptor.
 struct Read {
   model::Cell cell;
-  Node tree;  ///< without includes and templates
+  Node tree;  ///< the descriptor with its includes and templates expanded
   std::map<std::string, std::string> included;
 };
 
@@ -73,20 +73,21 @@ Result<Read> read_bundle(const Node& bundle, const std::string& file) {
   if (!all) return all;
   for (std::size_t i = 1; i < sources.size(); ++i) {
     if (all->included.count(sources[i].file) == 0)
-      report.add(sources[i].line, "nothing includes the source " + in_quotes(sources[i].file), "remove it");
+      report.add(sources[i].line, "no file includes the source " + in_quotes(sources[i].file),
+                 "remove it from the bundle");
   }
   if (!report.empty()) return report.take();
   return all;
 }
 
-/// Reads at most one byte more than a descriptor may have.
+/// Reads the content of a file, but at most one byte more than a descriptor may have.
 Result<std::string> content_of(const std::string& file) {
   errno = 0;
   std::ifstream stream{file, std::ios::binary};
   std::string content(kMaxBytes + 1, '\0');
   if (stream) stream.read(content.data(), static_cast<std::streamsize>(content.size()));
   const int error = errno;
-  // A directory can be opened but not read.
+  // Check the reading too, because a directory can be opened but not read.
   if (!stream.is_open() || stream.bad() || (stream.gcount() == 0 && error != 0))
     return fail("cannot be read" + (error != 0 ? ": " + std::generic_category().message(error) : ""));
   content.resize(static_cast<std::size_t>(stream.gcount()));
@@ -96,7 +97,7 @@ Result<std::string> content_of(const std::string& file) {
 /// Reads an included file from the file system.
 Result<std::string> included_content(const std::string& path) {
   std::error_code error;
-  // Opening anything but a regular file may block forever.
+  // Accept only regular files, because opening another file, such as a pipe, may block forever.
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
     return fail("is not a regular file", "include a regular file");
   auto content = content_of(path);

@@ -32,8 +32,8 @@ void Element::check_attributes() {
     if (contains(shape_.attributes, name) || report_.full()) continue;
     const std::string_view meant = nearest(name, shape_.attributes);
     if (!meant.empty()) meant_.push_back(meant);
-    report_.add(one.line, "unknown attribute " + brief(name) + " of " + tag(node_.name),
-                shape_.attributes.empty() ? "remove it: " + tag(node_.name) + " has no attributes"
+    report_.add(one.line, "unknown attribute " + in_quotes(name) + " of " + tag(node_.name),
+                shape_.attributes.empty() ? "remove it: " + tag(node_.name) + " cannot have attributes"
                                           : suggestion(name, shape_.attributes));
   }
 }
@@ -49,9 +49,9 @@ void Element::reject_child(const Node& child) {
     meant_.push_back(meant);
     fix = "did you mean " + tag(meant) + "?";
   } else if (allowed.empty()) {
-    fix = "remove it: " + tag(node_.name) + " has no child elements";
+    fix = "remove it: " + tag(node_.name) + " cannot have child elements";
   } else {
-    fix = "it can contain ";
+    fix = tag(node_.name) + " can contain ";
     for (std::size_t i = 0; i < allowed.size(); ++i) {
       if (i > 0) fix += i + 1 == allowed.size() ? " and " : ", ";
       fix += tag(allowed[i]);
@@ -74,14 +74,14 @@ void Element::check_children() {
       seen.push_back(&child);
     } else if (!report_.full()) {
       report_.add(child.line, "duplicate element " + tag(child.name) + " in " + tag(node_.name),
-                  "give it once; the first is " + report_.whereabouts((*first)->line));
+                  "write it only once; the first is " + report_.whereabouts((*first)->line));
     }
   }
   for (const Text& text : node_.texts) {
     const std::string stray = trimmed(text.text);
     if (shape_.text || stray.empty() || report_.full()) continue;
     report_.add(text.line, "text " + in_quotes(stray) + " in " + tag(node_.name),
-                "remove it: " + tag(node_.name) + " has no text");
+                "remove it: " + tag(node_.name) + " cannot have text");
   }
 }
 
@@ -90,14 +90,14 @@ Given Element::given_text() const { return {tag(node_.name), text(), line(), has
 std::optional<Given> Element::attribute(const char* name) const {
   const Attribute* attribute = node_.attribute(name);
   if (attribute == nullptr) return std::nullopt;
-  return Given{std::string{"attribute "} + name, attribute->value, attribute->line, false};
+  return Given{"attribute " + in_quotes(name), attribute->value, attribute->line, false};
 }
 
 std::optional<Given> Element::required_attribute(const char* name) const {
   std::optional<Given> given = attribute(name);
   if (!given && !was_meant(name)) {
-    report_.add(line(), tag(node_.name) + " has no attribute " + name,
-                "give it one: <" + brief(node_.name) + " " + name + "=\"...\">");
+    report_.add(line(), tag(node_.name) + " has no attribute " + in_quotes(name),
+                "add it: <" + brief(node_.name) + " " + name + "=\"...\">");
   }
   return given;
 }
@@ -124,7 +124,7 @@ std::optional<std::int64_t> read_number(const Given& given, Range range, const c
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool whole = error != std::errc::invalid_argument && end == text.data() + text.size();
-  // -0 is within a range that begins with 0, but still has a sign.
+  // The number -0 equals 0 and is in range, but its sign is not allowed if the range begins with 0.
   const bool sign_allowed = range.from < 0 || !text.starts_with('-');
   if (whole && sign_allowed && error == std::errc{} && number >= range.from && number <= range.to)
     return number;
@@ -162,8 +162,8 @@ model::OverrunContract read_contract(const Given& word, const std::optional<Give
   if (!limit) return contract;
   const auto number = read_number(*limit, {1, model::kMaxCatchUp}, "", report);
   if (choice && contract.what != Overrun::catch_up) {
-    report.add(limit->line, "an overrun of " + in_quotes(to_text(contract.what)) + " has a limit",
-               "remove the limit, or write catch-up");
+    report.add(limit->line, "overrun contract " + in_quotes(to_text(contract.what)) + " has a limit",
+               "remove the limit, or change the contract to catch-up");
   } else if (number) {
     contract.limit = static_cast<int>(*number);
   }

@@ -18,8 +18,8 @@ const Shape kUse{.attributes = {"template", "name"}, .many = {"set"}};
 const Shape kSet{.attributes = {"name"}, .text = true};
 const Shape kExport{.attributes = {"port", "of"}};
 
-/// Joins the name of a use and the name of a module in it. It is not '-', because some DDS implementations do
-/// not allow that in topics.
+/// Joins the name of a use and the name of one of its modules. It is not '-', because some DDS
+/// implementations do not allow '-' in topic names.
 constexpr char kJoint = '_';
 
 std::string joined(const std::string& prefix, const std::string& name) {
@@ -82,7 +82,7 @@ void Expansion::expand(Node& root) {
   }
 }
 
-/// Rejects references to parameters outside of templates.
+/// Rejects references to parameters outside templates.
 void Expansion::check_references(Node& root) {
   substitute(
       root, [](std::string_view) -> const std::string* { return nullptr; },
@@ -127,7 +127,7 @@ void Expansion::expand_use(const Node& use, Place place) {
   const std::string name = joined(place.prefix, own);
   if (!model::is_valid_name(own) || !model::is_valid_name(name)) {
     report_.add(given_name->line,
-                in_quotes(model::is_valid_name(own) ? name : own) + " is not a valid name for a use",
+                in_quotes(model::is_valid_name(own) ? name : own) + " is not a valid name for a <use>",
                 model::kNameRule);
     return give_up();
   }
@@ -167,7 +167,7 @@ void Expansion::expand_use(const Node& use, Place place) {
        record);
 }
 
-/// Reads the values of all parameters for this use. Returns false after a mistake.
+/// Reads the parameter values of one use. Returns false if there is a mistake.
 bool Expansion::read_values(const Node& use, const Template& used, const std::string& name, Values& values) {
   std::map<std::string, model::Line, std::less<>> set;
   std::vector<std::string_view> names;
@@ -188,12 +188,14 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
     const std::string parameter = given->trimmed();
     const auto [first, is_new] = set.emplace(parameter, element.line());
     if (std::find(names.begin(), names.end(), parameter) == names.end()) {
-      if (used.broken) continue;  // the template may have it, but could not be read
+      if (used.broken)
+        continue;  // the template may have the parameter, because parts of it could not be
+                   // read
       reject("template " + in_quotes(used.name) + " has no parameter " + in_quotes(parameter),
              names.empty() ? "it has no parameters" : suggestion(parameter, names));
     } else if (!is_new) {
       reject("parameter " + in_quotes(parameter) + " is set twice",
-             "the first is " + report_.whereabouts(first->second));
+             "the first <set> is " + report_.whereabouts(first->second));
     } else {
       values[parameter] = element.text();
     }
@@ -214,11 +216,11 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
   return right;
 }
 
-/// Checks the size before anything is created, because a few templates that use each other twice can become
-/// huge.
+/// Checks the size before anything is created, because a few templates that each use the next one twice can
+/// expand to a huge size. Returns false, and reports the problem, if the limit is exceeded.
 bool Expansion::fits(const Node& use, const Template& used) {
   if (use.line.insertion != 0 && insertions_[use.line.insertion - 1].used)
-    return true;  // counted with the outer use
+    return true;  // already counted as part of the outer use
   parts_ += used.size;
   if (parts_ <= kMaxParts) return true;
   full_ = true;
@@ -226,11 +228,12 @@ bool Expansion::fits(const Node& use, const Template& used) {
   report_.add(use.line,
               "the templates expand to too many parts: this use of template " + in_quotes(used.name) +
                   " alone makes " + number + " elements, attributes and texts",
-              "a descriptor has at most " + std::to_string(kMaxParts));
+              "a descriptor may have at most " + std::to_string(kMaxParts));
   return false;
 }
 
-/// Copies the node. In the copy, the values are inserted and all lines belong to the insertion.
+/// Copies a node and its descendants. In the copy, parameters are replaced by their values, and all lines
+/// belong to the insertion.
 Node Expansion::copy_of(const Node& node, std::uint32_t insertion, const Values& values) {
   const Meaning meaning = [&values](std::string_view name) -> const std::string* {
     const auto found = values.find(name);
@@ -299,19 +302,21 @@ void Expansion::make(const Template& used, const Values& values, std::uint32_t i
   }
 }
 
-/// Whether a module or use in the template has this name. Reports an unknown name.
+/// Returns true if the template contains a module or use with this name. Reports an unknown name.
 bool Expansion::check_inner(const std::string& inner, const Given& given, const Template& used,
                             const Place& place) {
   const std::vector<std::string>& names = inner_[{place.device, place.prefix}];
   if (std::find(names.begin(), names.end(), inner) != names.end()) return true;
-  // The name may be that of a module whose name could not be read.
+  // It may be the name of a module whose name could not be read.
   if (used.node.incomplete || !std::all_of(names.begin(), names.end(), model::is_valid_name)) return false;
   const std::vector<std::string_view> choices{names.begin(), names.end()};
   report_.add(
       given.line,
-      given.what + " names " + in_quotes(inner) + ", which is not in template " + in_quotes(used.name),
-      choices.empty() ? "its module has no <name> of its own: connect the ports of the use"
-                      : suggestion(inner, choices));
+      given.what + " names " + in_quotes(inner) + ", which is not a module or use of template " +
+          in_quotes(used.name),
+      choices.empty()
+          ? "the only module of this template has the name of the use: connect to the ports of the use"
+          : suggestion(inner, choices));
   return false;
 }
 
@@ -330,8 +335,8 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
     return reject(*port, in_quotes(port->text) + " is not a valid port name", model::kNameRule);
   const std::vector<std::string> parts = split(of->trimmed());
   if (parts.size() != 2 || !model::is_valid_name(parts[0]) || !model::is_valid_name(parts[1]))
-    return reject(*of, "attribute of is not valid: " + in_quotes(of->trimmed()),
-                  "write module.port, with a module of this template");
+    return reject(*of, "attribute 'of' is not valid: " + in_quotes(of->trimmed()),
+                  "write module.port, where the module is in this template");
   if (!check_inner(parts[0], *of, used, place)) {
     record.incomplete = true;
     return;
@@ -346,7 +351,7 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
       return reject(
           *of,
           "template " + in_quotes(inner->second.template_name) + " exports no port " + in_quotes(parts[1]),
-          inner->second.exports.empty() ? "add an <export> to it"
+          inner->second.exports.empty() ? "add an <export> to that template"
                                         : suggestion(parts[1], keys_of(inner->second.exports)));
     }
     exported = found->second;
@@ -356,15 +361,15 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
            "export it once");
 }
 
-/// Replaces "servo.out" in a template by the full name of that port. An end with three parts is a port of the
-/// cell and stays as it is.
+/// Completes the ends of a template's connection: "servo.out" becomes the full name of that port. An end with
+/// three parts names a port outside the template and remains unchanged.
 void Expansion::make_absolute(Node& connection, const Template& used, const Place& place) {
   for (const char* side : {"from", "to"}) {
     Attribute* end = connection.attribute(side);
     if (end == nullptr) continue;
     const std::vector<std::string> parts = split(trimmed(end->value));
     if (parts.size() == 3) continue;
-    const Given given{std::string{"attribute "} + side, end->value, end->line, false};
+    const Given given{"attribute " + in_quotes(side), end->value, end->line, false};
     if (parts.size() != 2 || !model::is_valid_name(parts[0]) || !model::is_valid_name(parts[1])) {
       report_.add(end->line, given.what + " is not valid: " + in_quotes(trimmed(end->value)),
                   "in a template, write module.port, or device.module.port for a port outside the template");
@@ -375,10 +380,10 @@ void Expansion::make_absolute(Node& connection, const Template& used, const Plac
     end->value = place.device + "." + joined(place.prefix, parts[0]) + "." + parts[1];
   }
   if (!model::is_valid_name(place.device))
-    connection.incomplete = true;  // the problem was reported for the device
+    connection.incomplete = true;  // the device has an invalid name, which was already reported
 }
 
-/// An end may name a port that a use exports. Replaces such an end by the port of the module.
+/// If an end of the connection names a port that a use exports, replaces the end by the port of the module.
 void Expansion::resolve(Node& connection) {
   for (const char* side : {"from", "to"}) {
     Attribute* end = connection.attribute(side);
@@ -396,7 +401,7 @@ void Expansion::resolve(Node& connection) {
     connection.incomplete = true;
     if (used.incomplete) continue;
     report_.add(end->line,
-                std::string{side} + " names port " + in_quotes(parts[2]) + " of " +
+                "attribute " + in_quotes(side) + " names port " + in_quotes(parts[2]) + " of " +
                     in_quotes(parts[0] + "." + parts[1]) + ", which template " +
                     in_quotes(used.template_name) + " does not export",
                 used.exports.empty() ? "add an <export> to the template"
@@ -404,7 +409,7 @@ void Expansion::resolve(Node& connection) {
   }
 }
 
-/// Rejects a module with the name of a use: connections to that name would be ambiguous.
+/// Rejects a module that has the same name as a use, because connections to that name would be ambiguous.
 void Expansion::check_names(const Node& device, const std::string& name) {
   for (const Node& child : device.children) {
     if (child.name != "module") continue;

@@ -1,8 +1,8 @@
-// Replaces the uses of templates by the content of the templates.
+// Replaces each use of a template by the content of the template.
 //
-// In the descriptor of a cell with six equal axes, the axis is written once. The expanded tree has only
-// modules and connections, as if the author had written each of them by hand. So no other room knows about
-// templates. Problems name both the line in the template and the line of the use.
+// In the descriptor of a cell with six equal axes, the author writes one template for the axis. The expanded
+// tree contains only modules and connections, as if the author had written each of them by hand. So no other
+// part of Takt has code for templates. A problem cites both the line in the template and the line of the use.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ namespace takt::descriptor {
 
 class Expansion {
  public:
-  /// `file` is the path of the descriptor. `templates_missing` means that an include could not be read; then
-  /// an unknown template is not reported.
+  /// `file` is the path of the descriptor. If `templates_missing` is true, an include could not be read, and
+  /// unknown templates are not reported.
   Expansion(std::string file, std::vector<model::Insertion>& insertions, bool templates_missing,
             Report& report)
       : file_(std::move(file)),
@@ -30,32 +30,32 @@ class Expansion {
         report_(report),
         templates_(report) {}
 
-  /// Replaces each <use> by its modules and connections. If the end of a connection names a port that a use
-  /// exports, replaces the end by the port itself. If an expansion fails, reports the problem and marks the
-  /// parent as incomplete.
+  /// Replaces each <use> by the modules and connections of its template. If the end of a connection names a
+  /// port that a use exports, replaces the end by the exported port. If an expansion fails, reports the
+  /// problem and marks the parent as incomplete.
   void expand(Node& root);
 
  private:
   using Values = std::map<std::string, std::string, std::less<>>;
-  /// A port with the names that it has on the device: "servo.setpoint" in a template becomes "axis1_servo"
-  /// and "setpoint".
+  /// A port inside a use, with the names that it has on the device: "servo.setpoint" in the template of use
+  /// "axis1" becomes module "axis1_servo" and port "setpoint".
   struct Port {
     std::string module;
     std::string port;
   };
-  /// A use of a template, as the connections to the use need it.
+  /// What is known about a use when connections to its ports are resolved.
   struct Used {
     std::string template_name;
     model::Line line;
     std::map<std::string, Port, std::less<>> exports{};
-    bool is_module = false;   ///< its only module has the name of the use
-    bool incomplete = false;  ///< it may have more exports, which could not be read
+    bool is_module = false;   ///< true if its only module has the name of the use
+    bool incomplete = false;  ///< true if it may have further exports that could not be read
   };
-  /// Where the modules of a use are inserted.
+  /// The place at which the modules of a use are inserted.
   struct Place {
-    Node& parent;        ///< the element that gets the modules
+    Node& parent;        ///< the element to which the modules are added
     std::string device;  ///< the name of the device
-    std::string prefix;  ///< of all names; empty on the device itself
+    std::string prefix;  ///< prefix of all module names; empty directly on the device
   };
 
   void check_references(Node& root);
@@ -76,8 +76,9 @@ class Expansion {
   bool templates_missing_;
   Report& report_;
   Templates templates_;
-  std::map<std::pair<std::string, std::string>, Used> uses_;                       // by device and name
-  std::map<std::pair<std::string, std::string>, std::vector<std::string>> inner_;  // the names in a use
+  std::map<std::pair<std::string, std::string>, Used> uses_;  // by device name and use name
+  // The names of the modules and uses inside each use
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> inner_;
   std::vector<Node> connections_;
   std::size_t parts_ = 0;
   std::size_t bytes_ = 0;

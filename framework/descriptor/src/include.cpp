@@ -13,7 +13,8 @@ namespace takt::descriptor {
 
 namespace {
 
-/// Whether an element may contain an <include>. Elsewhere it is an unknown element.
+/// Returns true if the element may contain an <include>. In any other element, <include> is an unknown
+/// element.
 bool may_include(const Node& parent) {
   return parent.name == "cell" || parent.name == "root" || parent.name == "device" ||
          parent.name == "fragment";
@@ -76,7 +77,7 @@ const std::string* Includes::text_of(const Node& include, const std::string& pat
   return nullptr;
 }
 
-/// Inserts the file into the parent. On failure, reports the problem and returns false.
+/// Inserts the included file into the parent. On failure, reports the problem and returns false.
 bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string>& chain) {
   const Element element{include, {.attributes = {"file"}}, report_};
   const auto file = element.required_attribute("file");
@@ -86,7 +87,8 @@ bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string
     return false;
   };
   const std::string name = file->trimmed();
-  if (name.empty()) return reject(file->what + " is empty", "name a file, relative to this one");
+  if (name.empty())
+    return reject(file->what + " is empty", "write the path of a file, relative to this file");
   if (name.size() > model::kMaxFilename)
     return reject("the path " + in_quotes(name) + " is too long", "at most 4096 bytes are allowed");
   const std::string path = path_beside(chain.back(), name);
@@ -98,7 +100,7 @@ bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string
                   "move what both files need into a third file");
   }
   if (chain.size() > kMaxIncludeDepth) {
-    return reject("includes are nested more than " + std::to_string(kMaxIncludeDepth) + " deep",
+    return reject("includes are nested more than " + std::to_string(kMaxIncludeDepth) + " levels deep",
                   "include " + in_quotes(path) + " directly in the descriptor");
   }
   if (++includes_ > kMaxIncludes) {
@@ -121,7 +123,8 @@ bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string
                 "use <fragment> as its root element");
     return false;
   }
-  // Checks only the attributes. The content is checked against the shape of the element that includes it.
+  // Check only the attributes here. The children are checked later, against the shape of the element that
+  // includes the file.
   Node without_children = fragment;
   without_children.children.clear();
   const Element held{without_children, {.text = true}, report_};

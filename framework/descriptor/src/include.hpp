@@ -1,4 +1,4 @@
-// Inserts the files that a descriptor includes into its tree.
+// Reads the files that a descriptor includes, and inserts their content into the tree of the descriptor.
 #pragma once
 
 #include <functional>
@@ -12,26 +12,27 @@
 
 namespace takt::descriptor {
 
-inline constexpr std::size_t kMaxIncludeDepth = 8;  ///< levels of includes within included files
-inline constexpr std::size_t kMaxIncludes = 1000;   ///< the number of includes in one descriptor
+inline constexpr std::size_t kMaxIncludeDepth = 8;  ///< maximum depth of includes within included files
+inline constexpr std::size_t kMaxIncludes = 1000;   ///< maximum number of includes in one descriptor
 
-/// Returns the content of an included file. On the command line, the function reads the file system. In a
-/// node it looks in the bundle only, because a node must not open files that a text from the network names.
+/// Returns the content of an included file. The command line passes a function that reads from the file
+/// system. A node passes a function that looks only in the bundle, because a node must not open files that a
+/// text from the network names.
 using ReadFile = std::function<Result<std::string>(const std::string& path)>;
 
-/// Replaces every <include> of a tree by the content of the <fragment> in the file that it names. On failure,
-/// reports the problem and marks the parent as incomplete.
+/// Replaces every <include> in a tree. The file that it names must have the root element <fragment>, whose
+/// content replaces the <include>. On failure, reports the problem and marks the parent as incomplete.
 class Includes {
  public:
   Includes(std::vector<model::Insertion>& insertions, ReadFile read, Report& report)
       : insertions_(insertions), read_(std::move(read)), report_(report) {}
 
-  /// `file` is the path of the descriptor, `bytes` its size.
+  /// Replaces all includes in the tree. `file` is the path of the descriptor, `bytes` is its size.
   void put_into(Node& root, const std::string& file, std::size_t bytes);
 
-  /// The texts of all included files, by path.
+  /// The texts of all included files, indexed by path.
   [[nodiscard]] const std::map<std::string, std::string>& texts() const { return texts_; }
-  /// Whether an include could not be inserted.
+  /// Returns true if an include could not be replaced.
   [[nodiscard]] bool incomplete() const { return incomplete_; }
 
  private:
@@ -48,7 +49,8 @@ class Includes {
   bool incomplete_ = false;
 };
 
-/// The path of a `file` that is relative to the file `from`, without redundant . and ..
+/// The path of `file`, which is relative to the folder of the file `from`. Redundant parts `.` and `..` are
+/// removed.
 std::string path_beside(const std::string& from, const std::string& file);
 
 }  // namespace takt::descriptor

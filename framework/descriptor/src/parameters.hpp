@@ -11,18 +11,18 @@
 
 namespace takt::descriptor {
 
-/// Returns the value of a parameter; null if the name is unknown.
+/// Returns the value of a parameter, or null if there is no parameter with this name.
 using Meaning = std::function<const std::string*(std::string_view name)>;
-/// Called for a reference that cannot be replaced. `name` is the name in the reference, or none if the } is
-/// missing.
+/// Called for each reference that cannot be replaced. `name` is the name in the reference, or none if the
+/// closing } is missing.
 using Unknown = std::function<void(std::optional<std::string_view> name)>;
 
-/// The text with its references replaced. Unknown references are removed. Inserted values are not searched
-/// for further references.
+/// Returns the text with all references replaced. References to unknown parameters are removed. References
+/// inside the inserted values are not replaced.
 std::string substituted(std::string_view text, const Meaning& meaning, const Unknown& unknown);
 
-/// Replaces the references in every attribute and text of a node and of its descendants. `unknown` also gets
-/// the line.
+/// Replaces the references in every attribute and text of a node and of its descendants. `unknown` also
+/// receives the line of the reference.
 void substitute(Node& node, const Meaning& meaning,
                 const std::function<void(model::Line line, std::optional<std::string_view> name)>& unknown);
 

@@ -11,7 +11,8 @@ namespace takt::descriptor {
 
 namespace {
 
-// The shapes allow <use>, <template> and <include>, but these have already been expanded when a cell is read.
+// The shapes allow <use>, <template> and <include>. These elements have already been expanded when a cell is
+// read.
 const Shape kRoot{.many = {"executor", "module", "use", "template", "include"}};
 const Shape kCell{
     .attributes = {"name", "domain", "discovery", "peers", "server", "server-device", "security"},
@@ -38,8 +39,8 @@ class CellReader {
     } else {
       report_.add(root.line, "unknown root element <" + brief(name) + ">",
                   root.name == "fragment"
-                      ? "this file is made to be included: check a descriptor that includes it"
-                      : "a descriptor has one element <root> or <cell>");
+                      ? "this file is a fragment for inclusion: use a descriptor that includes it"
+                      : "the root element of a descriptor must be <root> or <cell>");
       reading_.gaps.devices = true;
       reading_.cell.name = "unread";
     }
@@ -47,7 +48,8 @@ class CellReader {
   }
 
  private:
-  /// Reads the form of the paper, which has the modules of a single device. This device is the whole cell.
+  /// Reads the paper's form of a descriptor. It contains the modules of one device, and this device is the
+  /// whole cell.
   void read_root(const Node& xml) {
     const Element root{xml, kRoot, report_};
     reading_.cell.name = name_after(reading_.cell.file);
@@ -77,7 +79,7 @@ class CellReader {
       read_device(device, device_name ? device_name->trimmed() : stand_in());
     }
     for (const Node* child : cell.children("connection")) {
-      // Stop after one connection too many, which is enough for validate() to reject the cell.
+      // Stop at one connection more than the limit, which is enough for validate() to reject the cell.
       if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
       read_connection(*child);
     }
@@ -144,7 +146,7 @@ class CellReader {
       reading_.cell.server_device = given->trimmed();
       if (reading_.cell.server_device.empty()) {
         report_.add(given->line, given->what + " is empty",
-                    "name the device whose node starts the server, or remove it");
+                    "name the device whose node starts the server, or remove the attribute");
         gap = true;
       }
     }
@@ -249,13 +251,14 @@ class CellReader {
     reading_.gaps.without_ends.push_back(!from_known || !to_known || element.has_unknown_children());
   }
 
-  /// Returns false if an end was given but cannot be read. An end may be left out.
+  /// Reads one end of a connection. Returns false if the end is given but cannot be read. An end may be
+  /// omitted.
   bool read_end(const Element& element, const char* side, model::Endpoint& end) {
     const auto given = element.attribute(side);
     if (!given) return !element.was_meant(side);
     const std::string text = given->trimmed();
     end = endpoint(text);
-    // ".." has three empty parts; it must not count as an end that was left out.
+    // The text ".." has three empty parts, but it must not count as an omitted end.
     if (text.find_first_not_of('.') != std::string::npos) return true;
     report_.add(given->line, given->what + (text.empty() ? " is empty" : " is not valid: " + in_quotes(text)),
                 "write device.module.port");
@@ -269,7 +272,8 @@ class CellReader {
       known = choice.has_value();
       if (choice == 1U) connection.kind = model::ConnectionKind::queue;
     }
-    // If the kind could not be read, use a queue, because a queue may have all attributes.
+    // If the kind could not be read, assume a queue, because a queue may have every attribute of a
+    // connection.
     if (!known) connection.kind = model::ConnectionKind::queue;
     const bool queue = connection.kind == model::ConnectionKind::queue;
 
@@ -282,7 +286,8 @@ class CellReader {
         connection.depth = static_cast<int>(*number);
       }
     }
-    // The next latest value replaces a lost one, but each sample of a queue matters.
+    // A queue is reliable by default, because each of its samples matters. A lost latest value is soon
+    // replaced by the next one.
     connection.reliability = queue ? model::Reliability::reliable : model::Reliability::best_effort;
     if (const auto given = element.attribute("reliability")) {
       constexpr model::Reliability kReliabilities[] = {model::Reliability::best_effort,
@@ -309,7 +314,7 @@ class CellReader {
       connection.topic = given->trimmed();
       if (connection.topic.empty()) {
         report_.add(given->line, given->what + " is empty",
-                    "name a topic, or remove it: the connection then gets a topic of its own");
+                    "name a topic, or remove the attribute: the connection then gets its own topic");
         connection.topic = stand_in();
       }
     } else if (element.was_meant("topic")) {
@@ -324,8 +329,8 @@ class CellReader {
     }
   }
 
-  /// Converts the ROS 2 name of the topic, such as "/arm/joint_states", to its name on DDS. A writer is
-  /// reliable by default, because ROS 2 readers require that by default.
+  /// Converts the ROS 2 name of the topic, for example "/arm/joint_states", to its name on DDS. Makes a
+  /// writer reliable by default, because ROS 2 readers require a reliable writer by default.
   void read_ros2(const Element& element, model::Connection& connection) {
     connection.ros2 = true;
     if (!element.attribute("reliability") && !element.was_meant("reliability") && connection.from.given())
@@ -336,7 +341,8 @@ class CellReader {
     }
   }
 
-  /// Splits device.module.port. A text with other parts is kept so that validate() can reject and quote it.
+  /// Splits device.module.port into its parts. If the text has more or fewer parts, keeps it in a form that
+  /// validate() rejects and quotes.
   static model::Endpoint endpoint(const std::string& text) {
     const std::size_t first = text.find('.');
     if (first == std::string::npos) return {text, {}, {}};
@@ -345,7 +351,7 @@ class CellReader {
     return {text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
   }
 
-  /// A valid, unique name for something whose name could not be read.
+  /// A valid, unique name that replaces a name that could not be read.
   std::string stand_in() { return "_unread-" + std::to_string(++stand_ins_); }
 
   Report& report_;
@@ -358,7 +364,8 @@ class CellReader {
 std::string name_after(const std::string& file) {
   std::string name = model::file_stem(file).substr(0, model::kMaxNameLength);
   for (std::size_t i = 0; i < name.size(); ++i) {
-    // A character is allowed inside a name if "a" followed by it is a valid name.
+    // A character may be at position i of a name if "a" followed by it is a valid name (at position 0: if it
+    // is a valid name alone).
     const std::string probe = i == 0 ? name.substr(0, 1) : "a" + name.substr(i, 1);
     if (!model::is_valid_name(probe)) name[i] = '_';
   }

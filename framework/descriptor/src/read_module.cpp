@@ -15,7 +15,7 @@ using model::Operation;
 using std::chrono::milliseconds;
 
 constexpr const char* kNs = " of nanoseconds";
-constexpr Nanoseconds kStandIn = milliseconds{1};  // replaces a time that could not be read
+constexpr Nanoseconds kStandIn = milliseconds{1};  // used in place of a time that could not be read
 
 const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "offset",
                              "deadline", "dispatch", "interarrival", "priority", "executor", "budget",
@@ -49,7 +49,7 @@ class ModuleReader {
   }
 
  private:
-  /// The text of a child that every module must have; reports a missing one.
+  /// Returns the text of a child that every module must have. Reports the child if it is missing.
   std::optional<Given> required(const char* name, const std::string& fix) {
     std::optional<Given> given = element_.child_text(name);
     if (!given && !element_.was_meant(name)) {
@@ -165,8 +165,8 @@ class ModuleReader {
     read_budget();
     read_overrun();
     if (!operation_known_) {
-      // It is not known which times the module may have, so continue as for an operation type that needs
-      // none.
+      // Without a known operation type, it is not known which times the module may have. Continue as if it
+      // were non-real, because a non-real module needs none.
       module_.operation = Operation::non_real;
       module_.period.reset();
       module_.deadline.reset();
@@ -207,7 +207,8 @@ class ModuleReader {
       module_.lines.executor = given->line;
       if (!module_.executor.empty()) return;
       if (!given->unread)
-        report_.add(given->line, given->what + " is empty", "name an executor of the device, or remove it");
+        report_.add(given->line, given->what + " is empty",
+                    "name an executor of the device, or remove the element");
     }
     const bool stands_in = given || element_.was_meant("executor");
     const bool scheduled = module_.operation != Operation::non_real;

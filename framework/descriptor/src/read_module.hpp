@@ -12,13 +12,14 @@ namespace takt::descriptor {
 
 struct ModuleReading {
   model::Module module;
-  bool name_known = true;  ///< false: its name could not be read
+  bool name_known = true;  ///< false if the module's name could not be read
 };
 
-/// `executors` are those of the device, never empty. A module without <executor> gets the only executor.
+/// Reads a module. `executors` are the executors of its device, at least one. If the device has only one, a
+/// module without <executor> runs on it.
 ModuleReading read_module(const Node& xml, const std::vector<model::Executor>& executors, Report& report);
 
-/// Whether a <module> may contain an element of this name.
+/// Returns true if a <module> may contain an element with this name.
 bool is_of_module(std::string_view name);
 
 }  // namespace takt::descriptor

@@ -29,7 +29,7 @@ Problems Report::take() {
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   struct Shared {
     std::size_t index;    // in `sorted`
-    std::size_t repeats;  // in further uses of the template
+    std::size_t repeats;  // number of further uses of the template with the same problem
   };
   std::map<std::tuple<std::string, std::string, std::string>, Shared> shared;
   Problems sorted;

@@ -16,7 +16,7 @@ namespace {
 const Shape kTemplate{.attributes = {"name"}, .many = {"parameter", "module", "use", "connection", "export"}};
 const Shape kParameter{.attributes = {"name", "default"}};
 
-constexpr std::size_t kMostNamed = 5;  // number of templates of a circle that a message names
+constexpr std::size_t kMostNamed = 5;  // maximum number of templates that a message about a cycle names
 
 std::size_t parts_of(const Node& node) {
   std::size_t parts = 1 + node.attributes.size() + node.texts.size();
@@ -54,7 +54,7 @@ void Templates::take_out(Node& parent) {
     const auto line = child.line;
     const auto [known, is_new] =
         all_.try_emplace(name->trimmed(), Template{name->trimmed(), std::move(child)});
-    // If two files include the same file, its templates appear twice, but are the same.
+    // If two files include the same file, each of its templates is read twice; this is no duplicate.
     const auto first = known->second.node.line;
     const bool again = first.insertion != line.insertion && report_.place(first) == report_.place(line);
     if (is_new || again) continue;
@@ -74,9 +74,10 @@ void Templates::read(Template& one) {
     if (child.name == "module" || child.name == "use") ++members;
     if (child.name != "use") continue;
     const Attribute* used = child.attribute("template");
-    if (used == nullptr) continue;  // reported when the use is expanded
+    if (used == nullptr) continue;  // the missing attribute is reported when the use is expanded
     if (used->value.find("${") != std::string::npos) {
-      report_.add(used->line, "the template of a <use> is a parameter", "write the name of the template");
+      report_.add(used->line, "the template of a <use> is given by a parameter",
+                  "write the name of the template");
       one.broken = true;
     } else {
       one.uses.push_back(trimmed(used->value));
@@ -91,7 +92,7 @@ void Templates::read(Template& one) {
     if (child.name != "module" || child.child("name") != nullptr) continue;
     one.alone = members == 1;
     if (one.alone) continue;
-    // An unknown element, which is reported when the use is expanded, may be a misspelled <name>.
+    // The module may have a misspelled <name>: an unknown element that is reported when the use is expanded.
     if (std::any_of(child.children.begin(), child.children.end(),
                     [](const Node& c) { return !is_of_module(c.name); })) {
       one.node.incomplete = true;
@@ -100,7 +101,7 @@ void Templates::read(Template& one) {
     report_.add(child.line,
                 "a module in template " + in_quotes(one.name) +
                     " has no <name>, but the template contains more than this module",
-                "give it a <name>: only the single module of a template gets the name of the use");
+                "add a <name>; only a module that is alone in its template gets the name of the use");
     one.broken = true;
   }
   read_parameters(one, parameters);
@@ -182,8 +183,8 @@ void Templates::check_references(Template& one) {
   }
 }
 
-/// Computes the size and depth of each template, and begins with the templates that use no others. Templates
-/// that remain at the end use themselves.
+/// Computes the size and depth of each template. Begins with the templates that use no others, and continues
+/// with the templates that use only these, and so on. The templates that this never reaches use themselves.
 void Templates::count() {
   std::map<std::string_view, std::vector<Template*>> users;
   std::map<std::string_view, std::size_t> open;
@@ -212,10 +213,10 @@ void Templates::count() {
   for (auto& [name, one] : all_) {
     if (left.count(name) > 0) one.broken = true;
     if (one.depth != kMaxUseDepth + 1 || one.broken)
-      continue;  // templates that use this one are deeper, but are not reported again
+      continue;  // templates that use this one are nested more deeply, but only this one is reported
     report_.add(one.node.line,
                 "template " + in_quotes(name) + " nests templates more than " + std::to_string(kMaxUseDepth) +
-                    " deep",
+                    " levels deep",
                 "reduce the nesting");
   }
   for (auto& [name, one] : all_) one.broken = one.broken || one.depth > kMaxUseDepth;
@@ -223,7 +224,8 @@ void Templates::count() {
 }
 
 void Templates::report_circles(const std::set<std::string_view>& in_circles) {
-  std::map<std::string_view, std::size_t> walked;  // the walk that visited each template
+  std::map<std::string_view, std::size_t> walked;  // for each visited template, the number of the walk that
+                                                   // visited it
   std::size_t walk = 0;
   for (const std::string_view start : in_circles) {
     ++walk;

@@ -14,11 +14,11 @@
 
 namespace takt::descriptor {
 
-inline constexpr std::size_t kMaxUseDepth = 8;  ///< levels of templates that use templates
+inline constexpr std::size_t kMaxUseDepth = 8;  ///< maximum depth of templates that use templates
 
 struct Parameter {
   std::string name;
-  std::optional<std::string> value;  ///< the default; none: each use must set the parameter
+  std::optional<std::string> value;  ///< the default value; if there is none, each use must set the parameter
   model::Line line{};
 };
 
@@ -26,27 +26,28 @@ struct Template {
   std::string name;
   Node node;
   std::vector<Parameter> parameters{};
-  std::vector<std::string> uses{};  ///< the templates that it uses
-  std::size_t size = 0;   ///< elements, attributes and texts that one use creates, at most kUncountable
-  std::size_t depth = 0;  ///< levels of templates; 1: it uses none
-  bool broken = false;    ///< it has a mistake, which was reported, so its uses are not expanded
-  bool alone = false;     ///< it has a single module, which gets the name of the use
+  std::vector<std::string> uses{};  ///< names of the templates that this template uses
+  std::size_t size = 0;   ///< number of elements, attributes and texts that one use creates; at most
+                          ///< kUncountable
+  std::size_t depth = 0;  ///< levels of nested templates; 1 if it uses none
+  bool broken = false;    ///< true if it has a mistake, which was reported; its uses are then not expanded
+  bool alone = false;     ///< true if it has a single module, which gets the name of the use
 };
 
 inline constexpr std::size_t kUncountable = 1'000'000'000'000'000'000;
 
-/// Takes the templates out of a tree and checks each: its parameters, the references to them, the templates
-/// that it uses, and the size of one use before it is expanded.
+/// Removes the templates from a tree and checks each of them: its parameters, the references to them, the
+/// templates that it uses, and the size of one use.
 class Templates {
  public:
   explicit Templates(Report& report) : report_(report) {}
 
   void take_from(Node& root);
 
-  /// Null if there is no template of that name.
+  /// Returns the template with this name, or null.
   [[nodiscard]] const Template* find(std::string_view name) const;
   [[nodiscard]] std::vector<std::string_view> names() const;
-  /// Whether a template could not be read. If find() finds nothing, that template may be the right one.
+  /// Returns true if a template could not be read. Then a template that find() does not find may exist.
   [[nodiscard]] bool incomplete() const { return incomplete_; }
 
  private:
@@ -62,7 +63,7 @@ class Templates {
   bool incomplete_ = false;
 };
 
-/// The predefined parameter of each template: the name of the use.
+/// The predefined parameter of each template. Its value is the name of the use.
 inline constexpr std::string_view kOwnName = "name";
 
 }  // namespace takt::descriptor

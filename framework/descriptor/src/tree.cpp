@@ -8,12 +8,13 @@ namespace takt::descriptor {
 
 namespace {
 
-/// Calls itself for each child. The scanner has limited the depth to kMaxDepth.
+/// Converts an element and, recursively, its children. The recursion is limited, because the scanner has
+/// rejected elements deeper than kMaxDepth.
 Node node_of(const tinyxml2::XMLElement& xml, std::uint32_t insertion) {
   Node node{.name = xml.Name(), .line = {xml.GetLineNum(), insertion}};
   for (const auto* one = xml.FirstAttribute(); one != nullptr; one = one->Next())
     node.attributes.push_back({one->Name(), one->Value(), {one->GetLineNum(), insertion}});
-  bool continued = false;  // a text that a comment or CDATA splits is still one text
+  bool continued = false;  // A text remains one text even if a comment or a CDATA section splits it.
   for (const auto* one = xml.FirstChild(); one != nullptr; one = one->NextSibling()) {
     if (const auto* element = one->ToElement()) {
       node.children.push_back(node_of(*element, insertion));

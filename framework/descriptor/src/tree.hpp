@@ -1,4 +1,4 @@
-// An XML document as plain values: elements with their attributes and texts, each with its line.
+// An XML document as plain values: elements with their attributes and texts, each with its source line.
 //
 // A tree of tinyxml2 belongs to one document and one file. This tree can be copied, changed and assembled
 // from several files, as includes and templates require.
@@ -21,7 +21,7 @@ struct Attribute {
 };
 
 struct Text {
-  std::string text;  ///< as written, entities resolved; never only white space
+  std::string text;  ///< as written, with entities resolved; never only white space
   model::Line line{};
 };
 
@@ -32,21 +32,21 @@ struct Node {
   std::vector<Attribute> attributes{};
   std::vector<Node> children{};
   std::vector<Text> texts{};
-  bool incomplete = false;  ///< some of its content could not be created, which was reported
+  bool incomplete = false;  ///< true if some of its content could not be created; the problem was reported
 
   [[nodiscard]] const Attribute* attribute(std::string_view wanted) const;
   [[nodiscard]] Attribute* attribute(std::string_view wanted);
   [[nodiscard]] const Node* child(std::string_view wanted) const;
   [[nodiscard]] Node* child(std::string_view wanted);
-  /// All its texts, concatenated.
+  /// All texts of the element, concatenated.
   [[nodiscard]] std::string text() const;
 };
 
-/// Sets `root` to the root of the document, with all lines in the insertion. If the document cannot be read,
-/// returns the fault and leaves `root` unchanged.
+/// Parses a document, and sets `root` to its root element. All lines belong to the insertion. If the document
+/// cannot be parsed, returns the fault and does not change `root`.
 std::optional<Fault> read_tree(std::string_view xml, std::uint32_t insertion, Node& root);
 
-/// The text without surrounding white space.
+/// Returns the text without leading and trailing white space.
 std::string trimmed(std::string_view text);
 
 }  // namespace takt::descriptor

@@ -16,8 +16,8 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
 
-// All characters beyond ASCII count as letters. No known name has such characters, so the name is rejected
-// later anyway.
+// Counts every character beyond ASCII as a letter. Names with such characters are rejected later anyway,
+// because no element or attribute has such a name.
 bool starts_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' ||
          (static_cast<unsigned char>(c) & 0x80U) != 0;
@@ -56,14 +56,14 @@ std::optional<Fault> find_bad_byte(std::string_view xml) {
         (length > 1 || is_xml_character(byte)) && character != "\xef\xbf\xbe" && character != "\xef\xbf\xbf";
     if (!allowed) {
       return fault(at, "the file has a control character " + in_quotes(character),
-                   "XML has no such character: remove it");
+                   "XML does not allow this character: remove it");
     }
     at += length;
   }
   return std::nullopt;
 }
 
-/// Walks the markup from the beginning to the end or to the first fault.
+/// Scans the markup from the beginning up to the end or the first fault.
 class Scanner {
  public:
   explicit Scanner(std::string_view xml) : xml_(xml) {}
@@ -92,7 +92,7 @@ class Scanner {
   }
   bool fail(std::string what, std::string fix) { return fail(line_, std::move(what), std::move(fix)); }
 
-  /// Counts one more part that tinyxml2 will store.
+  /// Counts one more part of the document that tinyxml2 will store. Fails if there are too many.
   bool count_part() {
     if (++parts_ <= kMaxParts) return true;
     return fail(
@@ -122,7 +122,7 @@ class Scanner {
     advance(length);
     return text.substr(0, length);
   }
-  /// The next character in words, for a message.
+  /// Describes the next character for a message.
   [[nodiscard]] std::string found() const {
     return done() ? "the end of the file"
                   : in_quotes(rest().substr(0, std::max<std::size_t>(1, utf8_length(rest()))));
@@ -140,7 +140,7 @@ class Scanner {
 std::optional<Fault> Scanner::run() {
   if (next_is(kByteOrderMark)) advance(kByteOrderMark.size());
   if (rest().find_first_not_of(kBlanks) == std::string_view::npos) {
-    fail("the file is empty", "a descriptor has one element <root> or <cell>");
+    fail("the file is empty", "the root element of a descriptor must be <root> or <cell>");
     return fault_;
   }
   if (next_is("<?xml") && rest().size() > 5 && is_blank(rest()[5]) && !scan_declaration()) return fault_;
@@ -151,14 +151,14 @@ std::optional<Fault> Scanner::run() {
     fail(open_.back().line, "<" + brief(open_.back().name) + "> is not closed before the end of the file",
          "close it with </" + brief(open_.back().name) + ">");
   } else if (!root_seen_) {
-    fail("the file has no element", "a descriptor has one element <root> or <cell>");
+    fail("the file has no root element", "the root element of a descriptor must be <root> or <cell>");
   }
   return fault_;
 }
 
 bool Scanner::scan_declared(std::string_view name, std::string_view value) {
   if (name == "version" && value != "1.0")
-    return fail("XML version " + in_quotes(value) + " is not supported", "a descriptor is XML 1.0");
+    return fail("XML version " + in_quotes(value) + " is not supported", "write version=\"1.0\"");
   if (name == "encoding") {
     std::string upper{value};
     for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
@@ -167,13 +167,13 @@ bool Scanner::scan_declared(std::string_view name, std::string_view value) {
                   "save the file as UTF-8 and write encoding=\"UTF-8\"");
   }
   if (name == "standalone" && value != "yes" && value != "no") {
-    return fail("standalone is " + in_quotes(value), "it can be yes or no");
+    return fail("standalone is " + in_quotes(value), "use yes or no");
   }
   return true;
 }
 
-/// Scans <?xml version="1.0" encoding="UTF-8" standalone="yes"?>. The last two attributes are optional, but
-/// must be in this order.
+/// Scans the XML declaration, for example <?xml version="1.0" encoding="UTF-8" standalone="yes"?>. `encoding`
+/// and `standalone` are optional, but must be in this order.
 bool Scanner::scan_declaration() {
   constexpr const char* kRight = "write <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
   advance(5);
@@ -256,10 +256,11 @@ bool Scanner::scan_text() {
     }
   }
   advance(text.size());
-  return start == std::string_view::npos || count_part();  // tinyxml2 does not store blanks
+  return start == std::string_view::npos || count_part();  // tinyxml2 does not store text that is only white
+                                                           // space
 }
 
-/// `at` is the index of the &; it is moved past the reference.
+/// Scans a reference such as &amp;. `at` is the index of the &, and is moved past the reference.
 bool Scanner::scan_reference(std::string_view text, std::size_t& at, int line) {
   const std::size_t end = text.find(';', at);
   const std::string_view name = end == std::string_view::npos ? "" : text.substr(at + 1, end - at - 1);
@@ -269,7 +270,7 @@ bool Scanner::scan_reference(std::string_view text, std::size_t& at, int line) {
     std::uint32_t code = 0;
     const auto [last, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), code, hex ? 16 : 10);
-    // tinyxml2 reads at most ten characters of a reference.
+    // Allow at most 8 digits, because tinyxml2 reads at most ten characters of a reference.
     const bool number = error == std::errc{} && last == digits.data() + digits.size() && digits.size() <= 8;
     if (!number || !is_xml_character(code)) {
       return fail(line, in_quotes("&" + std::string{name} + ";") + " is not a character",
@@ -290,23 +291,23 @@ bool Scanner::scan_attribute(std::vector<std::string_view>& seen) {
   if (name.empty())
     return fail("found " + found() + " in a tag", "write name=\"value\" and close the tag with > or />");
   if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
-    return fail("duplicate attribute " + brief(name), "give it once");
+    return fail("duplicate attribute " + in_quotes(name), "write it only once");
   }
   seen.push_back(name);
   const std::string right = "write " + brief(name) + "=\"value\"";
   skip_blanks();
-  if (!next_is("=")) return fail("attribute " + brief(name) + " has no value", right);
+  if (!next_is("=")) return fail("attribute " + in_quotes(name) + " has no value", right);
   advance(1);
   skip_blanks();
   const char quote = done() ? '\0' : rest()[0];
   if (quote != '"' && quote != '\'') {
-    return fail("the value of attribute " + brief(name) + " is not in quotes", right);
+    return fail("the value of attribute " + in_quotes(name) + " is not in quotes", right);
   }
   const std::size_t end = rest().find(quote, 1);
   const std::string_view value = rest().substr(1, end == std::string_view::npos ? end : end - 1);
-  // If a quote is missing, the value extends to some later quote and contains a <.
+  // If the closing quote is missing, the value extends to the next quote in the file, so it contains a <.
   if (end == std::string_view::npos || value.find('<') != std::string_view::npos) {
-    return fail("the value of attribute " + brief(name) + " does not end, or has a <",
+    return fail("the value of attribute " + in_quotes(name) + " does not end, or contains a <",
                 "close it with " + std::string(1, quote) + "; a < in a value is written &lt;");
   }
   int line = line_;
@@ -333,7 +334,7 @@ bool Scanner::scan_start_tag() {
                 "a descriptor has one root element: put everything into it");
   }
   if (open_.size() >= kMaxDepth) {
-    return fail("elements are nested more than " + std::to_string(kMaxDepth) + " deep",
+    return fail("elements are nested more than " + std::to_string(kMaxDepth) + " levels deep",
                 "a descriptor needs fewer than ten levels");
   }
   root_seen_ = true;
@@ -356,7 +357,7 @@ bool Scanner::scan_start_tag() {
                   "put a space before each attribute, and close the tag with > or />");
     }
     if (attributes.size() >= 100)
-      return fail("the element has more than 100 attributes", "no element of a descriptor has that many");
+      return fail("the element has more than 100 attributes", "no element of a descriptor needs that many");
     if (!scan_attribute(attributes) || !count_part()) return false;
   }
 }
@@ -372,7 +373,7 @@ bool Scanner::scan_end_tag() {
     const std::string expected = brief(open_.back().name);
     return fail("</" + brief(name) + "> does not close <" + expected + "> of line " +
                     std::to_string(open_.back().line),
-                "close that with </" + expected + "> first");
+                "close that element with </" + expected + "> first");
   }
   skip_blanks();
   if (!next_is(">")) return fail("found " + found() + " in </" + brief(name), "end the closing tag with >");

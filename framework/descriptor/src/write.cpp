@@ -19,7 +19,7 @@ class Writer {
   void write(const Node& node, std::uint32_t within, std::size_t depth) {
     const std::string margin(2 * depth, ' ');
     if (node.line.insertion != within) {
-      // A comment must not contain --.
+      // Break up each "--", which a comment must not contain.
       std::string from = place(texts_, node.line);
       if (const std::string how = history(texts_, node.line); !how.empty()) from += ", " + how;
       text_ += margin + "<!-- " + replaced(from, "--", "- - ") + " -->\n";
@@ -52,7 +52,7 @@ class Writer {
 }  // namespace
 
 std::string escaped(std::string_view text) {
-  // White space alone would be lost, and a parser may convert line ends.
+  // Write such text as references: white space alone would be lost, and a parser may convert line ends.
   const bool blank = text.find_first_not_of(" \t\r\n") == std::string_view::npos;
   std::string result;
   for (const char c : text) {

@@ -1,4 +1,4 @@
-// Writes a tree as XML.
+// Writes an element tree as XML.
 #pragma once
 
 #include <string>
@@ -7,11 +7,13 @@
 
 namespace takt::descriptor {
 
-/// The tree as XML that reads back as the same tree, apart from white space between elements. A comment
-/// before the first element of each insertion names its source. ${ is written as $${.
+/// Returns the tree as XML. Reading this XML gives the same tree, apart from white space between elements. A
+/// comment before the first element of each insertion names the source of the insertion. ${ is written as
+/// $${.
 std::string written(const Node& root, const model::Texts& texts);
 
-/// The text with XML's special characters as references, so that it reads back unchanged.
+/// Returns the text with XML's special characters replaced by references, so that a parser reads the original
+/// text.
 std::string escaped(std::string_view text);
 
 }  // namespace takt::descriptor

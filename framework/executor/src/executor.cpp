@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto relaxed = std::memory_order_relaxed;
 
-// Each counter has one writer, so it needs no atomic read-modify-write.
+// Increments a counter. Each counter has only one writer, so no atomic read-modify-write is needed.
 void add(std::atomic<std::uint64_t>& counter, std::uint64_t n = 1) noexcept {
   counter.store(counter.load(relaxed) + n, relaxed);
 }
@@ -44,7 +44,8 @@ void prefetch(const Unit& unit) noexcept {
   }
 }
 
-// The number of rows before `to` in which a module is due, if it runs in row `first` and every `stride` rows.
+// The number of rows before `to` in which a module is due. The module runs first in row `first`, then in
+// every `stride`-th row.
 std::uint64_t releases_before(std::uint64_t to, std::uint64_t first, std::uint64_t stride) noexcept {
   return to <= first ? 0 : (to - first + stride - 1) / stride;
 }
@@ -81,7 +82,8 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
     TAKT_CHECK(sporadic[i].block != nullptr &&
                (sporadic[i].body == nullptr) != (sporadic[i].slot == nullptr));
     sporadic_[i].unit = sporadic[i];
-    sporadic_[i].unit.period = basic_;  // the period that run() sees: conditions are checked in each row
+    sporadic_[i].unit.period = basic_;  // the period that the module sees in run(): its condition is checked
+                                        // once in each basic period
     has_immediate_ |= sporadic[i].immediate;
   }
 }
@@ -142,8 +144,9 @@ std::uint32_t Executor::overrun(std::uint64_t rows) noexcept {
   return longest_catch_up_ == 0 ? 0 : catch_up(rows);
 }
 
-// A release that is made up for no longer counts as missed. If the host dies in between, everything has been
-// counted once.
+// Serves missed releases as far as the contracts allow. overrun() has counted all of them as missed before,
+// and each release that is served here is subtracted again. So the count stays correct if the host dies in
+// between.
 std::uint32_t Executor::catch_up(std::uint64_t rows) noexcept {
   std::uint32_t wake = 0;
   Instant time = clock_.now();
@@ -182,7 +185,7 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
     case channel::Release::busy:
       add(unit.block->overruns);
       if (fatal(unit))
-        raise(unit, ErrorType::overrun, number, "the program was still in its body at its next release");
+        raise(unit, ErrorType::overrun, number, "the program had not finished its body at its next release");
       break;
   }
   return now;
@@ -254,7 +257,7 @@ bool Executor::begin_exchange() noexcept {
                                  [exchange](const Unit& each) { return each.index == exchange->index; });
   if (unit == periodic_.end() || unit->body == nullptr || !in_tables(*unit)) return false;
   exchange = asked_.exchange(nullptr, std::memory_order_acq_rel);
-  if (exchange == nullptr) return false;  // it was withdrawn
+  if (exchange == nullptr) return false;  // withdraw() was faster
   if (!exchange->body->take_over(*unit->body)) {
     exchange->state.store(Exchange::State::not_now, std::memory_order_release);  // SYNC: exchange
     return false;
@@ -296,7 +299,7 @@ void Executor::record_body(const Unit& unit, std::uint32_t& seen) noexcept {
   if (done == seen) return;
   seen = done;
   const std::int64_t ended = slot.body_ended_ns.load(relaxed);
-  if (ended == 0) return;  // no body has ended yet
+  if (ended == 0) return;  // the program has not finished any body yet
   rows_.add(channel::FlightKind::body, ended, unit.index, ended - slot.body_began_ns.load(relaxed));
 }
 
@@ -307,7 +310,7 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::F
   const Outcome outcome =
       unit.body->run({.number = number, .time = release, .period = unit.period, .start = start});
   const Instant end = clock_.now();
-  if (!outcome.ok() && unit.trial != nullptr) {  // the old body serves this release instead
+  if (!outcome.ok() && unit.trial != nullptr) {  // let the old body serve this release instead
     put_back(outcome.type, number, outcome.text);
     return call(unit, activity, flight, number, release, allowed, end);
   }
@@ -321,7 +324,7 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::F
   if (!outcome.ok()) {
     raise(unit, outcome.type, number, outcome.text);
   } else if (overrun && fatal(unit)) {
-    raise(unit, ErrorType::overrun, number, "run() ended after its next release");
+    raise(unit, ErrorType::overrun, number, "run() ended after the module's next release");
   } else if (unit.budget != Nanoseconds{0}) {
     check_budget(unit, number, end - start);
   }
@@ -367,8 +370,9 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
 
     if (unit.slot != nullptr) {
       record_body(unit, bodies_seen_[periodic_.size() + i]);
-      if (unit.immediate) continue;  // the program waits for its events itself
-      // The program checks its own condition and deadline. A program that is still in its body is left alone.
+      if (unit.immediate) continue;  // the program waits for its events on its own
+      // The program checks its own condition and deadline. A program that has not finished its body is not
+      // released.
       const channel::Release given = channel::release(*unit.slot, row_, to_ns(release));
       if (given == channel::Release::wake) wake |= unit.slot->wake_bit;
       if (given == channel::Release::busy) continue;
@@ -407,7 +411,7 @@ void Executor::make_ready(Sporadic& sporadic, Instant release, std::uint64_t cyc
 }
 
 // Releases modules with immediate dispatch. Only the sporadic thread checks their conditions and runs them.
-// Rows only check for unread events.
+// The rows only check whether there are unread events, and then wake this thread.
 void Executor::release_immediate() noexcept {
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& sporadic = sporadic_[i];
@@ -415,7 +419,9 @@ void Executor::release_immediate() noexcept {
     if (!unit.immediate || unit.body == nullptr || sporadic.ready.load(relaxed) != Ready::no) continue;
     const Instant now = clock_.now();
     if (!unit.body->has_news(now)) continue;
-    if (to_ns(now) < sporadic.not_before_ns.load(relaxed)) continue;  // a later row wakes this thread again
+    if (to_ns(now) < sporadic.not_before_ns.load(relaxed))
+      continue;  // too early; a later row wakes this
+                 // thread again
     block_.sporadic.announce(unit.index, channel::Doing::condition, to_ns(now));  // SYNC: in tables
     if (in_tables(unit)) {
       const std::uint64_t row = block_.next_row.load(relaxed);
@@ -446,7 +452,7 @@ bool Executor::run_sporadic() noexcept {
   const Unit& unit = first->unit;
   const Instant start = clock_.now();
   block_.sporadic.announce(unit.index, channel::Doing::run,
-                           to_ns(start));  // before in_tables is read: SYNC: in tables
+                           to_ns(start));  // must come before the read of in_tables. SYNC: in tables
   if (in_tables(unit)) {
     const Instant end =
         call(unit, block_.sporadic, runs_, first->cycle, from_ns(first->release_ns), unit.deadline, start);
@@ -461,7 +467,7 @@ bool Executor::run_sporadic() noexcept {
 void Executor::raise_missed(const Unit& unit, std::uint64_t cycle, std::uint64_t releases) noexcept {
   FixedText<96> text;
   text.append(static_cast<std::int64_t>(releases));
-  text.append(releases == 1 ? " release was missed, of cycle " : " releases were missed, from cycle ");
+  text.append(releases == 1 ? " release was missed, at cycle " : " releases were missed, from cycle ");
   text.append(static_cast<std::int64_t>(cycle));
   text.append(releases == 1 ? "" : " on");
   raise(unit, ErrorType::overrun, cycle, text.c_str());
@@ -478,7 +484,7 @@ void Executor::raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by)
 void Executor::raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept {
   if (unit.trial != nullptr) {
     put_back(type, cycle, text);
-    if (type != ErrorType::overrun) return;  // putting the old body back does not undo an overrun
+    if (type != ErrorType::overrun) return;  // an overrun remains an error even after the old body is back
   }
   channel::ModuleBlock& block = *unit.block;
   block.in_tables.store(0, std::memory_order_seq_cst);  // SYNC: in tables

@@ -262,13 +262,13 @@ std::string in_words(const LateStart& late, const std::vector<Module>& modules) 
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   if (late.culprit && *late.culprit < modules.size()) {
     const Module& module = modules[*late.culprit];
-    add(module.name + " ran " + in_short(late.took) + (late.run ? " before it" : " in the row before") +
+    add(module.name + " ran " + in_short(late.took) + (late.run ? " before it" : " in the previous row") +
         " (usually " + in_short(late.usual) +
         (module.budget > Nanoseconds{0} ? ", budget " + in_short(module.budget) : "") + ")");
   }
   if (late.missed != 0) add(std::to_string(late.missed) + (late.missed == 1 ? " row" : " rows") + " missed");
   const Evidence& e = late.evidence;
-  if (e.stopped) add("its process was stopped by a signal");
+  if (e.stopped) add("a signal stopped its process");
   if (e.waited > microseconds{20}) add("waited " + in_short(e.waited) + " for a CPU");
   if (e.gave_way != 0)
     add("was preempted " + std::to_string(e.gave_way) + (e.gave_way == 1 ? " time" : " times"));
@@ -279,8 +279,8 @@ std::string in_words(const LateStart& late, const std::vector<Module>& modules) 
   }
   if (e.stolen > Nanoseconds{0}) add("the hypervisor took " + in_short(e.stolen));
   if (text.empty())
-    text = e.looked ? "it was woken late; no other cause was seen"
-                    : "there are no samples of its thread at that time";
+    text = e.looked ? "its thread woke up late; no other cause was found"
+                    : "the kernel's counters of its thread were not read at that time";
   return text;
 }
 

@@ -55,7 +55,7 @@ struct LateStart {
   Evidence evidence{};
 };
 
-/// Usual values, and the limit above which a start counts as late.
+/// The usual values of an executor, and the limit above which a start counts as late.
 struct Usual {
   /// Ten times the median lateness, but at most half a basic period, and never less than 20 us.
   Nanoseconds threshold{};
@@ -74,7 +74,7 @@ std::vector<LateStart> late_starts(const Recording& recording, std::size_t execu
 
 /// Formats a duration with three digits, such as "3.21 ms".
 std::string in_short(Nanoseconds duration);
-/// Describes a late start, such as "servo ran 3.21 ms in the row before (usually 41 us); 812 page faults".
+/// Describes a late start, such as "servo ran 3.21 ms in the previous row (usually 41 us); 812 page faults".
 std::string in_words(const LateStart& late, const std::vector<Module>& modules);
 
 }  // namespace takt::flight

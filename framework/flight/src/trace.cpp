@@ -51,7 +51,7 @@ class Writer {
   std::optional<std::string> write() {
     text_ = "{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n";
     name("process_name", 0, "takt " + r_.cell + " " + r_.device);
-    name("thread_name", thread_of_states(), "states of modules");
+    name("thread_name", thread_of_states(), "module states");
     for (std::size_t e = 0; e < r_.executors.size(); ++e) write_executor(e);
     for (std::uint32_t m = 0; m < r_.modules.size(); ++m) {
       if (has_bodies_.count(m) != 0)

@@ -113,7 +113,8 @@ void ExecutorThreads::walk_rows(Instant t0) {
   while (true) {
     const Instant now = waker.wait_until(executor_.next_release());
     if (halt_.load(std::memory_order_relaxed) != 0) return;
-    // One ring wakes both the programs that the row released and the readers of what the modules wrote.
+    // One ring of the wake word wakes both the programs that the row released and the readers of the samples
+    // that the modules wrote.
     const std::uint32_t released = watch_ ? watched_cycle(now) : executor_.run_cycle(now);
     if (const std::uint32_t bits = released | wake_word_.take_pending(); bits != 0) ring(wake_word_, bits);
     block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);

@@ -29,8 +29,8 @@ class ExecutorThreads {
   /// Halts the threads.
   ~ExecutorThreads();
 
-  /// Makes `watch` observe what the threads do between modules, too, under this executor index. Call it
-  /// before begin().
+  /// Makes `watch` also observe the threads between two modules, under this executor index. Call it before
+  /// begin().
   void watch(channel::ModuleWatch watch, std::uint32_t index) noexcept {
     watch_ = watch;
     watched_as_ = channel::kOfExecutor | index;
@@ -67,11 +67,11 @@ class ExecutorThreads {
   os::Thread sporadic_;
 };
 
-/// Wakes the readers that wait for samples written since the last call. Real-time safe: makes one system
-/// call, or none if nobody waits.
+/// Wakes the readers that wait for samples written since the last call. A real-time thread may call it: it
+/// makes one system call, or none if no reader waits.
 void ring_pending(channel::WakeWord& wake_word) noexcept;
 
-/// Sets the activity that crash reports of the calling thread name.
+/// Sets the activity that the crash report names if the calling thread crashes.
 void report_crashes_as(const channel::Activity* activity);
 /// From now on, a crash of any thread is reported in `crash`.
 void report_crashes_to(channel::Crash& crash);

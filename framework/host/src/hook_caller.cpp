@@ -16,7 +16,8 @@ struct HookCaller::Shared {
   std::mutex mutex;
   std::condition_variable wanted;
   std::deque<Request> queue;
-  std::uint64_t generation = 0;  // only the thread of this generation may serve
+  std::uint64_t generation = 0;  // the generation of the thread that may serve requests; threads that were
+                                 // given up have an older one
   bool busy = false;
   std::uint32_t module = 0;  // the module whose hook the thread is in
   bool end = false;

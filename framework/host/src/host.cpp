@@ -85,8 +85,9 @@ class Host {
   HostLinks links_;
   model::HostShare share_;
   std::vector<std::unique_ptr<ThreadModule>> modules_;  // this host's thread modules; null for others
-  std::vector<std::atomic<ThreadModule*>> serving_;     // modules_, or the new instance during a trial
-  std::vector<std::unique_ptr<WatchedBody>> watched_;   // one for each module, only if a tool watches them
+  std::vector<std::atomic<ThreadModule*>>
+      serving_;  // the instance in use: that of modules_, or the new one during a trial
+  std::vector<std::unique_ptr<WatchedBody>> watched_;  // one for each module, only if a tool watches them
   std::vector<channel::FlightWriter*> records_;  // for each module in the tables, the writer of its executor
   channel::ModuleWatch watch_;
   std::set<std::string> c_form_;  // the loaded files of modules in C form
@@ -104,7 +105,7 @@ class Host {
   std::vector<std::unique_ptr<ServiceThread>> services_;  // for modules that have handlers
   std::vector<ThreadModule*> handling_;  // the instances that services_ call; changed under exclude()
   std::unique_ptr<HookCaller> hooks_;
-  std::unique_ptr<HookCaller> swaps_;  // swaps run one at a time
+  std::unique_ptr<HookCaller> swaps_;  // carries out swaps, one at a time
   std::atomic<std::uint64_t> swaps_given_up_{0};
 };
 
@@ -200,7 +201,7 @@ Result<void> Host::prepare() {
   report_crashes_to(block().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   const auto done = [this](const Request& request, const Result<std::string>& result) {
-    ring_pending(*wake_word_);  // wakes the readers of what the hook wrote
+    ring_pending(*wake_word_);  // wakes the readers of the samples that the hook wrote
     answer({.request = request,
             .ok = result.ok(),
             .text = result ? *result : in_words(result.problems()),
@@ -383,7 +384,7 @@ Result<std::string> Host::swap(const Request& request) {
   if (is_given_up()) {  // a hook of the new instance returned too late; its state is unknown
     next->abandon();
     static_cast<void>(next.release());
-    return fail("the swap was abandoned");
+    return fail("a hook of the new instance did not return in time, so the node abandoned the swap");
   }
   if (!swapped.kept) return fail(swapped.text);
   modules_[index].swap(next);
@@ -569,7 +570,8 @@ int run_host() {
     return 1;
   }
   if (record->rings() != 2 * channel->executors()) {
-    std::fprintf(stderr, "takt-host: error: the flight record belongs to another device\n");
+    std::fprintf(stderr,
+                 "takt-host: error: the flight record has another number of executors than the channel\n");
     return 1;
   }
   Host host{std::move(node), std::move(*channel), std::move(*record), std::move(*setup)};

@@ -11,7 +11,7 @@ Result<void> HostLinks::attach(const std::vector<PortLink>& links) {
     auto memory = os::SharedMemory::attach(os::Fd{end.fd});
     if (!memory) return memory.problems();
     if (!channel::Link::is_link(memory->data(), memory->size())) {
-      return fail("the memory of port '" + end.port + "' was laid out by another version",
+      return fail("another version of Takt created the memory of port '" + end.port + "'",
                   "install takt-node and takt-host of the same version");
     }
     Memory& mine = memories_[end.fd];
@@ -40,7 +40,7 @@ Result<void> HostLinks::connect(std::uint32_t index, ThreadModule& module) {
                   "compile both components with the same compiler, from the same IDL file");
     }
     if (!end.typed && memory.link.stride() < port->type().max_size) {
-      return fail("the type of port '" + end.port + "' has changed since it was described",
+      return fail("the type of port '" + end.port + "' has changed since the node checked the cell",
                   "deploy the cell again");
     }
     port->connect(memory.link, end.typed ? memory.values : nullptr);

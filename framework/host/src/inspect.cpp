@@ -178,7 +178,8 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
   for (const Use& use : uses) {
     const model::Module& wanted = cell.devices[use.device].modules[use.module];
     ThreadModule module;
-    const bool again = loaded.count(use.device) != 0;  // then the host gives it its own globals, too
+    const bool again =
+        loaded.count(use.device) != 0;  // if so, the host gives the module its own copy of the globals
     Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
                                       wanted.operation == model::Operation::sporadic);
     const bool is_loaded = result.ok();  // without loading, the ports are unknown
@@ -263,7 +264,8 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
     return program;
   }
   if (!arguments.empty())
-    return fail("the ports of " + path + " do not depend on properties", "leave out " + arguments[0]);
+    return fail("the ports of " + path + " cannot depend on properties, because it is not a program",
+                "leave out " + arguments[0]);
   const auto work = [&path]() -> std::string {
     ThreadModule module;
     if (auto loaded = module.load(path, os::Library::Globals::shared, false); !loaded) {

@@ -22,7 +22,7 @@ Result<PropertyBase*> LiveProperties::find(const std::string& name) const {
     names.emplace_back(property->name());
   }
   return fail("component " + name_ + " has no property " + in_quotes(name),
-              names.empty() ? "it has none" : suggestion(name, names));
+              names.empty() ? "it has no properties" : suggestion(name, names));
 }
 
 Result<std::string> LiveProperties::get(const std::string& name) const {
@@ -64,7 +64,8 @@ Result<void> LiveProperties::set(const Values& values) {
 void LiveProperties::withdraw() {
   State state = State::waiting;
   if (state_.compare_exchange_strong(state, State::none, std::memory_order_acquire)) return;
-  // The other thread is taking the values over. This takes it only a few swaps, unless it is preempted.
+  // The other thread is taking the values over. That thread only swaps a few values, so this loop is short
+  // unless that thread is preempted.
   while (state_.load(std::memory_order_acquire) != State::none)
     std::this_thread::sleep_for(std::chrono::microseconds{50});
   waiting_.clear();

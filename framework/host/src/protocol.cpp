@@ -163,7 +163,7 @@ Result<Setup> decode_setup(const std::string& text) {
       setup.device.executors.push_back(executor_from(executor));
     setup.share = value.at("share");
     if (setup.share >= model::hosts_of(setup.device).size())
-      throw json::other_error::create(501, "there is no host of this index", nullptr);
+      throw json::other_error::create(501, "the device has no host with this index", nullptr);
     setup.paths = value.at("paths").get<std::vector<std::string>>();
     setup.executor_cpus = value.at("executor_cpus").get<std::vector<std::vector<int>>>();
     setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();

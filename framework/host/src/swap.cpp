@@ -34,7 +34,7 @@ class Work {
                         std::to_string(exchange.cycle) + ": " + takt::to_text(exchange.error) + ": " +
                         exchange.text.c_str());
         case State::waiting:
-          return undone(swap_.ends() ? "the device is ending"
+          return undone(swap_.ends() ? "the device is shutting down"
                                      : "the module was taken out of its table during the swap");
         case State::not_now:
           break;
@@ -53,7 +53,7 @@ class Work {
     swap_.activity.begin(swap_.index, doing, to_ns(os::now()));
     Result<void> result = std::forward<Call>(call)();
     swap_.activity.end();
-    if (result && swap_.ends()) return fail("the device is ending");
+    if (result && swap_.ends()) return fail("the device is shutting down");
     return result;
   }
   static Result<void> naming(const char* hook, Result<void> result) {

@@ -169,17 +169,17 @@ void ThreadModule::restore() {
   Result<void> restored;
   if (before->version == saved_.version && before->size == saved_.size) {
     std::memcpy(saved_.data, before->bytes.data(), saved_.size);
-    restored_ = "its saved state is restored";
+    restored_ = "its saved state was restored";
   } else if (component_ != nullptr) {
     restored = guarded([&] {
       return component_->restore({before->version, before->bytes.data(), before->size});
     });
-    restored_ = "the state that version " + std::to_string(before->version) + " saved is taken over";
+    restored_ = "restore() converted the state that version " + std::to_string(before->version) + " saved";
   } else {
     restored = fail("it was saved by version " + std::to_string(before->version) + ", " +
                     std::to_string(before->size) + " bytes");
   }
-  if (!restored) restored_ = "its saved state is not restored: " + in_words(restored.problems());
+  if (!restored) restored_ = "its saved state was not restored: " + in_words(restored.problems());
   if (component_ != nullptr) component_->saved()[0]->set_restored(restored.ok());
 }
 
@@ -195,8 +195,9 @@ Result<void> ThreadModule::match(const ThreadModule& before) {
     differences += (differences.empty() ? "" : ", ") + what;
   };
   if ((component_ == nullptr) != (before.component_ == nullptr))
-    differs(component_ == nullptr ? "it is in C, not a takt::Component"
-                                  : "it is a takt::Component, not in C");
+    differs(component_ == nullptr
+                ? "the new instance is written in C, but the running one is a takt::Component"
+                : "the new instance is a takt::Component, but the running one is written in C");
   std::vector<PortBase*> ports;
   for (const PortBase* old : before.ports_) {
     PortBase* mine = port(old->name());
@@ -512,7 +513,7 @@ bool ThreadModule::has_request() noexcept {
 
 bool ThreadModule::serve(bool executing) {
   if (!has_handlers()) return false;
-  const char* rejection = executing ? nullptr : "its module is not in EXECUTING";
+  const char* rejection = executing ? nullptr : "the module of the service is not in EXECUTING";
   handler_context_.start_ns = to_ns(now());
   const InHook in_hook{now(), period_};
   const auto& services = component_->services();

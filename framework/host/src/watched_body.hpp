@@ -8,8 +8,8 @@
 
 namespace takt::host {
 
-/// Stands between an executor and a module, only if a tool watches the modules. Without a tool, the executor
-/// calls the module directly.
+/// Calls a module for an executor, and reports each call to a tool that watches the modules. Without such a
+/// tool, the executor calls the module directly.
 class WatchedBody final : public executor::Body {
  public:
   WatchedBody(executor::Body& body, std::uint32_t module, channel::ModuleWatch watch)

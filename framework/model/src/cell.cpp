@@ -107,7 +107,7 @@ std::string topic_of(const Cell& cell, const Connection& connection) {
 }
 
 namespace {
-/// The executor of a periodic module; null for other modules.
+/// The executor of a periodic module; null for sporadic and non-real modules.
 const Executor* executor_of_periodic(const Device& device, const Module& module) {
   if (module.operation != Operation::periodic) return nullptr;
   const auto executor =
@@ -166,8 +166,8 @@ Result<std::string> given_property(const Module& module, const std::string& name
     if (property.name == name) return property.value;
     given += (given.empty() ? "" : ", ") + property.name;
   }
-  return fail("the descriptor sets no property " + in_quotes(name) + " of " + module.name,
-              given.empty() ? "it sets no property of this module" : "it sets " + given);
+  return fail("the descriptor does not set property " + in_quotes(name) + " of module " + module.name,
+              given.empty() ? "it sets no properties of this module" : "it sets " + given);
 }
 
 void give_property(Module& module, const std::string& name, const std::string& value) {

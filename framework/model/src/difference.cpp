@@ -67,13 +67,15 @@ std::string from_to(const std::string& what, const std::string& before, const st
   return what + ": " + before + " -> " + after;
 }
 
-/// A part of a device, with its name and all its values as text. Equal values have equal texts.
+/// A part of a device (such as an executor), with its name and all its settings as text. Equal settings have
+/// equal texts.
 struct Part {
   std::string name;
   std::vector<std::pair<const char*, std::string>> facets;
 };
 
-// Each part_of() names all members of its struct, so that a new member cannot be forgotten here.
+// Each part_of() unpacks all members of its struct, so that the compiler reports a new member that is missing
+// here.
 Part part_of(const Executor& executor) {
   const auto& [name, cpu, priority, rate_monotonic, wakeup, spin_share, overrun, offsets, timing, own_host,
                line] = executor;
@@ -89,7 +91,7 @@ Part part_of(const Executor& executor) {
            {"own host", words(own_host)}}};
 }
 
-// Leaves out the file and the properties of the module; compare_contents() compares these.
+// Omits the filename and the properties of the module, because compare_contents() compares them.
 Part part_of(const Module& module) {
   const auto& [name, filename, type, operation, period, offset, deadline, miss, dispatch, interarrival,
                priority, executor, budget, tolerance, overrun, recovery, retain, properties, safe, line,
@@ -117,8 +119,8 @@ std::string words_of(const Endpoint& end, const Connection& connection) {
   return end.given() ? to_text(end) : "topic " + connection.topic;
 }
 
-/// The descriptor's safe value for the writer of a connection. It counts as part of the connection, because
-/// the reader's device needs it too.
+/// The safe value that the descriptor sets for the writer of a connection. A changed safe value counts as a
+/// change of the connection, because the reader's device uses the value too.
 std::string safe_of(const Cell& cell, const Endpoint& from) {
   for (const Device& device : cell.devices) {
     for (const Module& module : device.modules) {
@@ -185,8 +187,8 @@ void compare(const std::vector<Part>& before, const std::vector<Part>& after,
   }
 }
 
-// The order in the descriptor matters: it decides which of two modules of equal priority runs first, and
-// which CPU an executor gets.
+// Compares the order of elements in the descriptor, because it decides which of two modules of equal priority
+// runs first, and which CPU an executor gets.
 void compare_order(const std::vector<Part>& before, const std::vector<Part>& after, const char* what,
                    std::vector<std::string>& reasons) {
   const auto same = [](const Part& one, const Part& other) { return one.name == other.name; };
@@ -195,8 +197,8 @@ void compare_order(const std::vector<Part>& before, const std::vector<Part>& aft
     reasons.push_back(std::string{"the order of the "} + what + " has changed");
 }
 
-// Sorts the changes of files and properties into two groups: those that a running module can take, and the
-// others.
+// Adds each changed file and property to one of two lists: changes that a running module can take, and
+// changes that require a restart of the device.
 void compare_contents(const Module& before, const Module& after, DeviceDifference& difference) {
   const bool thread = after.type == ModuleType::thread;
   const auto reason = [&](const std::string& words) {

@@ -18,7 +18,7 @@ struct KindWord {
   const char* word;
   Severity severity;
 };
-// Indexed by FaultKind.
+// The word and severity of each kind, indexed by FaultKind.
 constexpr std::array<KindWord, kFaultKinds> kKinds{{
     {"error", Severity::error},
     {"recovered", Severity::note},
@@ -67,7 +67,7 @@ std::vector<std::string_view> fault_words() {
 }
 
 namespace {
-/// Lists all words, because suggestion() would name only the first 20.
+/// Lists all words, because suggestion() would list only the first 20.
 std::string all_words() {
   std::string list;
   for (const std::string_view word : fault_words()) list += (list.empty() ? "" : ", ") + std::string{word};
@@ -183,22 +183,23 @@ Result<FaultFilter> filter_from(std::string_view text) {
             return fail("unknown event kind " + in_quotes(word.get<std::string>()),
                         suggestion(word.get<std::string>(), fault_words()));
           }
-          // Keep each kind only once, because the list may come from any participant, and every event is
-          // compared with it.
+          // Keep each kind only once: any participant may send this list, and every event is compared with
+          // each kind in it.
           if (std::find(filter.kinds.begin(), filter.kinds.end(), *kind) == filter.kinds.end())
             filter.kinds.push_back(*kind);
         }
       } else if (name == "since_ns" && member.is_number_integer() && !member.is_number_unsigned()) {
-        filter.since_ns = member.get<std::int64_t>();  // before 1970: a clock that was never set
+        filter.since_ns = member.get<std::int64_t>();  // A negative time is before 1970: the clock was never
+                                                       // set.
       } else if (name == "after" || name == "since_ns" || name == "last") {
         const auto number = whole_number(member);
         if (!number || *number > std::numeric_limits<std::int64_t>::max())
-          return fail("the filter cannot be read: " + name + " is not a whole number of at least 0");
+          return fail("the filter cannot be read: " + name + " must be a whole number of at least 0");
         if (name == "after") filter.after = *number;
         if (name == "since_ns") filter.since_ns = static_cast<std::int64_t>(*number);
         if (name == "last") filter.last = *number;
       } else {
-        return fail("unknown member " + in_quotes(name) + " of the filter",
+        return fail("unknown member " + in_quotes(name) + " in the filter",
                     suggestion(name, {"module", "kinds", "after", "since_ns", "last"}));
       }
     }
@@ -215,7 +216,7 @@ Result<std::vector<FaultKind>> kinds_from(std::string_view list) {
     const auto kind = fault_kind(word);
     if (!kind) {
       return fail("unknown event kind " + in_quotes(word), nearest(word, fault_words()).empty()
-                                                               ? "it can be " + all_words()
+                                                               ? "the event kinds are " + all_words()
                                                                : suggestion(word, fault_words()));
     }
     kinds.push_back(*kind);

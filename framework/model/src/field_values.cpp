@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Converts the text to a JSON value. Strings, characters and enumerators may also be written without quotes.
+/// Converts the text of a field's value to JSON. Strings, characters and enumerators need no quotes.
 Json value_of(const Field& field, const std::string& text) {
   const bool quoted = field.scalar == Scalar::text || field.scalar == Scalar::enumeration ||
                       field.scalar == Scalar::character;
@@ -32,7 +32,7 @@ Result<std::string> json_of_words(const Type& type, const std::vector<std::strin
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos || equals == 0) {
-      problems.push_back({type.name, in_quotes(word) + " is not a field with a value",
+      problems.push_back({type.name, in_quotes(word) + " does not have the form field=value",
                           R"(write field=value, or one object {"field": value})"});
       continue;
     }
@@ -64,7 +64,7 @@ Result<std::string> json_of_words(const Type& type, const std::vector<std::strin
       Json& inner = (*at)[name];
       if (!structure || (!inner.is_null() && !inner.is_object())) {
         problems.push_back(
-            {where, structure ? "is given twice" : "has no named fields", "give it one value, in JSON"});
+            {where, structure ? "is given twice" : "has no named fields", "write its value once, as JSON"});
         break;
       }
       if (inner.is_null()) inner = Json::object();

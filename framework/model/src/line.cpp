@@ -8,7 +8,7 @@ namespace takt::model {
 
 namespace {
 
-/// The maximum number of uses and includes in a message; it names the innermost ones.
+/// The maximum number of uses and includes that one message lists. It lists the innermost ones.
 constexpr int kMostSteps = 8;
 
 const Insertion* insertion_of(const Texts& texts, Line line) {
@@ -27,7 +27,7 @@ std::string history(const Texts& texts, Line line) {
   std::string text;
   int steps = 0;
   for (const Insertion* step = insertion_of(texts, line); step != nullptr && steps < kMostSteps; ++steps) {
-    // An insertion refers only to an earlier insertion, so the loop ends.
+    // The loop ends, because an insertion refers only to earlier insertions.
     const Insertion* before = step->at.insertion < line.insertion ? insertion_of(texts, step->at) : nullptr;
     text += (text.empty() ? "" : ", ") + std::string{step->used ? "used at " : "included at "} +
             place(texts, step->at);

@@ -21,7 +21,7 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Whether the text is a number of at most `most`, without a sign and without leading zeros.
+/// Returns true if the text is a number from 0 to `most`, without a sign and without leading zeros.
 bool is_number_up_to(std::string_view text, int most) {
   if (text.empty() || text.size() > 5 || !std::all_of(text.begin(), text.end(), is_digit)) return false;
   if (text.size() > 1 && text[0] == '0') return false;
@@ -30,8 +30,8 @@ bool is_number_up_to(std::string_view text, int most) {
   return number <= most;
 }
 
-/// The number of parts of a text that dots separate; 0 if a part is not valid. A text without a dot is one
-/// part.
+/// Counts the parts of a text that are separated by dots; returns 0 if a part is not valid. A text without a
+/// dot is one part.
 template <class IsPart>
 std::size_t count_parts(std::string_view text, IsPart is_part) {
   std::size_t parts = 0;
@@ -55,7 +55,7 @@ bool is_valid_host(std::string_view host) {
     return !label.empty() && label.size() <= kMaxNameLength && label.front() != '-' && label.back() != '-' &&
            std::all_of(label.begin(), label.end(), allowed);
   };
-  // A text of digits and dots is meant as an address, so it must be a complete address: 10.0.1 is not valid.
+  // A text that has only digits and dots must be a complete IPv4 address: 10.0.1 is not valid.
   const bool address = std::all_of(host.begin(), host.end(), [](char c) { return is_digit(c) || c == '.'; });
   if (!address) return count_parts(host, is_label) > 0;
   return count_parts(host, [](std::string_view part) { return is_number_up_to(part, 255); }) == 4;

@@ -20,15 +20,16 @@ std::string written(const Endpoint& end) { return end.device + "." + end.module 
 std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second,
                           const std::string& prefix) {
   for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
-    if (i >= first.size()) return prefix + second[i].name + " is only in the second";
-    if (i >= second.size()) return prefix + first[i].name + " is only in the first";
+    if (i >= first.size()) return prefix + second[i].name + " is only in the second version";
+    if (i >= second.size()) return prefix + first[i].name + " is only in the first version";
     const Field& a = first[i];
     const Field& b = second[i];
     const std::string name = prefix + a.name;
-    if (a.name != b.name) return "where the first has " + name + ", the second has " + prefix + b.name;
+    if (a.name != b.name)
+      return "where the first version has " + name + ", the second has " + prefix + b.name;
     if (spelled(a) != spelled(b))
-      return name + " is " + spelled(a) + " in the first and " + spelled(b) + " in the second";
-    if (a.enumerators != b.enumerators) return name + " has different enumerators in the second";
+      return name + " is " + spelled(a) + " in the first version and " + spelled(b) + " in the second";
+    if (a.enumerators != b.enumerators) return name + " has different enumerators in the second version";
     if (std::string inner = fields_differ(a.fields, b.fields, name + "."); !inner.empty()) return inner;
   }
   return {};
@@ -55,7 +56,7 @@ const std::vector<Port>* known(const CellPorts& ports, const Place& place) {
   return of ? &*of : nullptr;
 }
 
-/// Whether the name has the form PACKAGE::msg::dds_::NAME_.
+/// Returns true if the name has the form PACKAGE::msg::dds_::NAME_.
 bool is_ros2_message(std::string_view name) {
   constexpr std::string_view kMiddle = "::msg::dds_::";
   const std::size_t middle = name.find(kMiddle);
@@ -147,8 +148,8 @@ class Check {
     }
   }
 
-  /// The request port and the reply port of an end. Both are null if the module has no such service or
-  /// client, or if its ports are not known.
+  /// The request port and the reply port at one end of a service. Both are null if the module has no service
+  /// or client with this name, or if its ports are not known.
   struct Halves {
     const Port* request = nullptr;
     const Port* reply = nullptr;
@@ -195,7 +196,7 @@ class Check {
     const Halves server = check_service_end(service.server, false, service.line);
     if (client.request == nullptr || server.request == nullptr) return;
     const auto compare = [&](const char* what, const Type& of_client, const Type& of_server) {
-      // The type in the IDL, without the fields that Takt adds.
+      // Returns the type that the component's author wrote in IDL, without the fields that Takt adds.
       const auto inner = [](const Type& type) {
         const auto found = std::find_if(type.fields.begin(), type.fields.end(),
                                         [](const Field& field) { return field.scalar == Scalar::structure; });
@@ -207,8 +208,8 @@ class Check {
       if (first.name != second.name) {
         add(service.line,
             "client " + written(service.client) + " has " + what + " of type " + first.name +
-                ", but service " + written(service.server) + " of type " + second.name,
-            "connect a client and a service with the same types");
+                ", but those of service " + written(service.server) + " have type " + second.name,
+            "connect a client and a service that have the same request and reply types");
       } else {
         add(service.line,
             "client " + written(service.client) + " and service " + written(service.server) +
@@ -223,7 +224,7 @@ class Check {
   void check_message(const Endpoint& end, const Port& port, const Line& line) {
     if (is_ros2_message(port.type.name)) return;
     add(line, "port " + written(end) + " has type " + port.type.name + ", which is not a ROS 2 message",
-        "give the port a ROS 2 message type, as those in idl/ros2: its IDL name is "
+        "give the port a ROS 2 message type, such as one from idl/ros2; its IDL name is "
         "PACKAGE::msg::dds_::NAME_");
   }
 
@@ -240,7 +241,7 @@ class Check {
         if (!has_event) {
           add(line,
               "module " + module.name +
-                  " has <dispatch>immediate</dispatch> but no event port that releases it",
+                  " has <dispatch>immediate</dispatch>, but no event port that could release it",
               "write <dispatch>row</dispatch>, or give the component an EventPort");
           continue;
         }
@@ -255,7 +256,7 @@ class Check {
           add(line,
               "module " + module.name +
                   " has <dispatch>immediate</dispatch>, but none of its event ports is connected",
-              "add a <connection> to one of them");
+              "add a <connection> to one of its event ports");
         }
       }
     }
@@ -307,7 +308,7 @@ std::optional<Direction> direction_of(std::string_view text) {
   return std::nullopt;
 }
 
-/// An empty text means Role::plain.
+/// An empty text stands for Role::plain.
 std::optional<Role> role_of(std::string_view text) {
   if (text.empty()) return Role::plain;
   for (const Role role : {Role::plain, Role::service, Role::handler, Role::client}) {
@@ -388,7 +389,7 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
       port.direction = *direction;
       port.role = *role;
       port.type = std::move(*type);
-      // A component writes the safe value in hex; ports_json() writes it as an object.
+      // A component gives the safe value as a string of hex digits; ports_json() writes it as a JSON object.
       if (const auto safe = each.find("safe"); safe != each.end() && safe->is_object())
         port.safe = json_text(*safe);
       else
@@ -420,7 +421,8 @@ std::string spelled(const Field& field) {
 }
 
 std::string difference(const Type& first, const Type& second) {
-  if (first.name != second.name) return "the first is " + first.name + " and the second " + second.name;
+  if (first.name != second.name)
+    return "the first type is " + first.name + " and the second type is " + second.name;
   return fields_differ(first.fields, second.fields, "");
 }
 

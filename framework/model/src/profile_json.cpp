@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A time of a module. kTimes has all of them in ascending order.
+/// One statistic of a module's run times. kTimes lists all of them in ascending order.
 struct Time {
   const char* key;
   Nanoseconds RunTimes::*of;
@@ -40,13 +40,13 @@ class ProfileReader {
     const auto before = text_.substr(0, offset);
     return 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
   }
-  /// The line of a key's first occurrence in the text; 1 if the key is written with escapes.
+  /// The line on which a key first occurs in the text; 1 if the key is written with escapes.
   [[nodiscard]] int line_of(const std::string& key) const {
     const std::size_t found = text_.find('"' + key + '"');
     return found == std::string_view::npos ? 1 : line_at(found);
   }
   void read_module(const std::string& name, const Json& value);
-  /// A whole number of at least 0 that fits in 63 bits. Otherwise reports a problem and returns 0.
+  /// Reads a whole number from 0 to 2^63 - 1. Reports any other value as a problem and returns 0.
   std::int64_t number(const std::string& module, const Json& value, const char* key);
   void reject_unknown(const Json& object, const std::vector<std::string_view>& known,
                       const std::string& whose, int line);
@@ -61,7 +61,7 @@ void ProfileReader::reject_unknown(const Json& object, const std::vector<std::st
                                    const std::string& whose, int line) {
   for (const auto& [key, value] : object.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end())
-      add(line, "unknown member " + in_quotes(key) + " of " + whose, suggestion(key, known));
+      add(line, "unknown member " + in_quotes(key) + " in " + whose, suggestion(key, known));
   }
 }
 
@@ -130,10 +130,10 @@ Result<Profile> ProfileReader::read() {
     profile_.cell = cell->get<std::string>();
   }
   if (const auto machine = root.find("machine"); machine != root.end() && !machine->is_object())
-    add(line_of("machine"), "\"machine\" is not an object", kRewrite);
+    add(line_of("machine"), "the value of \"machine\" is not a JSON object", kRewrite);
   const auto modules = root.find("modules");
   if (modules == root.end() || !modules->is_object()) {
-    add(line_of("modules"), "the profile has no modules", kRewrite);
+    add(line_of("modules"), "the profile has no \"modules\" object", kRewrite);
   } else {
     for (const auto& [name, value] : modules->items()) read_module(name, value);
   }

@@ -1,4 +1,4 @@
-// Checks, prints and builds samples of a type that is known only as data.
+// Checks, prints and builds samples of types that are known only as data at run time.
 #include <takt/model/type.hpp>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::size_t product(const std::vector<std::size_t>& dimensions) noexcept {
   return result;
 }
 
-/// Calls `f` with the value 0 in the C++ type of the scalar. Returns false if the scalar is not a number.
+/// Calls `f` with a zero in the C++ type of the scalar. Returns false if the scalar is not a number.
 template <class F>
 bool with_number(Scalar scalar, F f) {
   switch (scalar) {
@@ -69,7 +69,7 @@ bool with_number(Scalar scalar, F f) {
 
 void check(const std::vector<Field>& fields, CdrReader& from) noexcept;
 
-/// Checks n consecutive values.
+/// Checks n consecutive values of the same field.
 void check(const Field& field, std::size_t n, CdrReader& from) noexcept {
   if (with_number(field.scalar, [&](auto zero) { static_cast<void>(from.take_array(sizeof zero, n)); }))
     return;
@@ -154,7 +154,7 @@ class Printer {
         text += from_.get_boolean() ? "true" : "false";
         break;
       case Scalar::character: {
-        // Read the byte as Latin-1, in which every byte is a character.
+        // Interpret the byte as Latin-1, in which every byte value is a character.
         const auto byte = from_.get<unsigned char>();
         quoted(byte < 0x80 ? std::string(1, static_cast<char>(byte))
                            : std::string{static_cast<char>(0xC0 | byte >> 6),
@@ -185,7 +185,8 @@ class Filler {
  public:
   explicit Filler(CdrWriter& to) : to_(to) {}
 
-  /// Null stands for a missing value.
+  /// Writes the fields of a structure from a JSON object. A null stands for a missing value, which becomes
+  /// zero.
   void structure(const std::vector<Field>& fields, const Json& json, const std::string& where) {
     if (!json.is_null() && !json.is_object()) problem(where, json, R"(write an object, {"field": value})");
     if (json.is_object()) unknown(fields, json, where);
@@ -201,7 +202,7 @@ class Filler {
   using Each = std::function<void(const Json&, const std::string&)>;
 
   void problem(const std::string& where, const Json& json, std::string fix) {
-    const std::string given = json.is_array()    ? "a list of " + std::to_string(json.size())
+    const std::string given = json.is_array()    ? "a list of length " + std::to_string(json.size())
                               : json.is_object() ? "an object"
                                                  : json_text(json);
     add({where, "cannot be " + brief(given), std::move(fix)});
@@ -224,7 +225,7 @@ class Filler {
     if (from == dimensions.size()) return each(json, where);
     const std::size_t n = dimensions[from];
     if (!json.is_null() && (!json.is_array() || json.size() != n)) {
-      return problem(where, json, "write a list of " + std::to_string(n));
+      return problem(where, json, "write a list of length " + std::to_string(n));
     }
     for (std::size_t i = 0; i < n; ++i) {
       array(dimensions, from + 1, json.is_null() ? missing_ : json[i],
@@ -235,7 +236,7 @@ class Filler {
     if (field.sequence == 0) return value(field, json, where);
     if (json.is_null()) return to_.put_length(0, field.sequence);
     if (!json.is_array() || json.size() > field.sequence)
-      return problem(where, json, "write a list of at most " + std::to_string(field.sequence));
+      return problem(where, json, "write a list of length at most " + std::to_string(field.sequence));
     to_.put_length(json.size(), field.sequence);
     for (std::size_t i = 0; i < json.size(); ++i) {
       array(field.elements, 0, json[i], where + '[' + std::to_string(i) + ']',
@@ -260,7 +261,8 @@ class Filler {
         if (!json.is_null() &&
             (!json.is_string() || text.size() > field.bound || text.find('\0') != std::string::npos)) {
           problem(where, json,
-                  "write a string of at most " + std::to_string(field.bound) + " bytes without a zero byte");
+                  "write a string of at most " + std::to_string(field.bound) +
+                      " bytes that contains no zero byte");
           text.clear();
         }
         to_.put_text(text.c_str(), text.size(), field.bound);
@@ -304,7 +306,7 @@ class Filler {
       if (text.size() == 2 && (byte(0) == 0xC2 || byte(0) == 0xC3))
         return static_cast<char>((byte(0) & 0x03) << 6 | (byte(1) & 0x3F));
     }
-    problem(where, json, "write one character of Latin-1 in a string");
+    problem(where, json, "write a string of one Latin-1 character");
     return 0;
   }
 

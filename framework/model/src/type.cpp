@@ -25,11 +25,12 @@ constexpr std::array<const char*, 15> kWords{
 
 // ---- Sizes
 
-/// The number of bytes that a value adds, indexed by the offset modulo 8 at which it starts. Padding depends
-/// on nothing but this offset.
+/// The number of bytes that a value adds to a sample, indexed by the value's start offset modulo 8. Padding
+/// depends only on this offset.
 using Span = std::array<std::size_t, 8>;
 
-/// Replaces every larger size. It exceeds every limit, and is small enough that sums do not overflow.
+/// Stands for every larger size. It exceeds every limit, and it is small enough that sums of sizes do not
+/// overflow.
 constexpr std::size_t kTooMany = 4 * kMaxSampleSize;
 
 Span both(const Span& first, const Span& second) {
@@ -107,7 +108,7 @@ bool is_name(std::string_view text) {
                      [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
 }
 
-/// Whether the text is a type name, such as "motion::JointState".
+/// Returns true if the text is a type name, such as "motion::JointState".
 bool is_type_name(std::string_view text) {
   if (text.size() > kMaxTypeName) return false;
   for (std::size_t at = text.find("::"); at != std::string_view::npos; at = text.find("::")) {
@@ -134,7 +135,7 @@ class TypeReader {
 
  private:
   void problem(const std::string& where, std::string what, std::string fix) {
-    // A hundred problems are enough to read.
+    // Report at most 100 problems; an author does not need more.
     if (problems.size() < 100)
       problems.push_back({where.empty() ? "the type" : where, std::move(what), std::move(fix)});
   }
@@ -144,7 +145,8 @@ class TypeReader {
       if (name == "key") {
         problem(where, "is a key", "remove the key: port types have none");
       } else if (!members.contains(name)) {
-        problem(where, "has the unknown member " + in_quotes(name), "remove it: it might change the meaning");
+        problem(where, "has the unknown member " + in_quotes(name),
+                "remove it: Takt cannot tell whether it changes the type");
       }
     }
   }
@@ -161,7 +163,7 @@ class TypeReader {
   std::vector<Field> fields_of(const Json& json, const std::string& where, std::size_t nesting) {
     const auto found = json.find("fields");
     if (found == json.end() || !found->is_array() || found->empty()) {
-      problem(where, "has no fields", "a struct has at least one");
+      problem(where, "has no fields", "a struct must have at least one field");
       return {};
     }
     if (nesting > kMaxNesting) {
@@ -174,8 +176,7 @@ class TypeReader {
     for (const Json& each : *found) {
       if (++fields_ > kMaxFields) {
         if (fields_ == kMaxFields + 1)
-          problem(where, "has too many fields for one type",
-                  "a type has at most " + std::to_string(kMaxFields));
+          problem(where, "has too many fields", "a type has at most " + std::to_string(kMaxFields));
         return fields;
       }
       fields.push_back(field_of(each, where, nesting));
@@ -209,7 +210,8 @@ class TypeReader {
     if (json.contains("sequence"))
       field.sequence = size_of_member(json["sequence"], where, "a sequence without a bound");
     if (!field.elements.empty() && field.sequence == 0)
-      problem(where, "has \"elements\" but is not a sequence", "an array uses \"array\"");
+      problem(where, "has \"elements\" but is not a sequence",
+              "write the dimensions of an array in \"array\"");
 
     if (field.scalar == Scalar::text) {
       members.insert("bound");
@@ -243,7 +245,7 @@ class TypeReader {
     if (json.is_number_unsigned() && json.get<std::uint64_t>() >= 1 &&
         json.get<std::uint64_t>() <= kMaxSampleSize)
       return json.get<std::size_t>();
-    problem(where, std::string{"is "} + what, "give one from 1 to " + std::to_string(kMaxSampleSize));
+    problem(where, std::string{"is "} + what, "write a number from 1 to " + std::to_string(kMaxSampleSize));
     return 1;
   }
 
@@ -273,12 +275,13 @@ class TypeReader {
         enumerators.push_back(each.get<std::string>());
       }
     }
-    if (enumerators.empty()) problem(where, "has no enumerators", "an enum has at least one");
+    if (enumerators.empty())
+      problem(where, "has no enumerators", "an enum must have at least one enumerator");
     return enumerators;
   }
 
   std::size_t fields_ = 0;
-  int sequences_ = 0;  // the number of sequences around the current field
+  int sequences_ = 0;  // The number of sequences that contain the current field.
 };
 
 Json fields_json(const std::vector<Field>& fields) {
@@ -303,16 +306,16 @@ const char* to_text(Scalar scalar) { return kWords.at(static_cast<std::size_t>(s
 
 Result<Type> parse_type(const std::string& text) {
   if (text.size() > kMaxDescription)
-    return Problem{"the type", "its description has " + std::to_string(text.size()) + " bytes",
-                   "it has at most " + std::to_string(kMaxDescription)};
+    return Problem{"the type", "the description has " + std::to_string(text.size()) + " bytes",
+                   "a description has at most " + std::to_string(kMaxDescription) + " bytes"};
   const Json json = parse_json(text);
-  if (json.is_discarded()) return Problem{"the type", "its description is not JSON", {}};
+  if (json.is_discarded()) return Problem{"the type", "the description is not JSON", {}};
   TypeReader reader;
   auto type = reader.type(json);
   if (!reader.problems.empty()) return std::move(reader.problems);
   if (const std::size_t size = max_size(*type); size > kMaxSampleSize)
     return Problem{type->name, "a sample has more than " + std::to_string(kMaxSampleSize) + " bytes",
-                   "make its bounds smaller"};
+                   "reduce the bounds of its strings and sequences"};
   return std::move(*type);
 }
 

@@ -42,7 +42,8 @@ class Validation {
   Findings& findings_;
 };
 
-/// Returns false if a name is not valid; then no reference to that name can be checked.
+/// Checks the names of a list of elements. Returns false if a name is not valid; references to that name then
+/// cannot be checked.
 template <class Named>
 bool Validation::check_names(const char* kind, const std::vector<Named>& all, const std::string& owner) {
   bool all_valid = true;
@@ -69,7 +70,7 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
     if (!is_valid_name(module.name)) {
       gaps.modules = true;
       if (from_file && module.filename.empty()) {
-        continue;  // reported for the filename
+        continue;  // an empty filename is reported elsewhere
       } else if (from_file) {
         add(line, in_quotes(module.name) + ", taken from the filename, is not a valid module name",
             std::string{"give the module a <name>; "} + kNameRule);
@@ -91,11 +92,11 @@ void Validation::check_executor(const Executor& executor) {
   if (executor.priority < kMinExecutorPriority || executor.priority > kMaxExecutorPriority) {
     add(executor.line,
         "executor " + in_quotes(executor.name) + " has priority " + std::to_string(executor.priority),
-        "the priority of an executor is 2 to 98");
+        "the priority of an executor must be from 2 to 98");
   }
   if (executor.cpu && (*executor.cpu < 0 || *executor.cpu > kMaxCpu)) {
     add(executor.line, "executor " + in_quotes(executor.name) + " has cpu " + std::to_string(*executor.cpu),
-        "a cpu is 0 to 1023");
+        "a CPU number must be from 0 to 1023");
   }
 }
 
@@ -107,7 +108,7 @@ void Validation::check_times(const Module& module) {
   const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time, Line line) {
     if (!time || time->count() > 0) return;
     add(line, "module " + name + " has a " + what + " of " + std::to_string(time->count()) + " ns",
-        std::string{"a "} + what + " is a whole number of nanoseconds, at least 1");
+        std::string{"a "} + what + " must be a whole number of nanoseconds, at least 1");
   };
   positive("period", module.period, period_line);
   positive("deadline", module.deadline, deadline_line);
@@ -122,21 +123,21 @@ void Validation::check_times(const Module& module) {
     add(or_module(module.lines.offset),
         "the offset of " + name + ", " + takt::to_text(*module.offset) + ", is outside its period, " +
             takt::to_text(*module.period),
-        "an offset is at least 0 and less than the period");
+        "an offset must be at least 0 and less than the period");
   }
   if (module.overrun && module.operation != Operation::periodic) {
     add(or_module(module.lines.overrun),
         to_text(module.operation) + std::string{" module "} + name + " has an <overrun>",
         module.operation == Operation::sporadic
-            ? "remove the <overrun>; miss=\"count\" or \"error\" of <deadline> sets the reaction to a missed "
-              "deadline"
+            ? "remove the <overrun>, and set the reaction to a missed deadline with miss=\"...\" on the "
+              "<deadline>"
             : "remove the <overrun>: only periodic modules have an overrun contract");
   }
   const auto tolerated = [&](const char* what, const std::optional<int>& number) {
     if (!number || (*number >= 1 && *number <= kMaxTolerance)) return;
     add(or_module(module.lines.budget),
         "the budget of " + name + " has " + what + " " + std::to_string(*number),
-        std::string{what} + " is 1 to 1000");
+        std::string{what} + " must be from 1 to 1000");
   };
   tolerated("times", module.tolerance.times);
   tolerated("in-a-row", module.tolerance.in_a_row);
@@ -179,14 +180,14 @@ void Validation::check_times(const Module& module) {
   }
 }
 
-/// Rejects elements that only a sporadic module may have.
+/// Rejects elements that only a sporadic module may have, and <retain> on a non-real process.
 void Validation::check_release(const Module& module) {
   const std::string name = in_quotes(module.name);
   const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
   if (module.interarrival && module.interarrival->count() <= 0) {
     add(or_module(module.lines.interarrival),
         "module " + name + " has an interarrival of " + std::to_string(module.interarrival->count()) + " ns",
-        "an interarrival is a whole number of nanoseconds, at least 1");
+        "an interarrival must be a whole number of nanoseconds, at least 1");
   }
   if (module.retain && module.type == ModuleType::process && module.operation == Operation::non_real) {
     add(or_module(module.lines.retain), "non-real process " + name + " has a <retain>",
@@ -205,10 +206,10 @@ void Validation::check_release(const Module& module) {
     add(or_module(module.lines.interarrival), kind + " has an <interarrival>",
         "remove the <interarrival>, or make the module sporadic" + reason);
   }
-  // If the module has a deadline, check_times() has already rejected it.
+  // A deadline of such a module is already an error in check_times().
   if (module.miss != Miss::count && !module.deadline) {
     add(module.line, kind + " has a reaction to a missed deadline, but no deadline",
-        "leave miss at count, or make the module sporadic");
+        "remove miss, or make the module sporadic");
   }
 }
 
@@ -245,7 +246,8 @@ void Validation::check_module(const Module& module, const Device& device, const 
     add(filename_line, "the filename " + in_quotes(module.filename) + " is too long",
         "at most 4096 bytes are allowed");
   } else if (module.filename.find('\0') != std::string::npos) {
-    add(filename_line, "the filename " + in_quotes(module.filename) + " has a zero byte", "remove it");
+    add(filename_line, "the filename " + in_quotes(module.filename) + " contains a zero byte",
+        "remove the zero byte");
   }
   check_times(module);
   check_release(module);
@@ -256,12 +258,12 @@ void Validation::check_module(const Module& module, const Device& device, const 
     add(module.line,
         "module " + in_quotes(module.name) + " has " + std::to_string(recovery.attempts) +
             " recovery attempts",
-        "attempts is 0 to 1000");
+        "attempts must be from 0 to 1000");
   }
   if (recovery.backoff.count() < 0 || recovery.backoff > kMaxBackoff) {
     add(module.line,
         "module " + in_quotes(module.name) + " has a backoff of " + takt::to_text(recovery.backoff),
-        "backoff is 0 to 3600000000000 ns (1 h)");
+        "backoff must be from 0 to 3600000000000 ns (1 h)");
   }
   check_names("property", module.properties, " of module " + in_quotes(module.name));
   check_names("port", module.safe, " in <safe> of module " + in_quotes(module.name));
@@ -271,7 +273,7 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
   const auto too_many = [&](std::size_t number, std::size_t most, const char* what) {
     if (number <= most) return;
     add(device.line, "device " + in_quotes(device.name) + " has " + std::to_string(number) + " " + what,
-        "a device has at most " + std::to_string(most));
+        "a device has at most " + std::to_string(most) + " " + what);
   };
   too_many(device.executors.size(), kMaxExecutors, "executors");
   too_many(device.modules.size(), kMaxModules, "modules");
@@ -285,7 +287,8 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
     gaps.executors = true;
   check_module_names(device, gaps);
   if (device.executors.size() > kMaxExecutors)
-    gaps.executors = true;  // comparing every module with so many executors would take hours
+    gaps.executors = true;  // with so many executors, looking up the executor of every module would take
+                            // hours
   for (const Executor& executor : device.executors) check_executor(executor);
   for (const Module& module : device.modules) {
     if (findings_.full()) return;
@@ -297,13 +300,13 @@ void Validation::run() {
   if (!is_valid_name(cell_.name))
     add(cell_.line, in_quotes(cell_.name) + " is not a valid cell name", kNameRule);
   if (cell_.domain < 0 || cell_.domain > kMaxDomain) {
-    add(cell_.line, "the cell has domain " + std::to_string(cell_.domain), "a domain is 0 to 232");
+    add(cell_.line, "the cell has domain " + std::to_string(cell_.domain), "a domain must be from 0 to 232");
   }
   if (cell_.devices.empty() && !gaps_.devices)
     add(cell_.line, "the cell has no device", "give it at least one <device>");
   if (cell_.devices.size() > kMaxDevices) {
     add(cell_.line, "the cell has " + std::to_string(cell_.devices.size()) + " devices",
-        "a cell has at most 1000");
+        "a cell has at most 1000 devices");
   }
   if (!check_names("device", cell_.devices, " in cell " + in_quotes(cell_.name))) gaps_.devices = true;
   for (std::size_t i = 0; i < cell_.devices.size(); ++i) check_device(cell_.devices[i], gaps_.of_device[i]);

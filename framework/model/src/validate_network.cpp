@@ -12,7 +12,7 @@ namespace takt::model {
 
 namespace {
 
-/// Whether the name is words separated by single slashes.
+/// Returns true if the name consists of words separated by single slashes.
 bool is_ros2_name(std::string_view name) {
   bool begins = true;
   for (const char c : name) {
@@ -24,15 +24,15 @@ bool is_ros2_name(std::string_view name) {
   return !begins;
 }
 
-constexpr const char* kTopicRule = "a topic has 1 to 255 printable ASCII characters and no space";
+constexpr const char* kTopicRule = "a topic name has 1 to 255 printable ASCII characters and no spaces";
 
-/// The fix for an unknown name.
+/// Returns the fix of a problem for an unknown name.
 std::string choose(const char* kind, std::string_view wrong, const std::vector<std::string_view>& names) {
   if (names.empty()) return std::string{"add a <"} + kind + "> with this name";
   return suggestion(wrong, names);
 }
 
-/// Whether the end was left out; false for an end that is only partly given.
+/// Returns true if the end was omitted; false if only some of its parts are missing.
 bool is_missing(const Endpoint& end) { return end.device.empty() && end.module.empty() && end.port.empty(); }
 
 using Key = std::tuple<const std::string&, const std::string&, const std::string&>;
@@ -47,15 +47,15 @@ class Network {
 
   void check_discovery();
   void check_connections();
-  /// Must be called after check_connections().
+  /// Requires that check_connections() was called before.
   void check_services();
 
  private:
-  /// The modules of all devices with the same name. Duplicate devices are reported elsewhere; their modules
-  /// still count as known.
+  /// The names of the modules on all devices with the same name. Duplicate devices are reported elsewhere,
+  /// but references to their modules are accepted.
   struct Known {
     bool gaps = false;
-    std::vector<std::string_view> modules{};  // in the order of the descriptor
+    std::vector<std::string_view> modules{};  // names in the order of the descriptor
     std::set<std::string_view> sorted{};
   };
 
@@ -63,7 +63,7 @@ class Network {
     findings_.add(line, std::move(what), std::move(fix));
   }
   [[nodiscard]] bool full() const { return findings_.full(); }
-  /// The domain of a connection's topic.
+  /// The DDS domain of a connection's topic.
   [[nodiscard]] int domain_of(const Connection& connection) const {
     return connection.domain.value_or(cell_.domain);
   }
@@ -115,9 +115,9 @@ void Network::check_peers() {
   for (const std::string& peer : discovery.peers) {
     if (!is_valid_host(peer)) {
       add(cell_.line, in_quotes(peer) + " is not a valid peer",
-          "a peer is an IPv4 address or a host name, without a port; put spaces between peers");
+          "a peer is an IPv4 address or a host name, without a port; separate peers with spaces");
     } else if (!seen.insert(peer).second) {
-      add(cell_.line, "duplicate peer " + in_quotes(peer), "name it once");
+      add(cell_.line, "duplicate peer " + in_quotes(peer), "list each peer only once");
     }
   }
 }
@@ -146,14 +146,14 @@ void Network::check_server() {
   }
   const std::vector<std::string_view> names = names_of(cell_.devices);
   if (gaps_.devices || std::find(names.begin(), names.end(), cell_.server_device) != names.end()) return;
-  add(cell_.line, "server-device names the unknown device " + in_quotes(cell_.server_device),
+  add(cell_.line, "attribute 'server-device' names the unknown device " + in_quotes(cell_.server_device),
       choose("device", cell_.server_device, names));
 }
 
-/// Returns false if the endpoint cannot be compared with others.
+/// Checks an endpoint. Returns false if the connection cannot be compared with others because of it.
 bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line line) {
   if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
-    add(line, std::string{side} + " is not valid: " + in_quotes(to_text(endpoint)),
+    add(line, "attribute " + in_quotes(side) + " is not valid: " + in_quotes(to_text(endpoint)),
         std::string{side == std::string_view{"client"} || side == std::string_view{"server"}
                         ? "write device.module.service; "
                         : "write device.module.port; "} +
@@ -163,15 +163,15 @@ bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line li
   const auto found = devices_.find(endpoint.device);
   if (found == devices_.end()) {
     if (gaps_.devices) return true;
-    add(line, std::string{side} + " names the unknown device " + in_quotes(endpoint.device),
+    add(line, "attribute " + in_quotes(side) + " names the unknown device " + in_quotes(endpoint.device),
         choose("device", endpoint.device, names_of(cell_.devices)));
     return false;
   }
   const Known& known = found->second;
   if (known.sorted.count(endpoint.module) > 0 || known.gaps) return true;
   add(line,
-      std::string{side} + " names the unknown module " + in_quotes(endpoint.module) + " of device " +
-          in_quotes(endpoint.device),
+      "attribute " + in_quotes(side) + " names the unknown module " + in_quotes(endpoint.module) +
+          " of device " + in_quotes(endpoint.device),
       choose("module", endpoint.module, known.modules));
   return false;
 }
@@ -180,19 +180,20 @@ void Network::check_connection(const Connection& connection) {
   if (connection.kind == ConnectionKind::latest && connection.depth != 1) {
     add(connection.line, "a connection of kind latest has a depth", "remove depth, or set kind=\"queue\"");
   } else if (connection.depth < 1 || connection.depth > kMaxDepth) {
-    add(connection.line, "a connection has depth " + std::to_string(connection.depth), "depth is 1 to 65536");
+    add(connection.line, "a connection has depth " + std::to_string(connection.depth),
+        "depth must be from 1 to 65536");
   }
   const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time) {
     if (!time || time->count() > 0) return;
     add(connection.line,
         std::string{"a connection has a "} + what + " of " + std::to_string(time->count()) + " ns",
-        std::string{"a "} + what + " is a whole number of nanoseconds, at least 1");
+        std::string{"a "} + what + " must be a whole number of nanoseconds, at least 1");
   };
   positive("deadline", connection.deadline);
   positive("lifespan", connection.lifespan);
   if (connection.stale == Stale::error && !connection.deadline) {
     add(connection.line, "a connection has stale=\"error\" but no deadline",
-        "add deadline, in nanoseconds: an older value is stale");
+        "add deadline, the age in nanoseconds at which a value becomes stale");
   }
   check_topic(connection);
 }
@@ -209,17 +210,18 @@ void Network::check_topic(const Connection& connection) {
   if (!connection.domain) return;
   if (*connection.domain < 0 || *connection.domain > kMaxDomain) {
     add(connection.line, "a connection has domain " + std::to_string(*connection.domain),
-        "a domain is 0 to 232");
+        "a domain must be from 0 to 232");
   }
   if (topic.empty()) {
     add(connection.line, "a connection has a domain but no topic",
-        "the domain is that of the topic: name the topic, or remove the domain");
+        "the domain applies to the topic: add a topic, or remove the domain");
   }
 }
 
 void Network::check_ros2_topic(const Connection& connection) {
   constexpr const char* kRule =
-      "a ROS 2 topic is words separated by /, as in /arm/joint_states; a word has letters, digits and _, and "
+      "a ROS 2 topic name consists of words separated by /, as in /arm/joint_states; a word has letters, "
+      "digits and _, and "
       "does not begin with a digit";
   const std::string_view prefix = kRos2Topics;
   const std::string& topic = connection.topic;
@@ -232,24 +234,27 @@ void Network::check_ros2_topic(const Connection& connection) {
   }
 }
 
-/// Returns false if the connection cannot be compared with others.
+/// Checks both ends of a connection. Returns false if the connection cannot be compared with others.
 bool Network::check_ends(const Connection& connection) {
   const bool from_missing = is_missing(connection.from);
   const bool to_missing = is_missing(connection.to);
   if (from_missing && to_missing) {
-    add(connection.line, "a connection has neither from nor to", "name both ports, or one port and a topic");
+    add(connection.line, "a connection has neither attribute 'from' nor attribute 'to'",
+        "name both ports, or one port and a topic");
     return false;
   }
   const bool from_known = from_missing || check_endpoint(connection.from, "from", connection.line);
   const bool to_known = to_missing || check_endpoint(connection.to, "to", connection.line);
   if (connection.topic.empty() && (from_missing || to_missing)) {
-    add(connection.line, std::string{"a connection has no "} + (from_missing ? "from" : "to"),
-        from_missing ? "name the port that it comes from, or name the topic that another program writes"
-                     : "name the port that it goes to, or name the topic that another program reads");
+    add(connection.line, std::string{"a connection has no attribute "} + (from_missing ? "'from'" : "'to'"),
+        from_missing ? "set from=\"...\" to the port that sends the samples, or topic=\"...\" to a topic "
+                       "that another program writes"
+                     : "set to=\"...\" to the port that receives the samples, or topic=\"...\" to a topic "
+                       "that another program reads");
     return false;
   }
   if (to_missing && connection.stale == Stale::error) {
-    add(connection.line, "a connection has stale=\"error\" but no to",
+    add(connection.line, "a connection has stale=\"error\" but no attribute 'to'",
         "remove stale: no module of this cell reads the value");
   }
   if (!from_known || !to_known) return false;
@@ -263,16 +268,16 @@ bool Network::check_ends(const Connection& connection) {
   const std::size_t length = topic_of(cell_, connection).size();
   if (connection.from.device != connection.to.device && length > kMaxTopic) {
     add(connection.line,
-        "the topic from " + in_quotes(to_text(connection.from)) + " would have " + std::to_string(length) +
-            " characters",
-        "a topic has at most 255: use shorter names, or set topic on the connection");
+        "the name of the topic from " + in_quotes(to_text(connection.from)) + " would have " +
+            std::to_string(length) + " characters",
+        "a topic name has at most 255 characters: use shorter names, or set topic on the connection");
   }
   return true;
 }
 
-/// An input that holds one latest value has exactly one writer, inside or outside the cell.
+/// Checks that an input that holds one latest value has exactly one writer, inside or outside the cell.
 void Network::check_writers(const Connections& connections) {
-  // Two connections with the same two ends are duplicates even if their topics differ.
+  // Two connections between the same two ports are duplicates even if their topics differ.
   using Same = std::tuple<Key, Key, std::string_view, int>;
   std::map<Same, const Connection*> same;
   std::map<Key, const Connection*> writer;
@@ -290,7 +295,7 @@ void Network::check_writers(const Connections& connections) {
       add(connection->line,
           "duplicate connection" + named(" from ", connection->from) + named(" to ", connection->to) +
               (both ? "" : ", topic " + in_quotes(connection->topic)),
-          "remove it; the first is " + findings_.whereabouts(twin->second->line));
+          "remove this one; the first is " + findings_.whereabouts(twin->second->line));
       continue;
     }
     if (is_missing(connection->to)) continue;
@@ -301,17 +306,17 @@ void Network::check_writers(const Connections& connections) {
     if (both_queues) continue;
     add(connection->line,
         "two writers of " + in_quotes(to_text(connection->to)) + ", which holds one latest value",
-        "remove one; the first is " + findings_.whereabouts(other->second->line) +
-            ", or make every connection to it kind=\"queue\"");
+        "remove one, or set kind=\"queue\" on every connection to this port; the first is " +
+            findings_.whereabouts(other->second->line));
   }
 }
 
-/// A reader of a topic receives from all its writers, so a topic read as a latest value needs a single
-/// writer.
+/// Checks the topics that are read as a latest value. A reader of a topic receives samples from all writers
+/// of the topic, so such a topic needs a single writer.
 void Network::check_shared_topics(const Connections& connections) {
   struct Writers {
     const Connection* first = nullptr;
-    const Connection* other = nullptr;  // the first of another port
+    const Connection* other = nullptr;  // the first connection whose writer is another port
   };
   std::map<std::pair<std::string_view, int>, Writers> topics;
   const auto place = [&](const Connection& connection) {
@@ -337,12 +342,12 @@ void Network::check_shared_topics(const Connections& connections) {
         "two writers of " + in_quotes(to_text(connection->to)) +
             ", which holds one latest value: " + in_quotes(to_text(writers.first->from)) + " and " +
             in_quotes(to_text(writers.other->from)) + " both write the topic " + in_quotes(connection->topic),
-        "give one of them another topic, or make this connection kind=\"queue\"");
+        "give one of them another topic, or set kind=\"queue\" on this connection");
   }
 }
 
-/// Finds circles of connections with stale="error". A module in error writes nothing. So modules that are in
-/// error because each waits for a value of the next would never recover.
+/// Finds cycles of connections with stale="error". A module in error writes no samples. If every module of a
+/// cycle is in error because it waits for a value of the next one, none of them can recover.
 void Network::check_waiting(const Connections& connections) {
   using Name = std::pair<std::string_view, std::string_view>;
   struct Reader {
@@ -388,7 +393,8 @@ void Network::check_waiting(const Connections& connections) {
               ? "module " + circle +
                     " waits for a value that it writes itself: once in error, it can never recover"
               : "modules " + circle +
-                    " each wait for a value of the next: once in error, none of them can recover",
+                    " wait for each other's values in a cycle: once they are in error, none of them can "
+                    "recover",
           "remove stale=\"error\" from one of these connections");
     }
   }
@@ -410,7 +416,7 @@ void Network::check_connections() {
   for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
     const Connection& connection = cell_.connections[index];
     if (connection.carries != Carries::samples)
-      continue;  // a connection of a service; check_services() checks it
+      continue;  // this connection belongs to a service; check_services() checks it
     check_connection(connection);
     if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
     if (check_ends(connection)) comparable.push_back(&connection);
@@ -423,12 +429,12 @@ void Network::check_connections() {
 bool Network::check_service_end(const Endpoint& end, const char* side, Line line) {
   if (!check_endpoint(end, side, line)) return false;
   if (end.port.size() <= kMaxServiceName) return true;
-  add(line, std::string{side} + " names " + in_quotes(end.port) + ", which is too long",
-      "the name of a service or client has at most " + std::to_string(kMaxServiceName) + " characters");
+  add(line, "attribute " + in_quotes(side) + " names " + in_quotes(end.port) + ", which is too long",
+      "the name of a service or client may have at most " + std::to_string(kMaxServiceName) + " characters");
   return false;
 }
 
-/// A client has one server; a service may have many clients.
+/// Checks the services. A client has only one server, but a service may have many clients.
 void Network::check_services() {
   if (cell_.services.size() > kMaxConnections) {
     add(cell_.line, "the cell has more than 100000 services", "split it into several cells");
@@ -452,12 +458,13 @@ void Network::check_services() {
     if (!is_first) {
       const bool same = key(other->second->server) == key(service.server);
       add(service.line,
-          same ? "duplicate service of client " + in_quotes(to_text(service.client))
+          same ? "duplicate <service> for client " + in_quotes(to_text(service.client))
                : "client " + in_quotes(to_text(service.client)) + " has two servers",
           "remove one; the first is " + findings_.whereabouts(other->second->line));
       continue;
     }
-    // Check the longer of the two topics. The topic of the replies is named after the client, too.
+    // Check only the topic of the requests, because its name is longer than the name of the topic of the
+    // replies. Both topics are named after the client.
     Endpoint request = service.client;
     request.port += kRequestPort;
     const Connection requests{
@@ -465,9 +472,9 @@ void Network::check_services() {
     const std::size_t length = topic_of(cell_, requests).size();
     if (service.client.device != service.server.device && length > kMaxTopic) {
       add(service.line,
-          "the topic of client " + in_quotes(to_text(service.client)) + " would have " +
+          "the name of the topic of client " + in_quotes(to_text(service.client)) + " would have " +
               std::to_string(length) + " characters",
-          "a topic has at most 255: use shorter names");
+          "a topic name has at most 255 characters: use shorter names");
     }
   }
 }

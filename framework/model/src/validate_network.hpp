@@ -1,4 +1,4 @@
-// The rules of a cell that concern more than one device: its connections, its services and its discovery.
+// The rules for connections, services and discovery. They concern more than one device.
 #pragma once
 
 #include <takt/model/cell.hpp>
@@ -7,7 +7,8 @@
 
 namespace takt::model {
 
-/// The part of validate() for these rules. `gaps.of_device` must have an entry for every device.
+/// Checks the rules for connections, services and discovery; validate() calls it. `gaps.of_device` must have
+/// an entry for every device.
 void validate_network(const Cell& cell, const Gaps& gaps, Findings& findings);
 
 }  // namespace takt::model

@@ -34,7 +34,7 @@ json duration(const std::optional<Nanoseconds>& value) {
   return value ? json(value->count()) : json(nullptr);
 }
 
-// The type of a flow is sent as a port of this type.
+// Sends the data type of a flow in the form of a port that has this type.
 json to_json(const dds::Flow& flow) {
   model::Port port;
   port.name = "port";
@@ -73,7 +73,7 @@ wire::FlowHealth health_from(const json& value) {
           .incompatible = value.at("incompatible")};
 }
 
-/// The part in the bridge process: the memory of the links, and the gateway that uses it.
+/// Does the work of the bridge process: holds the memory of the links, and the gateway that uses this memory.
 class BridgeProgram {
  public:
   Result<void> open(const json& request, const std::vector<std::string>& interfaces) {
@@ -196,7 +196,8 @@ void Bridge::step(Instant now) {
   while (const auto text = socket_.receive()) handle(*text);
   const std::string name = "the bridge to domain " + std::to_string(options_.domain);
   if (const auto end = child_.poll()) {
-    // The bridge may have been asleep when it ended. Its bit is cleared, so that writers no longer wake it.
+    // The bridge may have been asleep when it ended. Its bit in the wake word is cleared, so that writers no
+    // longer try to wake it.
     auto& wake_word = *reinterpret_cast<channel::WakeWord*>(options_.wake_word->data());
     wake_word.gateway_sleeps.fetch_and(~(1U << options_.place), std::memory_order_seq_cst);
     for (wire::FlowHealth& health : health_) health.matched = 0;

@@ -8,7 +8,7 @@ namespace takt::node {
 
 namespace {
 
-// Returns the longest delay between a release and its row that costs no part of the period.
+// Returns the longest delay between a release and its row that this executor can absorb.
 Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_period) {
   switch (executor.wakeup) {
     case model::Wakeup::hybrid:
@@ -30,7 +30,7 @@ std::string kept_of(const os::Throttling& throttling) {
   return to_text(throttling.kept) + " of " + of;
 }
 
-// Formats a measured time with three digits.
+// Formats a measured time with three significant digits.
 std::string about(Nanoseconds time) {
   Nanoseconds unit{1};
   while (time / unit >= 1000) unit *= 10;
@@ -67,7 +67,7 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
       warnings.push_back(
           "executor " + executor.name + " has a basic period of " + to_text(basic) +
           ", the greatest common divisor of its periods and offsets: no machine is that fast, and most "
-          "rows will be missed; choose periods and offsets that have a larger divisor in common");
+          "rows will be missed; choose periods and offsets with a larger divisor in common");
     } else if (conditions.timer_resolution >= basic) {
       warnings.push_back("the kernel's timers have no high resolution: executor " + executor.name +
                          " has a period of " + to_text(basic) + ", but is woken at most once each " +
@@ -88,16 +88,17 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
 
 std::optional<std::string> throttled(const model::Executor& executor, Nanoseconds gap,
                                      const os::Throttling& throttling) {
-  // The measured gap may be a little shorter. It may be longer, because other threads may run first.
+  // The measured gap may be a little shorter than the throttling. It may also be longer, because other
+  // threads may run before the executor.
   const bool about_as_long = gap >= throttling.kept * 9 / 10 && gap <= throttling.kept * 3 / 2;
   if (!throttling.on() || !about_as_long) return std::nullopt;
   const bool spins = executor.wakeup == model::Wakeup::spin;
   // An executor that sleeps may have lost the CPU to something else, such as a virtual machine's host or
   // firmware.
   return "executor " + executor.name + " lost its CPU for " + about(gap) + ": " +
-         (spins ? "the kernel keeps " : "about as long as the kernel keeps it (") + kept_of(throttling) +
-         (spins ? " from" : ") from") + " real-time threads that leave others no time" +
-         (throttling.fair_server ? ", by its fair server" : ", by real-time throttling") + "; " +
+         (spins ? "the kernel" : "possibly because the kernel") + " reserves " + kept_of(throttling) +
+         " for ordinary threads" + (throttling.fair_server ? " (fair server)" : " (real-time throttling)") +
+         "; " +
          (spins ? "use wakeup=\"hybrid\", or run " : "give its modules less work, run takt doctor, or run ") +
          throttling_cure(throttling);
 }

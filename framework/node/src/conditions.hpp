@@ -23,8 +23,8 @@ struct Conditions {
   os::WakeUps wake_ups{};  ///< not measured if the count is 0
 };
 
-/// Returns a sentence with the cure for each condition that spoils this run. Denied priority and denied
-/// memory locking are not reported here, but by the threads that need them.
+/// For each condition that spoils this run, returns a sentence that names the condition and its cure. Denied
+/// priority and denied memory locking are not reported here, but by the threads that need them.
 std::vector<std::string> warnings_for(const model::Device& device, const schedule::DevicePlan& plan,
                                       const Conditions& conditions);
 

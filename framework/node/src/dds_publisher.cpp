@@ -26,7 +26,8 @@ constexpr Nanoseconds kRescanEvery = std::chrono::seconds{2};
 /// The largest number of events that wait to be published. If there are more, the oldest are not published
 /// and stay only in the fault record.
 constexpr std::size_t kMostFaults = 1024;
-/// How long the node waits at its end, so that observers learn that it leaves.
+/// How long a node that shuts down waits after it has withdrawn its status, so that observers receive the
+/// withdrawal.
 constexpr milliseconds kFarewell{200};
 
 class DeviceWriter final : public DeviceSink {
@@ -145,7 +146,7 @@ struct DdsPublisher::Inside {
   supervision::Measures withdrawn;
   std::deque<FaultEvent> pending_faults;
   std::atomic<bool> end{false};
-  // The last members, so that the threads are joined before the other members are destroyed.
+  // These are the last members, so that the threads are joined before the other members are destroyed.
   os::Thread heartbeat_thread;
   os::Thread publisher_thread;
 };

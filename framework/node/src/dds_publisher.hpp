@@ -16,9 +16,9 @@ class DdsPublisher final : public agent::Publisher {
   /// Withdraws the device's status, and waits briefly until observers have received the withdrawal.
   ~DdsPublisher() override;
 
-  /// Sets the function that sends replies. Call it before the first command can arrive.
+  /// Sets the function that sends replies. Call set_reply_sender() before the first command can arrive.
   void set_reply_sender(std::function<void(const wire::WholeReply&)> replies);
-  /// The main loop calls this in each turn, see Heartbeat::kick().
+  /// The main loop calls this in each iteration, see Heartbeat::kick().
   void kick();
 
   void reply(const wire::WholeReply& reply) override;

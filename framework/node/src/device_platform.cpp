@@ -182,8 +182,9 @@ std::vector<Detection> DevicePlatform::detections() {
   return detections;
 }
 
-// Detects that the kernel kept an executor from its CPU. Then the executor's next row is late by this time.
-// The kernel reports throttling only once, only up to Linux 6.11, and without naming the thread.
+// Detects that the kernel kept an executor from its CPU: the executor's next row then starts late by the time
+// for which the kernel kept it waiting. The kernel's own report does not suffice, because it appears only
+// once, only up to Linux 6.11, and does not name the thread.
 void DevicePlatform::watch_gaps(std::vector<Detection>& detections) {
   while (const auto text = kernel_news_.next()) {
     if (text->find("RT throttling activated") != std::string::npos)

@@ -50,8 +50,8 @@ bool has(const std::vector<int>& cpus, int cpu) {
   return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
 }
 
-// Returns the CPUs of executors. These are the isolated CPUs, or else the highest CPU, because an executor
-// without `cpu` gets that first.
+// Returns the CPUs of executors. These are the isolated CPUs. If no CPU is isolated, it is the CPU with the
+// highest number, because executors without `cpu` get that one first.
 std::vector<int> executor_cpus(const Machine& machine) {
   if (!machine.isolated.empty()) return machine.isolated;
   return machine.online.size() < 2 ? std::vector<int>{} : std::vector<int>{machine.online.back()};
@@ -62,8 +62,8 @@ Finding preemption(const Machine& machine, const Trial&) {
   Finding finding{.name = "preemption",
                   .found = "the kernel " + machine.kernel,
                   .why =
-                      "a kernel that works for another thread delays a real-time thread until it can be "
-                      "preempted, which may take milliseconds"};
+                      "while the kernel works for another thread, a real-time thread waits until the kernel "
+                      "can be preempted, which may take milliseconds"};
   const char* const install = "run apt-get install linux-image-rt-amd64, and reboot";
   const char* const boot =
       "boot with preempt=full, or better, run apt-get install linux-image-rt-amd64 and reboot";
@@ -145,18 +145,18 @@ Finding throttling(const Machine& machine, const Trial&) {
       .name = "throttling",
       .found = "the kernel does not throttle real-time threads",
       .why =
-          "the kernel interrupts an executor that never sleeps (wakeup=\"spin\") for this time; it does not "
-          "interrupt an executor that sleeps"};
+          "throttling interrupts an executor that never sleeps (wakeup=\"spin\"), but not an executor that "
+          "sleeps"};
   if (!machine.throttling) {
-    finding.found = "the kernel's setting of throttling cannot be read";
+    finding.found = "the kernel's throttling settings cannot be read";
     return finding;
   }
   const os::Throttling& t = *machine.throttling;
   if (!t.on()) return finding;
   finding.severity = Severity::note;
   finding.found =
-      "the kernel keeps " + to_text(t.kept) + " of each " + to_text(t.period) + " from real-time threads" +
-      (t.fair_server ? " while ordinary threads wait for their CPU (the fair server)" : "") +
+      "the kernel reserves " + to_text(t.kept) + " of each " + to_text(t.period) + " for ordinary threads" +
+      (t.fair_server ? " that wait for a CPU (fair server)" : " (real-time throttling)") +
       (t.seen ? "" : "; these are the kernel's defaults, because the present values cannot be read");
   finding.cure = "run " + throttling_cure(t);
   return finding;
@@ -182,7 +182,7 @@ Finding isolation(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   finding.found = "no CPU is isolated";
   if (machine.online.size() < 2) {
-    finding.found += ", and there is only one";
+    finding.found += ", because this machine has only one";
     finding.cure = "use a machine with two or more CPUs";
     return finding;
   }
@@ -195,7 +195,7 @@ Finding isolation(const Machine& machine, const Trial&) {
 Finding interrupts(const Machine& machine, const Trial&) {
   Finding finding{.name = "interrupts",
                   .found = "no interrupt arrives on the CPUs of executors",
-                  .why = "an interrupt is served before any thread, whatever its priority"};
+                  .why = "an interrupt is served before any thread, whatever the thread's priority"};
   const std::vector<int> mine = executor_cpus(machine);
   std::vector<std::string> there;
   for (const os::Interrupt& interrupt : machine.interrupts) {
@@ -208,7 +208,7 @@ Finding interrupts(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   if (!there.empty()) {
     const std::size_t shown = std::min<std::size_t>(there.size(), 4);
-    finding.found.clear();
+    finding.found = there.size() == 1 ? "interrupt " : "interrupts ";
     for (std::size_t i = 0; i < shown; ++i) finding.found += (i == 0 ? "" : ", ") + there[i];
     if (shown < there.size()) finding.found += " and " + std::to_string(there.size() - shown) + " more";
     finding.found += " may arrive on CPU " + os::cpus_text(mine);
@@ -220,7 +220,8 @@ Finding interrupts(const Machine& machine, const Trial&) {
                    " > $irq/smp_affinity_list; done";
   }
   if (machine.irqbalance) {
-    finding.found += there.empty() ? ", but irqbalance may move them" : "; irqbalance may move them";
+    finding.found += there.empty() ? ", but irqbalance may move interrupts there"
+                                   : "; irqbalance may move more interrupts there";
     finding.cure = "run systemctl disable --now irqbalance" +
                    std::string{there.empty() ? "" : ", and then "} + finding.cure;
   }
@@ -237,10 +238,11 @@ Finding frequency(const Machine& machine, const Trial&) {
     any |= !processor.governor.empty();
     if (!processor.governor.empty() && processor.governor != "performance") slow = processor.governor;
   }
-  finding.found = any ? "the governor is performance" : "the kernel does not change the frequency";
+  finding.found =
+      any ? "the frequency governor is performance" : "the kernel does not change the CPU frequency";
   if (slow.empty()) return finding;
   finding.severity = Severity::note;
-  finding.found = "the governor is " + slow;
+  finding.found = "the frequency governor is " + slow;
   finding.cure =
       "run for cpu in /sys/devices/system/cpu/cpu[0-9]*; do echo performance > "
       "$cpu/cpufreq/scaling_governor; done";
@@ -250,7 +252,7 @@ Finding frequency(const Machine& machine, const Trial&) {
 Finding idle(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "idle states",
                   .found = "no deep idle state is enabled",
-                  .why = "the deeper a CPU sleeps, the later it wakes up"};
+                  .why = "the deeper a CPU sleeps, the longer it takes to wake up"};
   const os::IdleState* deepest = nullptr;
   for (const os::Processor& processor : machine.processors) {
     for (const os::IdleState& state : processor.idle_states) {
@@ -259,7 +261,8 @@ Finding idle(const Machine& machine, const Trial& trial) {
     }
   }
   if (deepest == nullptr) return finding;
-  finding.found = deepest->name + " takes " + to_text(deepest->exit_latency) + " to wake up from";
+  finding.found =
+      "a CPU needs " + to_text(deepest->exit_latency) + " to wake up from idle state " + deepest->name;
   if (trial.idle_held) {
     finding.found += "; Takt prevents this idle state while a cell runs";
     return finding;
@@ -275,9 +278,8 @@ Finding clock(const Machine& machine, const Trial&) {
                   .found = machine.clock.empty() ? "the clock source cannot be read"
                                                  : "the clock source is " + machine.clock,
                   .why =
-                      "the time is read several times in each row; one reading takes 20 ns with a fast "
-                      "source, but 1 us and "
-                      "a system call with a slow source"};
+                      "executors read the time several times in each row; one reading takes 20 ns with a "
+                      "fast clock source, but 1 us and a system call with a slow clock source"};
   constexpr const char* kSlow[] = {"hpet", "acpi_pm", "jiffies", "refined-jiffies", "pit", "xen"};
   if (std::none_of(std::begin(kSlow), std::end(kSlow),
                    [&](const char* slow) { return machine.clock == slow; }))
@@ -311,7 +313,7 @@ Finding timers(const Machine& machine, const Trial& trial) {
 Finding hyper_threads(const Machine& machine, const Trial&) {
   Finding finding{.name = "hyper-threads",
                   .found = "each CPU has its own core",
-                  .why = "two CPUs of one core compete for its units and caches"};
+                  .why = "two CPUs on one core compete for the execution units and caches of the core"};
   const bool shared =
       std::any_of(machine.processors.begin(), machine.processors.end(),
                   [](const os::Processor& processor) { return processor.siblings.size() > 1; });
@@ -347,8 +349,8 @@ Finding stolen(const Machine& machine, const Trial& trial) {
   }
   const double ever = machine.time->stolen_share();
   const double now = trial.stolen_share.value_or(0);
-  finding.found = percent(ever) + " of the time since the machine was booted, " + percent(now) + " now";
-  // The present share changes every second. So it alone causes a note at most.
+  finding.found = percent(ever) + " of the time since the boot was stolen, " + percent(now) + " at present";
+  // The present share changes every second. So a high present share alone causes a note at most.
   if (ever >= kStolenSpoils)
     finding.severity = Severity::spoils;
   else if (now >= kStolenNote || ever >= kStolenNote)
@@ -382,11 +384,12 @@ Finding sockets(const Machine& machine, const Trial&) {
   Finding finding{
       .name = "sockets",
       .found = "",
-      .why = "if the samples of a burst do not fit into the buffer, some are lost, or sent again later"};
+      .why =
+          "if the samples of a burst do not fit into the socket buffer, some are lost, or sent again later"};
   const std::uint64_t receive = machine.receive_buffer_bytes.value_or(0);
   const std::uint64_t send = machine.send_buffer_bytes.value_or(0);
-  finding.found =
-      "a socket may have " + amount(receive) + " of receive buffer and " + amount(send) + " of send buffer";
+  finding.found = "a socket's receive buffer may have up to " + amount(receive) + ", its send buffer up to " +
+                  amount(send);
   if (!machine.receive_buffer_bytes || !machine.send_buffer_bytes)
     finding.found = "the limits of socket buffers cannot be read";
   if (!machine.receive_buffer_bytes || (receive >= kSocketBuffer && send >= kSocketBuffer)) return finding;
@@ -424,12 +427,12 @@ Finding shared_memory(const Machine& machine, const Trial&) {
 
 Finding wake_up(const Machine&, const Trial& trial) {
   const os::WakeUps& w = trial.wake_ups;
-  Finding finding{.name = "wake-up",
-                  .found = std::to_string(w.count) + " wake-ups " +
-                           (trial.priority ? "under SCHED_FIFO" : "without SCHED_FIFO") +
-                           " were late by p50 " + microseconds(w.p50) + ", p99 " + microseconds(w.p99) +
-                           ", max " + microseconds(w.max),
-                  .why = "this is the effect of all other findings: how late a sleeping thread is woken"};
+  Finding finding{
+      .name = "wake-up",
+      .found = std::to_string(w.count) + " wake-ups " +
+               (trial.priority ? "under SCHED_FIFO" : "without SCHED_FIFO") + " were late by p50 " +
+               microseconds(w.p50) + ", p99 " + microseconds(w.p99) + ", max " + microseconds(w.max),
+      .why = "this is the combined effect of all other findings: how late a sleeping thread wakes up"};
   if (w.count == 0) {
     finding.severity = Severity::spoils;
     finding.found = "wake-ups could not be measured, because no thread could be started";

@@ -72,7 +72,8 @@ Result<std::size_t> decode_header(std::string_view content) {
   return static_cast<std::size_t>(header.slots);
 }
 
-/// Removes overwritten events. Such an event may still be there if the event that replaced it is damaged.
+/// Removes the events that newer events should have overwritten. Such an event is still there if the newer
+/// event is damaged.
 void forget_overwritten(Recorded& recorded) {
   const auto first =
       std::find_if(recorded.events.begin(), recorded.events.end(),
@@ -84,8 +85,8 @@ bool is_zero(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) { return c == 0; });
 }
 
-/// The highest valid number of an event. No device has so many events. A higher number is forged, and would
-/// leave no number for the next event.
+/// The highest valid number of an event. No device ever has so many events. A higher number must be forged,
+/// and would leave no number for the next event.
 constexpr std::uint64_t kMostEvents = std::uint64_t{1} << 62U;
 
 std::size_t at_of(std::uint64_t sequence, std::size_t slots) {
@@ -141,7 +142,7 @@ Result<Recorded> read_record(std::string_view content) {
   Recorded recorded;
   for (std::size_t i = 0; i < *slots; ++i) {
     const std::size_t at = kHeaderBytes + i * kSlotBytes;
-    if (at >= content.size()) break;  // the file is cut short
+    if (at >= content.size()) break;  // the file was truncated
     const std::string_view slot = content.substr(at, kSlotBytes);
     if (is_zero(slot)) continue;
     auto fault = decode_slot(slot);
@@ -215,7 +216,7 @@ Result<void> FaultRecord::attach(const std::string& path) {
   file->sync();
   recorded_ = std::move(*recorded);
   if (!recorded_.events.empty()) next_ = recorded_.events.back().sequence + 1;
-  // The number of a torn event is not used again, so that the event shows as missing.
+  // The number of a partly written event is not used again, so that the event shows as missing.
   const std::size_t next_at = at_of(next_, slots_);
   if (next_at < content->size()) {
     const std::string_view slot = std::string_view{*content}.substr(next_at, kSlotBytes);

@@ -23,7 +23,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Nanoseconds kSampleEvery = milliseconds{50};
-/// How long the recorder keeps samples, and what was running when a host died.
+/// How long the recorder keeps samples, and the notes of what was running when a host died.
 constexpr Nanoseconds kHistory = seconds{30};
 constexpr std::size_t kMostChanges = 4096;
 /// The delay between a fault and its trace. It lets the trace also show the consequences of the fault.
@@ -208,9 +208,10 @@ void FlightRecorder::write_fault() {
 // The worker has the same priority as the rest of the node, because it shares locks and the heap with it. On
 // a busy machine, a thread of lower priority could hold for seconds a lock that the node's thread waits for.
 //
-// The worker reads first what a thread is doing, and then the thread's ring. A run that ends in between is in
-// both and counts as ended. The time of the trace is taken before both. Copying the entries takes a while on
-// a busy machine, and the end of the trace must not be later than the copied entries.
+// The worker first reads what a thread is doing, and then copies the thread's ring. A run that ends between
+// these steps is in both results and counts as ended. The worker takes the time of the trace before both
+// steps, because copying takes a while on a busy machine, and the end of the trace must not be later than the
+// copied entries.
 void FlightRecorder::work() {
   std::unique_lock lock{mutex_};
   while (true) {
@@ -258,13 +259,13 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
     if (name.starts_with(begin) && name.ends_with(kSuffix)) all.push_back(entry.path());
   }
   std::sort(all.begin(), all.end());
-  // A file with a later time than this file is older, because the clock was set back.
+  // A file whose name has a later time than the new file is older, because the clock was set back.
   std::rotate(all.begin(), std::upper_bound(all.begin(), all.end(), fs::path{path}), all.end());
   for (std::size_t i = 0; i + kMostFiles < all.size(); ++i) fs::remove(all[i], ignored);
   const bool reported = std::exchange(write_failed_, !written) && !written;
   if (reported) return;
   const std::lock_guard lock{mutex_};
-  messages_.push_back(written ? "a trace of the last seconds was written; show it with takt trace " + path
+  messages_.push_back(written ? "a trace of the last few seconds was written; show it with takt trace " + path
                               : "warning: no trace was written: " + in_words(written.problems()));
 }
 

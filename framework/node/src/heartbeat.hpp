@@ -2,7 +2,7 @@
 //
 // Observers regard a device as lost when they have received nothing from it for 300 ms. So the heartbeat has
 // its own thread, which nothing in the node may delay. But a node whose main loop hangs must not look
-// healthy. So the main loop calls kick() in each turn. If two seconds pass without a call, the heartbeat
+// healthy. So the main loop calls kick() in each iteration. If two seconds pass without a call, the heartbeat
 // reports that the loop hangs.
 #pragma once
 
@@ -37,7 +37,7 @@ class Heartbeat {
 
   /// Sets the status, which is published at once and with each beat. Any thread may call this.
   void set(const DeviceStatus& status);
-  /// The main loop calls this in each turn to show that it does not hang.
+  /// The main loop calls this in each iteration to show that it does not hang.
   void kick(Instant now);
 
   /// Makes serve() return if it is waiting.

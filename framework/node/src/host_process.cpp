@@ -110,7 +110,7 @@ supervision::CrashCalls HostProcess::calls_of_crash(std::uint32_t module) {
     if (object.empty()) object = host;
     // The host may have loaded the module from a copy of its file in memory.
     if (object.starts_with("/proc/self/fd/")) object = parts_.paths.at(module);
-    // The host's calls of the module are left out.
+    // Leaves out the host's own functions, which called the module.
     if (!calls.empty() && object == host) break;
     calls.push_back(symbols_->name(object, frame.address));
   }

@@ -16,7 +16,7 @@
 
 namespace takt::node {
 
-/// What each process of a device inherits from the node in addition to its own parts.
+/// What each process of a device inherits from the node, in addition to what only that process needs.
 struct Inheritance {
   std::vector<const os::Fd*> descriptors;
   std::vector<std::pair<std::string, std::string>> environment;
@@ -37,7 +37,7 @@ class HostProcess final : public supervision::Host {
   [[nodiscard]] int pid() const override { return pid_; }
   supervision::CrashCalls calls_of_crash(std::uint32_t module) override;
 
-  /// Sends requests that did not fit into the socket before, and logs what the host printed.
+  /// Sends the requests that did not fit into the socket earlier, and logs what the host printed.
   void step(const std::string& device);
   void wait_on(std::vector<const os::Fd*>& fds) const;
 

@@ -121,7 +121,7 @@ Result<std::string> on_component_path(const std::string& filename) {
     tried += (tried.empty() ? "" : ", ") + folder;
   }
   return fail("there is no file " + name + " on this device's component path (" + tried + ")",
-              "copy it there, or add its folder to TAKT_COMPONENT_PATH of takt-node");
+              "copy it to one of these folders, or add its folder to TAKT_COMPONENT_PATH of takt-node");
 }
 
 json inspect_here(const InspectionRequest& request) {

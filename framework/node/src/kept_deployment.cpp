@@ -20,7 +20,8 @@ namespace {
 using json = nlohmann::ordered_json;
 
 constexpr const char* kDeploymentFormat = "takt deployment 2";
-/// The limit of the file's size. A descriptor takes at most six bytes of JSON per byte; the rest is small.
+/// The limit of the file's size. In JSON, each byte of a descriptor becomes at most six bytes; the rest of
+/// the file is small.
 constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
 
 }  // namespace

@@ -49,7 +49,7 @@ constexpr int kPollEveryMs = 5;
 constexpr int kSyncEveryMs = 1000;
 /// The interval of warnings about an identity that expires soon.
 constexpr Nanoseconds kWarnEvery = std::chrono::hours{24};
-/// The number of trials that shows how late this machine usually wakes a thread.
+/// The number of trials that measure how late this machine usually wakes a thread.
 constexpr std::size_t kWakeUpsTried = 20;
 constexpr std::chrono::microseconds kWakeUpPause{500};
 
@@ -156,7 +156,7 @@ Result<void> check_identity(const dds::Participant& participant, const NodeOptio
 
 int run_node(const NodeOptions& options) {
   if (options.quiet) log_nothing();
-  os::survive_broken_pipes();  // the device goes on even if the reader of the node's output ends
+  os::survive_broken_pipes();  // the node continues even if the program that reads its output ends
   os::MessageSocket lifetime{os::take_fd_from_environment(kLifetimeFd)};
   const bool temporary = static_cast<bool>(lifetime.fd());
   // Called before threads are started, because they inherit the signal mask.

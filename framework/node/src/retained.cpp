@@ -101,7 +101,7 @@ void Retained::write_changes() {
       continue;  // the module is saving this state right now
     }
     if (!written && !one.failed)
-      report_("warning: the state that modules retain is not on disk: " + in_words(written.problems()));
+      report_("warning: cannot write the state that modules retain to disk: " + in_words(written.problems()));
     if (written && one.failed) report_("the state that modules retain is on disk again: " + one.file.path());
     one.failed = !written;
   }

@@ -12,8 +12,8 @@ namespace takt::node {
 
 namespace {
 
-// Prevents a search for symbols in other files. It may use the network, and the symbols in the file are
-// enough.
+// Prevents a search for symbols in other files. Such a search may use the network, and the symbols in the
+// file itself are enough.
 int no_other_file(Dwfl_Module*, void**, const char*, Dwarf_Addr, const char*, const char*, GElf_Word,
                   char**) {
   return -1;

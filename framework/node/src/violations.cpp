@@ -65,7 +65,7 @@ SeenViolation Violations::in_words(const channel::Violation& violation,
     // The host may have loaded the module from a copy of its file in memory.
     if (object.starts_with("/proc/self/fd/") && violation.module < paths.size())
       object = paths[violation.module];
-    // The host's calls of the module are left out, unless the host caused the violation.
+    // Leaves out the host's own functions, which called the module, unless the host caused the violation.
     if (!seen.calls.empty() && object == os::private_directory() + "/takt-host") break;
     seen.calls.push_back(symbols_.name(object, place.address));
     if (seen.calls.back().starts_with("main ")) break;
@@ -78,7 +78,7 @@ std::vector<SeenViolation> Violations::news(const std::vector<std::string>& path
   for (std::size_t i = 0; i < log().violations.size(); ++i) {
     const channel::Violation& violation = log().violations[i];
     if (violation.key.load(std::memory_order_relaxed) == 0)
-      break;  // entries are claimed in order, so there are no more
+      break;  // entries are claimed in order, so no claimed entry follows
     if (reported_[i] || violation.ready.load(std::memory_order_acquire) == 0) continue;  // SYNC: violation
     reported_[i] = true;
     const std::uint32_t number = violation.module & ~channel::kOfExecutor;
@@ -97,12 +97,12 @@ std::vector<std::string> Violations::limitations() {
     texts.emplace_back("system calls cannot be detected: that needs Linux 5.11 on x86-64");
   if ((bits & ViolationLog::kNoFaultPlaces) != 0)
     texts.emplace_back(
-        "page faults are counted, but without their places: those need Linux 5.13, and root or sysctl -w "
-        "kernel.perf_event_paranoid=2");
+        "page faults are counted, but their source lines stay unknown: finding them needs Linux 5.13, and "
+        "root or sysctl -w kernel.perf_event_paranoid=2");
   if (!dropped_reported_ && log().dropped.load(std::memory_order_relaxed) != 0) {
     dropped_reported_ = true;
     texts.push_back("there are more than " + std::to_string(ViolationLog::kViolations) +
-                    " different violations; correct the reported ones first");
+                    " different violations, and only these are reported; correct them first");
   }
   return texts;
 }
@@ -135,7 +135,7 @@ std::string sentence_of(const SeenViolation& violation) {
   constexpr std::size_t kShown = 4;
   std::string text = (violation.what.empty() ? "" : violation.what + ", ") + std::string{"a"} +
                      (violation.kind == "allocation" ? "n " : " ") + violation.kind;
-  // The calls inside the C and C++ libraries are left out; the report has them.
+  // The message leaves out calls inside the C and C++ libraries; the report includes them.
   const std::string calls = called_by(violation.calls, kShown);
   return text + (calls.empty() ? "" : ", " + calls);
 }

@@ -38,7 +38,7 @@ std::string newest_of(const std::string& pattern) {
     }
   }
   ::globfree(&found);
-  // A file that is older than this (s) is not from this crash.
+  // Ignore a file older than this (in s), because it is not from this crash.
   constexpr std::time_t kJustNow = 10;
   return newest.empty() || ::time(nullptr) - time.tv_sec > kJustNow ? "" : newest;
 }
@@ -54,7 +54,7 @@ std::string core_glob(std::string_view pattern, int pid, int signal) {
     } else if (c != '%') {
       glob += c;
     } else if (++i == pattern.size()) {
-      break;  // the kernel drops it, too
+      break;  // the kernel also drops a % at the end
     } else if (pattern[i] == 'p' || pattern[i] == 'P') {
       glob += std::to_string(pid);
     } else if (pattern[i] == 's') {
@@ -71,7 +71,7 @@ CoreDump find_core_dump(int pid, int signal) {
   const std::string pattern = text_of("/proc/sys/kernel/core_pattern");
   if (!pattern.empty() && pattern[0] == '|') {
     const std::string program = pattern.substr(1, pattern.find(' ') - 1);
-    return {"", "core_pattern passes it to " + program};
+    return {"", "core_pattern passes core dumps to " + program};
   }
   rlimit limit{};
   ::getrlimit(RLIMIT_CORE, &limit);
@@ -80,7 +80,7 @@ CoreDump find_core_dump(int pid, int signal) {
   if (text_of("/proc/sys/kernel/core_uses_pid") == "1" && pattern.find("%p") == std::string::npos)
     glob += "." + std::to_string(pid);
   std::string file = newest_of(glob);
-  if (file.empty()) return {"", "the kernel wrote no " + pattern};
+  if (file.empty()) return {"", "the kernel wrote no file that matches core_pattern " + pattern};
   if (file[0] != '/') {
     char folder[4096];
     if (::getcwd(folder, sizeof folder) != nullptr) file = std::string{folder} + "/" + file;

@@ -69,7 +69,7 @@ Result<void> can_open(std::size_t descriptors) {
     opened.emplace_back(::eventfd(0, EFD_CLOEXEC));
     if (opened.back()) continue;
     return errno_problem("this process can open only " + std::to_string(opened.size() - 1) + " of the " +
-                         std::to_string(descriptors) + " more files that it may need");
+                         std::to_string(descriptors) + " additional files that it may need");
   }
   return {};
 }

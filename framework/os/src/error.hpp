@@ -1,4 +1,4 @@
-// Turns error numbers of the kernel into problems.
+// Converts error numbers of the kernel into problems.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace takt::os {
 
-/// The problem for errno: "CALL: No such file or directory".
+/// Returns a problem for the current errno, for example "CALL: No such file or directory".
 Problem errno_problem(std::string call, std::string fix = {});
-/// The problem for an error number. If the process has too many open files, the remedy for that replaces
-/// `fix`.
+/// Returns a problem for an error number. If the error is that the process has too many open files, a fix for
+/// that replaces `fix`.
 Problem error_problem(std::string call, int error, std::string fix = {});
 
 }  // namespace takt::os

@@ -15,9 +15,11 @@ void Fd::close() noexcept {
 }
 
 Problem error_problem(std::string call, int error, std::string fix) {
-  // The limit of the process is the cause, regardless of the call.
+  // With EMFILE, the cause is the limit of the process, regardless of the call.
   if (error == EMFILE)
-    fix = "raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE= of its service";
+    fix =
+        "raise the limit on open files of this process: ulimit -n, prlimit --nofile or, for a service, "
+        "LimitNOFILE=";
   return fail(std::move(call) + ": " + std::strerror(error), std::move(fix));
 }
 

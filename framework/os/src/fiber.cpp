@@ -21,10 +21,11 @@ namespace takt::os {
 
 struct Fiber::Course {
   ucontext_t context{};
-  std::byte* memory = nullptr;  // a guard page, then the stack; null: the thread's own stack
+  std::byte* memory = nullptr;  // a guard page followed by the stack; null if the fiber uses the thread's own
+                                // stack
   std::size_t size = 0;
   std::function<void()> body;
-  // For sanitizers.
+  // Used only with sanitizers.
   const void* bottom = nullptr;
   std::size_t stack_bytes = 0;
   void* fake_stack = nullptr;
@@ -60,7 +61,7 @@ Fiber::Fiber(std::size_t stack_bytes, std::function<void()> body) : course_(std:
   course.context.uc_stack.ss_sp = course.memory + page;
   course.context.uc_stack.ss_size = course.stack_bytes;
   course.context.uc_link = nullptr;
-  // makecontext() passes only ints.
+  // makecontext() can pass only ints, so the address is passed in two parts.
   const auto address = reinterpret_cast<std::uintptr_t>(&course);
   makecontext(&course.context, reinterpret_cast<void (*)()>(&Fiber::enter), 2,
               static_cast<unsigned>(address & 0xffff'ffffU), static_cast<unsigned>(address >> 32));

@@ -82,7 +82,7 @@ Result<void> replace_file(const std::string& path, const std::string& content, R
   const std::string temporary = path + ".new";
   const auto failed = [&] {
     Problem problem =
-        errno_problem(temporary, "name a folder that this user may write to, with space on its disk");
+        errno_problem(temporary, "name a folder that this user may write to, on a disk with free space");
     ::unlink(temporary.c_str());
     return problem;
   };
@@ -95,7 +95,7 @@ Result<void> replace_file(const std::string& path, const std::string& content, R
     if (n < 0) return failed();
     written += static_cast<std::size_t>(n);
   }
-  // The content must be on the disk before the name, and the name before this function returns.
+  // Store the content on the disk before the rename, and the new name before this function returns.
   if (::fsync(file.get()) != 0) return failed();
   file.close();
   if (::rename(temporary.c_str(), path.c_str()) != 0) return failed();

@@ -16,7 +16,7 @@ namespace takt::os {
 
 namespace {
 
-constexpr const char* kRoom = "name a folder that this user may write to, with space on its disk";
+constexpr const char* kRoom = "name a folder that this user may write to, on a disk with free space";
 
 }  // namespace
 
@@ -42,7 +42,7 @@ Result<void> FixedFile::reserve(std::size_t bytes) {
   if (::fstat(fd_.get(), &before) != 0) return errno_problem(path_);
   const int error = ::posix_fallocate(fd_.get(), 0, static_cast<off_t>(bytes));
   if (error == 0) return {};
-  // Release the part that was allocated.
+  // Free the part of the space that was already allocated.
   if (::ftruncate(fd_.get(), before.st_size) != 0) return errno_problem(path_);
   return error_problem(path_, error, kRoom);
 }

@@ -14,7 +14,7 @@ namespace takt::os {
 
 namespace {
 
-/// All bytes that a terminal sends for one key arrive within this time, also over a slow line.
+/// All bytes that a terminal sends for one key arrive within this time, even over a slow line.
 constexpr std::chrono::milliseconds kTogether{60};
 
 struct Sequence {
@@ -42,9 +42,10 @@ Keyboard::Keyboard() : before_(std::make_unique<Before>()), fd_(fcntl(STDIN_FILE
   if (!before_->known) return;
   termios raw = before_->settings;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // Ctrl-Z would leave the shell with the alternate screen
-  raw.c_cc[VQUIT] = _POSIX_VDISABLE;  // Ctrl-\ would end the program without restoring the terminal
-  raw.c_cc[VMIN] = 0;                 // read() does not wait
+  raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // otherwise Ctrl-Z would return to the shell without leaving the
+                                      // alternate screen
+  raw.c_cc[VQUIT] = _POSIX_VDISABLE;  // otherwise Ctrl-\ would end the program without restoring the terminal
+  raw.c_cc[VMIN] = 0;                 // read() must not wait
   raw.c_cc[VTIME] = 0;
   tcsetattr(STDIN_FILENO, TCSANOW, &raw);
 }
@@ -73,7 +74,8 @@ std::optional<int> take_key(std::string& typed, bool whole) {
     };
     if (typed[0] == '\b' || typed[0] == '\x7f') return taken(1, Keyboard::kBackspace);
     if (typed[0] != kEscapeByte) return taken(1, static_cast<unsigned char>(typed[0]));
-    // A sequence is ESC [ parameters letter, or ESC O letter. Anything else is an escape followed by a key.
+    // A key sequence has the form ESC [ PARAMETERS LETTER, or ESC O LETTER. In any other case the escape is a
+    // key by itself.
     const bool sequence = typed.size() > 1 && (typed[1] == '[' || typed[1] == 'O');
     const std::size_t last = sequence ? typed.find_first_not_of("0123456789;", 2) : std::string::npos;
     if (last == std::string::npos) {

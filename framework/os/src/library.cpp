@@ -34,9 +34,9 @@ Result<Fd> copy_of(const std::string& path) {
   return to;
 }
 
-// Returns the name of a symbol that the loader would share between copies; empty if there is none. The loader
-// binds a GNU_UNIQUE symbol to one address in the whole process. Symbols of the C++ library (guards and tags
-// of its templates) hold no state of the module and do not count.
+// Returns the name of a symbol that the loader would share between copies of the object; empty if there is
+// none. The loader binds a GNU_UNIQUE symbol to one address in the whole process. Symbols of the C++ standard
+// library (guards and tags of its templates) are ignored, because they hold no state of the module.
 std::string shared_variable(const Fd& fd) {
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0) return {};
@@ -77,8 +77,8 @@ std::string shared_variable(const Fd& fd) {
   return found;
 }
 
-// Returns a path of the copy under which no object is loaded. Such a path is needed because the loader takes
-// an object with the same path for the same object, and because descriptor numbers are reused.
+// Returns a path for the copy under which no object is loaded. The loader treats objects with the same path
+// as the same object, and descriptor numbers, which are part of the path, are reused.
 Result<std::string> unused_path(Fd& copy) {
   std::vector<Fd> taken;
   while (true) {
@@ -116,9 +116,11 @@ Result<Library> Library::open(const std::string& path, Globals globals) {
     if (!copied) return copied.problems();
     copy = std::move(*copied);
     if (const std::string variable = shared_variable(copy); !variable.empty()) {
-      return fail(
-          path + " cannot have its own globals for a second module: the loader would share " + variable,
-          "compile it with -fno-gnu-unique, or make it a takt::Component");
+      return fail(path +
+                      " cannot be loaded with its own globals for a second module: the loader would share "
+                      "the variable " +
+                      variable,
+                  "compile it with -fno-gnu-unique, or make it a takt::Component");
     }
     auto own = unused_path(copy);
     if (!own) return own.problems();

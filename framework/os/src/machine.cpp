@@ -18,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Linux 6.12 replaced real-time throttling by a deadline server for ordinary threads.
+// The version of Linux (6.12) that introduced a deadline server for ordinary threads in place of real-time
+// throttling.
 constexpr int kFairServerMajor = 6;
 constexpr int kFairServerMinor = 12;
 constexpr Nanoseconds kFairServerKeeps = std::chrono::milliseconds{50};
@@ -50,7 +51,8 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return entries;
 }
 
-// The word in brackets or in parentheses: "always [madvise] never", "none voluntary (full)".
+// Returns the word in brackets or parentheses, for example "madvise" from "always [madvise] never", or "full"
+// from "none voluntary (full)".
 std::string chosen_of(const std::string& text, char open, char close) {
   const std::size_t from = text.find(open);
   const std::size_t to = text.find(close, from);
@@ -71,7 +73,8 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   };
   if (text_of(root / "sys/kernel/realtime") == "1" || says("PREEMPT_RT")) return Preemption::real_time;
   if (says("PREEMPT_DYNAMIC")) {
-    // Preemption can be chosen at run time, at boot, or by the configuration of the kernel.
+    // The preemption model is chosen at run time, at boot, or in the kernel configuration; check in this
+    // order.
     const std::string now = chosen_of(text_of(root / "sys/kernel/debug/sched/preempt"), '(', ')');
     if (!now.empty()) return preemption_named(now);
     std::optional<Preemption> found;
@@ -91,7 +94,7 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   }
   if (says("PREEMPT_LAZY")) return Preemption::lazy;
   if (says("PREEMPT")) return Preemption::full;
-  // The version does not distinguish kernels without preemption from kernels with voluntary preemption.
+  // The version text is the same for kernels without preemption and with voluntary preemption.
   return machine.version.empty() ? std::optional<Preemption>{} : Preemption::voluntary;
 }
 
@@ -136,7 +139,7 @@ std::vector<Interrupt> interrupts_of(const fs::path& root) {
     const auto number = number_in<int>(folder.filename().string());
     if (!number) continue;
     Interrupt interrupt{.number = *number};
-    // The handler of an interrupt has a folder there.
+    // An interrupt that has a handler has a subfolder with the name of the handler.
     std::error_code error;
     for (const fs::path& entry : entries_of(folder)) {
       if (fs::is_directory(entry, error)) interrupt.name = entry.filename().string();
@@ -163,7 +166,7 @@ std::string hypervisor_of(const fs::path& root) {
     if (!line.starts_with("flags")) continue;
     const auto words = words_in(line);
     flag = std::find(words.begin(), words.end(), "hypervisor") != words.end();
-    break;  // the other CPUs have the same flags
+    break;  // the first CPU is enough, because all CPUs have the same flags
   }
   if (!flag) return {};
   const std::string product = text_of(root / "sys/class/dmi/id/product_name");
@@ -186,7 +189,7 @@ std::optional<std::uint64_t> size_of_filesystem(const fs::path& folder) {
   return std::uint64_t{status.f_blocks} * status.f_frsize;
 }
 
-// An empty root means this machine.
+// An empty root stands for this machine.
 fs::path root_folder(const std::string& root) { return root.empty() ? "/" : root; }
 
 }  // namespace
@@ -250,7 +253,9 @@ std::optional<Throttling> read_throttling(const std::string& root_name) {
       if (!runtime || !period || *period <= 0) continue;
       const Throttling mine{
           .kept = Nanoseconds{*runtime}, .period = Nanoseconds{*period}, .fair_server = true, .seen = true};
-      if (!found.seen || mine.kept > found.kept) found = mine;  // the worst of all CPUs
+      if (!found.seen || mine.kept > found.kept)
+        found = mine;  // keep the value of the CPU with the most
+                       // withheld time
     }
     return found;
   }
@@ -266,10 +271,11 @@ std::optional<ProcessorTime> read_processor_time(const std::string& root) {
   std::string line;
   std::getline(stream, line);
   const auto words = words_in(line);
-  constexpr std::size_t kSteal = 8;  // "cpu" user nice system idle iowait irq softirq steal guest guest_nice
+  constexpr std::size_t kSteal = 8;  // Fields of the line: "cpu" user nice system idle iowait irq softirq
+                                     // steal guest guest_nice.
   if (words.size() <= kSteal || words[0] != "cpu") return std::nullopt;
   ProcessorTime time;
-  // The time of guests is already part of the user time.
+  // Stop before the guest fields, because guest time is already part of user time.
   for (std::size_t i = 1; i <= kSteal; ++i) time.all += number_in<std::uint64_t>(words[i]).value_or(0);
   time.stolen = number_in<std::uint64_t>(words[kSteal]).value_or(0);
   return time;

@@ -13,7 +13,7 @@
 namespace takt::os {
 
 namespace {
-using Length = std::uint32_t;  // before each message
+using Length = std::uint32_t;  // the length that precedes each message
 constexpr Length kMaxLength = 256U * 1024 * 1024;
 }  // namespace
 

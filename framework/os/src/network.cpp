@@ -47,7 +47,7 @@ Result<std::string> resolve_ipv4(const std::string& host) {
   addrinfo* found = nullptr;
   if (const int error = getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0) {
     return fail("the host '" + host + "' has no IPv4 address: " + gai_strerror(error),
-                "name a host that this machine can look up, or give its address");
+                "give a host name that this machine can look up, or an IPv4 address");
   }
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner{found, &freeaddrinfo};
   return in_dots(found->ai_addr);

@@ -14,7 +14,7 @@ namespace takt::os {
 
 namespace {
 
-/// The value of the first line that begins with `key`, in a file of "key : value" lines.
+/// Reads a file of "key : value" lines, and returns the value of the first line that begins with `key`.
 std::string value_of(const char* path, const std::string& key) {
   std::ifstream file{path};
   std::string line;

@@ -94,7 +94,8 @@ Child::~Child() {
 }
 
 Result<Child> Child::spawn(const SpawnOptions& options) {
-  auto failure = make_pipe();  // a successful exec closes it; otherwise it carries the error number
+  auto failure = make_pipe();  // A successful exec closes this pipe; if exec fails, the pipe carries the
+                               // error number.
   if (!failure) return failure.problems();
   Pipe output;
   Pipe error;
@@ -107,7 +108,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
     error = std::move(*second);
   }
 
-  // All allocations happen before the fork.
+  // Allocate everything before the fork, because a child must not allocate after it.
   std::vector<std::string> arguments{options.program};
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   std::vector<std::string> environment = with_environment(options.environment);
@@ -125,7 +126,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
     };
     if (options.dies_with_parent) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
+      if (::getppid() != parent) ::_exit(127);  // the parent died before prctl() took effect
     }
     if (options.new_group) ::setpgid(0, 0);
     if (options.capture_output) {
@@ -138,7 +139,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
     sigset_t none;
     ::sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
-    ::signal(SIGPIPE, SIG_DFL);  // an ignored signal would stay ignored in the new program
+    ::signal(SIGPIPE, SIG_DFL);  // an ignored signal would remain ignored in the new program
     ::execve(options.program.c_str(), argv.data(), envp.data());
     give_up();
   }
@@ -187,7 +188,7 @@ void Child::signal(int number) const noexcept {
 std::string read_available(const Fd& fd, bool* end) {
   std::string text;
   std::array<char, 4096> buffer{};
-  // The loop is bounded, so that a child that writes without pause cannot block this thread.
+  // Limit the loop, so that a child that writes without pause cannot block this thread.
   while (text.size() < 16 * buffer.size()) {
     const ssize_t n = ::read(fd.get(), buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
@@ -206,7 +207,7 @@ Result<std::string> in_child(const std::string& what, const std::function<std::s
   if (pid < 0) return errno_problem("fork", "free memory or raise the limit on processes");
   if (pid == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    // The output of the foreign code must not appear in that of this program.
+    // Keep the output of the foreign code out of the output of this program.
     const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
     ::dup2(nothing, STDOUT_FILENO);
     ::dup2(nothing, STDERR_FILENO);

@@ -30,8 +30,8 @@ constexpr const char* kFifoCure =
     "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
 constexpr const char* kLockCure = "run as root, or raise the memlock limit (ulimit -l unlimited)";
 
-// The remaining stack of the calling thread. The loader places the thread-local variables of all libraries on
-// the stack, which may take most of the requested size.
+// The number of free bytes on the calling thread's stack. The loader puts the thread-local variables of all
+// libraries on the stack, and they may take most of the requested size.
 std::size_t stack_left() {
   pthread_attr_t attributes;
   if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return 0;
@@ -43,8 +43,8 @@ std::size_t stack_left() {
          reinterpret_cast<std::uintptr_t>(lowest);
 }
 
-// Touches the pages of the thread's stack in advance, but only half of the remaining ones, so that the rest
-// stays free for the calling functions.
+// Touches pages of the thread's stack in advance. Touches only half of the free part, so that the calling
+// functions can use the rest.
 [[gnu::noinline]] void touch_stack(std::size_t requested) {
   const std::size_t bytes = std::min(requested, stack_left()) / 2;
   auto* stack = static_cast<volatile char*>(__builtin_alloca(bytes));
@@ -117,7 +117,7 @@ Result<void> pin(int tid, const std::vector<int>& cpus) {
 
 Result<void> lock_memory() {
   if (auto all = may_lock_memory(); !all) return all;
-  // The process keeps freed memory, and large blocks come from the heap, which is already locked.
+  // Make the process keep freed memory, and allocate large blocks from the heap, which is already locked.
   ::mallopt(M_TRIM_THRESHOLD, -1);
   ::mallopt(M_MMAP_MAX, 0);
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno_problem("mlockall is denied", kLockCure);
@@ -139,8 +139,8 @@ Result<void> may_have_priority() {
   return {};
 }
 
-// A limit does not suffice even if the present memory is below it. Future memory is locked, too, so the first
-// thread or allocation beyond the limit would fail.
+// A limit is not enough even if it is above the present memory. mlockall() also locks future memory, so the
+// first thread or allocation beyond the limit would fail.
 Result<void> may_lock_memory() {
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -181,8 +181,8 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, options.stack_bytes);
-  // The thread sets its own priority and CPU before its body runs. If the system denies them, it runs without
-  // them.
+  // The thread sets its own priority and CPU before its body runs. If the system denies them, the thread runs
+  // without them.
   auto ready = std::make_shared<std::atomic<bool>>(false);
   auto prepared = [ready, options, body = std::move(body), refused] {
     Problems mine;

@@ -32,7 +32,8 @@ Result<SharedMemory> SharedMemory::create(const std::string& name, std::size_t s
   if (!fd) return errno_problem("memfd_create " + name, "free memory or file descriptors");
   if (::ftruncate(fd.get(), static_cast<off_t>(size)) != 0)
     return errno_problem("ftruncate " + name, "free memory");
-  // Seal the memory, so that no holder of the descriptor can remove pages that a reader uses.
+  // Seal the memory, so that no process that holds the descriptor can remove pages that another process
+  // reads.
   ::fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
   return attach(std::move(fd));
 }

@@ -71,7 +71,7 @@ bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms) {
 }
 
 void on_crash(CrashHandler handler) {
-  // The first call of backtrace() loads a library and allocates.
+  // Call backtrace() once now, because its first call loads a library and allocates memory.
   std::array<void*, 2> frames{};
   ::backtrace(frames.data(), frames.size());
   crash_handler = handler;
@@ -88,8 +88,8 @@ void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&
     const link_map* map = object.dlfo_link_map;
     found({address - map->l_addr - back, map->l_name});
   };
-  // The calls of this function and of the signal handler come first. If the walk does not get beyond them
-  // (after a call of an invalid function), at least the place of the crash is reported.
+  // The first frames are those of this function and the signal handler. If the walk cannot get beyond them
+  // (after a call of an invalid function pointer), report at least the address of the crash.
   constexpr std::size_t kOwn = 8;
   constexpr std::size_t kMost = 64;
   std::array<void*, kMost + kOwn> frames{};
@@ -98,14 +98,13 @@ void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&
   void* const* const end = frames.data() + all;
   void* const* frame = std::find(frames.data(), frames.data() + all, reinterpret_cast<void*>(at));
   if (frame == end) return;
-  // A return address is after the call, so subtract 1.
+  // A return address is behind the call instruction, so subtract 1.
   for (std::size_t reported = 1; ++frame != end && reported < most; ++reported)
     report(reinterpret_cast<std::uintptr_t>(*frame), 1);
 }
 
 void prepare_crash_stack() {
-#ifndef __SANITIZE_ADDRESS__  // the sanitizer gives each thread such a stack, and unmaps the thread's
-                              // present one when the thread ends
+#ifndef __SANITIZE_ADDRESS__  // the sanitizer gives each thread such a stack itself
   constexpr std::size_t kBytes = 64 * 1024;
   thread_local std::unique_ptr<std::array<char, kBytes>> stack;
   if (stack) return;

@@ -8,7 +8,7 @@
 
 namespace takt::os {
 
-// The name of a thread is in parentheses and may contain any character. The fields after the last ')' have
+// The name of a thread is in parentheses and may contain any character. The fields after the last ')' are at
 // known positions.
 std::optional<ThreadUse> read_thread_use(int tid, const std::string& root) {
   const std::string folder = root + "/proc/" + std::to_string(tid) + "/task/" + std::to_string(tid);
@@ -18,7 +18,7 @@ std::optional<ThreadUse> read_thread_use(int tid, const std::string& root) {
   ThreadUse use;
   std::istringstream words{stat.substr(name_ends + 1)};
   std::string word;
-  for (int place = 3; words >> word; ++place) {  // numbered as in proc(5)
+  for (int place = 3; words >> word; ++place) {  // fields are numbered as in proc(5)
     std::istringstream number{word};
     if (place == 3) use.stopped = word == "T" || word == "t";
     if (place == 10) number >> use.minor_faults;
@@ -49,7 +49,9 @@ std::vector<Nanoseconds> read_stolen(const std::string& root) {
     words >> name;
     if (!name.starts_with("cpu") || name == "cpu") continue;
     std::int64_t ticks = 0;
-    for (int place = 0; place < 8; ++place) words >> ticks;  // user nice system idle iowait irq softirq steal
+    for (int place = 0; place < 8; ++place)
+      words >> ticks;  // fields: user nice system idle iowait irq
+                       // softirq steal
     std::istringstream digits{name.substr(3)};
     std::size_t cpu = 0;
     if (!(digits >> cpu) || cpu > 65536) continue;

@@ -16,10 +16,10 @@ namespace takt::os {
 namespace {
 
 constexpr Nanoseconds kPause = std::chrono::milliseconds{1};
-// The default priority of an executor.
+// The default priority of executors.
 constexpr int kPriority = 80;
 
-// Tries to lock memory in a separate process, because locked memory stays locked.
+// Tries to lock memory, in a separate process because memory would stay locked in this one.
 Result<void> try_locking() {
   if (auto allowed = may_lock_memory(); !allowed) return allowed;
   const auto tried = in_child(
@@ -43,7 +43,7 @@ WakeUps wake_ups_of(std::vector<Nanoseconds> delays) {
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause) {
   std::vector<Nanoseconds> delays(count);
   const NoDeepIdle no_deep_idle;
-  Problems refused;  // ignored: without a priority, executors run like that too
+  Problems refused;  // ignored, because executors also run without a priority if the system denies it
   auto thread = Thread::start(
       {.name = "takt-probe", .priority = kPriority, .cpus = {allowed_cpus().back()}},
       [&delays, pause] {

@@ -8,8 +8,8 @@
 namespace takt::os {
 
 namespace {
-// A delay beyond the margin raises the margin by one step up, which is as large as 99 steps down. So the
-// margin settles where one wake-up in a hundred is later than the margin.
+// The step in ns by which a wake-up later than the margin raises the margin. It equals 99 steps down, so the
+// margin settles at the value that one wake-up in a hundred exceeds.
 constexpr std::int64_t kUp = 990;
 constexpr std::int64_t kDown = 10;
 constexpr std::int64_t kLeast = 1'000;
@@ -32,7 +32,7 @@ Instant Waker::wait_until(Instant release) noexcept {
   if (strategy_ != model::Wakeup::spin) {
     const Instant wake = release - margin_.value();
     const bool sleeps = time < wake;
-    while (time < wake && !stopped()) {  // a second time only after a spurious wake-up
+    while (time < wake && !stopped()) {  // sleeps a second time only after a spurious wake-up
       futex_wait(stop_, 0, kAll, wake);
       time = os::now();
     }

@@ -20,7 +20,7 @@ Problem problem_of(sqlite3* database, const std::string& file) {
     case SQLITE_FULL:
       return {where, "the disk is full", "free disk space, or record into another file"};
     case SQLITE_CANTOPEN:
-      return {where, "cannot be opened: " + words, "check that it exists and is accessible"};
+      return {where, "cannot be opened: " + words, "check that the file exists and that you may open it"};
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
@@ -28,12 +28,12 @@ Problem problem_of(sqlite3* database, const std::string& file) {
     case SQLITE_IOERR:
       return {where, "cannot be read or written: " + words, "check the disk"};
     case SQLITE_NOTADB:
-      return {where, "is not a recording", "make one with takt record"};
+      return {where, "is not a recording", "create a recording with takt record"};
     case SQLITE_CORRUPT:
-      return {where, "is damaged: " + words, "run sqlite3 FILE .recover to save what can be read"};
+      return {where, "is damaged: " + words, "run sqlite3 FILE .recover to extract the readable part"};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {where, "is locked by another program: " + words, "end that program first"};
+      return {where, "is locked by another program: " + words, "end that program, then try again"};
     default:
       return {where, words, ""};
   }

@@ -23,17 +23,18 @@ Result<Recording> Recording::open(const std::string& file) {
   const std::string place = on_one_line(file);
   std::error_code none;
   if (!std::filesystem::exists(file, none))
-    return Problem{place, "does not exist", "make one with takt record"};
+    return Problem{place, "does not exist", "create a recording with takt record"};
   auto database = Database::open(file, Access::read);
   if (!database) return database.problems();
   const auto id = database->number("PRAGMA application_id");
   if (!id) return id.problems();
   const auto version = database->number("PRAGMA user_version");
   if (!version) return version.problems();
-  if (*id != kRecordingId) return Problem{place, "is not a recording", "make one with takt record"};
+  if (*id != kRecordingId) return Problem{place, "is not a recording", "create a recording with takt record"};
   if (*version != kRecordingVersion)
-    return Problem{place, "is a recording of version " + std::to_string(*version),
-                   "this program uses version " + std::to_string(kRecordingVersion)};
+    return Problem{
+        place, "has recording format " + std::to_string(*version),
+        "use a Takt version that reads it; this one reads only format " + std::to_string(kRecordingVersion)};
   Recording recording{std::move(*database)};
   if (auto loaded = recording.load(); !loaded) return loaded.problems();
   return recording;

@@ -31,7 +31,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr Nanoseconds kTappedFor = seconds{30};     // time for which a device publishes a port on request
+constexpr Nanoseconds kTappedFor = seconds{30};     // how long a device publishes a port after one request
 constexpr Nanoseconds kAskAgain = seconds{5};       // time between requests while all ports are present
 constexpr Nanoseconds kLookAgain = seconds{1};      // time between requests while some ports are missing
 constexpr Nanoseconds kAtOnce = milliseconds{100};  // time to the next request after a device changed
@@ -96,7 +96,7 @@ class Recorder {
     std::string topic;
     std::string type;
     bool reliable = false;
-    std::string reported;  ///< the last reported reason for waiting
+    std::string reported;  ///< the last reported reason why this port is not recorded yet
     std::unique_ptr<dds::Tap> tap;
   };
 
@@ -105,7 +105,7 @@ class Recorder {
     return ended_;
   }
 
-  /// Requests the wanted ports from the devices that are present.
+  /// Asks the devices that are present to publish the wanted ports.
   void look() {
     std::map<std::string, wire::ObservedDevice> devices;
     for (wire::ObservedDevice& device : client_.observer->devices()) {
@@ -133,7 +133,8 @@ class Recorder {
     if (ended_) return;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       Source& source = sources_.at(asked[i]);
-      // A device that does not answer is busy, and still publishes for the time of the last request.
+      // A device that does not answer may be busy. It continues to publish for the time of the last accepted
+      // request.
       if (!answers[i] && source.tapped) continue;
       const auto answer = client::accepted(std::move(answers[i]));
       if (!answer) {
@@ -146,8 +147,8 @@ class Recorder {
     }
   }
 
-  /// Expands the patterns for each new deployment of a device. Expands them again now and then, because an
-  /// update adds ports without changing the deployment's id.
+  /// Finds the ports that match the patterns, for each new deployment of a device. Repeats this from time to
+  /// time, because an update adds ports without changing the deployment's id.
   void expand(const std::map<std::string, wire::ObservedDevice>& devices) {
     std::vector<client::Question> questions;
     for (const auto& [name, device] : devices) {
@@ -176,7 +177,9 @@ class Recorder {
         const wire::ObservedDevice& seen = devices.at(device);
         expanded_[device] = {seen.node() + "/" + seen.status.deployment().to_string(), os::now()};
       } catch (const nlohmann::json::exception&) {
-        say("device " + device + ": its report cannot be read; check that it runs the same version of Takt");
+        say("device " + device +
+            ": the report of its modules cannot be read; check that the device runs the same version of "
+            "Takt");
       }
     }
   }
@@ -198,7 +201,8 @@ class Recorder {
                       const std::string& cell) {
     const auto place = model::parse_json(data);
     if (!place.is_object())
-      return fail("the device's answer comes from another version of Takt", "use one version on all devices");
+      return fail("the device answered in a format that this version of Takt does not know",
+                  "install the same version on all devices");
     if (place.contains("reply"))
       return fail("it is a service", "record the client's NAME/request and NAME/reply");
     const std::string topic = place.value("topic", "");
@@ -243,7 +247,8 @@ class Recorder {
   void progress(Instant begun) {
     const RecordingHealth health = writer_.health();
     if (trouble_ != health.trouble) {
-      say(health.trouble ? to_text(*health.trouble) + "; samples wait" : "the disk takes samples again");
+      say(health.trouble ? to_text(*health.trouble) + "; samples wait in the queue"
+                         : "the disk accepts samples again");
       trouble_ = health.trouble;
     }
     const Instant now = os::now();
@@ -253,7 +258,7 @@ class Recorder {
         "{:.0f} s, {} ports, {} samples, {:.0f}/s, {}{}, {} lost",
         std::chrono::duration<double>(now - begun).count(), recorded_.size(), health.samples,
         static_cast<double>(health.samples - last_samples_) / since, bytes_text(health.bytes),
-        health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped), lost()));
+        health.dropped == 0 ? "" : fmt::format(", {} oldest samples dropped", health.dropped), lost()));
     last_progress_ = now;
     last_samples_ = health.samples;
   }
@@ -270,7 +275,7 @@ class Recorder {
   };
   std::map<std::string, Expanded> expanded_;   // the last expansion of each device
   std::map<std::int64_t, Recorded> recorded_;  // the recorded ports by port number in the file
-  std::uint64_t lost_ = 0;                     // samples lost by former taps
+  std::uint64_t lost_ = 0;                     // samples that were lost by subscriptions that have ended
   bool ended_ = false;
   Instant last_progress_{};
   std::uint64_t last_samples_ = 0;
@@ -305,13 +310,13 @@ int record(const RecordOptions& options) {
   const auto finished = (*writer)->finish();
   const RecordingHealth health = (*writer)->health();
   if (health.full)
-    recorder.say(on_one_line(file) + " is full at " + bytes_text(options.recording.max_bytes) +
-                 "; recording ended");
+    recorder.say(on_one_line(file) + " has reached its limit of " + bytes_text(options.recording.max_bytes) +
+                 "; the recording has ended");
   recorder.say(fmt::format(
       "{} samples of {} port{} in {:.1f} s, {} in {}; {} lost{}", health.samples, recorder.recorded().size(),
       recorder.recorded().size() == 1 ? "" : "s", std::chrono::duration<double>(recorder.took()).count(),
       bytes_text(health.bytes), on_one_line(file), recorder.lost(),
-      health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped)));
+      health.dropped == 0 ? "" : fmt::format(", {} oldest samples dropped", health.dropped)));
   const auto counts = (*writer)->counts();
   for (const auto& [id, port] : recorder.recorded()) {
     const auto count = counts.find(id);
@@ -320,7 +325,7 @@ int record(const RecordOptions& options) {
   }
   if (!finished) return refuse(finished.problems());
   if (!recorder.recorded().empty()) return 0;
-  if (!options.recording.append) {  // otherwise the empty file would block the next attempt
+  if (!options.recording.append) {  // otherwise the next attempt would fail because the empty file exists
     writer->reset();
     if (const auto removed = os::remove_file(file); !removed) return refuse(removed.problems());
   }

@@ -11,8 +11,8 @@ namespace takt::recording {
 
 namespace {
 
-constexpr Nanoseconds kTryAgain = std::chrono::seconds{1};  // time to the next attempt after the disk failed
-constexpr std::uint64_t kOverhead = 24;                     // bytes of a row in addition to the sample
+constexpr Nanoseconds kTryAgain = std::chrono::seconds{1};  // time from a disk error to the next attempt
+constexpr std::uint64_t kOverhead = 24;  // estimated size of a row without its sample, in bytes
 constexpr std::uint64_t kLargestLog = 16'000'000;
 
 std::uint64_t size_of(const std::string& file) {
@@ -27,10 +27,11 @@ Result<void> check_version(Database& database) {
   const auto version = database.number("PRAGMA user_version");
   if (!version) return version.problems();
   const std::string where = on_one_line(database.file());
-  if (*id != kRecordingId) return Problem{where, "is not a recording", "make one with takt record"};
+  if (*id != kRecordingId) return Problem{where, "is not a recording", "create a recording with takt record"};
   if (*version != kRecordingVersion)
-    return Problem{where, "is a recording of version " + std::to_string(*version),
-                   "this program uses version " + std::to_string(kRecordingVersion)};
+    return Problem{where, "has recording format " + std::to_string(*version),
+                   "use a Takt version that writes it; this one writes only format " +
+                       std::to_string(kRecordingVersion)};
   return {};
 }
 
@@ -47,13 +48,13 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const Recording
     return Problem{where, "a size limit of " + std::to_string(options.max_bytes) + " bytes is too small",
                    "use at least 1 MB"};
   if (there && !options.append)
-    return Problem{where, "exists already", "use --append to add to it, or record into another file"};
+    return Problem{where, "exists already", "use --append to add samples to it, or record into another file"};
   auto database = Database::open(options.file, there ? Access::append : Access::create);
   if (!database) return database.problems();
   std::unique_ptr<RecordingWriter> writer{new RecordingWriter{options, std::move(*database)}};
   const auto tables = writer->database_.number("SELECT count(*) FROM sqlite_master");
   if (!tables) return tables.problems();
-  // The file may be empty, because a recorder that is killed at its start leaves an empty file.
+  // An empty file is accepted, because a recorder that is killed at its start leaves one.
   if (*tables != 0) {
     if (auto right = check_version(writer->database_); !right) return right.problems();
   }
@@ -266,8 +267,8 @@ Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size
     offset += sample.size;
   }
   if (auto done = database_.run("COMMIT"); !done) return done.problems();
-  // An error of the checkpoint is ignored: the log belongs to the recording, and its content can move to the
-  // file later.
+  // An error of the checkpoint is ignored: SQLite's log is part of the recording, and a later checkpoint can
+  // move its content into the main file.
   static_cast<void>(checkpoint());
   return next;
 }
@@ -283,12 +284,14 @@ Result<std::uint64_t> RecordingWriter::used() {
 Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
   if (options_.max_bytes == 0) return true;
   const std::uint64_t bound = options_.max_bytes - log_room_;
-  // The log may be too large because another program reads it, so that its content cannot move to the file.
+  // SQLite's log may be too large because another program is reading it. SQLite then cannot move the log's
+  // content into the main file.
   if (size_of(options_.file + "-wal") > log_room_) {
     if (auto done = database_.run("PRAGMA wal_checkpoint(TRUNCATE)"); !done) return done.problems();
     if (size_of(options_.file + "-wal") > log_room_)
       return Problem{on_one_line(options_.file),
-                     "another program has been reading it for so long that it grows", "end that program"};
+                     "another program has kept it open for reading, so its log has become too large",
+                     "end that program"};
   }
   for (;;) {
     const auto now = used();
@@ -299,9 +302,9 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     if (!oldest) return oldest.problems();
     const auto newest = database_.number("SELECT max(id) FROM sample");
     if (!newest) return newest.problems();
-    if (*newest == 0) return false;  // one sample is larger than the limit
-    // Deletes a little more than needed, so that this is not necessary for every batch. Deletes in parts that
-    // fit into the log.
+    if (*newest == 0) return false;  // a single sample is larger than the limit
+    // Deletes a little more than needed, so that not every batch needs a deletion. Deletes in portions that
+    // fit into SQLite's log.
     const std::uint64_t all = static_cast<std::uint64_t>(*newest - *oldest + 1);
     const std::uint64_t each = std::max<std::uint64_t>(1, *now / all);
     const std::uint64_t excess = std::min(*now + bytes - bound + bound / 16, log_room_ / 4);
@@ -316,7 +319,7 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     if (auto done = checkpoint(); !done) return done.problems();
   }
   // The pages of deleted samples are reused. If the file had a larger limit before, the pages beyond the
-  // limit are returned to the disk.
+  // limit are returned to the file system.
   const auto pages = database_.number("PRAGMA page_count");
   if (!pages) return pages.problems();
   if (static_cast<std::uint64_t>(*pages) * page_ > bound) {

@@ -19,14 +19,14 @@ using model::ModuleType;
 using model::Operation;
 using model::Wakeup;
 
-// A search for a bound that needs more steps is given up; then there is no bound.
+// The maximum number of steps of a search for a bound. A search that needs more stops without a bound.
 constexpr int kMaxIterations = 100'000;
-/// The number of rounds that compute bounds for the threads below the rows. Each round uses the bounds of the
-/// previous round.
+/// The number of rounds in which the bounds of threads below the rows are computed. Each round uses the
+/// bounds that the previous round found.
 constexpr int kRounds = 3;
 /// The maximum number of table entries to visit for an executor that others interrupt.
 constexpr std::size_t kMaxVisited = 5'000'000;
-/// A wake-up spins for a share of its period, and no longer than this (os::margin_cap).
+/// The maximum time that a wake-up spins, whatever share of its period it may spin (os::margin_cap).
 constexpr Nanoseconds kLongestSpin = std::chrono::microseconds{100};
 
 constexpr const char* kOverload = "the work does not fit into the available time";
@@ -41,9 +41,9 @@ Nanoseconds longest_spin(Nanoseconds period, double share) {
                                                           : kLongestSpin;
 }
 
-/// Returns the length of the shortest window of at least `least` at whose end all work is done: the work
-/// `own`, and the work `before` it in the window. Returns none if there is no bound. With `coarse`, the
-/// search takes larger steps, and the window may be a thousandth longer.
+/// Returns the length of the shortest window at whose end both the work `own` and the work `before(window)`
+/// of other threads are done. The window is at least `least` long. Returns none if there is no such window.
+/// If `coarse` is true, the search takes larger steps, and the result may be too long by a thousandth.
 template <class Before>
 std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coarse = false) {
   Wide window = std::max(own, least);
@@ -55,22 +55,23 @@ std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coar
   return std::nullopt;
 }
 
-/// A program, and the executor whose rows release it.
+/// A program, with the executor whose rows release it.
 struct Program {
   Contender* self = nullptr;
   const ExecutorPlan* plan = nullptr;
   std::uint32_t module = 0;
-  Wide delay = 0;  ///< maximum time from its release until it may run
+  Wide delay = 0;  ///< the maximum time from its release until it may run
   Wide spin = 0;   ///< maximum time that it spins before its release
   bool periodic = true;
 };
 
-/// An executor with its threads.
+/// An executor with its threads: one for the rows and one for its sporadic modules.
 struct Served {
   const ExecutorPlan* plan = nullptr;
   Contender* rows = nullptr;
-  Contender* sporadic = nullptr;  ///< the thread of its sporadic thread modules; null: it has none
-  std::vector<Wide> ends{};  ///< the latest end of each row, from its release; kForever: there is no bound
+  Contender* sporadic = nullptr;  ///< the thread of its sporadic thread modules; null if it has none
+  std::vector<Wide> ends{};  ///< for each row, the latest end as time from its release; kForever if there is
+                             ///< no bound
 };
 
 class Analyst {
@@ -89,8 +90,8 @@ class Analyst {
   void walk(Served& served);
   void walk_alone(Served& served);
   void walk_interrupted(Served& served);
-  /// Walks one busy stretch of the CPU that begins with this row. Returns false, with the reason in `why`, if
-  /// there is no bound.
+  /// Examines one interval in which the CPU is always busy, and which begins with this row. If there is no
+  /// bound, returns false and sets `why` to the reason.
   bool walk_stretch(Served& served, std::size_t first, std::size_t& visited, const char*& why);
   void serve_sporadic(const Served& served, std::uint32_t module, Recurring& job);
   void run_program(const Program& program);
@@ -106,7 +107,8 @@ class Analyst {
   [[nodiscard]] bool is_thread(std::uint32_t index) const { return module(index).type == ModuleType::thread; }
 
   [[nodiscard]] Wide apart(const ExecutorPlan& plan, const Module& module) const;
-  /// Returns an executor that never sleeps and so leaves `self` no time on this CPU. Null if there is none.
+  /// Returns an executor that never sleeps and therefore leaves no time for `self` on this CPU. Returns null
+  /// if there is none.
   [[nodiscard]] const Contender* starves(const Contender& self, int cpu) const;
   [[nodiscard]] bool is_alone(const Contender& self) const;
   [[nodiscard]] Wide taken_by_others(const Contender& self, Wide window) const;
@@ -114,7 +116,7 @@ class Analyst {
   [[nodiscard]] Wide taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const;
 
   void set(std::uint32_t module, Wide response);
-  /// Records a response of the module. Only the largest one is kept.
+  /// Records a response time of the module. Only the longest one is kept.
   void note(std::uint32_t module, Wide response);
   void note(std::uint32_t module, const std::string& why);
   void give_up(Served& served, const std::string& why);
@@ -123,10 +125,10 @@ class Analyst {
   const DevicePlan& plan_;
   const Placement& placement_;
   const std::vector<std::optional<Nanoseconds>>& runs_;
-  std::deque<Contender> contenders_;  // a deque, because pointers to its elements must stay valid
-  std::vector<Served> served_;        // highest priority first
+  std::deque<Contender> contenders_;  // a deque, because pointers to its elements must remain valid
+  std::vector<Served> served_;        // sorted by priority, highest first
   std::vector<Program> programs_;
-  std::vector<WorstCase> worst_;  // indexed by module
+  std::vector<WorstCase> worst_;  // indexed by module number
 };
 
 // ---- the contenders
@@ -152,8 +154,8 @@ void Analyst::add_rows(const ExecutorPlan& plan) {
   served_.push_back({.plan = &plan, .rows = &contenders_.back()});
 }
 
-/// The minimum time between two releases of the module. If the rows release it, they do so at most once per
-/// row.
+/// The minimum time between two releases of the module. If the executor's rows release the module, they
+/// release it at most once per row.
 Wide Analyst::apart(const ExecutorPlan& plan, const Module& module) const {
   const Wide interarrival = module.interarrival.value_or(Nanoseconds{}).count();
   if (module.dispatch == Dispatch::immediate) return interarrival;
@@ -178,7 +180,8 @@ void Analyst::add_sporadic(Served& served) {
   served.sporadic = &contenders_.back();
 }
 
-// A spinning program starts at its place in the row. A sleeping program is woken at the end of the row.
+// Adds the programs that the executor releases. A spinning program starts at its position in the row; a
+// sleeping program is woken at the end of the row.
 void Analyst::add_programs(const Served& served) {
   const ExecutorPlan& plan = *served.plan;
   const auto add = [&](std::uint32_t index, Wide delay) {
@@ -227,7 +230,7 @@ void Analyst::add_programs(const Served& served) {
   }
 }
 
-// ---- the time that contenders take from each other
+// ---- the CPU time that threads take from each other
 
 const Contender* Analyst::starves(const Contender& self, int cpu) const {
   for (const Contender& other : contenders_) {
@@ -243,11 +246,11 @@ bool Analyst::is_alone(const Contender& self) const {
   });
 }
 
-// The time that other threads take on the CPU on which `self` stays. When the window begins, no thread of
-// higher priority that stays on this CPU is waiting. So only the new work of these threads in the window
-// counts. Two kinds of threads may also bring work left over from an earlier release: threads that move
-// between CPUs, and threads of equal priority that came first. For rows, threads of equal priority count as
-// higher, because none of them is waiting either when the window begins.
+// The time that other threads take from `self` on the only CPU of `self`. When the window begins, no thread
+// of higher priority that has only this CPU is waiting, so only new work of these threads counts. Two kinds
+// of threads may also have unfinished work from an earlier release: threads with several CPUs, and threads of
+// equal priority that came first. If `self` is a thread of rows, threads of equal priority count like those
+// of higher priority, because none of them is waiting when the window begins, either.
 Wide Analyst::taken_by_others(const Contender& self, Wide window) const {
   Wide taken = 0;
   for (const Contender& other : contenders_) {
@@ -260,8 +263,8 @@ Wide Analyst::taken_by_others(const Contender& self, Wide window) const {
   return taken;
 }
 
-// A program that may run on any of these CPUs waits only while threads of equal or higher priority occupy all
-// of these CPUs.
+// The time that other threads take from a program that may run on any of these CPUs. The program waits only
+// while threads of equal or higher priority occupy all of the CPUs.
 Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus, Wide window) const {
   const Contender& self = *program.self;
   Wide taken = 0;
@@ -273,10 +276,10 @@ Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus,
   return taken / static_cast<Wide>(cpus.size());
 }
 
-// Sporadic modules of one executor do not interrupt each other. A module waits for one release of each peer
-// that is ready or running, and for later releases with an earlier deadline. Some peers always finish before
-// their deadline could become the earlier of the two. Such a peer counts only if it is already running, and
-// only one of them can be.
+// The time that a sporadic module waits for other sporadic modules of its executor (its peers). These modules
+// do not interrupt each other. A module waits for one run of each peer that is ready or running, and for
+// later runs with an earlier deadline. Some peers always finish before their deadline could be the earlier
+// one of the two. Such a peer counts only if it is already running, and only one peer can be running.
 Wide Analyst::taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const {
   const Module& self = module(sporadic);
   Wide taken = 0;
@@ -296,7 +299,8 @@ Wide Analyst::taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, W
     taken += run(index) + (earlier > 0 ? later.fresh(earlier) : 0);
   }
   taken += running;
-  // Events of a module with immediate dispatch are checked only between two runs.
+  // For a module with immediate dispatch, events are checked only between two runs, so it may also have to
+  // wait for one whole run.
   return taken + (self.dispatch == Dispatch::immediate ? longest : 0);
 }
 
@@ -316,8 +320,9 @@ void Analyst::walk(Served& served) {
   served.rows->rows_response = *std::max_element(served.ends.begin(), served.ends.end());
 }
 
-// An executor alone on its CPU: the longest runs are the worst case, because shorter runs delay nothing. If
-// the work left over still grows in the second round, it grows forever.
+// Simulates an executor that is alone on its CPU. The longest runs are the worst case, because a shorter run
+// never delays another one. If more work is left over after the second round than after the first, the amount
+// grows forever.
 void Analyst::walk_alone(Served& served) {
   const ExecutorPlan& plan = *served.plan;
   const Wide basic = plan.basic_period.count();
@@ -345,8 +350,8 @@ void Analyst::walk_alone(Served& served) {
   }
 }
 
-// Each row may be the first of a busy stretch, in which the CPU is never free for lower threads. Later rows
-// of a stretch wait for the earlier ones.
+// Examines, for each row, a busy interval that begins with this row. In such an interval the CPU is never
+// free for threads of lower priority. Later rows of the interval wait for earlier ones.
 void Analyst::walk_interrupted(Served& served) {
   std::size_t visited = 0;
   const char* why = kOverload;
@@ -364,10 +369,11 @@ bool Analyst::walk_stretch(Served& served, std::size_t first, std::size_t& visit
   const std::size_t longest = 4 * plan.rows() + 64;
   Wide own = 0;
   Wide release = 0;
-  Wide done = 0;  // the end of the work of the rows so far, including the work before it
+  Wide done = 0;  // the time at which the work of the rows so far is done, including the work of other
+                  // threads before it
   for (std::size_t i = 0; i < longest; ++i, release += basic) {
     const std::size_t row = (first + i) % plan.rows();
-    // The last instant at which the thread may get the CPU, even for one nanosecond of work.
+    // The latest time at which the thread may get the CPU for a further nanosecond of work.
     const auto start = settle(own + 1, done, others);
     if (!start) return false;
     if (i > 0 && done <= release) return true;
@@ -425,7 +431,7 @@ void Analyst::run_program(const Program& program) {
     note(program.module, "executors that never sleep leave it no time on any of its CPUs");
     return;
   }
-  // Coarse steps: with several CPUs, the window could grow by only one nanosecond per step.
+  // Use coarse steps: with several CPUs, the window may grow by only one nanosecond per step.
   const auto response = settle(
       run(program.module), 0,
       [&](Wide window) {
@@ -448,7 +454,9 @@ void Analyst::run_program(const Program& program) {
 // ---- results
 
 void Analyst::set(std::uint32_t index, Wide response) {
-  if (worst_[index].why == kOverload) worst_[index].why.clear();  // an earlier round found no bound
+  if (worst_[index].why == kOverload)
+    worst_[index].why.clear();  // an earlier round did not find a bound,
+                                // but this one does
   constexpr Wide kLargest = Nanoseconds::max().count();
   worst_[index].response = Nanoseconds{static_cast<std::int64_t>(std::min(response, kLargest))};
 }
@@ -476,13 +484,14 @@ std::vector<WorstCase> Analyst::solve() {
   std::stable_sort(plans.begin(), plans.end(),
                    [](const auto* a, const auto* b) { return a->priority > b->priority; });
   for (const ExecutorPlan* plan : plans) add_rows(*plan);
-  // Only executors of a higher priority can interrupt rows, and these come first.
+  // Handle executors in the order of priority, highest first, because only executors of higher priority can
+  // interrupt rows.
   for (Served& served : served_) {
     walk(served);
     add_sporadic(served);
     add_programs(served);
   }
-  // The first round assumes only that all deadlines are kept. Later rounds use the bounds found so far.
+  // The first round only assumes that all deadlines are met. Later rounds use the bounds found so far.
   for (int round = 0; round < kRounds; ++round) {
     for (const Served& served : served_) {
       std::size_t job = 0;
@@ -510,8 +519,8 @@ std::vector<WorstCase> Analyst::solve() {
 
 std::string reason(const WorstCase& worst) {
   if (!worst.why.empty()) return worst.why;
-  return "it may finish only " + to_text(*worst.response) + " after its release, " +
-         to_text(*worst.response - worst.deadline) + " late";
+  return "it may finish as late as " + to_text(*worst.response) + " after its release, " +
+         to_text(*worst.response - worst.deadline) + " too late";
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 namespace takt::schedule {
 namespace {
 
-/// The maximum number of search steps; each step visits one row. Trying each place of each module once takes
-/// one step per row and module. If that alone needs more than half of the steps, the table is left as it is.
+/// The maximum number of search steps; each step visits one row. Trying each position of each module once
+/// takes one step per row and module. If these steps alone exceed half of the maximum, no offsets are chosen.
 constexpr std::uint64_t kMaxSearchSteps = 20'000'000;
 
 std::uint64_t count(Nanoseconds time) { return static_cast<std::uint64_t>(time.count()); }
@@ -38,7 +38,8 @@ class Search {
       }
     }
     for (const std::int64_t load : loads_) all_ += load;
-    // Modules with the fewest places go first, then those with the largest weight.
+    // Place the modules with the fewest possible positions first, and among these the modules with the
+    // largest weight.
     std::stable_sort(free_.begin(), free_.end(), [this](std::size_t a, std::size_t b) {
       if (modules_[a].period != modules_[b].period) return modules_[a].period < modules_[b].period;
       return modules_[a].weight > modules_[b].weight;
@@ -63,7 +64,8 @@ class Search {
     std::uint64_t rows = 1;
     for (std::size_t i = 0; i < modules_.size(); ++i) {
       if (stride(i) > most) return false;
-      rows *= stride(i) / std::gcd(rows, stride(i));  // no overflow: both are at most `most`
+      rows *= stride(i) / std::gcd(rows, stride(i));  // cannot overflow, because both factors are at most
+                                                      // `most`
       if (rows > most) return false;
     }
     rows_ = rows;
@@ -82,7 +84,7 @@ class Search {
     return result;
   }
 
-  /// The load of the heaviest row of the module at this place.
+  /// The load of the heaviest row that contains the module if the module is at this position.
   std::int64_t heaviest_with(std::size_t i, std::uint64_t first) {
     std::int64_t most = 0;
     for (std::uint64_t row = first; row < rows_; row += stride(i)) most = std::max(most, loads_[row]);
@@ -94,7 +96,7 @@ class Search {
     std::int64_t load;
     std::uint64_t first;
   };
-  /// The places that the search still has to try for one module. All modules before it are in place.
+  /// The positions that the search still has to try for one module, while all modules before it are placed.
   struct Level {
     std::vector<Place> places;
     std::size_t next = 0;
@@ -103,7 +105,7 @@ class Search {
 
   [[nodiscard]] Level level(std::size_t depth, std::int64_t heaviest) {
     Level result;
-    // In an empty table, all places are equivalent.
+    // In an empty table, all positions are equivalent.
     const std::uint64_t to_try = depth == 0 && all_alike() ? 1 : stride(free_[depth]);
     for (std::uint64_t first = 0; first < to_try; ++first) {
       const std::int64_t load = std::max(heaviest, heaviest_with(free_[depth], first));
@@ -114,8 +116,8 @@ class Search {
     return result;
   }
 
-  // Searches depth first and tries the lightest places first, so that the first result is already good. Drops
-  // branches that cannot beat the best result so far.
+  // Searches depth first, and tries the positions with the lowest load first, so that even the first result
+  // is good. Drops branches that cannot beat the best result so far.
   void place_all() {
     std::vector<Level> levels;
     if (!free_.empty()) levels.push_back(level(0, heaviest()));

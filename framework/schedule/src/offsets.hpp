@@ -1,4 +1,4 @@
-// Chooses offsets for an executor's modules so that the fullest row is as light as possible.
+// Chooses offsets for an executor's modules so that the load of the fullest row is as small as possible.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,21 @@
 
 namespace takt::schedule {
 
-/// A module of the table to flatten.
+/// A module for which an offset may be chosen.
 struct Shiftable {
   Nanoseconds period{};     ///< > 0
-  Nanoseconds offset{};     ///< if `fixed`: at least 0 and less than the period
-  bool fixed = false;       ///< the module keeps its offset
+  Nanoseconds offset{};     ///< if `fixed` is true: the offset; at least 0 and less than the period
+  bool fixed = false;       ///< true if the module keeps its offset
   std::int64_t weight = 1;  ///< the load that it adds to a row, 1 to 2^40
 };
 
-/// The offsets of all modules, in their order. Fixed offsets stay; the others are multiples of the greatest
-/// common divisor of all periods and fixed offsets, so that the table keeps its basic period. A search makes
-/// the heaviest row as light as possible. For small tables it finds the optimum; for large tables it stops
-/// after a fixed number of steps. The result is never worse than without shifts. If it is no better, all free
-/// offsets are 0. Of equally good results, the search takes the one with the earliest offsets, module by
-/// module. The same input gives the same result. Allocates; takes at most some tens of milliseconds.
+/// Returns the offsets of all modules, in their order. Fixed offsets do not change. The others are multiples
+/// of the greatest common divisor of all periods and fixed offsets, so that the basic period of the table
+/// does not change. A search makes the load of the heaviest row as small as possible. For small tables it
+/// finds the optimum; for large tables it stops after a fixed number of steps. The result is never worse than
+/// with all free offsets at 0, and if it is no better, they are all 0. Of several equally good results, the
+/// search returns the one with the earliest offsets, module by module. The same input always gives the same
+/// result. Allocates memory; takes up to some tens of milliseconds.
 std::vector<Nanoseconds> flatten(std::span<const Shiftable> modules);
 
 }  // namespace takt::schedule

@@ -27,13 +27,13 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
     if (executor.cpu && !has(allowed, *executor.cpu)) {
       placement.warnings.push_back(
           "executor " + executor.name + " requests CPU " + std::to_string(*executor.cpu) +
-          ", which this machine does not have or may not use; the node chooses another CPU");
+          ", which does not exist or may not be used on this machine; the node chooses another CPU");
     }
     if (executor.cpu && has(allowed, *executor.cpu)) {
       placement.executors.push_back({*executor.cpu});
       continue;
     }
-    // The last free CPU is left for the other threads, as long as this executor can share the CPU of another.
+    // Leave the last free CPU to the other threads if this executor can share a CPU with another executor.
     const int cpu = free.size() > 1 || taken.empty() ? free.back() : taken.front();
     placement.executors.push_back({cpu});
     take(cpu);

@@ -16,7 +16,7 @@ using model::Module;
 using model::ModuleType;
 using model::Operation;
 
-/// The maximum number of modules that a message about a full row names.
+/// The maximum number of modules that an error message about a full row lists.
 constexpr std::size_t kNamedModules = 12;
 
 Problem problem_of(const model::Cell& cell, const Module& module, std::string what, std::string fix) {
@@ -25,7 +25,7 @@ Problem problem_of(const model::Cell& cell, const Module& module, std::string wh
   return problem;
 }
 
-/// Sums of int64 budgets need more than 64 bits.
+/// A 128-bit integer, because sums of int64 budgets need more than 64 bits.
 __extension__ using Wide = __int128;
 constexpr Wide kLargestBudget = Nanoseconds::max().count();
 
@@ -98,17 +98,18 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
 
   const std::string sum =
       most > kLargestBudget ? "more than 10^18 ns" : to_text(Nanoseconds{static_cast<std::int64_t>(most)});
-  problems.push_back(
-      problem_of(cell, device.modules[largest],
-                 "the budgets of row " + std::to_string(fullest) + " of executor '" +
-                     device.executors[plan.executor].name + "' exceed its basic period: " + list + " are " +
-                     sum + " of " + to_text(plan.basic_period) + "; " + std::to_string(too_full) + " of " +
-                     std::to_string(plan.rows()) + (plan.rows() == 1 ? " row is" : " rows are") + " too full",
-                 "reduce the budgets, lengthen the periods, or move modules to another executor"));
+  problems.push_back(problem_of(
+      cell, device.modules[largest],
+      "the budgets of row " + std::to_string(fullest) + " of executor '" +
+          device.executors[plan.executor].name + "' exceed its basic period: " + list + " add up to " + sum +
+          ", but the basic period is " + to_text(plan.basic_period) + "; " + std::to_string(too_full) +
+          " of " + std::to_string(plan.rows()) + (plan.rows() == 1 ? " row is" : " rows are") + " too full",
+      "reduce the budgets, lengthen the periods, or move modules to another executor"));
 }
 
-/// Chooses the missing offsets. If all thread modules have a budget, the budgets of the rows are balanced,
-/// and a program counts as almost nothing. Otherwise the number of modules per row is balanced.
+/// Chooses the offsets that the descriptor does not give. If all thread modules have a budget, balances the
+/// budgets of the rows, and counts a program as almost no load. Otherwise balances the number of modules per
+/// row.
 std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& plan) {
   constexpr Nanoseconds kHeaviest{std::int64_t{1} << 40};
   std::vector<Nanoseconds> given;
@@ -128,7 +129,7 @@ std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& pl
   return flatten(modules);
 }
 
-/// The executor with the shortest basic period gets the highest priority.
+/// Sets the priorities of the executors with priority="auto". A shorter basic period gives a higher priority.
 void assign_priorities(const Device& device, std::vector<ExecutorPlan>& plans) {
   constexpr int kStep = 4;
   std::set<Nanoseconds> periods;
@@ -143,7 +144,7 @@ void assign_priorities(const Device& device, std::vector<ExecutorPlan>& plans) {
   }
 }
 
-/// Builds the table and the periods of an executor from its modules, which must already be in the plan.
+/// Builds the table of an executor, and sets its periods. The executor's modules must already be in the plan.
 void build_table(const model::Cell& cell, const Device& device, ExecutorPlan& plan, Problems& problems) {
   if (plan.periodic.empty()) {
     if (plan.sporadic.empty()) return;

@@ -9,7 +9,7 @@
 namespace takt::schedule {
 namespace {
 
-// Wide enough for the least common multiple of any two periods (2^126) and for any sum of entries.
+// A 128-bit integer: it can hold the least common multiple of any two periods (2^126) and any sum of entries.
 __extension__ using UnsignedWide = unsigned __int128;
 
 constexpr UnsignedWide kMaxPeriod = std::numeric_limits<std::int64_t>::max();
@@ -20,7 +20,8 @@ UnsignedWide least_common_multiple(std::uint64_t a, std::uint64_t b) {
   return UnsignedWide{a / std::gcd(a, b)} * b;
 }
 
-/// The size of a table before it is built. Without a macro period, rows and entries are not known.
+/// The size of a table before it is built. If the macro period is too long, `macro` is empty and `rows` and
+/// `entries` are not set.
 struct Extent {
   std::uint64_t basic = 0;
   std::optional<std::uint64_t> macro;
@@ -88,7 +89,7 @@ Problem too_large(std::span<const Task> tasks, const Extent& extent) {
       return static_cast<std::uint64_t>(task.offset.count()) % by_periods != 0;
     });
     return {{},
-            what + ": the periods alone have a basic period of " + duration(by_periods) + ", and " +
+            what + ": without offsets, the basic period would be " + duration(by_periods) + ", but " +
                 name_of(tasks, static_cast<std::size_t>(finest - tasks.begin())) + " has an offset of " +
                 to_text(finest->offset),
             "choose offsets that are multiples of " + duration(by_periods)};
@@ -97,7 +98,7 @@ Problem too_large(std::span<const Task> tasks, const Extent& extent) {
   const auto [shorter, longer] = longest_pair(tasks);
   if (shorter == longer) {
     return {{},
-            what + ": " + std::to_string(tasks.size()) + " modules with the same period, " +
+            what + ": " + std::to_string(tasks.size()) + " modules have the same period, " +
                 to_text(tasks[shorter].period),
             "distribute them over several executors"};
   }
@@ -107,8 +108,8 @@ Problem too_large(std::span<const Task> tasks, const Extent& extent) {
           name_of(tasks, longer) + " with " + to_text(tasks[longer].period) + " coincide only once in " +
           duration(least_common_multiple(low, high));
   if (high % low == 0)
-    return {{}, what, "bring the two periods closer together, or give each an executor of its own"};
-  return {{}, what, "choose periods that are multiples of each other, or give each an executor of its own"};
+    return {{}, what, "bring the two periods closer together, or give each module its own executor"};
+  return {{}, what, "choose periods that are multiples of each other, or give each module its own executor"};
 }
 
 }  // namespace
@@ -122,8 +123,8 @@ PeriodPair longest_pair(std::span<const Task> tasks) {
                           [&](auto a, auto b) { return tasks[a].period == tasks[b].period; }),
               order.end());
 
-  // Starts with the longest periods, so that each inner search ends soon. Its bound for the least common
-  // multiple is the product divided by the common divisor of all periods.
+  // Start with the longest periods, so that each inner loop ends early. It ends when the product of the two
+  // periods, divided by the common divisor of all periods, is smaller than the largest multiple so far.
   std::uint64_t common = 0;
   for (const auto index : order) common = std::gcd(common, period_of(tasks[index]));
   PeriodPair best{};
@@ -176,7 +177,7 @@ Result<Table> Table::build(std::span<const Task> tasks) {
     return static_cast<std::size_t>(static_cast<std::uint64_t>(task.offset.count()) / extent.basic);
   };
 
-  // `offsets` first holds the number of entries of each row, then the index of the first entry of each row.
+  // At first, `offsets` holds the number of entries of each row, then the index of each row's first entry.
   std::vector<Index>& offsets = table.offsets_;
   offsets.assign(rows + 1, 0);
   for (const Task& task : tasks) {
@@ -185,8 +186,8 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   }
   std::exclusive_scan(offsets.begin(), offsets.end(), offsets.begin(), Index{0});
 
-  // Walks the tasks in the order of priority, so that each row is filled in that order. The offset of a row
-  // moves to its end, which is the beginning of the next row.
+  // Visit the tasks in the order of priority, so that each row is filled in that order. Meanwhile, the offset
+  // of a row moves to the end of the row, which is the beginning of the next row.
   std::vector<Index> order(tasks.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(),

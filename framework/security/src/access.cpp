@@ -12,7 +12,7 @@ namespace takt::security {
 
 namespace {
 
-/// The topics that every node writes, and those that it reads.
+/// The topics that every node writes, and the topics that every node reads.
 constexpr std::array kNodeWrites{"takt/lifecycle", "takt/device", "takt/statistics", "takt/executor",
                                  "takt/port",      "takt/fault",  "takt/reply"};
 constexpr std::array kNodeReads{"takt/lifecycle", "takt/device", "takt/command", kQuestionTopic};
@@ -37,7 +37,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// The time in UTC: 2026-11-22T06:00:00.
+/// Formats a time in seconds since 1970 as UTC: 2026-11-22T06:00:00.
 std::string date(std::int64_t seconds) {
   const auto time = static_cast<std::time_t>(seconds);
   std::tm parts{};
@@ -47,7 +47,7 @@ std::string date(std::int64_t seconds) {
   return {text.data(), length};
 }
 
-/// The topics to write and read on one domain, each name once.
+/// The topics that a participant writes and reads on one domain, without duplicates.
 struct Names {
   std::set<std::string> writes;
   std::set<std::string> reads;
@@ -60,7 +60,7 @@ void add_connections(const model::Cell& cell, int domain, int at, const Subject&
     if (subject.role == Role::device) {
       const bool from_here = connection.from.given() && connection.from.device == subject.name;
       const bool to_here = connection.to.given() && connection.to.device == subject.name;
-      if (from_here && to_here && connection.topic.empty()) continue;  // stays on the device
+      if (from_here && to_here && connection.topic.empty()) continue;  // the samples do not leave the device
       if (from_here) names.writes.insert(topic);
       if (to_here) names.reads.insert(topic);
     } else {
@@ -175,7 +175,7 @@ Problems obstacles(const model::Cell& cell) {
     problems.push_back(
         model::problem_at(cell.texts(), connection.line,
                           "the topic " + in_quotes(connection.topic) +
-                              " would act as a pattern in permissions and grant more than its own name",
+                              " would be a pattern in the permissions and also grant access to other topics",
                           "use a name without * ? [ and \\"));
   }
   return problems;

@@ -28,14 +28,15 @@ constexpr const char* kDomain = "domain";
 constexpr std::size_t kMostAuthorityBytes = std::size_t{32} << 20;
 
 constexpr std::int64_t kDay = 24 * 3600;
-/// A certificate becomes valid this long before it is issued, because the clocks of machines differ.
+/// The validity of a certificate begins this long before it is issued, because the clocks of machines differ.
 constexpr std::int64_t kBefore = 3600;  // s
 constexpr std::int64_t kAuthorityDays = 3650;
 
 Result<std::string> read_authority_file(const fs::path& path) {
   auto content = os::read_file(path.string(), kMostAuthorityBytes);
   if (!content) return content.problems();
-  if (!*content) return Problem{path.string(), "there is no such file", "create one with takt secure init"};
+  if (!*content)
+    return Problem{path.string(), "there is no such file", "create an authority with takt secure init"};
   return **std::move(content);
 }
 
@@ -44,12 +45,12 @@ Result<void> read_into(Object& object, const fs::path& path, From from) {
   auto text = read_authority_file(path);
   if (!text) return text.problems();
   object = from(*text);
-  if (object == nullptr) return Problem{path.string(), "it cannot be read", "restore it from a copy"};
+  if (object == nullptr) return Problem{path.string(), "it cannot be read", "restore it from a backup"};
   return {};
 }
 
-/// A random mark in the name of an authority. It distinguishes the participants of two cells with the same
-/// name.
+/// Returns random digits for the name of a new authority. They distinguish the identities of two cells with
+/// the same name.
 std::string new_mark() {
   std::random_device random;
   std::array<char, 9> digits{};
@@ -57,7 +58,7 @@ std::string new_mark() {
   return digits.data();
 }
 
-/// Writes several files, and stops at the first problem.
+/// Writes several files into one folder, and stops at the first problem.
 class Files {
  public:
   explicit Files(fs::path folder) : folder_(std::move(folder)) {
@@ -93,8 +94,8 @@ struct Authority::Inside {
 
   void write_documents(Files& files, const Subject& subject, const Plan& plan, std::int64_t now,
                        std::int64_t until) const {
-    // The documents are valid one day longer on each side, so that time zones do not matter. The certificate
-    // limits the validity.
+    // The documents are valid from one day before to one day after the validity of the certificate, so that
+    // time zones do not matter. The certificate still limits the validity.
     const Validity validity{now - kDay, until + kDay};
     const std::vector<Access> access_rules = access_of(plan.cell, plan.domain, subject);
     files
@@ -153,11 +154,12 @@ Result<Authority> Authority::open(const std::string& folder) {
       const fs::path home =
           fs::absolute(inside->folder, error).lexically_normal().parent_path().parent_path();
       return Problem{folder, "this is the identity of one participant, not an authority",
-                     fs::is_directory(home / kFolder, error) ? "its authority is in " + home.string()
-                                                             : "name the folder that takt secure init made"};
+                     fs::is_directory(home / kFolder, error)
+                         ? "its authority is in " + home.string()
+                         : "name the folder that takt secure init created"};
     }
     return Problem{folder, "this folder has no authority",
-                   "create one with takt secure init CELL.xml " + folder};
+                   "create an authority with takt secure init CELL.xml " + folder};
   }
   Problems problems;
   const auto keep = [&problems](const Result<void>& result) {
@@ -183,8 +185,8 @@ Result<int> Authority::domain() const {
   int domain = -1;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), domain);
   if (error != std::errc{} || domain < 0)
-    return Problem{inside_->own(kDomain).string(), "it does not contain a DDS domain",
-                   "restore it from a copy"};
+    return Problem{inside_->own(kDomain).string(), "it does not contain the number of a DDS domain",
+                   "restore it from a backup"};
   return domain;
 }
 
@@ -282,7 +284,7 @@ Result<void> Authority::revoke(const Subject& subject, std::int64_t now) {
   if (auto found = read_into(certificate, inside_->of(subject) / kCertificate, certificate_from); !found)
     return found;
   if (is_revoked(*inside_->crl, *certificate))
-    return Problem{inside_->of(subject).string(), "it is already revoked", ""};
+    return Problem{inside_->of(subject).string(), "this identity is already revoked", ""};
   inside_->crl = make_crl(inside_->crl.get(), certificate.get(), *inside_->identity, *inside_->identity_key,
                           now - kBefore);
   Files own{inside_->folder / kFolder};

@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostIdentityBytes = std::size_t{16} << 20;
-constexpr const char* kCopyAgain = "copy the whole folder again, as takt secure made it";
+constexpr const char* kCopyAgain = "copy the whole folder again from the machine of the authority";
 
-/// Reads the files of one folder and collects their problems.
+/// Reads the files of one identity folder and collects the problems of these files.
 class Folder {
  public:
   explicit Folder(std::string path) : path_(std::move(path)) {}
@@ -71,8 +71,8 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
   Identity identity;
   identity.folder = fs::absolute(path, error).lexically_normal().string();
   if (!fs::is_directory(path, error)) {
-    return Problem{path, "there is no such folder with an identity",
-                   "name a folder that takt secure made, such as DIR/devices/NAME"};
+    return Problem{path, "there is no such folder",
+                   "name an identity folder that takt secure created, such as DIR/devices/NAME"};
   }
   Folder folder{identity.folder};
   check_access_of_others(folder);
@@ -92,7 +92,7 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
     if (parsed)
       identity.subject = *parsed;
     else
-      folder.add(kCertificate, "its subject " + in_quotes(subject) + " is not a participant of a cell",
+      folder.add(kCertificate, "its subject " + in_quotes(subject) + " does not name a participant of a cell",
                  kCopyAgain);
   }
   if (authority != nullptr) identity.authority = announced_name(*authority);
@@ -101,7 +101,7 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
       folder.add(kCertificate, issued.problems());
   }
   if (certificate != nullptr && key != nullptr && !belong_together(*certificate, *key))
-    folder.add(kPrivateKey, std::string{"it is not the key of "} + kCertificate, kCopyAgain);
+    folder.add(kPrivateKey, std::string{"this key does not belong to "} + kCertificate, kCopyAgain);
   if (crl != nullptr && authority != nullptr && !is_signed_by(*crl, *authority))
     folder.add(kRevoked, "its signature was not made by the authority", kCopyAgain);
   if (crl != nullptr && certificate != nullptr && is_revoked(*crl, *certificate))
@@ -117,7 +117,8 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
     } else {
       identity.domains = domains_in(*text);
       if (!subject.empty() && text->find("<subject_name>" + subject + "<") == std::string::npos)
-        folder.add(kPermissions, "the permissions are not for " + subject, kCopyAgain);
+        folder.add(kPermissions, "these permissions are for another participant, not for " + subject,
+                   kCopyAgain);
     }
   }
   if (!folder.problems().empty()) return folder.problems();

@@ -29,10 +29,10 @@ using Pkcs7 = std::unique_ptr<PKCS7, FreedBy<PKCS7_free>>;
 using Extension = std::unique_ptr<X509_EXTENSION, FreedBy<X509_EXTENSION_free>>;
 
 constexpr int kSerialBytes = 16;
-constexpr std::size_t kLargestCertificate = 65536;  // bytes, as PEM
+constexpr std::size_t kLargestCertificate = 65536;  // bytes of PEM text
 
 void add_part(X509_NAME& name, const char* part, const std::string& value) {
-  // The encoding is always the same, because the GUID of a participant on DDS contains a hash of these bytes.
+  // The encoding must never vary, because the GUID of a participant on DDS contains a hash of these bytes.
   TAKT_CHECK(X509_NAME_add_entry_by_txt(&name, part, V_ASN1_UTF8STRING,
                                         reinterpret_cast<const unsigned char*>(value.data()),
                                         static_cast<int>(value.size()), -1, 0) == 1);
@@ -69,7 +69,7 @@ std::string openssl_reason() {
   std::array<char, 256> text{};
   const unsigned long code = ERR_get_error();
   ERR_clear_error();
-  if (code == 0) return "no reason given";
+  if (code == 0) return "OpenSSL gave no reason";
   ERR_error_string_n(code, text.data(), text.size());
   return text.data();
 }
@@ -92,7 +92,7 @@ Key make_key() {
 }
 
 Key key_from(std::string_view pem) {
-  // Gives OpenSSL no password, because Takt does not create keys with one.
+  // Prevents OpenSSL from asking for a password. Takt does not create keys with a password.
   const auto no_password = [](char*, int, int, void*) { return 0; };
   Key key{PEM_read_bio_PrivateKey(bytes_of(pem).get(), nullptr, no_password, nullptr)};
   ERR_clear_error();
@@ -205,10 +205,10 @@ Result<void> check_issued(X509& certificate, X509& authority, std::int64_t now) 
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
       return fail("it was issued by another authority",
-                  "copy the whole folder again, as takt secure made it");
+                  "copy the whole folder again from the machine of the authority");
     default:
       return fail(X509_verify_cert_error_string(error),
-                  "copy the whole folder again, as takt secure made it");
+                  "copy the whole folder again from the machine of the authority");
   }
 }
 
@@ -263,7 +263,8 @@ Result<std::string> open_document(const std::string& smime, X509& certificate) {
   const Bytes owned{content};
   if (pkcs7 == nullptr || content == nullptr) {
     ERR_clear_error();
-    return fail("it is not a signed document", "copy the whole folder again, as takt secure made it");
+    return fail("it is not a signed document",
+                "copy the whole folder again from the machine of the authority");
   }
   STACK_OF(X509)* signers = sk_X509_new_null();
   sk_X509_push(signers, &certificate);
@@ -274,7 +275,7 @@ Result<std::string> open_document(const std::string& smime, X509& certificate) {
   ERR_clear_error();
   if (!good)
     return fail("its signature was not made by the authority",
-                "copy the whole folder again, as takt secure made it");
+                "copy the whole folder again from the machine of the authority");
   return text_of(*out);
 }
 
@@ -282,7 +283,8 @@ Prefix prefix_of(const Subject& subject) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned length = 0;
   TAKT_CHECK(X509_NAME_digest(name_of(subject).get(), EVP_sha256(), digest.data(), &length) == 1);
-  // DDS Security 1.1, 9.3.3: a bit that is set, then the first 47 bits of the hash.
+  // As DDS Security 1.1, section 9.3.3, defines it: one bit with the value 1, then the first 47 bits of the
+  // hash.
   Prefix prefix{};
   for (std::size_t i = 0; i < prefix.size(); ++i) {
     const unsigned above = i == 0 ? 1U : digest[i - 1];

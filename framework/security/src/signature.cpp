@@ -42,7 +42,7 @@ Result<Certificate> signer(const std::string& file, std::int64_t now) {
 }  // namespace
 
 Result<void> sign_file(const std::string& file, const std::string& pem) {
-  const auto content = read_signed_file(file, kMostSigned, "name a file");
+  const auto content = read_signed_file(file, kMostSigned, "name an existing file");
   if (!content) return content.problems();
   const Key key = key_from(pem);
   if (key == nullptr) return fail("cannot sign " + file + ": the key is not valid");
@@ -67,7 +67,7 @@ Result<void> check_signature(const std::string& file, const std::string& certifi
   constexpr const char* kSign = "sign it with takt sign";
   const auto certificate = signer(certificate_file, now);
   if (!certificate) return certificate.problems();
-  const auto content = read_signed_file(file, kMostSigned, "name a file");
+  const auto content = read_signed_file(file, kMostSigned, "name an existing file");
   if (!content) return content.problems();
   auto signature = os::read_file(signature_of(file), kMostPem);
   if (!signature) return signature.problems();
@@ -82,7 +82,7 @@ Result<void> check_signature(const std::string& file, const std::string& certifi
   if (good) return {};
   return Problem{
       file, "its signature does not match its contents, or was not made with the key of " + certificate_file,
-      "use the file that was signed, or sign it again"};
+      "restore the signed file, or sign the changed file"};
 }
 
 }  // namespace takt::security

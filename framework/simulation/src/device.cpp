@@ -55,8 +55,8 @@ void Device::begin(supervision::Parts& parts) {
   make_wires();
 }
 
-// The wiring has its links in the order of the connections; a connection to the same device over a topic has
-// two. Links for observers follow, which do not exist here.
+// The wiring has its links in the order of the connections; a connection within the device over a topic has
+// two. The links for observers follow; the simulation does not use them.
 void Device::make_wires() {
   const auto& planned = parts_->wiring.wires();
   const auto add = [&](std::uint32_t index) {
@@ -164,8 +164,8 @@ std::unique_ptr<Device::Row> Device::make_row(std::uint32_t executor, VirtualHos
   return row;
 }
 
-// Executors that name the same CPU share it. Those that name none have one each, or share the CPUs of the
-// device.
+// Executors that name the same CPU share it. Executors that name no CPU have one CPU each, or share the CPUs
+// of the device.
 Kernel::Place Device::place_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index,
                                int below) {
   const int priority = parts_->plan.executors[executor].priority - below;
@@ -194,7 +194,8 @@ void Device::emit(Event event, const Member& member) {
 
 void Device::emit(What what, const Member& member) { emit({.what = what}, member); }
 
-// Includes the releases that a program with immediate dispatch gave itself.
+// The number of calls or releases of a module. Includes the releases that a program with immediate dispatch
+// gave itself.
 std::uint64_t Device::cycles(const Member& member) {
   return member.block.cycles.load() + (member.slot == nullptr ? 0 : member.slot->begun.load());
 }

@@ -39,12 +39,12 @@ struct World {
   Kernel& kernel;
   Listener& listener;
   const model::Cell& cell;        ///< as simulated: see simulated_cell()
-  const model::CellPorts& ports;  ///< of every module
+  const model::CellPorts& ports;  ///< the ports of every module
   const model::Profile& profile;
   std::uint64_t seed = 0;
-  int cpus = 0;  ///< CPUs per device for executors that name none; 0: one for each executor
+  int cpus = 0;  ///< CPUs per device for executors that name no CPU; 0 for one per executor
   Network* network = nullptr;
-  /// A fault on this device stops the whole cell.
+  /// Called when a fault on this device stops the whole cell.
   std::function<void(std::uint32_t device, const std::string& why)> stop_cell{};
   /// Whether a module executes, as far as another device knows.
   std::function<bool(const std::string& device, const std::string& module)> executes{};
@@ -104,7 +104,7 @@ class Device {
   /// Lets the supervision react at once.
   void poke();
   [[nodiscard]] static std::uint64_t cycles(const Member& member);
-  /// Before T0 hooks and starts take no time.
+  /// Whether hooks and starts of programs take time. Before T0, they take none.
   [[nodiscard]] bool takes_time() const { return phase() != Phase::preparing; }
 
   // Real-time strands (device_strands.cpp)
@@ -141,12 +141,12 @@ class Device {
   const World& world_;
   std::uint32_t index_;
   Draws draws_;
-  supervision::Parts* parts_ = nullptr;  // the supervisor's; after prepare()
+  supervision::Parts* parts_ = nullptr;  // owned by the supervisor; null before prepare()
   std::unique_ptr<supervision::Supervisor> supervisor_;
   std::map<int, Cpu> shared_cpus_;  // shared CPUs, by number
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<Wire>> wires_;  // in the order of the wiring
-  std::vector<Row*> rows_;                    // of each executor; its host owns it
+  std::vector<Row*> rows_;                    // for each executor; its host owns the row
   Nanoseconds wall_offset_{};                 // wall clock minus monotonic clock
   bool gateway_awake_ = false;
   bool poked_ = false;

@@ -25,7 +25,7 @@ Nanoseconds futex_wake_up(Draws& draws) {
 }
 /// The time until a store to a slot is visible to another CPU.
 Nanoseconds store_seen(Draws& draws) { return draws.between(Nanoseconds{100}, Nanoseconds{500}); }
-/// The time from ringing for the gateway until it has taken the samples.
+/// The time from waking the gateway until it has taken the samples.
 constexpr Nanoseconds kGatewayShortest = microseconds{15};
 constexpr Nanoseconds kGatewayLongest = microseconds{60};
 /// The pause between runs of a non-real-time module without a period.
@@ -166,7 +166,7 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
     const Instant from = from_ns(std::max(event, channel::not_before_ns(slot)));
     if (event != channel::kNever && now() >= from) {
       if (channel::begin(slot, to_ns(now()))) return true;
-      taken.count = slot.released.load();  // it was taken out of the tables in between
+      taken.count = slot.released.load();  // the program was taken out of the tables in between
       slot.done.store(taken.count);
     }
     slot.sleeping.store(1);
@@ -180,7 +180,7 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
   return true;
 }
 
-// Emits events for what the executor has done since the last call and modules do not report themselves.
+// Emits events for the executor's actions since the last call, except those that modules report themselves.
 void Device::emit_table_changes(std::uint32_t executor) {
   const Row& row = *rows_[executor];
   const auto released = [this](Member& member) {

@@ -1,5 +1,5 @@
-// The work of a simulated module in its run(), or in the body of its program: it takes its inputs, takes its
-// time, and writes its outputs. Meanwhile it holds buffers of its links, as a real module may.
+// The work of a simulated module in its run(), or in the body of its program: it reads its inputs, uses its
+// run time, and writes its outputs. Meanwhile it holds buffers of its links, as a real module may.
 #include <algorithm>
 
 #include "member.hpp"

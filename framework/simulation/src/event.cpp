@@ -48,11 +48,11 @@ std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
       fmt::format_to(to, " woke {} ns after its release", (event.at - event.release).count());
       break;
     case What::walked:
-      fmt::format_to(to, " walked row {} of {}", event.number, seconds_text(event.release - t0));
-      if (event.count != 0) fmt::format_to(to, ", missed {} before it", event.count);
+      fmt::format_to(to, " ran row {}, released at {}", event.number, seconds_text(event.release - t0));
+      if (event.count != 0) fmt::format_to(to, ", missed rows before it: {}", event.count);
       break;
     case What::joined:
-      fmt::format_to(to, " joins its grid at row {}, missed {}", event.number, event.count);
+      fmt::format_to(to, " joins its grid at row {}, missed rows before it: {}", event.number, event.count);
       break;
     case What::put_in:
       line += " is in the tables";
@@ -104,7 +104,7 @@ std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
       line += " command";
       break;
     case What::safe:
-      line += event.count != 0 ? " is replaced by the safe value" : " is read again";
+      line += event.count != 0 ? " gives its reader the safe value" : " gives its reader samples again";
       break;
     case What::host_ended:
       line += " ended";

@@ -32,11 +32,13 @@ constexpr std::array kFaultWords{
     Word{Kind::late, Of::module, "late", Amount::duration, "robot.servo late 3 ms",
          "the module's next run takes 3 ms longer"},
     Word{Kind::crash, Of::module, "crash", Amount::none, "line.belt crash",
-         "its next run crashes the host, or its program"},
-    Word{Kind::fail, Of::module, "fail", Amount::none, "robot.servo fail", "its next run reports a failure"},
-    Word{Kind::hang, Of::module, "hang", Amount::none, "robot.servo hang", "its next run never returns"},
+         "the module's next run crashes its host or program"},
+    Word{Kind::fail, Of::module, "fail", Amount::none, "robot.servo fail",
+         "the module's next run reports a failure"},
+    Word{Kind::hang, Of::module, "hang", Amount::none, "robot.servo hang",
+         "the module's next run never returns"},
     Word{Kind::unmended, Of::module, "unmended", Amount::count, "robot.servo unmended 2",
-         "its next two recovery attempts fail"},
+         "the module's next two recovery attempts fail"},
     Word{Kind::oversleep, Of::executor, "oversleep", Amount::duration, "robot.motion oversleep 3 ms",
          "the executor's next wake-up is 3 ms late"},
     Word{Kind::clock_step, Of::device, "clock-step", Amount::duration, "robot clock-step -2 ms",
@@ -46,18 +48,19 @@ constexpr std::array kFaultWords{
     Word{Kind::lose, Of::connection, "lose", Amount::count, "connection robot.arm.state lose 3",
          "the output's next three samples to other devices are lost"},
     Word{Kind::delay, Of::connection, "late", Amount::duration, "connection robot.arm.state late 5 ms",
-         "its next sample to other devices takes 5 ms longer"},
+         "the output's next sample to other devices takes 5 ms longer"},
     Word{Kind::initialize, Of::module, "initialize", Amount::none, "robot.servo initialize",
-         "an operator commands it, as with takt initialize"},
-    Word{Kind::start, Of::module, "start", Amount::none, "robot.servo start", "likewise"},
-    Word{Kind::stop, Of::module, "stop", Amount::none, "robot.servo stop", "likewise"},
-    Word{Kind::recover, Of::module, "recover", Amount::none, "robot.servo recover", "likewise"},
-    Word{Kind::reset, Of::module, "reset", Amount::none, "robot.servo reset", "likewise"},
-    Word{Kind::destruct, Of::module, "destruct", Amount::none, "robot.servo destruct", "likewise"},
+         "an operator sends a command, as with takt initialize"},
+    Word{Kind::start, Of::module, "start", Amount::none, "robot.servo start", "as with takt start"},
+    Word{Kind::stop, Of::module, "stop", Amount::none, "robot.servo stop", "as with takt stop"},
+    Word{Kind::recover, Of::module, "recover", Amount::none, "robot.servo recover", "as with takt recover"},
+    Word{Kind::reset, Of::module, "reset", Amount::none, "robot.servo reset", "as with takt reset"},
+    Word{Kind::destruct, Of::module, "destruct", Amount::none, "robot.servo destruct",
+         "as with takt destruct"},
     Word{Kind::swap, Of::module, "swap", Amount::none, "robot.servo swap",
-         "an update replaces its instance while it runs"},
+         "an update replaces the module's instance while it runs"},
 };
-/// The first words are faults; commands follow.
+/// The number of faults, which come first in kFaultWords. The commands follow.
 constexpr std::uint64_t kFaultKinds = static_cast<std::uint64_t>(Kind::delay) + 1;
 
 using channel::Doing;
@@ -101,7 +104,8 @@ class Line {
 
   Result<std::vector<Fault>> read() {
     Fault fault;
-    if (next() != "at") return wrong("the line does not begin with 'at'", "at 1.5 s robot.servo late 3 ms");
+    if (next() != "at")
+      return wrong("the line does not begin with 'at'", "write, for example, at 1.5 s robot.servo late 3 ms");
     const auto at = duration();
     if (!at || *at < Nanoseconds{0})
       return wrong("there is no time since T0 after 'at'", "write, for example, at 1.5 s or at 20 ms");
@@ -115,7 +119,9 @@ class Line {
       if (!a) return *problem_;
       const auto b = device(next());
       if (!b) return *problem_;
-      if (*a == *b) return wrong("a link is between two different devices", "link robot line cut for 500 ms");
+      if (*a == *b)
+        return wrong("a link is between two different devices",
+                     "write, for example, link robot line cut for 500 ms");
       of = Of::devices;
       fault.device = *a;
       fault.place = *b;
@@ -144,7 +150,7 @@ class Line {
     return *problem_;
   }
 
-  /// "1.5 s", "1.5s", "-2 ms"
+  /// Reads a duration such as "1.5 s", "1.5s" or "-2 ms".
   std::optional<Nanoseconds> duration() {
     std::string_view number = next();
     const std::size_t digits = std::min(number.find_first_not_of("+-.0123456789"), number.size());
@@ -169,7 +175,7 @@ class Line {
     return std::nullopt;
   }
 
-  /// DEVICE, DEVICE.MODULE or DEVICE.EXECUTOR, depending on the fault.
+  /// Reads DEVICE, DEVICE.MODULE or DEVICE.EXECUTOR, depending on the fault.
   bool place(std::string_view name, Fault& fault, std::vector<Fault>& places, Of& of) {
     const std::size_t dot = name.find('.');
     const auto found = device(name.substr(0, dot));
@@ -190,7 +196,8 @@ class Line {
       if (one == known.end()) {
         wrong("device " + model.name + " has no " + (of == Of::executor ? "executor " : "module ") +
                   in_quotes(part),
-              known.empty() ? "it has none" : suggestion(part, known));
+              known.empty() ? std::string{"it has no "} + (of == Of::executor ? "executors" : "modules")
+                            : suggestion(part, known));
         return false;
       }
       fault.place = static_cast<std::uint32_t>(one - known.begin());
@@ -234,14 +241,14 @@ class Line {
       if (given != parts.front()) continue;
       if (parts.size() > 1 && next() != parts[1]) {
         wrong("'" + std::string{parts[1]} + "' is missing after '" + std::string{given} + "'",
-              std::string{word.example});
+              "write, for example, " + std::string{word.example});
         return false;
       }
       for (Fault& fault : places) fault.kind = word.kind;
       if (may_name_hook(word.kind) && peek() == "in") return hook(places.front());
       return amount(word, places);
     }
-    wrong(given.empty() ? "the line does not name a fault" : "no fault here is called " + in_quotes(given),
+    wrong(given.empty() ? "the line does not name a fault" : "there is no such fault: " + in_quotes(given),
           suggestion(given, known));
     return false;
   }
@@ -255,7 +262,7 @@ class Line {
       if (name == given) fault.hook = doing;
     }
     if (fault.hook == Doing::run) {
-      wrong(given.empty() ? "there is no hook after 'in'" : "no hook is called " + in_quotes(given),
+      wrong(given.empty() ? "there is no hook after 'in'" : "there is no hook " + in_quotes(given),
             suggestion(given, known));
       return false;
     }
@@ -272,7 +279,8 @@ class Line {
       const auto by = duration();
       const bool may_be_negative = word.kind == Kind::clock_step;
       if (!by || (*by <= Nanoseconds{0} && !may_be_negative)) {
-        wrong("there is no time after '" + std::string{word.word} + "'", std::string{word.example});
+        wrong("there is no time after '" + std::string{word.word} + "'",
+              "write, for example, " + std::string{word.example});
         return false;
       }
       for (Fault& fault : places) fault.by = *by;
@@ -282,7 +290,8 @@ class Line {
       std::uint64_t count = 0;
       const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), count);
       if (number.empty() || error != std::errc{} || end != number.data() + number.size() || count == 0) {
-        wrong("there is no number above 0 after '" + std::string{word.word} + "'", std::string{word.example});
+        wrong("there is no number above 0 after '" + std::string{word.word} + "'",
+              "write, for example, " + std::string{word.example});
         return false;
       }
       for (Fault& fault : places) fault.count = count;
@@ -302,7 +311,7 @@ class Line {
 std::string to_text(const Fault& fault, const model::Cell& cell) {
   const Word& word = word_of(fault.kind);
   const model::Device& device = cell.devices[fault.device];
-  // to_text() of a time would round.
+  // to_text() of a time would round the time.
   const auto exact = [](Nanoseconds time) {
     return time.count() % 1000 == 0 ? fmt::format("{} us", time.count() / 1000)
                                     : fmt::format("{} ns", time.count());

@@ -9,7 +9,7 @@ namespace takt::simulation {
 
 namespace {
 
-/// The rows that name a module: `first`, and every `stride` rows after it.
+/// The rows that contain a module: `first`, and every `stride` rows after it.
 struct Rows {
   std::uint64_t first;
   std::uint64_t stride;
@@ -81,7 +81,7 @@ void Invariants::on_event(const Event& event) {
         else
           ++device.modules[served.module].twice;
       }
-      executor.served.clear();  // it may end again before it joins its grid
+      executor.served.clear();  // the host may end again before the executor joins its grid
       executor.runs.reset();
       executor.sporadic.reset();
     }
@@ -108,7 +108,7 @@ void Invariants::on_row(const Event& event, OfDevice& device) {
       if (event.release < event.at) violated(event, "the row is in the past");
       if (event.count != 0 && event.release - basic >= event.at)
         violated(event, "a row in the future counts as missed");
-      // A crash cut a row short: the rows before it had been skipped.
+      // If a crash cut a row short, the rows skipped before that row count as missed.
       if (executor.in_row) {
         count_missed(device, plan, event.device, executor.next_row, from, true);
       }
@@ -159,7 +159,7 @@ void Invariants::count_missed(OfDevice& device, const schedule::ExecutorPlan& pl
 }
 
 // Releases that are made up for come first, row by row, in the order of each row. A module gets only its
-// newest missed releases, up to its limit. They counted as missed until then.
+// newest missed releases, up to its limit. Until then, they counted as missed.
 std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
     const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
   const std::vector<Served>& served = device.executors[event.executor].served;
@@ -206,7 +206,7 @@ void Invariants::check_row(const Event& event, OfDevice& device, const schedule:
     if (has_pending_releases(event.device, index)) continue;
     const bool same = module.changes == module.changes_then;
     if (next == executor.served.end() || next->module != index) {
-      if (module.was_in && same) violated(event, name(index) + " was not served in its place");
+      if (module.was_in && same) violated(event, name(index) + " was not served at its place in the row");
       ++module.out;
       continue;
     }
@@ -248,7 +248,7 @@ void Invariants::on_module(const Event& event, OfDevice& device) {
       if (module.last_ready && event.release - *module.last_ready < least)
         violated(event, "it was released before its interarrival time had passed");
       if (model.deadline && event.until != event.release + *model.deadline)
-        violated(event, "this is not its deadline");
+        violated(event, "the deadline of this run is wrong");
       module.last_ready = event.release;
       module.ready_until = event.until;
       module.ready_changes = module.changes;
@@ -279,7 +279,7 @@ void Invariants::on_module(const Event& event, OfDevice& device) {
       if (event.what == What::busy) module.busy += event.count;
       if (!periodic || has_pending_releases(event.device, event.module)) break;
       OfExecutor& executor = device.executors[executor_of(event.device, event.module)];
-      if (!executor.in_row) violated(event, "no row is walked");
+      if (!executor.in_row) violated(event, "no row is running");
       executor.served.push_back({event.module,
                                  event.what == What::busy ? std::nullopt : std::optional{event.number},
                                  event.release});
@@ -304,7 +304,7 @@ void Invariants::on_run(const Event& event, OfDevice& device) {
   OfExecutor& executor = device.executors[on];
   OfModule& module = device.modules[event.module];
   if (cell_.devices[event.device].modules[event.module].operation == model::Operation::periodic) {
-    if (!executor.in_row) violated(event, "no row is walked");
+    if (!executor.in_row) violated(event, "no row is running");
     if (executor.runs) violated(event, "another module of the row is running");
     executor.runs = event.module;
     executor.served.push_back({event.module, event.number, event.release});
@@ -348,7 +348,8 @@ void Invariants::on_sample(const Event& event) {
       break;
     case What::arrived:
       if (event.number > connection.wrote) violated(event, "it was not written yet");
-      if (event.number <= connection.arrived) violated(event, number(connection.arrived) + " arrived before");
+      if (event.number <= connection.arrived)
+        violated(event, "sample " + number(connection.arrived) + " arrived earlier");
       connection.arrived = event.number;
       break;
     case What::read:
@@ -357,7 +358,8 @@ void Invariants::on_sample(const Event& event) {
         break;
       }
       if (event.number > connection.wrote) violated(event, "it was not written yet");
-      if (event.number <= connection.read) violated(event, number(connection.read) + " was read before");
+      if (event.number <= connection.read)
+        violated(event, "sample " + number(connection.read) + " was read earlier");
       connection.read = event.number;
       break;
     default:
@@ -368,7 +370,7 @@ void Invariants::on_sample(const Event& event) {
 void Invariants::close(std::uint32_t index, const Totals& totals) {
   const model::Device& model = cell_.devices[index];
   OfDevice& device = devices_[index];
-  // A row that never ended: the rows before it were skipped.
+  // If the last row never ended, the rows skipped before it count as missed.
   for (std::size_t e = 0; e < model.executors.size(); ++e) {
     const OfExecutor& executor = device.executors[e];
     if (!executor.in_row) continue;
@@ -385,7 +387,7 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
     const std::string who = model.name + " executor " + model.executors[e].name;
     const Totals::OfExecutor& counted = totals.executors[e];
     wrong(who, "rows", counted.cycles, device.executors[e].cycles);
-    wrong(who, "walked or missed rows", counted.cycles + counted.missed, counted.next_row);
+    wrong(who, "executed or missed rows", counted.cycles + counted.missed, counted.next_row);
   }
   for (std::size_t m = 0; m < model.modules.size(); ++m) {
     const std::string who = model.name + "." + model.modules[m].name;

@@ -2,8 +2,8 @@
 //
 // - The grid is kept: every row is at T0 + n x period, and starts within its slot.
 // - Table order: a row serves each of its modules that is in the tables once, in the table's order.
-// - Catching up: releases of missed rows are made up for before the next row, in their order. Only modules
-//   whose contract allows it catch up, and no further than its limit.
+// - Catching up: releases of missed rows are served before the next row, in the order of those rows. Only
+//   modules whose contract allows it catch up, and no further than its limit.
 // - A sporadic module runs once for each time it was ready, the earliest deadline first. Between two releases
 //   at least its interarrival time passes.
 // - Every step is in the lifecycle's table and has the next number. A failed module is out of the tables
@@ -45,14 +45,14 @@ struct Totals {
 
 class Invariants final : public Listener {
  public:
-  /// Further violations are not reported.
+  /// The largest number of reported violations. Further violations are not reported.
   static constexpr std::size_t kMaxViolations = 50;
 
-  /// The cell and its plans outlive this.
+  /// `cell` and `plans` must outlive this object.
   Invariants(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans, Instant t0);
 
   void on_event(const Event& event) override;
-  /// Call it when the device has ended.
+  /// Compares the device's final counters with its events. Call close() when the device has ended.
   void close(std::uint32_t device, const Totals& totals);
   /// One line per violation, with the time since T0.
   [[nodiscard]] const std::vector<std::string>& violations() const noexcept { return violations_; }
@@ -60,7 +60,7 @@ class Invariants final : public Listener {
  private:
   struct Served {
     std::uint32_t module;
-    std::optional<std::uint64_t> number;  // none: the program was busy
+    std::optional<std::uint64_t> number;  // none if the program was busy
     Instant release;
   };
   struct OfExecutor {
@@ -75,7 +75,7 @@ class Invariants final : public Listener {
   };
   struct OfModule {
     bool in_tables = false;
-    std::uint64_t changes = 0;  // of in_tables
+    std::uint64_t changes = 0;  // number of changes of in_tables
     bool was_in = false;        // in_tables when its executor woke
     std::uint64_t changes_then = 0;
     std::uint64_t cycles = 0;

@@ -75,7 +75,7 @@ bool Kernel::wait(Instant until) {
 void Kernel::wake(Strand& strand, Nanoseconds delay) {
   if (!strand.waits_ || strand.woken_) return;
   strand.woken_ = true;  // further wake-ups do nothing
-  ++strand.wait_;        // the end of its waiting time is outdated
+  ++strand.wait_;        // the event that ends its waiting time is outdated
   push({.when = now_ + delay,
         .order = 0,
         .strand = &strand,

@@ -1,7 +1,7 @@
 // A scheduler on virtual time. Each thread or program of the simulated machines is a strand here. A strand
 // has its own CPU or shares one by priority, calls work() to take time, and waits for an instant or for a
 // wake-up. Only one strand runs at a time, always the one with the earliest event. So the same strands with
-// the same times give the same course, however fast the machine is.
+// the same times always produce the same events, however fast the machine is.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class Cpu {
   std::vector<Strand*> ready_;
   Strand* current_ = nullptr;
   Instant since_{};
-  std::uint64_t turn_ = 0;  // counts changes; an event of an earlier turn is outdated
+  std::uint64_t turn_ = 0;  // counts changes of the CPU; an event of an earlier turn is outdated
 };
 
 class Strand {
@@ -51,8 +51,8 @@ class Strand {
   std::unique_ptr<os::Fiber> fiber_;
 };
 
-/// Use it from one thread. Only a strand may call the functions marked "strand"; any code may call the
-/// others.
+/// Must be used from one thread only. Only a strand may call the functions marked "strand"; any code may call
+/// the others.
 class Kernel final : public Clock {
  public:
   explicit Kernel(Instant begin) : now_(begin) {}
@@ -63,7 +63,7 @@ class Kernel final : public Clock {
   [[nodiscard]] Instant now() noexcept override { return now_; }
 
   struct Place {
-    Cpu* cpu = nullptr;  ///< null: its own
+    Cpu* cpu = nullptr;  ///< null for a CPU of its own
     int priority = 0;    ///< higher values run first
   };
   /// Makes a strand, which first runs at the present time. A strand may be killed whenever it waits or works,
@@ -72,31 +72,31 @@ class Kernel final : public Clock {
   /// Ends another strand for ever. The running strand calls end() instead.
   void kill(Strand& strand);
 
-  /// Strand: takes this much time of its CPU. More time passes if strands of higher priority preempt it.
-  /// Other events may happen meanwhile, unless `time` is 0.
+  /// Strand: uses its CPU for `time`. More time passes if strands of higher priority preempt it. Other events
+  /// may happen meanwhile, unless `time` is 0.
   void work(Nanoseconds time);
-  /// Strand: releases the CPU until then.
+  /// Strand: releases the CPU until `until`.
   void sleep_until(Instant until);
-  /// Strand: waits for a wake(). Returns false if none came in time.
+  /// Strand: waits for a wake(). Returns false if there was none before `until`.
   bool wait(Instant until = Instant::max());
-  /// Wakes a waiting strand after `delay`; does nothing to one that does not wait.
+  /// Wakes a strand after `delay`. Does nothing if the strand does not wait then.
   void wake(Strand& strand, Nanoseconds delay = Nanoseconds{0});
   /// Strand: ends itself.
   [[noreturn]] void end();
   /// Null if no strand runs.
   [[nodiscard]] Strand* running() const noexcept { return running_; }
 
-  /// Calls a function at that instant, outside any strand; this takes no simulated time.
+  /// Calls a function at the instant `when`, outside any strand. The call takes no simulated time.
   void at(Instant when, std::function<void()> call);
 
-  /// Not for strands: handles all events up to and including that instant.
+  /// Not for strands: handles all events up to and including the instant `end`.
   void run_until(Instant end);
 
  private:
   struct Event {
     Instant when;
     std::uint64_t order;  // at the same instant, the event that was caused first comes first
-    Strand* strand;       // the strand that wakes up or has done its work; null: a call
+    Strand* strand;       // the strand that wakes up or has done its work; null for a call of a function
     std::uint64_t valid;  // the strand's wait_, or the turn of its CPU
     bool is_wake;
     std::size_t call;  // index in calls_

@@ -51,7 +51,7 @@ struct Device::Member {
   const model::Module& model;
   std::uint32_t index;
   std::uint32_t executor = 0;
-  VirtualHost* host = nullptr;  ///< of a thread module
+  VirtualHost* host = nullptr;  ///< the host of a thread module; null for a program
   channel::ModuleBlock& block;
   channel::ReleaseSlot* slot;
   Draws draws;
@@ -59,7 +59,7 @@ struct Device::Member {
   model::OverrunContract contract;
   bool logical;  ///< timing="let"
   ThreadBody body;
-  bool reported_in_tables = false;  ///< as the last event reported it
+  bool reported_in_tables = false;  ///< whether it is in the tables, as the last event reported
 
   // Injected faults.
   Nanoseconds late_by{};
@@ -74,7 +74,7 @@ struct Device::Member {
     Wire* wire;
     bool event;
     bool late = false;
-    bool safe = false;  ///< it got the safe value last
+    bool safe = false;  ///< whether the last read gave the safe value
     channel::LinkReader reader{};
   };
   struct Output {
@@ -86,11 +86,11 @@ struct Device::Member {
   std::uint64_t entered = 0;  ///< block.entered at the last run()
   Instant watched_since{};
 
-  // Only for programs.
+  // The following members are used only for programs.
   VirtualProgram* process = nullptr;
   Strand* program = nullptr;
-  bool on_wake_word = false;  ///< it sleeps on the wake word
-  bool spins = false;         ///< it spins, so it sees its release at once
+  bool on_wake_word = false;  ///< whether it sleeps on the wake word
+  bool spins = false;         ///< whether it spins, and so sees its release at once
   std::uint64_t reported_releases = 0;
   std::uint64_t reported_overruns = 0;
 };

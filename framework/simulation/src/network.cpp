@@ -66,7 +66,7 @@ void Network::send(std::uint32_t connection, const std::byte* sample, std::int64
         {.at = now, .what = What::lost, .connection = connection, .number = number_of(sample)});
     return;
   }
-  arrival = std::max(arrival, way.last + Nanoseconds{1});  // keeps the order
+  arrival = std::max(arrival, way.last + Nanoseconds{1});  // keeps the order of the samples
   way.last = arrival;
   std::array<std::byte, kSampleBytes> bytes{};
   std::memcpy(bytes.data(), sample, bytes.size());

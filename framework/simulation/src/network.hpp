@@ -10,8 +10,8 @@
 
 namespace takt::simulation {
 
-/// Carries samples in order; each takes some tenths of a millisecond. Loses and delays samples on request.
-/// While a link is cut, best-effort samples are lost, and reliable ones arrive afterwards.
+/// Carries samples in order; each sample takes a few tenths of a millisecond. Loses and delays samples on
+/// request. While a link is cut, best-effort samples are lost, and reliable ones arrive afterwards.
 class Network {
  public:
   explicit Network(const World& world);
@@ -23,7 +23,7 @@ class Network {
   void cut(std::uint32_t a, std::uint32_t b, Nanoseconds time);
   void lose(std::uint32_t connection, std::uint64_t count);
   void delay(std::uint32_t connection, Nanoseconds by);
-  /// Whether nothing passes between the devices of a connection now.
+  /// Whether the link between the two devices of a connection is cut now.
   [[nodiscard]] bool is_cut(std::uint32_t connection) const;
   [[nodiscard]] std::uint64_t lost(std::uint32_t connection) const { return ways_[connection].lost; }
 
@@ -32,7 +32,7 @@ class Network {
     Device* to = nullptr;
     Wire* wire = nullptr;
     std::pair<std::uint32_t, std::uint32_t> between{};  // the devices, the lower index first
-    Instant last{};                                     // arrival
+    Instant last{};                                     // when the last sample arrives
     std::uint64_t to_lose = 0;
     std::uint64_t lost = 0;
     Nanoseconds to_delay{};

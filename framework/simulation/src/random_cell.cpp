@@ -136,7 +136,8 @@ class Maker {
       }
       if (draws_.chance(0.3)) {
         connection.deadline = draws_.between(Nanoseconds{milliseconds{2}}, Nanoseconds{milliseconds{40}});
-        // Only in one direction: modules that wait for each other would never recover.
+        // Only connections in one direction may have stale="error", because modules that wait for each other
+        // would never recover.
         if (from < to && draws_.chance(0.5)) connection.stale = model::Stale::error;
       }
       if (draws_.chance(0.1))

@@ -11,7 +11,7 @@ namespace takt::simulation {
 
 namespace {
 
-constexpr std::uint32_t kEncapsulation = 4;  // bytes in front of a sample in CDR
+constexpr std::uint32_t kEncapsulation = 4;  // number of bytes in front of a sample in CDR
 
 model::Type sample_type(const std::string& name) {
   auto type = model::parse_type(

@@ -12,9 +12,9 @@ struct SimulatedCell {
 };
 
 /// Replaces the type of each connected port by a sample of kSampleBytes. A port that is not known (`ports`
-/// may be empty) is an event port of a sporadic module, else an input or output. Outputs keep the fact that
-/// they have a safe value, not the value. Each connection that leaves its device gets a topic of its own, so
-/// that its samples can be lost and delayed alone.
+/// may be empty) is an event port of a sporadic module, else an input or output. An output that has a safe
+/// value still has one, but its value is dropped. Each connection that leaves its device gets a topic of its
+/// own, so that its samples can be lost and delayed separately.
 SimulatedCell simulated_cell(const model::Cell& cell, const model::CellPorts& ports);
 
 }  // namespace takt::simulation

@@ -15,7 +15,7 @@ namespace {
 
 /// The time before T0, in which modules are initialised and started.
 constexpr Nanoseconds kLead = std::chrono::milliseconds{150};
-/// By then every device has ended, even if something hangs.
+/// How long the devices may take to end. No device needs more, even if something hangs.
 constexpr Nanoseconds kEndLimit = std::chrono::seconds{30};
 constexpr Nanoseconds kLook = std::chrono::milliseconds{5};
 /// The time from a fault that stops the cell until the other devices react to it.

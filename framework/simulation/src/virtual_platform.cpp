@@ -18,10 +18,10 @@ constexpr Nanoseconds kHookLongest = milliseconds{3};
 /// The time of a program from its start to its first wait.
 constexpr Nanoseconds kAttachShortest = milliseconds{2};
 constexpr Nanoseconds kAttachLongest = milliseconds{20};
-/// The time until a host accepts requests.
+/// The time from the start of a host until it accepts requests.
 constexpr Nanoseconds kHostShortest = milliseconds{5};
 constexpr Nanoseconds kHostLongest = milliseconds{30};
-/// The time from the end of a process until its node knows.
+/// The time from the end of a process until its node notices it.
 constexpr Nanoseconds kEndSeenShortest = microseconds{300};
 constexpr Nanoseconds kEndSeenLongest = microseconds{5000};
 /// The longest time that a program spins before its release.
@@ -42,8 +42,8 @@ Result<void> VirtualHost::start() {
   answers_.clear();
   end_.reset();
   free_at_ = device_.now() + (first ? Nanoseconds{0} : device_.draws_.between(kHostShortest, kHostLongest));
-  // Values between two modules of the former process ended with it. The links of an executor's own host hold
-  // bytes, which survive.
+  // C++ objects in links between two modules of the former process ended with that process. The links of an
+  // executor's own host hold bytes, which survive.
   const auto has = [this](Wire::End end) {
     const auto& modules = share().modules;
     return end && std::find(modules.begin(), modules.end(), *end) != modules.end();
@@ -142,7 +142,7 @@ bool VirtualHost::meets_fault(const host::Request& request, channel::Doing hook,
   return true;
 }
 
-// A module whose hook hangs is left alone, and the calls that waited for it follow.
+// Abandons the hook of a module that hangs, and makes the calls that waited behind it.
 void VirtualHost::give_up(std::uint32_t module) {
   channel::Activity& hooks = device_.parts_->channel.host(share_).hooks;
   if (hooks.module.load() != module + 1) return;
@@ -253,7 +253,7 @@ void VirtualHost::end(ProcessEnd end) {
 
 Result<void> VirtualProgram::start() {
   Device::Member& member = this->member();
-  member.reported_releases = 0;  // its slot was cleared
+  member.reported_releases = 0;  // because the start has cleared its slot
   if (member.unmended != 0) {
     --member.unmended;
     return fail("injected failure: the program cannot be started");
@@ -353,7 +353,7 @@ Result<std::unique_ptr<supervision::Flows>> VirtualPlatform::open_flows() {
 }
 
 void VirtualPlatform::stepped(const supervision::Step& step) {
-  // The event names the error itself.
+  // Removes the name of the error, because the event contains the error itself.
   std::string_view text = step.text;
   const std::string prefix = std::string{takt::to_text(step.error)} + ": ";
   if (step.error != ErrorType::none && text.starts_with(prefix)) text.remove_prefix(prefix.size());

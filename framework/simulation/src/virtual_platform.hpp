@@ -28,7 +28,7 @@ class VirtualHost final : public supervision::Host {
   [[nodiscard]] int pid() const override { return 0; }
   supervision::CrashCalls calls_of_crash(std::uint32_t) override { return {}; }
 
-  /// Its strands shall end.
+  /// Whether its strands must end.
   [[nodiscard]] bool halting() const noexcept { return halting_; }
   [[nodiscard]] Instant t0() const;
   /// Strand: a module's run() ends the process.
@@ -38,10 +38,10 @@ class VirtualHost final : public supervision::Host {
   [[nodiscard]] const model::HostShare& share() const { return device_.parts_->shares[share_]; }
   void perform(const host::Request& request);
   void call(const host::Request& request);
-  /// The new instance of an update: loaded, initialised and started beside the old one.
+  /// Loads, initialises and starts the new instance of an update beside the old one.
   void swap(const host::Request& request);
   void give_up(std::uint32_t module);
-  /// Whether the call of a hook meets an injected fault. The fault has then happened.
+  /// Carries out the injected fault of this call of a hook, if there is one. Returns whether there was one.
   bool meets_fault(const host::Request& request, channel::Doing hook, channel::Activity& activity);
   void reply(const host::Request& request, bool ok = true, std::string text = {});
   void begin_rows();
@@ -50,7 +50,7 @@ class VirtualHost final : public supervision::Host {
   void halt();
   void halted();
   void end_by_crash(const Device::Member& member, channel::Doing doing);
-  /// The process ends, and its node sees that a little later.
+  /// Ends the process; its node notices that a little later.
   void end(supervision::ProcessEnd end);
 
   Device& device_;
@@ -60,7 +60,7 @@ class VirtualHost final : public supervision::Host {
   std::size_t strands_running_ = 0;
   std::deque<host::Request> after_hang_;  // calls that wait because a hook does not return
   std::uint64_t generation_ = 0;          // counts processes; requests to an earlier one get no answer
-  bool alive_ = false;                    // as far as the supervision knows
+  bool alive_ = false;                    // whether it runs, as far as the supervision knows
   bool runs_ = false;
   bool halting_ = false;
   std::optional<host::Request> halt_asked_;
@@ -91,7 +91,7 @@ class VirtualProgram final : public supervision::Program {
 
   Device& device_;
   const std::uint32_t module_;
-  bool alive_ = false;  // as far as the supervision knows
+  bool alive_ = false;  // whether it runs, as far as the supervision knows
   std::optional<supervision::ProcessEnd> end_;
 };
 

@@ -90,14 +90,15 @@ void Supervisor::end_command(Member& member, ReplyCode code, const std::string& 
   command.done({.code = code, .state = member.state(), .text = text});
 }
 
-// The target state of a command survives an error on the way there: the recovery leads to it.
+// If a command meets an error, its target state stays valid: the recovery leads to that state.
 std::string Supervisor::what_follows(const Member& member) {
   if (member.state() != State::recover) return {};
-  return std::string{"; its recovery goes on, to "} +
+  return std::string{"; its recovery continues, with target state "} +
          lifecycle::to_text(member.wanted() ? State::executing : State::start);
 }
 
-// Begins a command. The state allows it, and no hook is being called.
+// Begins a command. The caller has checked that the state allows the command and that no hook is being
+// called.
 void Supervisor::begin_command(Member& member) {
   PendingCommand& command = *member.command;
   command.begun = true;
@@ -144,10 +145,11 @@ void Supervisor::begin_command(Member& member) {
           {.attempts = member.model.recovery.attempts, .backoff = member.model.recovery.backoff}};
       member.block.error.store(0, std::memory_order_relaxed);
       parts_.saved_of(member.index).clear();  // a reset module starts without its saved state
-      if (Hosted& host = host_of(member); member.scheduled() && !host.process->running()) {  // host given up
+      // the host was given up
+      if (Hosted& host = host_of(member); member.scheduled() && !host.process->running()) {
         host.restarts.clear();
         notes_->note(member, model::FaultKind::host_restart,
-                     "the host was given up, and this module is reset");
+                     "the host had been given up, and an operator reset this module");
         restart_host(host);
       }
       if (member.is_thread())
@@ -192,7 +194,7 @@ void Supervisor::step_command(Member& member, Instant now) {
       if (state == State::executing) return end_command(member, REPLY_OK);
       if (state == State::recover || state == State::destruct) return failed();
       if (state == State::start && member.in_tables() && now - member.put_in_at > kNamedWithin)
-        return end_command(member, REPLY_OK, "it will run with the next row that names it");
+        return end_command(member, REPLY_OK, "it will run in the next row of the table that contains it");
       return;
     case Verb::stop:
       if (state == State::executing) {

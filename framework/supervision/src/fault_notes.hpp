@@ -15,16 +15,16 @@ struct Member;
 
 class FaultNotes {
  public:
-  /// `origin` names the source among several (port, executor).
+  /// `origin` names the port or executor that the event is about; empty if it is about neither.
   using Noted = std::function<void(model::Fault, const std::string& origin)>;
 
   explicit FaultNotes(Noted noted) : noted_(std::move(noted)) {}
 
-  /// Of the device.
+  /// Records an event of the device.
   void note(model::FaultKind kind, const std::string& cause) const;
   void note(const Member& member, model::FaultKind kind, const std::string& cause,
             ErrorType error = ErrorType::none, const std::string& attachment = {}) const;
-  /// Records the increase of a counter since the last check. A counter that has decreased is ignored: a
+  /// Records the increase of a counter since the last check. Ignores a counter that has decreased, because a
   /// restarted bridge counts from 0. `member` is null for the device.
   void note_increase(const Member* member, model::FaultKind kind, std::uint64_t& seen, std::uint64_t now,
                      const std::string& cause, const std::string& origin = {}) const;

@@ -75,10 +75,11 @@ void Health::watch_port(const Member& member, const model::Port& port, Instant n
     const std::uint32_t unmatched = health.connections - std::min(health.matched, health.connections);
     note_once(FaultKind::connection_lost, "port " + name + ": the other end of " + std::to_string(unmatched) +
                                               " of " + std::to_string(health.connections) +
-                                              " connections is not there");
+                                              " connections is unavailable");
   } else if (health.matched > before && noted.lost) {
     noted.lost = health.matched < health.connections;
-    note_once(FaultKind::connection_back, "port " + name + ": the other end of a connection is back");
+    note_once(FaultKind::connection_back,
+              "port " + name + ": the other end of a connection is available again");
   }
 }
 

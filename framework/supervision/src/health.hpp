@@ -1,5 +1,5 @@
-// The health of a device's counters and ports: overruns, missed rows, stale inputs, lost connections. What
-// gets worse or better goes into the fault record.
+// The health of a device's counters and ports: overruns, missed rows, stale inputs, lost connections. Each
+// change for the worse, and each end of a disturbance, goes into the fault record.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +21,20 @@ struct Member;
 
 class Health {
  public:
-  /// Everything must outlive it. `flows` may still be null; it stays so if the device exchanges no samples
-  /// with others.
+  /// All arguments must outlive this object. `flows` may still be null; it stays null if the device exchanges
+  /// no samples with other devices.
   Health(Parts& parts, const std::vector<std::unique_ptr<Member>>& members,
          const std::unique_ptr<Flows>& flows, const FaultNotes& notes)
       : parts_(parts), members_(members), flows_(flows), notes_(notes) {}
 
   [[nodiscard]] PortHealth of(const Member& member, const model::Port& port, Instant now) const;
   void watch_counts();
-  /// Looks at every port, but not more often than kPortsEvery.
+  /// Checks every port, but not more often than once per kPortsEvery.
   void watch_ports(Instant now);
-  /// Keeps the number of matched connections as it is: other devices may end from now on, which would spoil
-  /// the final report.
+  /// Freezes the number of matched connections. Other devices may end from now on, and the final report must
+  /// not count their connections as lost.
   void stop(Instant now);
-  /// Looks at everything for the last time.
+  /// Checks all counters and ports for the last time.
   void finish(Instant now);
 
  private:

@@ -31,8 +31,8 @@ struct Hosted {
   channel::HostBlock& block;
   std::unique_ptr<Host> process;
   bool halted = false;              ///< its executors have ended
-  std::optional<Hang> hung;         ///< the hang for which the node killed it
-  std::vector<Instant> restarts{};  ///< restarts for which no module was seen at fault
+  std::optional<Hang> hung;         ///< the hang for which the node killed the host
+  std::vector<Instant> restarts{};  ///< times of the restarts for which no module was found to be at fault
 
   /// "the host", or "the host of executor motion"
   [[nodiscard]] std::string name() const {

@@ -223,7 +223,7 @@ void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
   if (host.hung) {
     culprit = members_[host.hung->module].get();
     text = std::string{channel::to_text(host.hung->doing)} + " did not return within " +
-           to_text(host.hung->limit) + ", so " + host.name() + " was ended";
+           to_text(host.hung->limit) + ", so the node killed " + host.name();
   } else if (crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit)) {
     culprit = member_at(crash.module.load() - 1);
     if (culprit != nullptr) text += std::string{" in "} + channel::to_text(crash.doing.load());
@@ -318,8 +318,8 @@ void Supervisor::restart_host(Hosted& host) {
   if (background_begun_) host.process->ask({.what = host::Request::Do::background});
 }
 
-// Handles a module whose crash ended its host. In the shared host it is given up, because another crash would
-// stop its innocent neighbours again.
+// Handles a module whose crash ended its host. In the shared host, the module is given up, because another
+// crash would stop the other modules again, which are not at fault.
 void Supervisor::crashed(Member& member, const std::string& text, ErrorType type,
                          std::optional<Instant> since, const std::string& callers, const std::string& core) {
   const bool ending = phase_ == Phase::stopping || member.pending == Doing::destruct;
@@ -337,7 +337,7 @@ void Supervisor::crashed(Member& member, const std::string& text, ErrorType type
   member.recovery.failed(time(), since);
 }
 
-// Gives up a host that ended again and again without a module seen at fault.
+// Gives up a host that ended repeatedly, although no module was found to be at fault.
 void Supervisor::give_up_host(Hosted& host, const std::string& text) {
   const std::string why = text + "; it has been restarted " + std::to_string(kHostRestarts) + " times";
   if (!host.share.is_own()) {
@@ -346,7 +346,7 @@ void Supervisor::give_up_host(Hosted& host, const std::string& text) {
     for (const std::uint32_t index : host.share.modules) members_[index]->lost = true;
     return;
   }
-  log(host.name() + " is given up; the other hosts go on; to restart it, reset one of its modules");
+  log(host.name() + " is given up; the other hosts continue; to restart it, reset one of its modules");
   for (const auto* of : {&host.share.modules, &host.share.programs}) {
     for (const std::uint32_t index : *of) {
       Member& member = *members_[index];
@@ -356,7 +356,7 @@ void Supervisor::give_up_host(Hosted& host, const std::string& text) {
   }
 }
 
-// Loads a module again whose instance died with the host through no fault of its own.
+// Reloads a module that was lost when its host ended, although the module was not at fault.
 void Supervisor::bring_back(Member& member) {
   member.pending.reset();
   member.block.error.store(0);

@@ -9,30 +9,32 @@
 
 namespace takt::supervision {
 
-/// The longest call of a hook.
+/// The longest time that the call of a hook may take.
 inline constexpr Nanoseconds kHookLimit = std::chrono::seconds{5};
 /// The longest time from a program's start to its first waitPeriod() or waitSporadic().
 inline constexpr Nanoseconds kAttachLimit = std::chrono::seconds{5};
-/// The limit for each step of ending a program: return to its wait, SIGTERM, SIGKILL.
+/// How long the node waits for a program to end after it set the flag that ends the program's wait, and again
+/// after SIGTERM. Then it sends SIGKILL.
 inline constexpr Nanoseconds kProcessEndLimit = std::chrono::seconds{1};
-/// The time for the executors' threads to end their row.
+/// How long the executors' threads may take to end their row.
 inline constexpr Nanoseconds kHaltLimit = std::chrono::seconds{2};
-/// The time for a host to end after it was told to.
+/// How long a host may take to end after it was told to end.
 inline constexpr Nanoseconds kHostEndLimit = std::chrono::seconds{2};
-/// The time for a device that has ended to write its last files: traces, and what its modules retain.
+/// How long a device that has ended may take to write its last files: traces, and the state that its modules
+/// retain.
 inline constexpr Nanoseconds kWrittenWithin = std::chrono::seconds{3};
-/// How often a host that ends without a module at fault is restarted in kRestartWindow. After that the node
-/// gives up the host, or ends the device.
+/// How often, within kRestartWindow, a host is restarted that ended without a module at fault. After that,
+/// the node gives up the host or shuts down the device.
 inline constexpr std::size_t kHostRestarts = 3;
 inline constexpr Nanoseconds kRestartWindow = std::chrono::seconds{60};
-/// How far ahead the first row of a restored deployment lies.
+/// The time between the restoration of a deployment and its first row.
 inline constexpr Nanoseconds kJoinGridAhead = std::chrono::milliseconds{100};
-/// The time for a command to a module to complete.
+/// How long a command to a module may take to complete.
 inline constexpr Nanoseconds kCommandLimit = std::chrono::seconds{15};
-/// How long a start command waits for the first row that names the module. Later is not a failure: the module
-/// may be sporadic or have a long period.
+/// How long a start command waits for the first row that names the module. A later row is not a failure: the
+/// module may be sporadic or have a long period.
 inline constexpr Nanoseconds kNamedWithin = std::chrono::milliseconds{500};
-/// The interval of checks of the ports for the fault record.
+/// The interval at which the ports are checked for entries in the fault record.
 inline constexpr Nanoseconds kPortsEvery = std::chrono::milliseconds{100};
 
 /// A run() or a body that takes longer than this counts as hanging.

@@ -29,7 +29,7 @@ struct PendingCommand {
   int attempts = 0;  ///< number of recovery attempts when the command began
 };
 
-/// A swap in progress: a new instance shall replace the running one.
+/// A swap in progress: a new instance is to replace the running one.
 struct PendingSwap {
   std::string path;
   std::function<void(const Outcome&)> done;
@@ -46,12 +46,12 @@ struct Member {
   [[nodiscard]] bool is_process() const noexcept { return !is_thread(); }
   [[nodiscard]] bool scheduled() const noexcept { return model.operation != model::Operation::non_real; }
   [[nodiscard]] lifecycle::State state() const noexcept { return machine.state(); }
-  /// Whether its program runs.
+  /// Whether the module's program is running.
   [[nodiscard]] bool runs() const { return program != nullptr && program->running(); }
   [[nodiscard]] bool in_tables() const noexcept {
     return block.in_tables.load(std::memory_order_seq_cst) != 0;
   }
-  /// How often it was called or released.
+  /// How often the module was called or released.
   [[nodiscard]] std::uint64_t releases() const noexcept {
     constexpr auto relaxed = std::memory_order_relaxed;
     return block.cycles.load(relaxed) + (slot == nullptr ? 0 : slot->begun.load(relaxed));
@@ -66,33 +66,33 @@ struct Member {
   channel::ModuleBlock& block;
   lifecycle::Machine machine;
   lifecycle::Recovery recovery;
-  std::size_t host = 0;      ///< index of the host that loads it, or whose executor releases it
+  std::size_t host = 0;      ///< index of the host that loads the module, or whose executor releases it
   bool reload = false;       ///< its instance was lost with its host, so a recovery must load it again
   channel::Removal removal;  ///< its last removal from the tables
 
-  /// The state that the node aims for: EXECUTING, unless an operator has commanded another one.
+  /// The state that the node aims for: EXECUTING, unless an operator has commanded another state.
   lifecycle::State up_to = lifecycle::State::executing;
   [[nodiscard]] bool wanted() const noexcept { return up_to == lifecycle::State::executing; }
   std::optional<PendingCommand> command;  ///< an operator's command in progress
   std::optional<PendingSwap> swap;
   bool lost = false;         ///< none of its hooks can be called again: it crashed the host, or a hook hangs
   bool failed = false;       ///< given up after an error
-  std::string why;           ///< its last failure, as text
-  std::uint64_t errors = 0;  ///< errors that the executor did not see
+  std::string why;           ///< the text of its last failure
+  std::uint64_t errors = 0;  ///< errors that only the node saw, not the executor
   std::uint64_t recoveries = 0;           ///< successful recoveries
   std::uint64_t seen_cycles = 0;          ///< its cycles_of() when it was last put into the tables
   std::optional<channel::Doing> pending;  ///< a hook that the host was asked to call
 
-  // Only of a process module:
-  channel::ReleaseSlot* slot = nullptr;  ///< null: it has no releases
-  std::unique_ptr<Program> program;      ///< null: it is a thread module
+  // The following members are used for process modules.
+  channel::ReleaseSlot* slot = nullptr;  ///< null if the module has no releases
+  std::unique_ptr<Program> program;      ///< null for a thread module
   Instant spawned{};
   Instant told_to_end{};
   bool killed_for_hanging = false;
-  std::vector<Wiring::Wire*> inputs;  ///< inputs with a deadline; thread modules have them too
+  std::vector<Wiring::Wire*> inputs;  ///< inputs with a deadline; also used for thread modules
   Instant put_in_at{};                ///< when it was put into the tables
-  /// It was put into the tables. If it is no longer in them, an executor took it out because of an error that
-  /// step() has yet to see.
+  /// Whether the node put the module into the tables. If the module is no longer in them, an executor took it
+  /// out because of an error that step() has not seen yet.
   bool put_in = false;
   bool stale = false;  ///< it is in RECOVER because an input was stale
 

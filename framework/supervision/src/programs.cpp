@@ -29,7 +29,7 @@ void Supervisor::fill_slot(Member& member) {
   const schedule::ExecutorPlan& plan = parts_.plan.executors[executor_of(member)];
   const bool periodic = member.model.operation == model::Operation::periodic;
   const Nanoseconds period =
-      periodic ? *member.model.period : plan.basic_period;  // a sporadic one is released by any row
+      periodic ? *member.model.period : plan.basic_period;  // any row can release a sporadic module
   slot.magic = channel::ReleaseSlot::kMagic;
   slot.name.assign(member.model.name);
   slot.kind = periodic ? channel::ReleaseSlotKind::periodic : channel::ReleaseSlotKind::sporadic;
@@ -60,8 +60,8 @@ Result<void> Supervisor::spawn(Member& member) {
   return {};
 }
 
-// Makes the thread that waits for releases real-time. Not before, so that a long preparation starves no other
-// program.
+// Makes the thread that waits for releases real-time only now, when the program is ready, so that a long
+// preparation cannot starve other programs.
 void Supervisor::process_ready(Member& member) {
   if (!parts_.real_time) return;
   const auto made = member.program->make_real_time();
@@ -72,7 +72,7 @@ void Supervisor::process_ready(Member& member) {
 
 void Supervisor::watch_process(Member& member, Instant now) {
   if (const auto end = member.program->ended()) {
-    // It may have got further than the last check showed.
+    // The program may have made more progress before its end than the last check showed.
     if (member.state() == State::idle &&
         member.slot->phase.load(std::memory_order_acquire) != channel::ReleaseSlotPhase::empty) {
       apply(member, Event::initialize);
@@ -101,7 +101,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
              std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
              ErrorType::hang);
       } else if (phase == channel::ReleaseSlotPhase::ready && phase_ == Phase::running && member.wanted()) {
-        process_ready(member);  // during preparation, prepare_step() does this once all are initialised
+        process_ready(member);  // during preparation, prepare_step() calls it once all are initialised
         apply(member, Event::start);
         put_in_tables(member);
       }
@@ -129,8 +129,8 @@ void Supervisor::watch_process(Member& member, Instant now) {
 void Supervisor::watch_body(Member& member, Instant now) {
   channel::ReleaseSlot& slot = *member.slot;
   if (member.killed_for_hanging) return;
-  // Read in_body() first. With the opposite order, a body that has just begun would be judged by the previous
-  // release.
+  // This calls in_body() first. In the opposite order, a body that has just begun would be judged by the
+  // previous release.
   if (slot.in_body() &&
       now - from_ns(slot.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
     member.killed_for_hanging = true;
@@ -150,8 +150,8 @@ void Supervisor::process_ended(Member& member, const ProcessEnd& end) {
   platform_->wake(~0U);  // it may have written samples without waking their readers
   std::string text = "the process " + end.text;
   if (member.killed_for_hanging) {
-    text = "the process did not come back to " + std::string{wait_function(member)} + " within " +
-           to_text(stuck_after(member.model)) + " and was ended";
+    text = "the process did not return to " + std::string{wait_function(member)} + " within " +
+           to_text(stuck_after(member.model)) + " and was killed";
   }
   if (const std::string words = member.program->last_line(); !words.empty())
     text += "; its last line was: " + words;
@@ -159,7 +159,7 @@ void Supervisor::process_ended(Member& member, const ProcessEnd& end) {
   if (member.state() == State::destruct) return;
   const bool to_end = member.command && member.command->begun && member.command->verb == Verb::destruct;
   if (phase_ == Phase::stopping || to_end) {
-    take_from_tables(member);  // the last row may still come
+    take_from_tables(member);  // an executor may still begin a last row
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
     apply(member, Event::destruct, end.text);
     return;

@@ -71,7 +71,7 @@ void Supervisor::set(std::uint32_t module, const std::string& property, const st
   done({.code = REPLY_REFUSED,
         .state = member.state(),
         .text = member.model.name +
-                " is a program: it is given its properties when it starts; undeploy the cell, change the "
+                " is a program, which gets its properties when it starts; undeploy the cell, change the "
                 "descriptor and deploy it again"});
 }
 
@@ -97,7 +97,7 @@ void Supervisor::property_answered(const host::Answer& answer) {
   const Member* const member = properties_->answered(answer);
   if (member == nullptr) return;
   log(*member, answer.request.property + " = " + answer.request.value);
-  // Keep the value for a restart of the host, which may be another module's fault.
+  // Keeps the value for a restart of the host, which another module may cause.
   model::give_property(parts_.cell.devices[parts_.device].modules[member->index], answer.request.property,
                        answer.request.value);
 }

@@ -177,8 +177,8 @@ json Supervisor::report() const {
          {"jitter_us", in_microseconds(jitter_of(*member).read())},
          {"run_us", in_microseconds(run_of(*member).read())},
          {"pid", member->is_thread() ? host_of(*member).process->pid() : member->program->pid()}});
-    // Added only where they apply: why the module is not in its proper state, the counts for overrun
-    // contracts and budgets, and the health of ports.
+    // The following members are added only where they apply: why the module is not in its proper state, the
+    // counts for overrun contracts and budgets, and the health of ports.
     if (is_faulty(*member) && !member->why.empty()) modules.back()["text"] = member->why;
     if (contracts) modules.back()["missed"] = block.missed.load(relaxed);
     if (member->model.tolerance.times || member->model.tolerance.in_a_row)

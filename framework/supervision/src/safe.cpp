@@ -13,13 +13,15 @@ void Supervisor::give_safe(const std::vector<model::SafeOutput>& outputs) {
   for (const model::SafeOutput& output : outputs) parts_.wiring.give_safe(output);
 }
 
-// Publishes stops_cell in turn, for devices that do not receive the status of the failed device.
+// Shuts the device down. The device also publishes `stops_cell`, for devices that do not receive the status
+// of the device that failed first.
 void Supervisor::stop_for(Problem problem) {
   stops_cell_ = true;
   fail_device(std::move(problem));
 }
 
-// Called before the module can write its first sample, or while it may still be writing its last one.
+// Called with `true` before the module can write its first sample, and with `false` while it may still be
+// writing its last one.
 void Supervisor::trust(const Member& member, bool trusted) {
   for (const Wiring::Wire& wire : parts_.wiring.wires()) {
     if (wire.plan.from.module != member.index || !wire.plan.writer.given()) continue;

@@ -36,7 +36,7 @@ void Supervisor::stopping_step(Instant now) {
     host->hung = never_halts(*host);
     if (!host->hung)
       log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
-          "; the node kills it");
+          "; the node kills the host");
     host->process->kill();
   }
   if (!halted) return;
@@ -72,7 +72,7 @@ void Supervisor::stopping_step(Instant now) {
 void Supervisor::destruct(Member& member, Instant now) {
   if (member.is_process()) {
     if (member.runs()) {
-      end_process(member, now);  // the end of a program is its destruct
+      end_process(member, now);  // a program has no destruct(); it ends instead
     } else if (member.state() != State::destruct) {
       if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
       apply(member, Event::destruct);

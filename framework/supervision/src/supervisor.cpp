@@ -263,8 +263,9 @@ void Supervisor::join_grid(Instant t0) {
   }
 }
 
-// A counter that grows when a row names the module. A row calls or releases a periodic module, and evaluates
-// the condition of a sporadic one; for that, the rows of its executor count.
+// Returns a counter that grows with each row that contains the module. For a periodic module, it counts the
+// calls or releases. For a sporadic module, whose condition every row of its executor evaluates, it counts
+// these rows.
 std::uint64_t Supervisor::cycles_of(const Member& member) const {
   const bool sporadic = member.model.operation == model::Operation::sporadic;
   const auto& cycles = sporadic ? parts_.channel.executor(executor_of(member)).cycles : member.block.cycles;
@@ -285,7 +286,7 @@ void Supervisor::put_in_tables(Member& member) {
   trust(member, true);
   channel::put_in(place_of(member));
   platform_->in_tables(member.index, true);
-  // Events that came while it was out of the tables are waiting already, and will not wake it.
+  // Events that arrived while the module was out of the tables are already waiting, and do not wake it again.
   if (member.slot != nullptr && member.slot->immediate != 0) platform_->wake(member.slot->wake_bit);
 }
 
@@ -304,7 +305,7 @@ bool Supervisor::is_out(const Member& member) const {
 std::size_t Supervisor::executor_of(const Member& member) const { return parts_.executor_of(member.model); }
 
 void Supervisor::running_step(Instant now) {
-  // Background modules begin when each executor that has rows has run its first one.
+  // Background modules begin when each executor that has rows has run its first row.
   if (rows_begun_ && !background_begun_ && now >= *t0_) {
     bool walked = true;
     for (const auto& member : members_) {
@@ -318,7 +319,7 @@ void Supervisor::running_step(Instant now) {
       for (auto& member : members_) {
         if (member->scheduled() || !member->wanted() || member->state() != State::start) continue;
         if (member->is_thread()) {
-          if (!member->put_in) put_in_tables(*member);  // a command may have done it
+          if (!member->put_in) put_in_tables(*member);  // a command may have put it in already
         } else if (auto spawned = spawn(*member); !spawned) {
           raise(*member, ErrorType::crash, in_words(spawned.problems()));
         } else {
@@ -343,8 +344,9 @@ void Supervisor::running_step(Instant now) {
       if (static_cast<ErrorType>(type) == ErrorType::overrun &&
           (contract == model::Overrun::stop_device || contract == model::Overrun::stop_cell)) {
         stops_cell_ |= contract == model::Overrun::stop_cell;
-        fail_device({"module " + device().name + "." + member.model.name, "overrun: " + text,
-                     std::string{"give it more time, or another <overrun> than "} + to_text(contract)});
+        fail_device(
+            {"module " + device().name + "." + member.model.name, "overrun: " + text,
+             std::string{"give it more time, or choose an <overrun> other than "} + to_text(contract)});
         return;
       }
     }
@@ -357,7 +359,7 @@ void Supervisor::running_step(Instant now) {
   }
 }
 
-// Takes a module with an error out of the tables, if the executor has not done so, and into RECOVER.
+// Takes a module with an error out of the tables, if the executor has not done so, and moves it to RECOVER.
 void Supervisor::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since,
                        const std::string& more, const std::string& attachment) {
   take_from_tables(member);
@@ -371,7 +373,8 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text, 
 
 void Supervisor::attempt_recovery(Member& member) {
   const bool alive = member.is_process() && member.runs();
-  // A restarted program becomes ready or ends. A program that still runs must first leave its body.
+  // Waits until a restarted program is ready or has ended, and until a program that still runs has left its
+  // body.
   if (alive && (member.started_again || !is_out(member))) return;
   if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).process->running())) return;
   // Waiting for a value from another module does not count as an attempt.
@@ -388,7 +391,8 @@ void Supervisor::attempt_recovery(Member& member) {
   log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
                   std::to_string(member.model.recovery.attempts));
   platform_->recovering(member.index, member.recovery.attempts());
-  // Its saved state may be the cause of the crash.
+  // After a failed attempt, the module restarts without its saved state, because this may be the cause of the
+  // crash.
   if ((member.reload || (member.is_process() && !alive)) && member.recovery.attempts() > 1)
     parts_.saved_of(member.index).clear();
   if (member.is_thread()) {
@@ -444,7 +448,7 @@ void Supervisor::give_up(Member& member) {
   }
 }
 
-// Gives up a module whose hooks cannot be called again: its host crashed, or a hook hangs.
+// Gives up a module whose hooks cannot be called again, because its host crashed or a hook hangs.
 void Supervisor::lose(Member& member, const std::string& text, ErrorType type, const std::string& more,
                       const std::string& attachment) {
   notes_->note(member, model::FaultKind::error, text + more, type, attachment);
@@ -461,7 +465,8 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   const bool starting = phase_ == Phase::preparing;
   if (member.machine.accepts(Event::error)) apply(member, Event::error, text, type);
   if (member.machine.accepts(Event::give_up)) {
-    apply(member, Event::give_up, text, type);  // with the text again: late joiners get only the last step
+    apply(member, Event::give_up, text, type);  // repeats the text, because late joiners receive only the
+                                                // last step
   } else if (member.machine.accepts(Event::destruct)) {
     apply(member, Event::destruct, text, type);
   }

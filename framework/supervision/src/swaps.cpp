@@ -1,5 +1,6 @@
-// Replaces the instance of a running module by a new one. The host does it, and the lifecycle does not
-// notice. An error of the new instance does not affect the old one, unless it ends the host.
+// Replaces the instance of a running module by a new one. The host makes the replacement, and the lifecycle
+// state does not change. An error of the new instance does not affect the old instance, unless the error ends
+// the host.
 #include <utility>
 
 #include <takt/supervision/supervisor.hpp>

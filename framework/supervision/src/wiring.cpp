@@ -60,7 +60,7 @@ class Planner {
     std::uint32_t module;
     const model::Port* port;
   };
-  /// None if the module's ports are not known.
+  /// Returns nothing if there is no such port or the module's ports are not known.
   [[nodiscard]] std::optional<Port> find(const Endpoint& end) const {
     for (std::uint32_t module = 0; module < ports_.size(); ++module) {
       if (device_.modules[module].name != end.module || !ports_[module]) continue;
@@ -73,7 +73,7 @@ class Planner {
   [[nodiscard]] std::string topic_of(std::uint32_t module, const std::string& port) const {
     return port_topic(cell_.name, {device_.name, device_.modules[module].name, port});
   }
-  /// Whether the port takes the requests of a service.
+  /// Whether the port receives the requests of a service.
   static bool answers(const model::Port& port) {
     return (port.role == model::Role::service || port.role == model::Role::handler) &&
            port.direction != Direction::out;
@@ -86,8 +86,8 @@ class Planner {
     return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::wake_bit(to.module);
   }
 
-  /// Whether a link between two modules holds C++ objects: only within the shared host. The links of an
-  /// executor's own host survive its crash, so they hold bytes.
+  /// Whether a link between two modules holds C++ objects. This is so only within the shared host. The links
+  /// of an executor's own host survive its crash, so they hold bytes.
   [[nodiscard]] bool as_objects(std::uint32_t one, std::uint32_t other) const {
     return std::any_of(hosts_.begin(), hosts_.end(), [&](const model::HostShare& host) {
       const auto has = [&](std::uint32_t module) {
@@ -134,7 +134,8 @@ class Planner {
     plan_.links.push_back(link);
   }
 
-  /// The flow of an output to a topic, and its link to the gateway.
+  /// Returns the flow of an output to a topic. If there is none yet, plans the flow and its link to the
+  /// gateway.
   PlannedFlow& flow_of(std::uint32_t module, const model::Port& port, const std::string& topic,
                        std::optional<int> domain) {
     for (PlannedFlow& flow : plan_.flows) {
@@ -148,7 +149,7 @@ class Planner {
                     .payload = payload_of(port),
                     .wake_bits = channel::kGatewayBit,
                     .enabled = false};
-    // The replies of a service, to any client.
+    // The port sends the replies of a service, which may go to any client.
     const bool replies = port.role == model::Role::service || port.role == model::Role::handler;
     if (replies) {
       link.options.depth += static_cast<std::uint32_t>(model::kServiceDepth);
@@ -166,15 +167,16 @@ class Planner {
     return plan_.flows.back();
   }
 
-  /// Makes the link of a tapped output (`takt record`) deep enough for what is written while the node waits
-  /// for a CPU.
+  /// Makes the link of a tapped output (`takt record`) deep enough for the samples that are written while the
+  /// node waits for a CPU.
   static void deepen_for_taps(channel::Link::Options& link) {
     const std::uint32_t fit = kTapBytes / std::max(link.payload, 1U);
     link.depth = std::max(link.depth, std::min(fit, kTapDepth));
-    link.is_queue = true;  // so that samples that do not fit are counted
+    link.is_queue = true;  // a queue counts the samples that do not fit
   }
 
-  /// One flow serves all connections of the port to the topic, so it has the strictest quality of all.
+  /// One flow serves all connections of the port to the topic, so it gets the strictest QoS of these
+  /// connections.
   void outgoing(const Connection& connection) {
     const auto from = find(connection.from);
     if (!from) return;
@@ -183,13 +185,14 @@ class Planner {
     flow.carries = connection.carries;
     channel::Link::Options& link = plan_.links[flow.links.front()].options;
     const auto depth = static_cast<std::uint32_t>(connection.depth);
-    link.enabled = connection.carries != model::Carries::requests;  // requests: only while a service is there
+    link.enabled = connection.carries != model::Carries::requests;  // a link for requests is enabled only
+                                                                    // while a service is matched
     link.depth = std::max(link.depth, depth);
     link.is_queue |= connection.kind == ConnectionKind::queue;
     // By default, readers of ROS 2 are offered the last ten samples.
     flow.depth = std::max(flow.depth, connection.ros2 ? std::max(depth, kRos2Depth) : depth);
     flow.reliable |= connection.reliability == model::Reliability::reliable;
-    // The shortest deadline and the longest lifespan of all connections.
+    // The flow gets the shortest deadline and the longest lifespan of all its connections.
     if (connection.deadline)
       flow.deadline = std::min(flow.deadline.value_or(*connection.deadline), *connection.deadline);
     if (!flow.connected) {
@@ -242,7 +245,8 @@ class Planner {
   }
 
   /// Plans the flow of requests from outside the cell (`takt call`). The replies use the flow that every
-  /// output has. Both come last, so that a service's replies have the order of its requests.
+  /// output has. Both links come after the links of all connections, so that a service's links for replies
+  /// have the same order as its links for requests.
   void serve_outside_calls(std::uint32_t module, const model::Port& port) {
     PlannedLink link{.from = {}, .to = {module, port.name}};
     link.options = {.depth = static_cast<std::uint32_t>(model::kServiceDepth),
@@ -339,7 +343,7 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     }
     const channel::LinkBlock& block = wire.link.block();
     const std::uint64_t written = block.written.load(relaxed);
-    // An output writes each sample to all its enabled links, so do not add them up.
+    // An output writes each sample to all its enabled links, so the counts of its links are not added up.
     health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
     health.connections += wire.connected ? 1 : 0;
     health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;

@@ -114,7 +114,7 @@ struct Module::Inside {
   irp::Property::Values values;
   lifecycle::Machine machine;
   Failure failure;
-  std::vector<std::pair<std::string, std::unique_ptr<Responder>>> responders;  // by client name
+  std::vector<std::pair<std::string, std::unique_ptr<Responder>>> responders;  // the servers, by client name
   std::uint64_t calls = 0;
   std::uint64_t pending_misses = 0;
   bool wanted = false;  // start() was called, and no stop() since
@@ -208,7 +208,7 @@ void Module::Inside::collect() {
 
 Answer Module::Inside::initialize() {
   if (!machine.accepts(Event::initialize)) return take(Event::initialize);
-  if (subject->ended()) {  // a former attempt failed
+  if (subject->ended()) {  // the program ended in a former attempt
     if (auto loaded = load(); !loaded) return loaded;
   }
   auto done = subject->initialize(irp::Property{values});
@@ -286,14 +286,14 @@ Answer Module::stop() {
 }
 
 Answer Module::error(ErrorType type) {
-  auto failed = inside_->fails(type, "raised by the test", inside_->executor->next_row());
+  auto failed = inside_->fails(type, "the test raised this error", inside_->executor->next_row());
   inside_->collect();
   return failed;
 }
 
 Answer Module::crash() {
   Inside& in = *inside_;
-  auto left = in.leave(ErrorType::crash, "raised by the test", in.executor->next_row());
+  auto left = in.leave(ErrorType::crash, "the test raised this error", in.executor->next_row());
   if (left) in.subject->crash();
   return left;
 }

@@ -84,7 +84,7 @@ class ProgramRun {
   [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
   std::vector<std::string> arguments;
 
-  // Called by the program.
+  // The program calls the following functions.
   void attach(bool sporadic, const char* function);
   void wait(const char* function);
   [[noreturn]] void exit(int status);
@@ -135,7 +135,10 @@ thread_local ProgramRun* ProgramRun::running = nullptr;
 
 ProgramRun& ProgramRun::of_caller(const char* function) {
   if (running == nullptr) {
-    std::fprintf(stderr, "%s(): called by another thread; call it from the thread of main()\n", function);
+    std::fprintf(
+        stderr,
+        "%s(): a thread other than that of main() called this function; call it from the thread of main()\n",
+        function);
     std::abort();
   }
   return *running;
@@ -272,8 +275,9 @@ void ProgramRun::restore() const {
 void ProgramRun::attach(bool sporadic, const char* function) {
   if (attached_) refuse(function, "called twice; call it once, before the first wait");
   if (sporadic != sporadic_) {
-    refuse(function, sporadic_ ? "the test says sporadic; use initSporadicExe() and waitSporadic()"
-                               : "the test says periodic; use initPeriodExe() and waitPeriod()");
+    refuse(function, sporadic_
+                         ? "the test declares the module sporadic; use initSporadicExe() and waitSporadic()"
+                         : "the test declares the module periodic; use initPeriodExe() and waitPeriod()");
   }
   attached_ = true;
   give(take_loose_properties());  // those that main() constructed
@@ -420,7 +424,8 @@ void waitSporadic(void) { ProgramRun::of_caller("waitSporadic").wait("waitSporad
 // links it with --wrap.
 [[noreturn]] void __wrap_exit(int status);
 [[noreturn]] void __wrap_exit(int status) {
-  if (ProgramRun::running == nullptr) std::exit(status);  // called by another thread of the program
+  if (ProgramRun::running == nullptr)
+    std::exit(status);  // another thread of the program called this function
   ProgramRun::running->exit(status);
 }
 int __wrap_atexit(void (*function)(void));

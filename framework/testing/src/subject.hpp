@@ -52,7 +52,8 @@ class Subject {
   /// Before initialize(): whether the module accepts the property.
   virtual Result<void> check(const std::string& name, const std::string& text) = 0;
   virtual Result<void> set(const std::string& name, const std::string& text) = 0;
-  /// The value of a property. Empty if the module cannot tell; the caller then looks among the set values.
+  /// The value of a property. Empty if the module does not know its value; the caller then uses the value
+  /// that the test set.
   [[nodiscard]] virtual std::optional<Result<std::string>> get(const std::string& name) const = 0;
 
   [[nodiscard]] virtual const std::vector<PortBase*>& ports() const = 0;
@@ -62,7 +63,7 @@ class Subject {
   /// Keeps memory alive that the ports use.
   virtual void keep(std::shared_ptr<void>) {}
 
-  /// Fills in what the executor calls or releases.
+  /// Sets the fields of `unit` through which the executor calls or releases the module.
   virtual void enter(executor::Unit& unit) = 0;
   /// Called after each row: lets a released program run its body, and handlers answer requests. Stores an
   /// error in `block`.

@@ -13,7 +13,7 @@ std::string device_path(const Status& status) {
   return path_of(status.cell().to_string(), status.device().to_string());
 }
 
-// Returns CELL/DEVICE for CELL/DEVICE/MODULE.
+// Returns the path without its last name: CELL/DEVICE for CELL/DEVICE/MODULE.
 std::string parent(const std::string& path) { return path.substr(0, path.rfind('/')); }
 std::string last(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
@@ -25,7 +25,8 @@ void CellState::heard(const DeviceStatus& status, WriterId writer) {
   std::erase_if(nodes_, [&](const auto& entry) {
     const Node& other = entry.second;
     if (entry.first == id || other.alive || other.status.device() != status.device()) return false;
-    // If the new node has resumed the same cell, the states of its modules may already be here, so they stay.
+    // If the new node has resumed the same cell, the states of its modules may have arrived before its own
+    // status. So they are not deleted.
     if (other.status.cell() != status.cell()) deployments_.erase(device_path(other.status));
     return true;
   });
@@ -53,8 +54,8 @@ void CellState::heard(const PortStatus& status) {
 }
 
 void CellState::gone(const DeviceStatus& key, WriterId writer) {
-  // A node that changes its key publishes the new key before it disposes of the old one. So the node has left
-  // only if its last status has the disposed key.
+  // A node that changes its key publishes the new key before it disposes of the old one. So the node has
+  // ended only if the last status received from it has the disposed key.
   std::erase_if(nodes_, [&](const auto& entry) {
     return entry.second.writer == writer && entry.second.status.path() == key.path();
   });

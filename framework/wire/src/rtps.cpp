@@ -12,7 +12,8 @@ constexpr std::size_t kHeader = 20;
 constexpr std::uint32_t kMostBits = 256;  // largest number of bits in a set of sequence or fragment numbers
 constexpr std::int64_t kMostNumber = std::int64_t{1} << 62;
 
-/// Reads bytes from start to end in one byte order. If a byte is missing, this and all later values are 0.
+/// Reads values from a sequence of bytes in one byte order. If the bytes end within a value, this value and
+/// all later values are 0.
 class Cursor {
  public:
   Cursor(std::span<const std::uint8_t> bytes, bool little) noexcept : left_(bytes), little_(little) {}
@@ -50,13 +51,13 @@ class Cursor {
     fail();
     return least;
   }
-  /// Reads the bits of a set, which follow its base.
+  /// Skips the bits of a set of sequence or fragment numbers. The base of the set must already be read.
   void bits() noexcept {
     const std::uint32_t n = u32();
     if (n > kMostBits) return fail();
     skip((n + 31) / 32 * 4);
   }
-  /// Reads a CDR string, which has a length and ends with a zero.
+  /// Reads a CDR string, which begins with its length and ends with a zero byte.
   std::string_view text() noexcept {
     const std::uint32_t size = u32();
     const auto characters = bytes(size);
@@ -73,7 +74,7 @@ class Cursor {
     align();
     return content;
   }
-  /// Skips padding, which may be missing at the end of the data.
+  /// Skips the padding up to the next multiple of four bytes. At the end of the data, padding may be missing.
   void align() noexcept { skip(std::min<std::size_t>((4 - taken_ % 4) % 4, left_.size())); }
   [[nodiscard]] bool little() const noexcept { return little_; }
   [[nodiscard]] Cursor part(std::size_t n) noexcept { return {bytes(n), little_}; }
@@ -93,7 +94,7 @@ class Cursor {
   bool ok_ = true;
 };
 
-// ---- Lists of parameters
+// ---- Parameter lists
 
 enum class Content { any, text, texts, properties, token, octets, locator, guid, number };
 
@@ -122,7 +123,7 @@ Content content_of(std::uint32_t parameter) noexcept {
     case 0x33:
     case 0x48:
       return Content::locator;
-    case 0x50:  // GUIDs of a participant, an endpoint, a group
+    case 0x50:  // GUIDs of participants, endpoints and groups
     case 0x52:
     case 0x5a:
     case 0x70:  // key hash
@@ -153,8 +154,8 @@ void check_properties(Cursor& value) noexcept {
   }
 }
 
-/// Checks a token, which Fast DDS calls a data holder. `each` gets the name and value of each property with a
-/// binary value, and returns whether it is valid.
+/// Checks a token, which Fast DDS calls a data holder. Calls `each` with the name and value of each binary
+/// property; `each` returns whether the property is valid.
 template <class Each>
 void check_token(Cursor& value, Each&& each) noexcept {
   value.text();
@@ -195,7 +196,7 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
   return value.ok();
 }
 
-/// Checks a list of parameters including its end mark. `each` gets the valid parameters.
+/// Checks a parameter list including its end mark. Calls `each` with each valid parameter.
 template <class Each>
 void check_parameters(Cursor& list, Each&& each) noexcept {
   constexpr std::uint32_t kPad = 0;
@@ -216,11 +217,11 @@ void check_parameters(Cursor& list) noexcept {
 
 // ---- Submessages
 
-constexpr std::uint32_t kParticipants = 0x000100c2;  // the writer of participant announcements
-constexpr std::uint32_t kProofs = 0x000201c3;        // the writer of authentication messages
+constexpr std::uint32_t kParticipants = 0x000100c2;  // entity id of the writer of participant announcements
+constexpr std::uint32_t kProofs = 0x000201c3;        // entity id of the writer of authentication messages
 
-/// Whether this writer announces participants, readers or writers. The content of its samples is a list of
-/// parameters.
+/// Returns whether this writer announces participants, readers or writers. Samples of such a writer contain a
+/// parameter list.
 bool discovers(std::uint32_t writer) noexcept {
   return writer == kParticipants || writer == 0x000002c2 || writer == 0x000003c2 || writer == 0x000004c2;
 }
@@ -228,14 +229,15 @@ bool discovers(std::uint32_t writer) noexcept {
 constexpr std::uint8_t kLittle = 1;
 constexpr std::uint8_t kInlineQos = 2;
 constexpr std::uint8_t kData = 4;
-// The number of bytes in DATA after octetsToInlineQos, up to and including the sequence number.
+// The number of bytes in DATA between the field octetsToInlineQos and the end of the sequence number.
 constexpr std::uint32_t kBeforeData = 16;
 
-/// Checks the fields with which DATA and DATA_FRAG begin: flags, octetsToInlineQos, reader, writer and
-/// sequence number. Returns the writer.
+/// Checks the first fields of DATA or DATA_FRAG: flags, octetsToInlineQos, reader, writer and sequence
+/// number. `behind` is the number of bytes between octetsToInlineQos and the inline QoS. Returns the entity
+/// id of the writer.
 std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
   body.skip(2);
-  const std::uint32_t to_qos = body.u16();  // counted from the end of this field
+  const std::uint32_t to_qos = body.u16();  // bytes from the end of this field to the inline QoS
   body.skip(4);
   const std::uint32_t writer = body.id();
   static_cast<void>(body.sequence(1));
@@ -243,7 +245,8 @@ std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
   return writer;
 }
 
-/// Checks an authentication message of DDS Security 1.1, section 7.4.4: sender, receiver, class and tokens.
+/// Checks the sender, receiver, class and tokens of an authentication message (DDS Security 1.1, section
+/// 7.4.4).
 void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
   message.skip(24 + 24 + 16 + 16 + 16);
   message.text();
@@ -266,7 +269,8 @@ void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) 
   if ((flags & (kData | kKey)) == 0) return;
   const auto encapsulation = body.bytes(4);
   if (!body.ok() || (!discovers(writer) && writer != kProofs)) return;
-  // The encapsulation must be PL_CDR for a list of parameters, else CDR. Both byte orders are valid.
+  // The encapsulation must be PL_CDR if the content is a parameter list, and CDR if not. Both byte orders are
+  // valid.
   const int plain = encapsulation[1] - (discovers(writer) ? 2 : 0);
   if (encapsulation[0] != 0 || (plain != 0 && plain != 1)) return body.fail();
   Cursor content{body.bytes(body.left()), plain == 1};
@@ -283,8 +287,8 @@ void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
   copy.skip(2);
   const std::uint32_t to_qos = copy.u16();
   const std::uint32_t writer = check_head(body, 16);
-  // Discovery and authentication in fragments are rejected. Fast DDS reads them as soon as they are complete,
-  // so they could not be checked first.
+  // Fragments of discovery and authentication messages are rejected: Fast DDS reads such a message as soon as
+  // it has all fragments, so Takt could not check it before.
   if (discovers(writer) || writer == kProofs) return body.fail();
   const std::uint64_t first = body.u32();
   const std::uint64_t count = body.u16();
@@ -348,7 +352,7 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
       if (body.u32() == 0) body.fail();
       body.skip(4);
       break;
-    case 0x09:  // INFO_TS, in which the time may be missing
+    case 0x09:  // INFO_TS; the timestamp is missing if flag 2 is set
       if ((flags & 2) == 0) body.skip(8);
       break;
     case 0x0c:  // INFO_SRC
@@ -357,7 +361,7 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
     case 0x0e:  // INFO_DST
       body.skip(12);
       break;
-    case 0x0f:  // INFO_REPLY, with one or two lists
+    case 0x0f:  // INFO_REPLY, with one or two locator lists
       check_locators(body);
       if ((flags & 2) != 0) check_locators(body);
       break;
@@ -369,11 +373,13 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
       body.skip(size);
       break;
     }
-    case 0x31:  // SEC_PREFIX and SRTPS_PREFIX contain kind, key, session and vector
+    case 0x31:  // SEC_PREFIX and SRTPS_PREFIX contain transformation kind, key id, session id and
+                // initialization vector
     case 0x33:
       body.skip(20);
       break;
-    case 0x32:  // SEC_POSTFIX and SRTPS_POSTFIX contain a common code and codes for single readers
+    case 0x32:  // SEC_POSTFIX and SRTPS_POSTFIX contain a common authentication code and one code for each
+                // listed reader
     case 0x34: {
       body.skip(16);
       const std::uint32_t n = body.id();
@@ -381,13 +387,13 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
       break;
     }
     default:
-      break;  // submessages of later versions and of vendors are skipped
+      break;  // submessages of later RTPS versions and vendor-specific submessages are not checked
   }
   return body.ok();
 }
 
-/// Iterates over submessages as Fast DDS does: each begins at a multiple of four bytes, whatever length the
-/// previous submessage claims.
+/// Iterates over submessages as Fast DDS does: each submessage begins at a multiple of four bytes, even if
+/// the previous one claims another length.
 class Submessages {
  public:
   explicit Submessages(std::span<const std::uint8_t> message) noexcept : left_(message.subspan(kHeader)) {}
@@ -395,13 +401,14 @@ class Submessages {
   struct One {
     std::uint8_t kind = 0;
     std::uint8_t flags = 0;
-    bool last = false;  // its length field is 0, so it extends to the end of the message
+    bool last = false;  // whether its length field is 0: it then extends to the message's end
     std::span<const std::uint8_t> body;
     [[nodiscard]] bool little() const noexcept { return (flags & kLittle) != 0; }
   };
   [[nodiscard]] bool empty() const noexcept { return left_.empty(); }
   [[nodiscard]] std::size_t left() const noexcept { return left_.size(); }
-  /// Returns the next submessage. If it exceeds the message, returns kind 0, which does not exist.
+  /// Returns the next submessage. If it extends past the end of the message, returns a submessage of kind 0,
+  /// a kind that RTPS does not define.
   One next() noexcept {
     if (left_.size() < 4) return {};
     One one{.kind = left_[0], .flags = left_[1], .last = false, .body = {}};
@@ -426,8 +433,8 @@ bool is_header(std::span<const std::uint8_t> message) noexcept {
   return message.size() >= kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
 }
 
-/// Whether a SEC_PREFIX or SRTPS_PREFIX is followed by an encrypted body and an authentication code, and
-/// whether the length of each matches its content.
+/// Returns whether an encrypted body and authentication codes follow this SEC_PREFIX or SRTPS_PREFIX, each
+/// with a length that matches its content.
 bool is_protected(const Submessages::One& prefix, Submessages& rest) noexcept {
   const auto postfix_kind = static_cast<std::uint8_t>(prefix.kind + 1);
   if (prefix.last || prefix.body.size() != 20) return false;
@@ -480,7 +487,7 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
         break;
       }
       default:
-        if (one.kind < 0x80) return false;  // submessages of vendors are skipped
+        if (one.kind < 0x80) return false;  // vendor-specific submessages may be unencrypted
     }
   }
   return true;
@@ -503,7 +510,7 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
     const std::uint32_t to_qos = copy.u16();
     if (check_head(body, kBeforeData) != kParticipants) continue;
     body.skip(to_qos - kBeforeData);
-    // The inline QoS is skipped. It can say that the participant leaves, which Fast DDS evaluates.
+    // Skips the inline QoS. It can say that the participant leaves, but Fast DDS handles that.
     if ((one.flags & kInlineQos) != 0) check_parameters(body);
     const auto encapsulation = body.bytes(4);
     if (!body.ok()) continue;

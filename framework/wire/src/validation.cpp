@@ -18,7 +18,7 @@ bool is_control(char byte) noexcept {
   return code < 0x20 || code == 0x7f;
 }
 
-// Whether the text consists of complete UTF-8 characters without control characters.
+// Returns whether the text is valid UTF-8 without control characters.
 bool is_name(std::string_view text) noexcept {
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
@@ -52,7 +52,8 @@ void clean(eprosima::fastrtps::fixed_string<N>& field) noexcept {
   field.assign(text.data(), size);
 }
 
-// Whether the enumerator exists. The generated enumerations are unsigned and begin with 0.
+// Returns whether the value is one of the enumerators of its type. The generated enumerations are unsigned
+// and begin with 0.
 template <class Enum>
 bool exists(Enum value, Enum last) noexcept {
   return static_cast<std::uint32_t>(value) <= static_cast<std::uint32_t>(last);

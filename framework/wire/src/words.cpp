@@ -161,7 +161,7 @@ std::string cut(std::string_view text, std::size_t bytes) {
   constexpr std::string_view kOmitted = "...";
   if (bytes <= kOmitted.size()) return std::string{text.substr(0, bytes)};
   std::size_t end = bytes - kOmitted.size();
-  // Moves the end back to the beginning of a character. Text that is not UTF-8 is cut at any byte.
+  // Moves the cut back to the beginning of a UTF-8 character. Text that is not UTF-8 may be cut at any byte.
   for (std::size_t back = 0; back < 4 && back < end; ++back) {
     if (utf8_length(text.substr(end - back)) == 0) continue;
     end -= back;

@@ -68,7 +68,7 @@ class TestClient {
   dds::CommandClient client_;
 };
 
-TEST(Commands, OfTwoHundredNewClientsAreAllAnswered) {
+TEST(Commands, FromTwoHundredNewClientsAreAllAnswered) {
   Peer server{{"server", "d", "10"}};
   ASSERT_TRUE(server.says("ready"));
   std::atomic<int> next{0};
@@ -115,7 +115,7 @@ void add_parts(model::Type& type) {
   type.fields.push_back({.name = "data", .scalar = model::Scalar::octet, .sequence = 32768});
 }
 
-TEST(Commands, AreAnsweredOnlyOnceTheReaderOfTheClientHasMatched) {
+TEST(Commands, AreAnsweredOnlyAfterTheReplyReaderHasMatched) {
   const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
   model::Type command = wire_type("takt::Command", {"id", "device", "node", "module_name"},
                                   {enumeration("kind", {"COMMAND_REPORT"})},
@@ -157,7 +157,7 @@ TEST(Commands, AreAnsweredOnlyOnceTheReaderOfTheClientHasMatched) {
   })) << heard;
 }
 
-TEST(Commands, CarrySixteenMebibytesInBothDirections) {
+TEST(Commands, AndRepliesCanCarrySixteenMebibytes) {
   const std::size_t most = wire::kMaxData;
   Peer server{{"server", "d", std::to_string(most)}};
   ASSERT_TRUE(server.says("ready"));
@@ -172,7 +172,7 @@ TEST(Commands, CarrySixteenMebibytesInBothDirections) {
   EXPECT_FALSE(client.send("longer", std::string(most + 1, 'x')));
 }
 
-TEST(Commands, WithARepeatedIdAreAnsweredAgainButNotHandledAgain) {
+TEST(Commands, WithTheSameIdAreExecutedOnlyOnce) {
   Peer server{{"server", "d", "3"}};
   ASSERT_TRUE(server.says("ready"));
   TestClient client{participate()};
@@ -190,7 +190,7 @@ TEST(Commands, WithARepeatedIdAreAnsweredAgainButNotHandledAgain) {
   EXPECT_EQ(server.line(), "handled end 0");
 }
 
-TEST(Commands, AreSentAgainToAServerThatStartsLater) {
+TEST(Commands, ReachAServerThatStartsLater) {
   TestClient client{participate()};
   client.send("early");
   Peer other{{"server", "other", "0"}};
@@ -212,7 +212,7 @@ TEST(Commands, AreNotSentAfterTheirDeadline) {
   EXPECT_EQ(server.line(), "handled punctual 0");
 }
 
-TEST(Commands, ThatBeganBeforeTheirDeadlineAreAnsweredAfterIt) {
+TEST(Commands, ThatStartBeforeTheirDeadlineMayFinishAfterIt) {
   Peer server{{"server", "d", "3", "1500"}};
   ASSERT_TRUE(server.says("ready"));
   TestClient client{participate()};
@@ -226,7 +226,7 @@ TEST(Commands, ThatBeganBeforeTheirDeadlineAreAnsweredAfterIt) {
   EXPECT_EQ(server.line(), "handled end 0") << "the slow command was handled once";
 }
 
-TEST(Commands, OfAStuckClientDoNotDelayOtherClients) {
+TEST(Commands, OfAStoppedClientDoNotDelayOtherClients) {
   Peer server{{"server", "d", "2000000"}};
   ASSERT_TRUE(server.says("ready"));
   TestClient client{participate()};
@@ -244,7 +244,7 @@ TEST(Commands, OfAStuckClientDoNotDelayOtherClients) {
   EXPECT_LT(seconds, 10.0) << "the stuck client's lease is 3 s";
 }
 
-TEST(Commands, AboveTheRateLimitAreDroppedAndCountedAndOtherClientsAreServed) {
+TEST(Commands, AboveTheRateLimitDoNotBlockOtherClients) {
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.says("ready"));
   const auto participant = participate();
@@ -258,7 +258,8 @@ TEST(Commands, AboveTheRateLimitAreDroppedAndCountedAndOtherClientsAreServed) {
   for (int again = 0; again < 20 && !counted; ++again) {
     server.say("refused");
     while (const auto line = server.line(5s)) {
-      said |= line->find("rejected: more than 100 commands per second from one client") != std::string::npos;
+      said |= line->find("rejected a command: more than 100 commands per second from one client") !=
+              std::string::npos;
       if (!line->starts_with("refused ")) continue;
       counted = std::stoul(line->substr(8)) > 1000;
       break;
@@ -270,7 +271,7 @@ TEST(Commands, AboveTheRateLimitAreDroppedAndCountedAndOtherClientsAreServed) {
   EXPECT_TRUE(counted);
 }
 
-TEST(Commands, ThatAreForgedAreRejectedAndCountedAndDoNotBlockValidOnes) {
+TEST(Commands, ThatAreForgedDoNotBlockValidCommands) {
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.says("ready"));
   Command good;

@@ -55,7 +55,7 @@ channel::Link::Options queue(std::uint32_t depth, std::uint32_t wake_bits = 0) {
   return {.depth = depth, .payload = kPayload, .is_queue = true, .wake_bits = wake_bits};
 }
 
-class GatewayTest : public testing::Test {
+class DdsGateway : public testing::Test {
  protected:
   void SetUp() override {
     auto participant = dds::Participant::create(on_loopback("test"));
@@ -95,7 +95,7 @@ class GatewayTest : public testing::Test {
 constexpr std::uint32_t kWake = channel::kGatewayBit;
 const dds::Quality kReliable{.reliable = true, .depth = 64, .deadline = {}, .lifespan = {}};
 
-TEST_F(GatewayTest, SendsCompleteSamplesInOrder) {
+TEST_F(DdsGateway, SendsCompleteSamplesInOrder) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("out", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -113,7 +113,7 @@ TEST_F(GatewayTest, SendsCompleteSamplesInOrder) {
   EXPECT_EQ(memory.link().block().overwritten.load(), 0U);
 }
 
-TEST_F(GatewayTest, ReceivesCompleteSamplesInOrderWithTheirTimeStamps) {
+TEST_F(DdsGateway, ReceivesCompleteSamplesInOrderWithTheirTimeStamps) {
   const Memory memory{queue(256)};
   const Memory latest{{.depth = 1, .payload = kPayload}};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link(), latest.link()});
@@ -143,7 +143,7 @@ TEST_F(GatewayTest, ReceivesCompleteSamplesInOrderWithTheirTimeStamps) {
   EXPECT_EQ(health(*flow_id).lost, 0U);
 }
 
-TEST_F(GatewayTest, KeepsTheTimeStampOfTheModuleUnlessItsClockIsWrong) {
+TEST_F(DdsGateway, KeepsTheTimeStampOfTheModuleUnlessItsClockIsWrong) {
   const Memory out{queue(4, kWake)};
   const Memory in{queue(4)};
   const auto going = gateway_->add_outgoing(flow("stamp", kReliable), out.link());
@@ -162,7 +162,7 @@ TEST_F(GatewayTest, KeepsTheTimeStampOfTheModuleUnlessItsClockIsWrong) {
   EXPECT_GE(reader.info().stamp_ns, now) << "the gateway uses the time of arrival instead";
 }
 
-TEST_F(GatewayTest, IsWokenAtOnceByAWrittenSample) {
+TEST_F(DdsGateway, WakesUpAsSoonAsASampleIsWritten) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("out"), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -180,7 +180,7 @@ TEST_F(GatewayTest, IsWokenAtOnceByAWrittenSample) {
   EXPECT_LT(waited[20], 0.02) << "a gateway that is not woken checks only every 100 ms";
 }
 
-TEST_F(GatewayTest, WakesAThreadThatWaitsForASample) {
+TEST_F(DdsGateway, WakesAThreadThatWaitsForASample) {
   const Memory memory{queue(64, channel::kSporadicBit)};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link()});
   ASSERT_TRUE(flow_id.ok());
@@ -211,7 +211,7 @@ TEST_F(GatewayTest, WakesAThreadThatWaitsForASample) {
   sporadic.join();
 }
 
-TEST_F(GatewayTest, CountsInvalidSamplesAndDoesNotWriteThemToTheLink) {
+TEST_F(DdsGateway, DropsAndCountsInvalidSamples) {
   const Memory memory{queue(64)};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link()});
   ASSERT_TRUE(flow_id.ok());
@@ -237,7 +237,7 @@ TEST_F(GatewayTest, CountsInvalidSamplesAndDoesNotWriteThemToTheLink) {
   }));
 }
 
-TEST_F(GatewayTest, CountsSamplesThatDdsRejects) {
+TEST_F(DdsGateway, CountsSamplesThatDdsRejects) {
   const Memory memory{{.depth = 4, .payload = 2 * kPayload, .is_queue = true, .wake_bits = kWake}};
   const auto flow_id = gateway_->add_outgoing(flow("out", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -248,7 +248,7 @@ TEST_F(GatewayTest, CountsSamplesThatDdsRejects) {
       << health(*flow_id).failures << " " << health(*flow_id).samples;
 }
 
-TEST_F(GatewayTest, RejectsALinkThatIsTooSmallForTheType) {
+TEST_F(DdsGateway, RejectsALinkThatIsTooSmallForTheType) {
   const Memory memory{{.depth = 4, .payload = 100}};
   const auto in = gateway_->add_incoming(flow("in"), {memory.link()});
   ASSERT_FALSE(in.ok());
@@ -256,7 +256,7 @@ TEST_F(GatewayTest, RejectsALinkThatIsTooSmallForTheType) {
   EXPECT_FALSE(gateway_->add_outgoing(flow("out"), memory.link()).ok());
 }
 
-TEST_F(GatewayTest, WritesNothingToADisabledLink) {
+TEST_F(DdsGateway, WritesNothingToADisabledLink) {
   const Memory wanted{queue(8)};
   const Memory unwanted{{.depth = 8, .payload = kPayload, .enabled = false}};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {wanted.link(), unwanted.link()});
@@ -270,7 +270,7 @@ TEST_F(GatewayTest, WritesNothingToADisabledLink) {
   EXPECT_EQ(unwanted.link().block().written.load(), 0U);
 }
 
-TEST_F(GatewayTest, AReaderThatHangsDoesNotDelayOtherReaders) {
+TEST_F(DdsGateway, SendsToOtherReadersWhileOneReaderHangs) {
   const Memory to_stuck{queue(64, kWake)};
   const Memory to_live{queue(64, kWake)};
   const auto stuck_id = gateway_->add_outgoing(flow("stuck", kReliable), to_stuck.link());
@@ -295,7 +295,7 @@ TEST_F(GatewayTest, AReaderThatHangsDoesNotDelayOtherReaders) {
   EXPECT_EQ(health(*stuck_id).failures, 0U);
 }
 
-TEST_F(GatewayTest, AddsAndRemovesFlowsWithoutDisturbingOtherFlows) {
+TEST_F(DdsGateway, AddsAndRemovesFlowsWithoutDisturbingOtherFlows) {
   const Memory memory{queue(256, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("steady", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -331,7 +331,7 @@ TEST_F(GatewayTest, AddsAndRemovesFlowsWithoutDisturbingOtherFlows) {
     ASSERT_EQ(tap.line(), "sample " + std::to_string(number));
 }
 
-TEST_F(GatewayTest, ReportsTheQualityOfServiceThatPreventsAMatch) {
+TEST_F(DdsGateway, ReportsTheQosPolicyThatPreventsAMatch) {
   const Memory out{queue(8, kWake)};
   const auto going = gateway_->add_outgoing(flow("quality"), out.link());
   ASSERT_TRUE(going.ok());
@@ -352,7 +352,7 @@ TEST_F(GatewayTest, ReportsTheQualityOfServiceThatPreventsAMatch) {
   EXPECT_TRUE(soon([&] { return health(*coming).incompatible == "deadline"; }));
 }
 
-TEST_F(GatewayTest, CountsLostSamples) {
+TEST_F(DdsGateway, CountsLostSamples) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("lossy"), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -386,7 +386,7 @@ TEST_F(GatewayTest, CountsLostSamples) {
   EXPECT_EQ(samples + lost, number - std::stoul(first->substr(first->find(' '))) + 1);
 }
 
-TEST_F(GatewayTest, DropsSamplesOlderThanTheirLifespan) {
+TEST_F(DdsGateway, DropsSamplesOlderThanTheirLifespan) {
   const dds::Quality brief{.reliable = true, .depth = 8, .deadline = {}, .lifespan = 200ms};
   const Memory out{queue(8, kWake)};
   const Memory in{queue(8)};
@@ -403,7 +403,7 @@ TEST_F(GatewayTest, DropsSamplesOlderThanTheirLifespan) {
   EXPECT_EQ(number_in(reader.link().payload(reader.buffer())), 2U);
 }
 
-TEST_F(GatewayTest, CarriesSamplesOfTheLargestSize) {
+TEST_F(DdsGateway, CarriesSamplesOfTheMaximumSize) {
   const Memory out{queue(4, kWake)};
   const Memory in{queue(4)};
   const auto going = gateway_->add_outgoing(flow("large", kReliable), out.link());

@@ -83,7 +83,7 @@ TEST(Participant, ReportsAnInterfaceAddressThatThisMachineDoesNotHave) {
   EXPECT_TRUE(dds::Participant::create(on_loopback("p")).ok()) << "the failed attempt left nothing behind";
 }
 
-TEST(Participant, ReportsAPeerWhoseNameHasNoAddress) {
+TEST(Participant, ReportsAPeerNameThatDoesNotResolve) {
   dds::ParticipantOptions options = on_loopback("p");
   options.discovery = {
       .kind = model::Discovery::Kind::peers, .peers = {"localhost", "no.such.host.invalid"}, .server = {}};
@@ -195,7 +195,7 @@ TEST(Discovery, IgnoresFastDdsSettingsInTheEnvironment) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(Participant, RejectsConflictingTypesWithoutDisturbingOtherTopics) {
+TEST(Participant, RejectsATopicWhoseTypeConflictsWithAnotherTopic) {
   auto participant = dds::Participant::create(on_loopback("p"));
   ASSERT_TRUE(participant.ok());
   auto first = dds::Feed::create(*participant, flow("shared"));
@@ -218,7 +218,7 @@ TEST(Participant, RejectsConflictingTypesWithoutDisturbingOtherTopics) {
   EXPECT_TRUE(dds::Feed::create(*participant, longer).ok());
 }
 
-TEST(Participant, EndsAtOnceWithAllItsEntities) {
+TEST(Participant, ShutsDownQuicklyWithAllItsEntities) {
   Peer peer{{"all"}};
   Peer other{{"all"}};
   ASSERT_TRUE(peer.says("ready"));

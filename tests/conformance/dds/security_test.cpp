@@ -120,7 +120,7 @@ class Security : public testing::Test {
   std::optional<dds::Reader<DeviceStatus>> reader_;
 };
 
-TEST_F(Security, MembersOfOneCellReceiveSamplesOfEachOther) {
+TEST_F(Security, LetsMembersOfOneCellExchangeSamples) {
   join("operators/anna");
   Peer robot{{"device", "robot"}, as("devices/robot")};
   EXPECT_TRUE(soon([&] { return heard().count("robot") > 0; }));
@@ -141,7 +141,7 @@ TEST_F(Security, RejectsAndReportsAnIdentityFromAnotherAuthority) {
   join("devices/line");
   Peer evil{{"device", "robot"}, as("devices/robot", "evil")};
   ASSERT_TRUE(evil.says("ready"));
-  EXPECT_TRUE(reports("device robot at 127.0.0.1: its identity is from another authority"));
+  EXPECT_TRUE(reports("device robot at 127.0.0.1: its identity was issued by another authority"));
   std::this_thread::sleep_for(kLongEnough);
   EXPECT_THAT(heard(), IsEmpty());
 }
@@ -160,7 +160,7 @@ TEST_F(Security, RejectsARevokedIdentity) {
   EXPECT_THAT(heard(), IsEmpty());
 }
 
-TEST_F(Security, ADeviceMayPublishOnlyAboutItself) {
+TEST_F(Security, LetsADevicePublishOnlyItsOwnStatus) {
   join("operators/anna");
   Peer impostor{{"device", "line"}, as("devices/robot")};
   EXPECT_TRUE(reports("device robot at 127.0.0.1 publishes on takt/device for test/line"));
@@ -168,7 +168,7 @@ TEST_F(Security, ADeviceMayPublishOnlyAboutItself) {
   EXPECT_TRUE(soon([&] { return heard().count("line") > 0; }));
 }
 
-TEST_F(Security, ReadersRejectAWriterWithoutPermissionForItsTopic) {
+TEST_F(Security, RejectsAWriterWithoutPermissionForItsTopic) {
   join("devices/line");
   std::atomic<int> came{0};
   auto tap = dds::Tap::create(participant_, flow("parts"),
@@ -197,7 +197,7 @@ TEST_F(Security, ReadersRejectAWriterWithoutPermissionForItsTopic) {
   EXPECT_EQ((*own)->health().matched, 0U);
 }
 
-TEST_F(Security, AnOperatorMayCommandButAnObserverMayNot) {
+TEST_F(Security, LetsOnlyOperatorsSendCommands) {
   join("devices/robot");
   std::atomic<int> handled{0};
   dds::CommandServer* self = nullptr;
@@ -239,7 +239,7 @@ TEST_F(Security, RejectsAReplyInTheNameOfAnotherDevice) {
   EXPECT_EQ(answers, 0);
 }
 
-TEST_F(Security, ReportsSettingsAndFilesThatDoNotFitTheIdentity) {
+TEST_F(Security, ReportsSettingsAndFilesThatDoNotMatchTheIdentity) {
   dds::ParticipantOptions options = on_loopback("test");
   options.security = of("devices/robot");
   options.domain = domain() + 1;

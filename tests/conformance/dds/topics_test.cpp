@@ -94,7 +94,7 @@ class Heard {
   std::size_t held_up_at_ = 0;
 };
 
-TEST(LifecycleTopic, GivesALateReaderThePresentStateOfThreeHundredModules) {
+TEST(LifecycleTopic, GivesALateReaderTheCurrentStatesOfThreeHundredModules) {
   Peer writer{{"state", "300"}};
   ASSERT_EQ(writer.line(), "failures 0");
   Heard heard;
@@ -105,7 +105,7 @@ TEST(LifecycleTopic, GivesALateReaderThePresentStateOfThreeHundredModules) {
   EXPECT_EQ(heard.samples(), 300U);
 }
 
-TEST(LifecycleTopic, GivesALateReaderNoDisposedStates) {
+TEST(LifecycleTopic, DoesNotGiveALateReaderDisposedStates) {
   Peer writer{{"state", "20"}};
   ASSERT_EQ(writer.line(), "failures 0");
   auto participant = participate();
@@ -244,7 +244,7 @@ std::string wire(typename Generated::type& sample) {
   return text;
 }
 
-TEST(DeviceTopic, RejectsAndCountsForgedSamplesAndDeliversValidOnes) {
+TEST(DeviceTopic, DeliversValidSamplesDespiteThousandsOfForgedOnes) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   DeviceStatus status;
@@ -261,7 +261,7 @@ TEST(DeviceTopic, RejectsAndCountsForgedSamplesAndDeliversValidOnes) {
   EXPECT_TRUE(soon([&] { return devices.samples("honest") > 0; }));
 }
 
-TEST(Validation, RejectsStatusesAndCommandsWithInvalidFields) {
+TEST(Validation, RejectsADeviceStatusOrCommandWithInvalidFields) {
   DeviceStatus good;
   good.path("c/d");
   good.cell("c");
@@ -300,7 +300,7 @@ TEST(Validation, RejectsStatusesAndCommandsWithInvalidFields) {
   EXPECT_FALSE(wire::validate(command));
 }
 
-TEST(InstanceKeys, AreCorrectWhenTwoThreadsComputeThemAtOnce) {
+TEST(InstanceKeys, AreCorrectWhenTwoThreadsComputeThemAtTheSameTime) {
   dds::CheckedType<LifecycleStatusPubSubType> type;
   const auto key_of = [&type](const std::string& path) {
     LifecycleStatus status;

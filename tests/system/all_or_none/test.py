@@ -67,7 +67,7 @@ class AllOrNone(takt_system.Case):
         self.assertEqual((1, ""), (run.status, run.out), run.err)
         for pattern in patterns:
             self.assertRegex(run.err, pattern)
-        self.assertRegex(run.err, "(?m)^cell %s was not deployed; nothing was changed$" % cell)
+        self.assertRegex(run.err, "(?m)^cell %s was not deployed; the devices are unchanged$" % cell)
 
     def assert_a_good_one_succeeds(self):
         self.deploy("cell.xml")
@@ -95,7 +95,7 @@ class AllOrNone(takt_system.Case):
             else:
                 self.assert_nothing_runs()
 
-    def test_a_failure_on_one_device_cancels_the_deployment_everywhere(self):
+    def test_a_failure_on_one_device_cancels_the_deployment_on_all_devices(self):
         self.begin()
         self.refuse(self.cell("absent", "bad", "fine.so"),
                     r"(?m)absent\.xml:\d+: error: device line: module bad: there is no file fine\.so on this device's component path",
@@ -114,7 +114,7 @@ class AllOrNone(takt_system.Case):
         self.refuse(self.cell("crash", "bad", "segv.so", WHERE),
                     r"(?m)^module line\.bad: error: the host was killed by SIGSEGV .* in initialize\(\)")
         self.refuse(self.with_a_third_device(),
-                    r"(?m)^device third: error: not found on domain %d; start it with takt-node --device third" % self.domain)
+                    r"(?m)^device third: error: not found on domain %d; start its node with takt-node --device third" % self.domain)
         self.end(self.running)
 
     def with_a_third_device(self):
@@ -124,7 +124,7 @@ class AllOrNone(takt_system.Case):
                 "<operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module></device></cell>")
         return self.write("third.xml", text)
 
-    def test_a_descriptor_with_an_error_is_sent_to_no_device(self):
+    def test_takt_deploy_does_not_send_an_invalid_descriptor_to_any_device(self):
         self.begin()
         before = {device: list(node.raw) for device, node in self.running.items()}
         cell = self.cell("mistake", "grid", "grid.so", "<perod>5</perod>")
@@ -137,7 +137,7 @@ class AllOrNone(takt_system.Case):
         self.assertEqual(before, {device: node.raw for device, node in self.running.items()})
         self.end(self.running)
 
-    def test_ctrl_c_undoes_an_unfinished_deployment(self):
+    def test_ctrl_c_in_takt_deploy_undoes_an_unfinished_deployment(self):
         self.begin()
         run = self.start("deploy", self.cell("hang", "bad", "hang.so", WHERE))
         self.running["line"].wait_for_line("preparing cell hang")
@@ -194,18 +194,18 @@ class AllOrNone(takt_system.Case):
     def test_takt_deploy_fails_while_two_nodes_have_the_same_name(self):
         self.begin()
         second = self.program("takt-node", "--device", "line", "--state-dir", os.path.join(self.folder, "second"))
-        clash = r"another node named line is on domain %d: process %%d on \S+; end or rename one of them: neither can be deployed to " \
-                r"while both run" % self.domain
+        clash = r"another node named line is on domain %d: process %%d on \S+; end or rename one of them: no cell can be deployed " \
+                r"to either while both run" % self.domain
         self.running["line"].wait_for_line(clash % second.pid)
         second.wait_for_line(clash % self.running["line"].pid)
         # Either takt finds both nodes, or it finds one node, which reports the other.
-        two = r"(?m)^device line: error: (2 nodes of this name are on domain %d: process \d+ on \S+, process \d+ on \S+; end all but " \
+        two = r"(?m)^device line: error: (2 nodes on domain %d have this name: process \d+ on \S+, process \d+ on \S+; end all but " \
               r"one of them|another node named line is on domain %d: process \d+ on)" % (self.domain, self.domain)
         self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", two)
         self.refused({"status": two})
         second.signal(signal.SIGTERM)
         self.assertEqual(0, second.wait(10).status)
-        self.running["line"].wait_for_line("the other node of this name is gone")
+        self.running["line"].wait_for_line("the other node with this name is gone")
         self.assert_nothing_runs()
         self.assert_a_good_one_succeeds()
         self.end(self.running)
@@ -217,7 +217,7 @@ class AllOrNone(takt_system.Case):
         hosts = {device: node.one("takt-host").pid for device, node in self.running.items()}
         other, again, undeploy = self.at_once("deploy " + self.cell("other"), "deploy cell.xml", "undeploy other")
         self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell; run takt undeploy cell first; or run takt "
-                                                      "deploy --update to change it while it runs")
+                                                      "deploy --update to change the cell while it runs")
         self.assertEqual(1, undeploy.status)
         self.assertIn("error: no device on domain %d runs cell other; cells on this domain: cell" % self.domain, undeploy.err)
         self.assert_refused_everywhere(other, "other", *[r"(?m)^device %s: error: it already runs cell cell; run takt "

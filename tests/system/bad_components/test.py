@@ -5,7 +5,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 
-# For each error: the text of its line in the descriptor, and the message.
+# For each error: a text from its line in the descriptor, and the expected message.
 WRONG = [
     (r"<module>", r"module lacks_run: \S+/no_run\.so has no function run\(\); define "),
     (r"<module>", r"module lacks_condition: \S+/no_condition\.so has neither a function condition\(\) nor an event port, so it would never run; "),
@@ -42,23 +42,23 @@ class BadComponents(takt_system.Case):
             self.assertRegex(descriptor[int(match[2]) - 1], on_the_line)
             self.assertRegex(line, "error: " + words)
 
-    def test_takt_check_reports_every_wrong_component(self):
+    def test_takt_check_reports_every_invalid_component(self):
         self.assert_all_told(self.takt("check", "cell.xml"))
         self.assert_all_told(self.takt("check", "cell.xml", "--json"))
 
-    def test_takt_run_reports_every_wrong_component_and_starts_nothing(self):
+    def test_takt_run_starts_no_module_if_any_component_is_invalid(self):
         run = self.takt("run", "cell.xml", "--for", "5", "--json", limit=15)
         self.assert_all_told(run)
         self.assertEqual([], run.lines)
 
-    def test_takt_check_remote_only_warns_about_missing_components(self):
+    def test_with_the_option_remote_takt_check_only_warns_about_missing_components(self):
         run = self.takt("check", "cell.xml", "--remote")
         self.assertEqual(1, run.status)
         warnings = [line for line in run.err.splitlines() if ": warning: " in line]
         self.assertEqual(2, len(warnings), run.err)
         self.assertEqual(len(WRONG) - 2, len([line for line in run.err.splitlines() if ": error: " in line]))
 
-    def test_takt_run_accepts_property_values_at_their_bounds(self):
+    def test_takt_run_accepts_property_values_equal_to_their_bounds(self):
         run = self.takt("run", "properties.xml", "--for", "0.2")
         self.assertEqual(0, run.status, run.err)
 

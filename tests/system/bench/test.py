@@ -38,7 +38,7 @@ class Bench(takt_system.Case):
         return {row["name"]: row for row in report["sections"][section]["rows"]}
 
     @takt_system.alone("each run lasts 0.2 s, and the test counts every row of it")
-    def test_takt_bench_table1_reports_ten_cases_and_writes_an_html_page(self):
+    def test_takt_bench_table1_measures_ten_cases_and_reports_them_in_html(self):
         page = os.path.join(self.folder, "table1.html")
         report = self.measured("table1", "--for", "0.2", "--html", page)
         self.assertEqual(("table1", 100), (report["benchmark"], report["period_us"]))
@@ -65,14 +65,14 @@ class Bench(takt_system.Case):
         self.assertNotIn("script", seen.elements)
         self.assertTrue(all(reference.startswith("#case") for reference in seen.references), seen.references)
 
-    def test_takt_bench_table1_measures_at_the_given_period(self):
+    def test_takt_bench_table1_measures_with_the_period_of_its_option(self):
         run = self.takt("bench", "table1", "--for", "0.05", "--period", "1000", limit=150.0)
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertIn("at a basic period of 1 ms", run.out)
         self.assertEqual(10, len([line for line in run.out.splitlines() if " paper " in line]))
 
     @takt_system.alone("the benchmark keeps a CPU busy")
-    def test_takt_bench_dispatch_measures_up_to_a_thousand_modules(self):
+    def test_takt_bench_dispatch_measures_tables_of_up_to_a_thousand_modules(self):
         report = self.measured("dispatch", "--for", "0.1")
         self.assertEqual(["10 modules", "100 modules", "1000 modules"], list(self.rows(report, 0)))
         recorded = self.rows(report, 1)
@@ -80,9 +80,9 @@ class Bench(takt_system.Case):
         for row in recorded.values():
             self.assertGreater(row["a_bare_entry"], 0)
         thousand = self.rows(report, 2)
-        self.assertEqual(["one table", "bare calls", "a thread for each"], list(thousand))
+        self.assertEqual(["one table", "bare calls", "one thread per module"], list(thousand))
         self.assertGreater(thousand["one table"]["processor"], 0)
-        self.assertTrue(any("beyond the modules' own work" in note for note in report["sections"][2]["notes"]))
+        self.assertTrue(any("Besides the modules' own work" in note for note in report["sections"][2]["notes"]))
 
     @takt_system.alone("the benchmark keeps a CPU busy")
     def test_takt_bench_wake_compares_all_wake_up_strategies(self):
@@ -93,21 +93,21 @@ class Bench(takt_system.Case):
             for row in rows.values():
                 self.assertEqual(["name"] + TIMES + ["cycles", "missed", "processor_%"], list(row))
 
-    def test_takt_bench_process_compares_a_process_module_with_a_futex_and_a_signal(self):
+    def test_takt_bench_process_compares_three_ways_to_wake_a_process(self):
         rows = self.rows(self.measured("process", "--for", "0.2"), 0)
         self.assertEqual(["process module", "futex", "signal"], list(rows))
         for row in rows.values():
             self.assertGreater(row["cycles"], 0)
 
-    def test_takt_bench_ports_compares_ports_with_memcpy(self):
+    def test_takt_bench_ports_compares_the_speed_of_ports_and_memcpy(self):
         rows = self.rows(self.measured("ports", "--for", "0.1"), 0)
-        self.assertEqual(1, rows["memcpy, there and back"]["of_memcpy"])
+        self.assertEqual(1, rows["memcpy to a buffer and back"]["of_memcpy"])
         self.assertEqual(11, len(rows))
         self.assertEqual(3, len([name for name in rows if "with a safe value" in name]))
 
     def test_takt_bench_cell_deploys_a_cell_and_receives_its_samples(self):
         report = self.measured("cell", "--for", "1", "--devices", "2")
-        self.assertEqual(["nodes started and seen", "takt deploy", "takt status", "takt undeploy"], list(self.rows(report, 0)))
+        self.assertEqual(["start of all nodes, until discovered", "takt deploy", "takt status", "takt undeploy"], list(self.rows(report, 0)))
         for row in self.rows(report, 1).values():
             self.assertGreater(row["samples"], 0)
 
@@ -120,11 +120,11 @@ class Bench(takt_system.Case):
                 run.signal(signal.SIGINT)
                 run.wait(30)
                 self.assertEqual(1, run.status)
-                self.assertIn("asked to end before everything was measured", run.err)
+                self.assertIn("ended by a signal before everything was measured", run.err)
                 left = {name for name in set(os.listdir(tempfile.gettempdir())) - before if name.startswith("takt-bench-%d-" % run.pid)}
                 self.assertEqual(set(), left)
 
-    def test_takt_bench_exits_with_status_2_on_wrong_arguments(self):
+    def test_takt_bench_exits_with_status_2_on_invalid_arguments(self):
         for arguments in ([], ["nonsense"], ["table1", "more"], ["table1", "--for", "0"], ["table1", "--for", "soon"], ["table1", "--period", "1"],
                           ["table1", "--cpu", "-1"], ["wake", "--html", "x"], ["ports", "--period", "100"], ["cell", "--devices", "1"]):
             with self.subTest(arguments=arguments):
@@ -132,7 +132,7 @@ class Bench(takt_system.Case):
                 self.assertEqual((2, ""), (run.status, run.out), run.err)
                 self.assertIn("Usage: takt", run.err)
 
-    def test_the_load_option_runs_a_load_until_the_benchmark_ends(self):
+    def test_with_the_option_load_takt_bench_runs_a_background_load(self):
         with open(os.path.join(self.folder, "stress-ng"), "w") as file:
             file.write('#!/bin/sh\necho "$$ $*" > %s/load\nexec sleep 1000\n' % self.folder)
         os.chmod(file.name, 0o755)
@@ -143,20 +143,20 @@ class Bench(takt_system.Case):
         self.assertEqual("stress-ng " + arguments.strip(), run.report["load"])
         self.assertFalse(os.path.exists("/proc/" + pid))
 
-    def test_takt_bench_measures_without_real_time_rights_and_reports_this(self):
+    def test_takt_bench_reports_that_it_measured_without_real_time_rights(self):
         if os.geteuid() != 0:
             self.skipTest("needs root, to give it up")
         run = self.takt("bench", "wake", "--for", "0.1", "--json", before=["setpriv", "--inh-caps=-all", "--bounding-set=-all"])
         self.assertEqual(0, run.status, run.err)
         self.assertIn("SCHED_FIFO 80 is denied", " ".join(run.report["refused"]))
 
-    def test_takt_bench_reports_errors_before_it_measures(self):
+    def test_takt_bench_checks_its_requirements_before_it_measures(self):
         run = self.takt("bench", "table1", "--html", os.path.join(self.folder, "nowhere", "x.html"))
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertIn("cannot be written", run.err)
         alone = self.takt("bench", "wake", "--load", "--for", "0.05", environment={"PATH": self.folder})
         self.assertEqual((1, ""), (alone.status, alone.out))
-        self.assertIn("there is no stress-ng", alone.err)
+        self.assertIn("stress-ng, which --load runs, is not installed", alone.err)
         self.assertIn("apt-get install stress-ng", alone.err)
 
 

@@ -53,7 +53,7 @@ class CheckRealtime(takt_system.Case):
             self.assertNotIn("takt-host", "".join(violation["backtrace"]))
         return here
 
-    def test_the_check_reports_each_kind_of_violation_in_a_cpp_component(self):
+    def test_the_realtime_check_reports_each_kind_of_violation_in_a_cpp_component(self):
         run = self.run_these(*[module("m_" + sin, "sins.so", sin=sin) for sin in SINS], module("clean", "sins.so"),
                              module("m_new", "sins.so", sin="new"))
         self.assertEqual(1, run.status, run.err)
@@ -73,7 +73,7 @@ class CheckRealtime(takt_system.Case):
         self.assertTrue(all(any("Sins::run(" in call for call in v["backtrace"]) for v in self.found(run, "m_new")))
         self.assertEqual([], self.found(run, ""), "violations of the executor itself")
 
-    def test_the_check_reports_violations_in_c_modules_and_programs(self):
+    def test_the_realtime_check_reports_violations_in_c_modules_and_programs(self):
         run = self.run_these(module("library", "sins_c.so"), module("copy", "sins_c.so"), module("program", "sins_c.exe"))
         self.assertEqual(1, run.status, run.err)
         for name in ("library", "copy", "program"):
@@ -82,7 +82,7 @@ class CheckRealtime(takt_system.Case):
         self.assertEqual({m["state"] for m in run.modules().values()}, {"DESTRUCT"})
         self.assertIn("something", run.printed("program"), "the checked call must still be made")
 
-    def test_the_check_reports_violations_in_the_condition_of_a_sporadic_module(self):
+    def test_the_realtime_check_covers_the_condition_hook_of_a_sporadic_module(self):
         run = self.run_these(module("s", "sins.so", "sporadic", sin="allocate", in_condition="true"))
         self.assertEqual(1, run.status, run.err)
         self.assert_named(run, "s", "condition()", "allocate")
@@ -99,21 +99,21 @@ class CheckRealtime(takt_system.Case):
                                   r"      sin_sleep\(\) at sins\.h:\d+ in sins\.so\n")
 
     @takt_system.timing("each module has to run within the two seconds of the run")
-    def test_ready_made_components_and_the_executor_cause_no_violations(self):
+    def test_the_realtime_check_finds_no_violations_in_ready_made_components(self):
         for descriptor in ("module.xml", "palletizing.xml"):
             run = self.takt("run", os.path.join(takt_system.SOURCE, "deploy", descriptor), "--for", "2", "--json", "--check-realtime")
             for device in run.report["devices"]:
                 self.assertEqual([], device["realtime_violations"], descriptor)
             self.assertEqual(0, run.status, run.err)
 
-    def test_a_run_without_the_check_reports_no_violations(self):
+    def test_a_run_without_the_realtime_check_reports_no_violations(self):
         run = self.run_these(module("m", "sins.so", sin="allocate"), options=())
         self.assertEqual(0, run.status, run.err)
         self.assertNotIn("realtime_violations", run.device())
         self.assertNotIn("not real-time: ", run.err.replace("WARNING: not real-time: ", ""))
 
     @unittest.skipUnless(os.path.isdir("/proc/self/fd"), "no /proc")
-    def test_a_host_without_the_check_does_not_load_the_check_library(self):
+    def test_a_host_without_the_realtime_check_does_not_load_its_library(self):
         for options, loaded in (((), False), (("--check-realtime",), True)):
             cell = self.write("cell.xml", '<cell name="sins"><device name="d">%s</device></cell>' % module("m", "sins.so"))
             run = self.start("run", cell, *options)

@@ -17,7 +17,7 @@ DAY = 24 * HOUR
 
 
 class WallClock:
-    """The wall clock that the programs of one device see. The clock of the machine does not change."""
+    """The wall clock that the programs of one device see. It does not change the clock of the machine."""
 
     def __init__(self, path):
         with open(path, "wb") as file:
@@ -27,12 +27,12 @@ class WallClock:
         self.environment = {"LD_PRELOAD": LIBRARY, "TAKT_SHIFTED_CLOCK": path}
 
     def set_by(self, seconds):
-        """Sets the clock to this many seconds ahead of the machine's."""
+        """Sets this clock to `seconds` ahead of the clock of the machine."""
         struct.pack_into("q", self._words, 0, seconds * 10**9)
 
     @property
     def waits(self):
-        """How often a program waited until an instant of this clock."""
+        """Returns how often a program has waited until a certain time of this clock."""
         return struct.unpack_from("q", self._words, 8)[0]
 
 
@@ -44,7 +44,7 @@ class ClockSteps(takt_system.Case):
         self.line = WallClock(os.path.join(self.folder, "clock.line"))
 
     def program(self, name, *arguments, **options):
-        """Starts a program. It uses the clock of the robot unless its environment names another."""
+        """Starts a program. It uses the clock of device robot unless `environment` names another clock."""
         options["environment"] = {**self.robot.environment, **(options.get("environment") or {})}
         return super().program(name, *arguments, **options)
 
@@ -60,7 +60,7 @@ class ClockSteps(takt_system.Case):
             self.assertNotRegex(node.err, "RECOVER|stale")
 
     def walk_on(self, rows=1500):
-        """Waits until both devices have walked this many more rows, and checks that all is well. Returns their status."""
+        """Waits until both devices have run `rows` more rows, and checks that no module failed. Returns the status of the devices."""
         before = {d["name"]: d for d in self.status_of()["devices"]}
 
         def walked():
@@ -77,14 +77,15 @@ class ClockSteps(takt_system.Case):
         return after
 
     def walked(self, device):
-        """Returns the T0 that the module of the device saw, and checks that all its releases were on one grid."""
+        """Returns the T0 that the module on the device measured. Checks that all its releases were on one grid."""
         t0, runs, strayed = (int(word) for word in self.read(device).split())
         self.assertGreater(runs, 0)
         self.assertEqual(0, strayed, "%s: releases off the grid" % device)
         return t0
 
     def assert_one_grid(self, restarts=0):
-        """Checks that both devices had the same grid. After each of the `restarts` of the source, its numbers begin with 1 again."""
+        """Checks that both devices had the same grid. `restarts` is how often the source was restarted, because its numbers then begin with
+        1 again."""
         t0 = {device: self.walked(device) for device in ("robot", "line")}
         print("T0 of the devices differs by %d ns" % (t0["robot"] - t0["line"]))
         self.assertLess(abs(t0["robot"] - t0["line"]), 500 * 1000)
@@ -94,7 +95,7 @@ class ClockSteps(takt_system.Case):
         self.assertLess(seen["oldest_ns"], 30 * 10**9, "a sample must not look as old as the clock step")
 
     def robots_times(self):
-        """The times of day (in seconds) at which the robot's node reported the source EXECUTING."""
+        """Returns the times of day, in seconds, at which the node of robot reported that the source is EXECUTING."""
         return [step.at for step in self.nodes_of_cell["robot"].steps("source") if step.target == "EXECUTING"]
 
     def test_setting_the_clocks_of_all_devices_does_not_move_the_grid(self):
@@ -108,7 +109,7 @@ class ClockSteps(takt_system.Case):
                 before = len(self.robots_times())
                 self.done("stop robot.source", "get line.sink most")
                 self.done("start robot.source")
-                # New lines have the new time, so the clock was really set.
+                # New lines must show the new time, which proves that the clock was set.
                 said = wait_until(lambda: self.robots_times()[before:], 15, "the source to execute again")[0]
                 ahead = (said - began + DAY // 2) % DAY - DAY // 2
                 self.assertAlmostEqual(seconds, ahead, delta=600)
@@ -131,10 +132,10 @@ class ClockSteps(takt_system.Case):
         for seconds in (HOUR, -HOUR):
             with self.subTest(seconds):
                 self.line.set_by(seconds)
-                self.walk_on(3000)  # this takes longer than every lease and every deadline of a value
+                self.walk_on(3000)  # this takes longer than every lease, and longer than the deadline of every value
                 self.done("get line.sink most", "log", "trace line")
                 order = self.takt("stop", "line.grid")
-                if seconds > 0:  # on the clock of the device, the deadline of the command has passed
+                if seconds > 0:  # by the clock of the device, the deadline of the command has already passed
                     self.assertEqual(1, order.status)
                     self.assertRegex(order.err, "after its deadline; synchronise the clocks of the devices")
                 else:
@@ -161,7 +162,7 @@ class ClockSteps(takt_system.Case):
         self.end(self.nodes_of_cell)
         self.assert_one_grid(restarts=2)
 
-    def test_takt_record_continues_when_the_clocks_are_set(self):
+    def test_takt_record_keeps_recording_when_the_clocks_of_the_devices_are_set(self):
         self.start_cell()
         recording = self.start("record", "robot.source.out", "--for", "4", "--out", "steps.takt")
         wait_until(lambda: os.path.exists(os.path.join(self.folder, "steps.takt")), 15, "a recording")

@@ -1,5 +1,5 @@
-// Calls a service with rising numbers, from `first` on. Each call begins as soon as the last call is over.
-// The module writes the results to `file`.
+// Calls a service with increasing numbers, beginning with `first`. Each call starts as soon as the previous
+// call has ended. The module writes the results to `file`.
 #include <takt/component.hpp>
 
 #include <fstream>
@@ -15,7 +15,7 @@ class Asks : public takt::Component {
 
   samples::Count count_;
   std::uint64_t number_ = 0;
-  std::uint64_t told_[6] = {};  // number of calls by CallStatus
+  std::uint64_t told_[6] = {};  // the number of calls that ended with each CallStatus
   std::uint64_t wrong_ = 0;
   std::string refusal_ = std::string(128, ' ');
 

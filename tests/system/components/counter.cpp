@@ -1,5 +1,5 @@
-// Legacy code that counts in an exported global variable. Two modules of this file must not share the
-// variable. Each module writes its count to `file` at the end.
+// Legacy code that counts its runs in an exported global variable. Two modules made from this file must not
+// share the variable. Each module writes its count to `file` at the end.
 #include "count_file.hpp"
 
 #include <takt/module.h>

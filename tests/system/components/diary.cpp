@@ -1,7 +1,7 @@
 // Prints a line for each hook except run() and condition(), and writes the line to `file`: "initialize",
-// "start", "error 2", "recover", "destruct". start() fails the first `bad_starts` times (0). run() or
-// condition() fails in its `after`-th run or check (never) since the last recovery. `how` is throw, say
-// (run() returns a failure), slow (run() spins for `ns`, 2000000) or condition (condition() throws).
+// "start", "error 2", "recover", "destruct". The first `bad_starts` calls (0) of start() fail. run() or
+// condition() fails in its `after`-th call (never) since the last recovery. `how` is throw, say (run()
+// returns a failure), slow (run() spins for `ns`, 2000000) or condition (condition() throws).
 #include <takt/module.h>
 
 #include <chrono>

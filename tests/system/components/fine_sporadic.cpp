@@ -1,4 +1,4 @@
-// A correct sporadic module. Its condition holds at every `every`-th check (10), and run() then spins for
+// A correct sporadic module. Its condition is true at every `every`-th check (10), and run() then spins for
 // `ns` nanoseconds (0). It writes the number of runs to `file` at the end.
 #include "count_file.hpp"
 

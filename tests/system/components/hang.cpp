@@ -1,5 +1,5 @@
-// The hook named by `where` sleeps for ever: initialize, start, error, recover or destruct. For error and
-// recover, run() fails in its `after`-th run (100).
+// The hook that `where` names never returns: initialize, start, error, recover or destruct. If `where` is
+// error or recover, run() fails in its `after`-th run (100), so that Takt calls this hook.
 #include <takt/module.h>
 
 #include <unistd.h>

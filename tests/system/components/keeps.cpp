@@ -1,6 +1,6 @@
-// A module that counts its runs in a saved value, and prints in start() what it restored. The `after`-th run
-// of an instance crashes. `keeps.so` saves version 1 of the value. `keeps_more.so`, from the same source,
-// saves version 2, and can restore version 1.
+// A module that counts its runs in a saved value, and prints in start() what it restored. Each instance
+// crashes in its `after`-th run. `keeps.so` saves version 1 of the value. `keeps_more.so`, from the same
+// source, saves version 2, and can restore version 1.
 #include <takt/component.hpp>
 
 #include <cstdio>

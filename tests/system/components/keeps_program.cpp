@@ -1,5 +1,5 @@
-// A program that counts its bodies in a saved value, prints what it restored, and crashes in the `after`-th
-// body of a process.
+// A program that counts the executions of its body in a saved value, prints the value that it restored, and
+// crashes in the `after`-th body of each process.
 #include <takt/process.hpp>
 
 #include <cstdio>

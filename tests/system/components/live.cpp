@@ -1,5 +1,5 @@
-// A correct component in C++. At the end it reports the values of its property with which it ran, in order,
-// and whether a value changed within a run().
+// A correct component in C++. At the end it reports all values that its property had during its runs, in
+// order, and whether the value changed while run() was executing.
 #include <array>
 #include <fstream>
 

@@ -1,4 +1,4 @@
-// Mixes its inputs into a number and sends the number, after a random run time of up to `most` nanoseconds.
+// Runs for a random time of up to `most` nanoseconds, then computes a number from its inputs and sends it.
 // The number no longer changes after `runs` runs. The module writes it to `file` at the end.
 #include <takt/component.hpp>
 

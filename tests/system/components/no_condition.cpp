@@ -1,4 +1,4 @@
-// A module without condition(), which a descriptor declares sporadic.
+// A module without condition(). The descriptor declares it sporadic, which is an error.
 #include <takt/module.h>
 
 extern "C" {

@@ -1,5 +1,5 @@
-// A sporadic module that runs when an event has arrived, and reads one event. It writes a summary to `file`
-// at the end.
+// A sporadic module that runs each time an event arrives, and reads one event in each run. It writes a
+// summary to `file` at the end.
 #include <takt/component.hpp>
 
 #include <string>

@@ -1,4 +1,4 @@
-// A sporadic program in C++: forwards each event and prints wrong samples.
+// A sporadic program in C++ that forwards each event and reports wrong samples.
 #include <takt/process.hpp>
 
 #include <cstdio>

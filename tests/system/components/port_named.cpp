@@ -1,4 +1,5 @@
-// A periodic program whose ports depend on its properties: it has an output for each name in ports=a,b,c.
+// A periodic program whose property `ports` determines its ports: with ports=a,b,c it has the outputs a, b
+// and c.
 #include <takt/process.hpp>
 
 #include <cstdio>

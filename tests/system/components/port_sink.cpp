@@ -1,4 +1,4 @@
-// Reads all samples that have arrived, and writes a summary to `file` at the end.
+// Reads all new samples in each run, and writes a summary to `file` at the end.
 #include <takt/component.hpp>
 
 #include <string>

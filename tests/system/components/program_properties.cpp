@@ -17,7 +17,7 @@ void say() { std::fprintf(stderr, "gain %g, label %s\n", gain.value(), label.val
 }  // namespace
 
 int main() {
-  say();  // the properties have their values already
+  say();  // the properties already have the values from the descriptor here
   initSporadicExe();
   while (true) waitSporadic();
 }

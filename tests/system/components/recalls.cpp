@@ -1,5 +1,5 @@
-// Prints in start() the value that its input holds. With `number` above 0, writes that number to its output,
-// but only once.
+// In start(), prints the value that its input port holds. If `number` is above 0, the module also writes this
+// number to its output, exactly once.
 #include <takt/component.hpp>
 
 #include <cstdio>

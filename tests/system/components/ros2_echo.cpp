@@ -1,5 +1,5 @@
-// Exchanges messages with a program of ROS 2: sends back a text in capitals, and the x of a velocity as a
-// number.
+// Exchanges messages with a ROS 2 program: returns each text in capital letters, and the x component of each
+// velocity as a number.
 #include <takt/component.hpp>
 
 #include <algorithm>

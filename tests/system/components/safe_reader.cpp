@@ -1,4 +1,4 @@
-// A periodic module that reports the samples and safe values that it reads (SafeWatch).
+// A periodic module that uses SafeWatch to report the samples and safe values that it reads.
 #include <takt/component.hpp>
 
 #include <string>

@@ -1,4 +1,4 @@
-// A periodic program that reports the samples and safe values that it reads (SafeWatch).
+// A periodic program that uses SafeWatch to report the samples and safe values that it reads.
 #include <takt/process.hpp>
 
 #include <string>

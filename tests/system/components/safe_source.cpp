@@ -1,6 +1,6 @@
 // Writes samples numbered from 1. Its safe value has number 0, and -1 in the other fields. The property `how`
-// can be set while the module runs. With 1 it writes nothing, with 2 it fails, with 3 it crashes, with 4 it
-// takes 50 ms once.
+// can be set while the module runs. 1: it writes nothing. 2: run() fails. 3: it crashes. 4: one run takes 50
+// ms.
 #include <takt/component.hpp>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// A safe value that differs from all samples: is_whole() is false for it.
+// A safe value that no sample can equal, because is_whole() is false for it.
 #pragma once
 
 #include <chrono>
@@ -14,12 +14,13 @@ inline samples::Count safe_value(std::uint64_t number) {
   return count;
 }
 
-/// Prints on standard error each switch of a reader between samples and the safe value, and each value that
-/// is neither, with the time (monotonic, ns): "SAFE 123 after 5", "LIVE 456 with 6", "WRONG 789 with 7". The
-/// numbers of a restarted writer begin with 1 again. Only numbers that are times (`told.so`) never decrease.
+/// Reports on standard error each time a reader switches between samples and the safe value, and each value
+/// that is neither. Every line contains the time (monotonic, ns): "SAFE 123 after 5", "LIVE 456 with 6",
+/// "WRONG 789 with 7". After a restart, a writer numbers its samples from 1 again. Numbers that are times
+/// (`told.so`) never decrease.
 class SafeWatch {
  public:
-  /// A sample older than this is wrong, because the connection has this deadline. With 0, any age is right.
+  /// The deadline of the connection: a sample older than this is reported as wrong. 0 means no limit.
   explicit SafeWatch(std::chrono::nanoseconds oldest = {}) : oldest_(oldest) {}
 
   template <class Port>
@@ -48,7 +49,7 @@ class SafeWatch {
 
  private:
   static constexpr std::uint64_t kTimes =
-      1'000'000'000'000'000;  // numbers above this are times, in us since 1970
+      1'000'000'000'000'000;  // larger numbers are times, in us since 1970
 
   static void say(const char* who, const char* what, const char* with, std::uint64_t number) {
     const auto now = std::chrono::steady_clock::now().time_since_epoch();

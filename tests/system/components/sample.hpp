@@ -1,4 +1,4 @@
-// Fills and checks a samples::Count.
+// Functions that fill a samples::Count and check it.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ inline void fill(samples::Count& count, std::uint64_t number) {
   count.few().assign(number % 5, static_cast<std::uint32_t>(number));
 }
 
-/// Returns whether all fields belong to the same number.
+/// Returns whether all fields have the values that belong to the number of the sample.
 inline bool is_whole(const samples::Count& count) {
   const std::uint64_t number = count.number();
   for (const double same : count.same()) {
@@ -26,16 +26,16 @@ inline bool is_whole(const samples::Count& count) {
   return true;
 }
 
-/// Counts the samples that a reader has read.
+/// Statistics of the samples that a reader has read.
 struct Seen {
   std::uint64_t read = 0;
   std::uint64_t first = 0;
   std::uint64_t last = 0;
-  std::uint64_t gaps = 0;   ///< numbers that were left out
-  std::uint64_t wrong = 0;  ///< samples that were torn or out of order
+  std::uint64_t gaps = 0;   ///< number of samples that the reader missed
+  std::uint64_t wrong = 0;  ///< number of samples that were torn or out of order
   std::int64_t oldest_ns = 0;
   std::array<std::uint32_t, 10'000>
-      ages_us{};  ///< number of samples by their age when read; the last entry counts all older ones
+      ages_us{};  ///< sample counts by age when read, in us; the last entry counts all older ones
 
   void take(const samples::Count& count, std::int64_t age_ns) {
     if (!is_whole(count) || (read != 0 && count.number() <= last)) ++wrong;
@@ -46,7 +46,7 @@ struct Seen {
     ++ages_us[std::min<std::size_t>(static_cast<std::size_t>(age_ns / 1000), ages_us.size() - 1)];
     ++read;
   }
-  /// Returns the age in us that this part of the samples (0 to 1) did not exceed.
+  /// Returns the age in us that this fraction (0 to 1) of the samples did not exceed.
   [[nodiscard]] std::size_t age_us(double part) const {
     std::uint64_t sum = 0;
     std::size_t us = 0;

@@ -38,7 +38,7 @@ class Scribbles : public takt::Component {
     if (runs_++ != after) return;
     for (std::int64_t n = 0; n < words; ++n) {
       const Region& region = regions_[random_() % regions_.size()];
-      // Two of three values are small, as in most fields. The others are values that no field has.
+      // Two of three values are small, as in most fields. The others are values that no valid field contains.
       const std::uint64_t value = random_();
       region.begin[random_() % region.words] = n % 3 == 0 ? value : value % (n % 3 == 1 ? 16 : 2000);
     }

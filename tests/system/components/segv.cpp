@@ -1,5 +1,6 @@
 // Writes to address 0 in the hook that `where` names: run (in its `after`-th run, 100), initialize, start,
-// error, recover or destruct. For error and recover, the `after`-th run fails.
+// error, recover or destruct. If `where` is error or recover, run() fails in its `after`-th run, so that Takt
+// calls this hook.
 #include <takt/module.h>
 
 static std::string where;

@@ -1,5 +1,5 @@
-// Does what the property `sin` (none) names, in every run(). With `in_condition`, it does so in every
-// condition(), which always holds.
+// Does what the property `sin` (none) names in every run(). With `in_condition`, it also does this in every
+// condition(), which always returns true.
 #include <takt/component.hpp>
 
 #include "sins.h"

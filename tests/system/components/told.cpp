@@ -1,7 +1,7 @@
-// Writes samples whose numbers rise over all its instances: the numbers of an instance begin with the time of
-// day, in us. A new value of `order` makes run() fail once. The last digit says how: 1 crashes, 2 throws, 3
-// returns a failure, 4 never returns. The other digits only make the values different. Before it fails, the
-// module prints "told 31 at NS" (the time of day) on standard error.
+// Writes samples with increasing numbers. Each new instance starts at the time of day, in us, so its numbers
+// are higher than those of earlier instances. A new value of `order` makes run() fail once. The last digit
+// selects how: 1 crashes, 2 throws, 3 returns a failure, 4 never returns. The other digits only make the
+// values different. Before it fails, the module prints "told 31 at NS" (the time of day) on standard error.
 #include <takt/module.h>
 
 #include <chrono>
@@ -60,7 +60,7 @@ void write_next() {
 extern "C" {
 void initialize(void) {
   number = static_cast<std::uint64_t>(time_of_day_ns() / 1000);
-  done = order;  // an earlier instance has already failed as this value says
+  done = order;  // an earlier instance has already failed because of this value
 }
 void run(void) {
   if (order != done) return obey();

@@ -1,5 +1,5 @@
-// A module that counts in an inline variable, which is unique in the process (STB_GNU_UNIQUE). Two copies of
-// the object cannot each have their own variable of this kind.
+// A module that counts its runs in an inline variable, which the linker makes unique in the process
+// (STB_GNU_UNIQUE). Two copies of the object therefore share this variable.
 #include "count_file.hpp"
 
 #include <takt/module.h>

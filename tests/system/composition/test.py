@@ -14,7 +14,7 @@ MODULES = {"robot": ["trajectory", "left_servo", "left_joints", "right_servo", "
 
 class Composition(takt_system.Case):
     def with_parts(self, change):
-        """Writes the cell and a changed copy of its included file. Returns both paths."""
+        """Writes the cell, and a changed copy of the file that it includes. Returns both paths."""
         with open(os.path.join(HERE, "cell.xml")) as file:
             cell = self.write("cell.xml", file.read())
         with open(os.path.join(HERE, "parts", "arm.xml")) as file:
@@ -32,7 +32,7 @@ class Composition(takt_system.Case):
                 self.assertEqual(LIFE, run.states(module, device))
                 self.assert_grid(run, module, device=device)
 
-    def test_the_example_of_templates_runs_and_equals_its_expanded_form(self):
+    def test_the_template_example_and_its_expanded_form_describe_the_same_cell(self):
         expanded = self.takt("check", EXAMPLE, "--expanded")
         self.assertEqual(0, expanded.status, expanded.err)
         for gone in ("<include", "<template", "<use", "${"):
@@ -45,7 +45,7 @@ class Composition(takt_system.Case):
         self.assertEqual(["trajectory", "left_servo", "left_joints", "right_servo", "right_joints", "worn_servo", "worn_joints"],
                          list(run.modules("robot")))
 
-    def test_takt_deploy_needs_no_included_files_on_the_nodes(self):
+    def test_takt_deploy_works_when_the_nodes_do_not_have_the_included_files(self):
         nodes = self.nodes(*MODULES)
         run = self.deploy("cell.xml")
         self.assertEqual("cell cell runs on robot, far\n", run.out)
@@ -54,7 +54,7 @@ class Composition(takt_system.Case):
                 nodes[device].wait_for_state(module, "EXECUTING")
         self.assertEqual(["12", "15"], self.done("get robot.right_servo bandwidth", "get far.pair_arm_servo bandwidth"))
         self.done("undeploy cell")
-        # An error that a node finds cites the lines of the original files.
+        # If a node finds an error, the message must name the lines of the original files.
         cell, parts = self.with_parts(lambda text: text.replace("<name>mirror</name> <filename>arm.so", "<name>mirror</name> <filename>nobody.so"))
         run = self.takt("deploy", cell)
         self.assertEqual(1, run.status)
@@ -72,14 +72,14 @@ class Composition(takt_system.Case):
             self.assertRegex(line, pattern.replace("PARTS", re.escape(parts)).replace("CELL", re.escape(cell)))
 
     def test_errors_in_a_template_cite_the_template_and_its_use(self):
-        # The parser finds this error, once for all three uses.
+        # The parser reports this error once for all three uses.
         self.assert_wrong(lambda text: text.replace("<priority>2</priority>", "<priority>two</priority>"),
                           r"^PARTS:7: error: <priority> is not a whole number: 'two' \(used at CELL:9, and 2 more\);")
         # The planner finds these errors.
         self.assert_wrong(lambda text: text.replace("<priority>4</priority>", "<priority>4</priority> <budget>3000000</budget>"),
                           r"^PARTS:22: error: the budget of 'pair_mirror', 3 ms, is larger than its period, 2 ms \(used at CELL:13\);",
                           r"^PARTS:22: error: the budgets of row 0 .* \(used at CELL:13\);")
-        # The component finds these errors: a property and a port.
+        # The component reports these errors: an invalid property and an unknown port.
         self.assert_wrong(lambda text: text.replace('name="bandwidth">${', 'name="bandwith">${'),
                           *[r"^PARTS:8: error: module %s: .*'bandwith'.* \(used at %s\)" % (module, where) for module, where in
                             (("left_servo", "CELL:9"), ("right_servo", "CELL:10"), ("pair_arm_servo", "PARTS:21, used at CELL:13"))])

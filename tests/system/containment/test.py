@@ -83,16 +83,16 @@ class Containment(takt_system.Case):
         self.assert_untouched(run, hosts=3)
 
     @takt_system.alone("an endless loop at a real-time priority keeps a CPU busy")
-    def test_an_endless_loop_ends_only_its_own_host(self):
+    def test_an_endless_loop_in_a_module_ends_only_its_own_host(self):
         # The next instance reaches its endless loop after a second. The test ends the run before that.
         run = self.run_with(("segv.so", "endless.so"), ('<value name="after">1000000', '<value name="after">250'))
         run.wait_for_state("culprit", "RECOVER", limit=20)
         run.wait_for_line(r"\.culprit: RECOVER -> EXECUTING", limit=20)
         self.finish(run)
-        self.assertRegex(run.steps("culprit")[3].text, r"hang: run\(\) did not return within .*so %s was ended" % HOST)
+        self.assertRegex(run.steps("culprit")[3].text, r"hang: run\(\) did not return within .*so the node killed %s" % HOST)
         self.assert_untouched(run, hosts=1)
 
-    def test_a_host_that_keeps_ending_is_given_up_and_the_other_hosts_run_on(self):
+    def test_a_host_that_ends_after_every_restart_does_not_disturb_other_hosts(self):
         run = self.run_with()
 
         def host_of(module):
@@ -103,7 +103,7 @@ class Containment(takt_system.Case):
             os.kill(host_of("far"), signal.SIGKILL)
             if time_round < 3:
                 run.wait_for_line(r"\.far: START -> EXECUTING", after=begun)
-        run.wait_for_line(HOST + r" is given up; the other hosts go on", after=begun)
+        run.wait_for_line(HOST + r" is given up; the other hosts continue", after=begun)
         self.wait_for_states({"d": {"grid": "EXECUTING", "far": "DESTRUCT", "culprit": "DESTRUCT", "program": "DESTRUCT"}})
         wait_until(lambda: not run.processes("grid.exe"), 5, "its program to end")
 
@@ -118,7 +118,7 @@ class Containment(takt_system.Case):
         self.assertRegex(run.err, r"module d\.far: error: %s was killed by SIGKILL .*; it has been restarted 3 times" % HOST)
         self.assert_untouched(run, hosts=4)
 
-    def test_properties_and_commands_reach_the_right_host(self):
+    def test_properties_and_commands_reach_the_host_of_their_module(self):
         run = self.run_with()
         self.done("set d.far most 5", "set d.near most 7")
         self.assertEqual(["5", "7"], self.done("get d.far most", "get d.near most"))
@@ -211,14 +211,14 @@ class Saved(takt_system.Case):
         self.finish(run)
         # The run that crashed was not saved. The second instance crashed in its own 50th run.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"], self.said_of(run, "version"))
-        self.assertEqual(1, run.err.count("keeps: its saved state is restored"))
+        self.assertEqual(1, run.err.count("keeps: its saved state was restored"))
         runs = [int(text.split()[-1]) for text in self.said_of(run, "c has")]
         self.assertEqual(4, len(runs), runs)
         self.assertEqual([0] + sorted(runs[1:]), runs)
         self.assertGreaterEqual(runs[1], 48)
         self.assertLessEqual(runs[3], run.modules()["neighbour"]["cycles"])
 
-    def test_another_version_of_a_module_restores_the_saved_state_only_if_it_understands_it(self):
+    def test_a_module_restores_state_that_another_version_saved_only_if_it_supports_it(self):
         folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
         mine = os.path.join(self.folder, "mine.so")
         shutil.copy(os.path.join(folder, "keeps.so"), mine)
@@ -227,14 +227,14 @@ class Saved(takt_system.Case):
         shutil.copy(os.path.join(folder, "keeps_more.so"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
-        run.wait_for_line(r"keeps: the state that version 1 saved is taken over")
+        run.wait_for_line(r"keeps: restore\(\) converted the state that version 1 saved")
         run.wait_for_line(r"version 2 restored \d{2,}")
         # After version 2 has saved its state, version 1 is loaded again. It cannot restore that state, reports this, and starts from 0.
         self.wait_for_runs()
         shutil.copy(os.path.join(folder, "keeps.so"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
-        run.wait_for_line(r"keeps: its saved state is not restored: it was saved by version 2, and .*override restore\(\)")
+        run.wait_for_line(r"keeps: its saved state was not restored: the saved value has version 2, but .*override restore\(\)")
         self.finish(run)
         self.assertEqual("version 1 began 0", self.said_of(run, "version")[-1])
 
@@ -244,7 +244,7 @@ class Saved(takt_system.Case):
         self.finish(first)
         self.assertEqual(0, first.status, first.err)
         second = self.run_keeping(retain="true")
-        second.wait_for_line(r"keeps: its saved state is restored")
+        second.wait_for_line(r"keeps: its saved state was restored")
         wait_until(lambda: self.said_of(second, "version") and self.said_of(second, "c has"), 5, "both modules to print their state")
         self.assertEqual(["version 1 restored %d" % first.modules()["keeps"]["cycles"]], self.said_of(second, "version"))
         self.assertEqual(["c has 0"], self.said_of(second, "c has"), "the other module does not retain its state")
@@ -292,7 +292,7 @@ class SavedByPrograms(takt_system.Case):
         # The second instance restored the state and crashed too, so the third one starts without it.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"],
                          self.told(run, "keeps", "version"))
-        self.assertEqual(["takt: its saved state is restored"], self.told(run, "keeps", "takt:"))
+        self.assertEqual(["takt: the program's saved state was restored"], self.told(run, "keeps", "takt:"))
         self.assertEqual(["c has 0"], run.printed("in_c"), "the crash of another program must not affect this program")
 
     def test_killed_programs_in_cpp_and_c_restore_their_saved_state(self):
@@ -309,7 +309,7 @@ class SavedByPrograms(takt_system.Case):
             self.assertGreater(found, 48)
             self.assertLessEqual(found, modules[module]["cycles"])
 
-    def test_another_version_of_a_program_starts_without_the_saved_state(self):
+    def test_a_program_does_not_restore_state_that_another_version_saved(self):
         folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
         mine = os.path.join(self.folder, "mine.exe")
         shutil.copy(os.path.join(folder, "keeps_program.exe"), mine)
@@ -318,7 +318,7 @@ class SavedByPrograms(takt_system.Case):
         shutil.copy(os.path.join(folder, "keeps_program_more.exe"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("mine.exe").pid, signal.SIGKILL)
-        run.wait_for_line(r"the state that version 1 saved \(8 bytes\) is not restored: this is version 2 \(16 bytes\)")
+        run.wait_for_line(r"saved state was not restored: it has version 1 \(8 bytes\), but this program saves version 2 \(16 bytes\)")
         run.wait_for_line(r"version 2 began 0")
         self.finish(run)
 

@@ -36,12 +36,12 @@ class Copies(takt_system.Case):
     def test_takt_rejects_two_modules_that_would_share_a_variable(self):
         for command in (["check"], ["run", "--for", "1"]):
             run = self.takt(command[0], "unique.xml", *command[1:])
-            self.assert_refused(run, r"\S*unique\.xml:7: error: module two: .*/unique\.so cannot have its own globals for a "
-                                     r"second module: the loader would share \w*shared_count\w*; compile it with "
+            self.assert_refused(run, r"\S*unique\.xml:7: error: module two: .*/unique\.so cannot be loaded with its own globals for a "
+                                     r"second module: the loader would share the variable \w*shared_count\w*; compile it with "
                                      r"-fno-gnu-unique, or make it a takt::Component")
             self.assertEqual(1, len(run.err.splitlines()), run.err)
 
-    def test_takt_accepts_a_single_module_of_a_component_that_cannot_be_copied(self):
+    def test_a_component_that_cannot_be_loaded_twice_can_still_have_one_module(self):
         run = self.takt("run", "unique_once.xml", "--for", "0.2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(run.modules()["one"]["cycles"], int(self.read("one")))

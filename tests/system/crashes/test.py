@@ -9,13 +9,13 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 STARTED = LIFE[:4]
-PLACE = r"(, in .+ in \w+\.so)?"  # unknown after a stack overflow or exit()
+PLACE = r"(, in .+ in \w+\.so)?"  # unknown after a stack overflow or a call of exit()
 SEGV = r"the host was killed by SIGSEGV \(Segmentation fault\) in %s\(\)"
 
 
 class Crashes(takt_system.Case):
     def crash(self, descriptor, reason, culprits=("culprit",)):
-        """Runs the cell until all culprits have crashed and a while longer, and checks what holds after every kind of crash."""
+        """Runs the cell until all culprits have crashed, and a while longer. Checks what must be true after every kind of crash."""
         run = self.start("run", descriptor + ".xml", "--json")
         run.wait_for_state("program", "EXECUTING")
         node, program = run.one("takt-node").pid, run.one("grid.exe").pid
@@ -45,7 +45,7 @@ class Crashes(takt_system.Case):
             self.assertEqual(0, modules[module]["errors"])
         self.assertEqual(LIFE, run.states("program"))
 
-        # The program was always in the table. The other modules missed the rows while they were loaded again.
+        # The program was in the table all the time. The other modules missed the rows while they were loaded again.
         restarts = len(culprits)
         self.assert_grid(run, "program", every=2, broken_rows=restarts)
         rows = run.executor()
@@ -55,7 +55,7 @@ class Crashes(takt_system.Case):
             self.assertLessEqual(cycles, min(-(-(rows["cycles"] + rows["missed"]) // every), rows["cycles"] + restarts))
             self.assertGreater(cycles, 100 // every)
 
-        # The grid after the restart is the grid before it.
+        # The grid must be the same before and after the restart.
         t0, runs, strayed = map(int, self.read("grid").split())
         self.assertGreater(runs, 0, "it must have run in the last host")
         said = re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program")))
@@ -81,7 +81,7 @@ class Crashes(takt_system.Case):
 
     @takt_system.alone("an endless loop at a real-time priority keeps a CPU busy")
     def test_an_endless_loop_in_a_module_restarts_the_host_without_this_module(self):
-        run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the host was ended")
+        run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the node killed the host")
         self.assertGreaterEqual(run.executor()["missed"], 1000, "no row was walked during the endless loop")
 
     def test_a_crash_in_the_error_or_recover_hook_restarts_the_host_without_this_module(self):
@@ -94,7 +94,7 @@ class Crashes(takt_system.Case):
     def test_a_crash_of_a_non_real_time_module_restarts_the_host_without_this_module(self):
         self.crash("background", SEGV % "run")
 
-    def test_two_modules_that_crash_are_removed_one_after_the_other(self):
+    def test_each_of_two_crashing_modules_is_removed_from_the_restarted_host(self):
         self.crash("two", SEGV % "run", culprits=("first", "second"))
 
     def test_a_crash_in_the_initialize_or_start_hook_prevents_the_start_of_the_device(self):
@@ -106,7 +106,7 @@ class Crashes(takt_system.Case):
                 self.assertNotIn("started again", run.err)
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
 
-    def test_a_crash_in_the_destruct_hook_is_reported(self):
+    def test_takt_run_reports_a_crash_in_the_destruct_hook(self):
         run = self.takt("run", "segv_in_destruct.xml", "--for", "1", "--json", limit=15)
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s%s$" % (SEGV % "destruct", PLACE))

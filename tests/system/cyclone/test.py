@@ -112,7 +112,7 @@ class Cyclone(unittest.TestCase):
         self.assertEqual({("servo", 7, -1.5, 12.25)},
                          {(s["name"], s["overruns"], s["jitter_mean_us"], s["run_p99_us"]) for s in seen["statistics"]})
 
-    def test_cyclone_dds_sends_a_command_and_receives_the_reply(self):
+    def test_a_cyclone_dds_program_can_send_a_command_and_receive_the_reply(self):
         server = self.takt("server", "robot", "5")
         run = self.cyclone("command", "robot", "servo", str(STOP))
         answer = json.loads(run.line())
@@ -122,7 +122,7 @@ class Cyclone(unittest.TestCase):
         self.assertEqual((0, 5, "robot", "node"), (answer["code"], answer["bytes"], answer["device"], answer["node"]))
         self.assertEqual("for " + handled.split()[1], answer["value"])
 
-    def test_a_takt_port_reads_the_samples_that_cyclone_dds_writes(self):
+    def test_a_takt_port_reads_the_samples_of_a_cyclone_dds_writer(self):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
                 topic = "to/" + reliability.replace("-", "_")  # Cyclone allows no other special character
@@ -135,7 +135,7 @@ class Cyclone(unittest.TestCase):
                 tap.say("health")
                 self.assertEqual("samples %d lost 0 refused 0" % count, " ".join(tap.line().split()[2:8]))
 
-    def test_cyclone_dds_reads_the_samples_that_a_takt_port_writes(self):
+    def test_a_cyclone_dds_reader_reads_the_samples_of_a_takt_port(self):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
                 topic = "from/" + reliability.replace("-", "_")
@@ -158,7 +158,7 @@ class Cyclone(unittest.TestCase):
                 self.assertEqual(list(range(numbers[0], numbers[0] + 30)), numbers)
                 self.assertEqual(0, read.process.wait(10))
 
-    def test_takt_and_cyclone_dds_exchange_structs_with_every_kind_of_member(self):
+    def test_takt_and_cyclone_dds_can_exchange_structs_with_every_kind_of_member(self):
         mixed = self.type_file(MIXED)
         show = self.takt("show", "mixed/to", "reliable", "32", mixed)
         self.cyclone("write", "Mixed", "mixed/to", "12", "5", "reliable")
@@ -182,7 +182,7 @@ class Cyclone(unittest.TestCase):
         got = json.loads(read.line())
         self.assertEqual({**sample, "colour": 2, "places": [[1.5, -2.5], [-0.25, 8]], "way": [[9, 1]]}, got)
 
-    def test_a_takt_port_reads_a_sample_of_a_ready_made_type_from_cyclone_dds(self):
+    def test_a_takt_port_reads_cyclone_dds_samples_whose_type_comes_with_takt(self):
         """The type line::Part is in the IDL files that come with Takt."""
         shape = {"name": "line::Part", "fields": [
             {"name": "number", "type": "unsigned long"}, {"name": "kind", "type": "string", "bound": 15},

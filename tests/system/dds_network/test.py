@@ -1,6 +1,6 @@
-"""Tests how DDS uses the interfaces of a machine. Two network namespaces stand for two machines that are connected by two cables.
+"""Tests how DDS uses the network interfaces of a machine. Two network namespaces simulate two machines that two cables connect.
 
-TAKT_DDS_PEER is the program of tests/conformance/dds. These tests need root and iproute2."""
+TAKT_DDS_PEER is the path of a program from tests/conformance/dds. These tests need root and iproute2."""
 import os
 import queue
 import subprocess
@@ -22,7 +22,8 @@ def ip(*arguments):
 
 
 class TwoMachines:
-    """The machines robot and line, with the cables net0 (10.80.0.x) and net1 (10.80.1.x). At first, both cables are disconnected."""
+    """The simulated machines robot and line, connected by the cables net0 (10.80.0.x) and net1 (10.80.1.x). At first, both cables are
+    disconnected."""
 
     def __init__(self):
         mark = "t" + uuid.uuid4().hex[:6]
@@ -73,7 +74,7 @@ class Peer:
             self.lines.put(line.rstrip("\n"))
 
     def line(self, limit=20):
-        """Returns the next line, or an empty string if none comes within the limit."""
+        """Returns the next line, or an empty string if the program prints no line within the limit."""
         try:
             return self.lines.get(timeout=limit)
         except queue.Empty:
@@ -102,7 +103,7 @@ class Interfaces(unittest.TestCase):
         return peer
 
     def match(self, feed, tap, limit=20):
-        """Writes samples until one has arrived and no other is on its way. Returns the number of the last sample."""
+        """Writes samples until one arrives while no other sample is in transit. Returns the number of the last sample."""
         end = time.monotonic() + limit
         while time.monotonic() < end:
             feed.say("1")
@@ -120,7 +121,7 @@ class Interfaces(unittest.TestCase):
             self.assertEqual("sample %d" % number, tap.line())
         self.assertTrue(feed.line().startswith("written %d failures 0" % (first + count - 1)))
 
-    def test_dds_uses_only_the_interface_that_it_is_given(self):
+    def test_dds_uses_only_the_configured_network_interface(self):
         for cable in (0, 1):
             self.net.connect(cable)
         tap = self.peer("line", "tap", "t", "reliable", "64", PEER_INTERFACES="10.80.1.2")
@@ -134,7 +135,7 @@ class Interfaces(unittest.TestCase):
         self.assertGreater(after[1] - before[1], 500000)
         self.assertLess(after[0] - before[0], 2000, "only the kernel itself may send on the other cable")
 
-    def test_dds_uses_an_interface_that_comes_up_later(self):
+    def test_dds_uses_a_network_interface_that_comes_up_after_the_start(self):
         tap = self.peer("line", "tap", "t", "reliable", "64", PEER_RESCAN="yes")
         feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_RESCAN="yes")
         time.sleep(1)
@@ -146,7 +147,7 @@ class Interfaces(unittest.TestCase):
         print("matched %.1f s after the interface came up" % (time.monotonic() - begin))
         self.assert_arrive(feed, tap, last + 1, 20)
 
-    def test_reliable_samples_sent_while_a_cable_is_disconnected_arrive_afterwards(self):
+    def test_reliable_samples_sent_while_a_cable_is_unplugged_arrive_when_it_is_plugged_in(self):
         self.net.connect(0)
         tap = self.peer("line", "tap", "t", "reliable", "64")
         feed = self.peer("robot", "feed", "t", "reliable", "64")

@@ -9,12 +9,12 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 DEVICES = {"robot": ["grid", "program", "plain"], "line": ["grid", "properties", "source"], "station": ["grid", "sink", "program"]}
-KINDS = ("grid", "program", "plain")  # modules of robot: a thread module, a periodic program, a non-real-time one
+KINDS = ("grid", "program", "plain")  # the modules of robot: a thread module, a periodic program and a non-real-time module
 DISTRIBUTION = {"mean", "variance", "min", "p50", "p99", "p999", "max"}
 
 
 class Deploy(takt_system.Case):
-    def test_all_devices_of_a_cell_start_at_one_instant(self):
+    def test_all_devices_of_a_deployed_cell_start_at_the_same_instant(self):
         nodes = self.nodes(*DEVICES)
         pids = {device: node.pid for device, node in nodes.items()}
         for again in range(2):
@@ -22,7 +22,7 @@ class Deploy(takt_system.Case):
             run = self.deploy("cell.xml")
             self.assertEqual("cell cell runs on robot, line, station\n", run.out)
             self.assert_contract(self.wait_for_states({device: "EXECUTING" for device in DEVICES}))
-            # All modules are ready before the first one runs.
+            # All modules must be ready before the first module runs.
             def said(step):
                 return [line.at for device, node in nodes.items() for line in node.lines[begun[device]:] if line.text == step]
             wait_until(lambda: len(said("START -> EXECUTING")) >= 9, 5, "all modules to report EXECUTING")
@@ -30,7 +30,7 @@ class Deploy(takt_system.Case):
             self.assertEqual((9, 9), (len(ready), len(first)))
             self.assertLessEqual(max(ready), min(first))
             self.assertEqual(["cell cell is undeployed from line, robot, station"], self.done("undeploy cell"))
-            # All devices have the same clock here, but each node converts the common instant with its own readings of two clocks.
+            # All devices use the same clocks here, but each node converts the instant of the start with its own readings of two clocks.
             instants = [int(self.read(device).split()[0]) for device in DEVICES]
             self.assertLess(max(instants) - min(instants), 20000, instants)
             print("the devices' instants differ by %d ns" % (max(instants) - min(instants)))
@@ -70,7 +70,7 @@ class Deploy(takt_system.Case):
                 self.assertTrue(os.path.exists("/proc/%d" % module["pid"]), module)
 
     def running(self):
-        """Deploys the cell and waits until all modules are EXECUTING. Returns the nodes."""
+        """Deploys the cell and waits until all modules are EXECUTING. Returns the nodes by name."""
         nodes = self.nodes(*DEVICES)
         self.deploy("cell.xml")
         for device, modules in DEVICES.items():
@@ -79,7 +79,7 @@ class Deploy(takt_system.Case):
         return nodes
 
     def each(self, verb):
-        """Gives the command to one module of each kind at the same time. Returns the answers."""
+        """Gives the command to one module of each kind at the same time. Returns the output of each command."""
         return self.done(*("%s robot.%s" % (verb, module) for module in KINDS))
 
     def assert_each(self, verb, state):
@@ -114,7 +114,7 @@ class Deploy(takt_system.Case):
         self.assert_each("reset", "IDLE")
         self.assert_each("initialize", "INITIALIZE")
         self.assert_each("start", "EXECUTING")
-        # A command to one module does not affect the others.
+        # A command to one module must not affect the others.
         for device in ("line", "station"):
             for module in DEVICES[device]:
                 self.assertEqual(LIFE[:4], nodes[device].states(module))
@@ -123,7 +123,7 @@ class Deploy(takt_system.Case):
         for module in KINDS:
             self.assertEqual(LIFE[:4] + ["START", "EXECUTING", "START", "DESTRUCT"] + LIFE, nodes["robot"].states(module))
 
-    def test_a_command_to_a_device_reaches_all_its_modules(self):
+    def test_a_command_to_a_device_applies_to_all_its_modules(self):
         nodes = self.running()
         said = lambda state: "\n".join(["line.%s: %s" % (module, state) for module in DEVICES["line"]])
         for verb, state in (("stop", "START"), ("start", "EXECUTING"), ("destruct", "DESTRUCT"), ("reset", "IDLE"),
@@ -138,7 +138,7 @@ class Deploy(takt_system.Case):
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_operators_read_properties_and_ports_by_name_and_wrong_names_are_rejected(self):
+    def test_operators_can_address_properties_and_ports_by_name(self):
         nodes = self.running()
         self.assertEqual(["3", "none", "1.5"], self.done("get line.properties count", "get line.properties label",
                                                          "get line.properties gain"))
@@ -154,7 +154,7 @@ class Deploy(takt_system.Case):
         })
         self.assertEqual(["7", "a b"], self.done("get line.properties count", "get line.properties label"))
         nodes["line"].wait_for_line(r"line\.properties: count = 7")
-        # Every command to a missing device fails within seconds.
+        # Every command to a missing device must fail within a few seconds.
         asked = ("get nobody.grid x", "set nobody.grid x 1", "stop nobody.grid", "start nobody", "echo nobody.grid.out")
         begun = time.monotonic()
         self.refused({command: r"^device nobody: error: not found: no answer within 3 s; check that takt-node --device nobody is "
@@ -162,15 +162,15 @@ class Deploy(takt_system.Case):
         took = time.monotonic() - begun
         print("all commands to a missing device failed within %.2f s" % took)
         self.assertLess(took, 10)
-        # takt echo prints the samples of a port in order.
+        # takt echo must print the samples of a port in order.
         run = self.takt("echo", "line.source.out", "--count", "5")
         self.assertEqual(0, run.status, run.err)
         numbers = [json.loads(line)["number"] for line in run.out.splitlines()]
         self.assertEqual(list(range(numbers[0], numbers[0] + 5)), numbers)
-        # takt echo explains why no sample comes, and continues when samples come again.
+        # takt echo must explain why there are no samples, and continue when there are samples again.
         self.done("stop line.source")
         echo = self.start("echo", "line.source.out", "--count", "1")
-        wait_until(lambda: "no sample from line.source.out for 2 s; line.source is in START" in echo.err, 10,
+        wait_until(lambda: "no sample from line.source.out in the last 2 s; line.source is in START" in echo.err, 10,
                    "takt echo to explain the silence")
         self.done("start line.source")
         self.assertEqual(0, echo.wait(10).status, echo.err)

@@ -37,7 +37,7 @@ ASKED_WITH = {"modbus_master.exe": ["map=lamp out coil 0"], "modbus_device.exe":
 
 
 class Describe(takt_system.Case):
-    def test_takt_describe_describes_every_component_in_every_format(self):
+    def test_takt_describe_can_print_every_component_in_every_format(self):
         self.assertGreater(len(READY), 10)
         for file in READY:
             with self.subTest(component=os.path.basename(file)):
@@ -64,7 +64,7 @@ class Describe(takt_system.Case):
         self.assertNotIn("saved  ", self.takt("describe", "fine.so").out)
         self.assertIsNone(self.takt("describe", "fine.so", "--json").report["saved"])
 
-    def test_components_of_the_paper_declare_a_text_units_and_ranges(self):
+    def test_the_components_of_the_paper_declare_units_and_ranges_of_their_properties(self):
         for name in ("controller1.so", "control2.so", "control3.so", "control4.exe", "emergency.so", "vision.exe", "monitoring.exe"):
             with self.subTest(component=name):
                 said = self.takt("describe", name, "--json").report
@@ -88,12 +88,12 @@ class Describe(takt_system.Case):
             with self.subTest(component=os.path.basename(file)):
                 element = self.takt("describe", file, "--xml").out
                 run = self.takt("check", self.write("pasted.xml", "<root>\n%s</root>\n" % element))
-                if "connect an event port" in element:
+                if "needs a connected event port" in element:
                     self.assertRegex(run.err, r"^\S+: error: .* none of its event ports is connected")
                 else:
                     self.assertEqual((0, ""), (run.status, run.err), element)
 
-    def test_an_iso22166_profile_states_how_the_module_is_released(self):
+    def test_the_iso22166_profile_of_a_module_states_how_it_is_released(self):
         self.assertIn("<exeType>EVENTDRIVEN<", self.check_profile("vision.exe"))
         self.assertNotIn("<exeType>", self.check_profile("control2.so"))
         self.assertIn("<exeType>NONRT<", self.check_profile("control2.so", "--operation", "non-real"))
@@ -102,12 +102,12 @@ class Describe(takt_system.Case):
         self.assertIn("<exeType>NONRT<", self.check_profile(cell, "module.monitoring"))
         many = self.takt("describe", cell, "--iso22166")
         self.assertEqual((1, ""), (many.status, many.out))
-        self.assertIn("--iso22166 describes one module, but these are 7", many.err)
+        self.assertIn("--iso22166 describes one module, but the number of modules here is 7", many.err)
         none = self.takt("describe", cell, "control22")
         self.assertEqual((1, ""), (none.status, none.out))
         self.assertRegex(none.err, r"there is no module 'control22'; did you mean \S*control2\?")
 
-    def test_takt_describe_shows_the_property_values_that_a_descriptor_gives(self):
+    def test_takt_describe_shows_the_property_values_from_a_descriptor(self):
         file = self.write("cell.xml", "<root>\n%s</root>" % module("belt", "c_properties.so", ("speed", "1.25")))
         run = self.takt("describe", file)
         self.assertEqual((0, ""), (run.status, run.err))
@@ -115,7 +115,7 @@ class Describe(takt_system.Case):
         self.assertRegex(run.out, r"speed +double +0\.5 +1\.25 +0 to 2 +m/s")
         self.assertEqual({"speed": "1.25"}, self.takt("describe", file, "--json").report["module"]["given"])
 
-    def test_without_a_file_takt_describe_lists_all_components_and_starts_none(self):
+    def test_takt_describe_without_a_file_lists_all_components(self):
         run = self.takt("describe")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertRegex(run.out, r"(?m)^  control2\.so +c\+\+ +Velocity loop of a DC motor")
@@ -130,7 +130,7 @@ class Describe(takt_system.Case):
         self.assertNotIn("c_properties", here.out)
         self.assertIn("control2.so", here.out)
 
-    def test_takt_describe_shows_the_same_c_properties_for_a_module_and_a_program(self):
+    def test_takt_describe_lists_the_same_properties_of_a_c_component_built_as_module_or_program(self):
         of_module, of_program = (self.takt("describe", "c_properties." + kind, "--json").report for kind in ("so", "exe"))
         self.assertEqual(("c", "process"), (of_module["interface"], of_program["interface"]))
         self.assertEqual("periodic", of_program["operation"])
@@ -149,7 +149,7 @@ class Describe(takt_system.Case):
         self.assertIn("property 'gain' cannot be '300'; it takes a number, 0 to 100, in 1/s", wrong.err)
         self.assertIn("this program has no property 'gian'; did you mean gain?", wrong.err)
 
-    def test_takt_check_reports_every_wrong_property_at_its_line(self):
+    def test_takt_check_reports_the_line_of_every_invalid_property(self):
         wrong = [
             (module("cpp", "cpp_properties.so", ("gian", "1")), "gian", r"component CppProperties has no property 'gian'; did you mean gain\?"),
             (module("c", "c_properties.so", ("sped", "1")), "sped", r"component c_properties has no property 'sped'; did you mean speed\?"),
@@ -157,7 +157,7 @@ class Describe(takt_system.Case):
             (module("c3", "c_properties.so", ("count", "0")), "count", r"property 'count' cannot be '0'; it takes a whole number, at least 1, in parts"),
             (module("p", "c_properties.exe", ("speed", "2.5")), "speed", r"property 'speed' cannot be '2\.5'; it takes a number, 0 to 2, in m/s"),
             (module("p2", "c_properties.exe", ("nothing_like_it", "1")), "nothing_like_it",
-             r"this program has no property 'nothing_like_it'; it can be speed, free_number, count, on or label"),
+             r"this program has no property 'nothing_like_it'; use speed, free_number, count, on or label"),
             (module("q", "program_properties.exe", ("gain", "nan"), sporadic=True), "gain", r"property 'gain' cannot be 'nan'; it takes a number, 0 to 100"),
         ]
         file = self.write("wrong.xml", "<root>\n%s</root>\n" % "".join(text for text, _, _ in wrong))
@@ -174,7 +174,7 @@ class Describe(takt_system.Case):
                 self.assertIn('name="%s"' % name, lines[int(match[1]) - 1])
                 self.assertRegex(match[2], words)
 
-    def test_takt_check_reports_a_program_that_contradicts_its_operationtype(self):
+    def test_takt_check_reports_a_program_whose_operationtype_in_the_descriptor_is_wrong(self):
         file = self.write("kind.xml", "<root>\n%s</root>\n" % module("q", "program_properties.exe", ("gain", "2")))
         run = self.takt("check", file)
         self.assertEqual(1, run.status)
@@ -197,7 +197,7 @@ class Describe(takt_system.Case):
                              + len(re.findall(r"%s: speed 0\.5, free_number -1, count 3, on 1, label none" % when, run.err)), run.err)
         self.assertRegex(run.err, r"gain 4, label none")
 
-    def test_a_program_started_by_hand_rejects_wrong_properties(self):
+    def test_a_program_started_by_hand_rejects_invalid_properties(self):
         program = os.path.join(os.path.dirname(takt_system.BIN), "tests", "components", "c_properties.exe")
         run = subprocess.run([program, "speed=3", "sped=1"], capture_output=True, text=True, timeout=20)
         self.assertEqual((1, ""), (run.returncode, run.stdout))

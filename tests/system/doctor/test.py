@@ -31,7 +31,7 @@ def kept_by_the_kernel():
 
 
 class Doctor(takt_system.Case):
-    def test_takt_doctor_prints_one_json_object_that_matches_its_exit_status(self):
+    def test_the_json_report_of_takt_doctor_agrees_with_its_exit_status(self):
         run = self.takt("doctor", "--json")
         report = run.report
         self.assertEqual("", run.err)
@@ -47,14 +47,14 @@ class Doctor(takt_system.Case):
         self.assertEqual(500, wake_up["count"])
         self.assertTrue(0 <= wake_up["p50"] <= wake_up["p99"] <= wake_up["max"], wake_up)
 
-    def test_takt_doctor_prints_every_check_without_escape_sequences_into_a_pipe(self):
+    def test_takt_doctor_writes_no_escape_sequences_to_a_pipe(self):
         run = self.takt("doctor")
         self.assertIn(run.status, (0, 1))
         self.assertNotIn("\x1b", run.out)
         for check in ("preemption", "throttling", "interrupts", "stolen time", "wake-up"):
             self.assertIn(check, run.out)
 
-    def test_takt_doctor_without_rights_reports_what_the_system_denies(self):
+    def test_takt_doctor_reports_the_rights_that_its_user_lacks(self):
         os.chmod(self.folder, 0o755)
         programs = os.path.join(self.folder, "bin")
         os.mkdir(programs)
@@ -81,7 +81,7 @@ class Doctor(takt_system.Case):
     @unittest.skipUnless(os.getuid() == 0 and kept_by_the_kernel() and len(os.sched_getaffinity(0)) > 1,
                          "needs root, two CPUs, and a kernel that throttles real-time threads")
     @takt_system.alone("the throttled executor keeps a CPU busy")
-    def test_takt_run_warns_about_a_throttled_executor_and_names_the_remedy(self):
+    def test_takt_run_warns_when_the_kernel_throttles_an_executor(self):
         cpu = max(os.sched_getaffinity(0))  # the node places the executor on the highest CPU
         run = self.start("run", "spin.xml", "--json")
         run.wait_for_state("fine", "EXECUTING")
@@ -89,7 +89,7 @@ class Doctor(takt_system.Case):
         other = subprocess.Popen([sys.executable, "-c", "while True: pass"],
                                  preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
         try:
-            run.wait_for_line(r"robot: warning: executor busy lost its CPU for \d+(\.\d+)? ms: the kernel keeps 50 ms of "
+            run.wait_for_line(r"robot: warning: executor busy lost its CPU for \d+(\.\d+)? ms: the kernel reserves 50 ms of "
                               r"each second .*; use wakeup=\"hybrid\", or run ", 20)
         finally:
             other.kill()

@@ -1,8 +1,8 @@
 """Two cells in different DDS domains exchange samples through a bridge.
 
-The cell of far.xml connects its ports to topics of the other domain. The cell of near.xml answers on these topics. The node of far.xml starts
-a process for the other domain and restarts it after a crash. takt status names the quality of service that prevents a connection from matching.
-"""
+The cell of far.xml connects its ports to topics of the other domain. The cell of near.xml sends replies on these topics. The node of
+far.xml starts a bridge process for the other domain, and restarts it after a crash. If a QoS policy prevents a connection from matching,
+takt status names this policy. """
 import json
 import os
 import signal
@@ -25,11 +25,11 @@ class Domains(takt_system.Case):
         return next(p for p in modules[module]["ports"] if p["name"] == port)
 
     def gateway(self, run):
-        """The process that the node of this run has started for the other domain."""
+        """Returns the bridge process that the node of this run has started for the other domain."""
         found = [p for p in run.processes("takt-node") if not p.arguments]
         return found[0] if found else None
 
-    def test_samples_reach_another_dds_domain_and_a_killed_bridge_is_restarted(self):
+    def test_samples_reach_another_dds_domain_even_after_the_bridge_is_killed(self):
         far = self.start("run", self.cell, "--json")
         far.wait_for_state("sink", "EXECUTING")
         self.assertEqual(0, self.port("source", "out")["matched"], "the other cell does not run yet")
@@ -57,7 +57,7 @@ class Domains(takt_system.Case):
         executor = far.executor()
         print("rows %d, missed %d, %d samples went there and back" % (executor["cycles"], executor["missed"], seen["read"]))
 
-    def test_takt_status_names_the_quality_of_service_that_prevents_a_match(self):
+    def test_takt_status_names_the_qos_policy_that_prevents_a_match(self):
         far = self.start("run", self.cell, "--json")
         far.wait_for_state("sink", "EXECUTING")
         with open(self.beside("near.xml")) as file:

@@ -19,15 +19,16 @@ class Executors(takt_system.Case):
             %s</device></cell>\n""" % (cpu, priority, cpu, priority, modules))
 
     def missed(self, priority):
-        """Runs the cell and returns the share of missed rows of the fast table."""
+        """Runs the cell and returns the fraction of the rows that the fast table missed."""
         run = self.takt("run", self.cell(priority), "--for", "1", "--json", "--quiet")
         self.assertEqual(0, run.status, run.err)
         rows = run.executor("fast", "d")
         return rows["missed"] / (rows["cycles"] + rows["missed"])
 
     @takt_system.alone("two executors share one CPU, and the test counts the missed rows of one of them")
-    def test_with_automatic_priorities_a_slow_executor_does_not_delay_a_fast_one(self):
-        # The slow module takes 9 of 20 rows. A stalling machine makes the table miss rows too, so one run without a stall is enough.
+    def test_automatic_priorities_keep_a_slow_executor_from_delaying_a_fast_one(self):
+        # The slow module runs during 9 of 20 rows of the fast table. A stall of the machine makes the table miss rows too, so one run
+        # without a stall is enough.
         together = [self.missed("80") for _ in range(2)]
         apart = [self.missed("auto")]
         while apart[-1] >= 0.1 and len(apart) < 6:
@@ -37,7 +38,7 @@ class Executors(takt_system.Case):
         self.assertGreater(min(together), 0.3)
         self.assertLess(min(apart), 0.1)
 
-    def test_executor_threads_have_the_priorities_that_takt_check_prints(self):
+    def test_executor_threads_run_with_the_priorities_that_takt_check_prints(self):
         cell = self.cell("auto")
         run = self.start("run", cell)
         run.wait_for_state("m_fast", "EXECUTING")
@@ -48,7 +49,7 @@ class Executors(takt_system.Case):
                 with open("/proc/%d/task/%s/comm" % (host, thread), encoding="ascii") as name:
                     priorities[name.read().strip()] = os.sched_getparam(int(thread)).sched_priority
             except OSError:
-                pass  # this thread only called a hook and has ended
+                pass  # this thread only called a hook and has already ended
         self.assertEqual((80, 76), (priorities["fast"], priorities["slow"]))
         checked = self.takt("check", cell)
         self.assertRegex(checked.out, r"executor fast: cpu \d+, priority 80 \(auto\)")

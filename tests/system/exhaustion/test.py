@@ -17,7 +17,7 @@ MODULES = ("grid", "source", "keeps", "program")
 
 
 def fill(folder):
-    """Writes a file until the disk is full. Returns its path."""
+    """Fills the disk with one file and returns the path of this file."""
     path = os.path.join(folder, "filler")
     with open(path, "ab", buffering=0) as file:
         try:
@@ -28,7 +28,7 @@ def fill(folder):
 
 
 class Exhaustion(takt_system.Case):
-    """Helpers for a cell that runs while its machine runs out of a resource."""
+    """Helpers for tests in which the machine of a running cell runs out of a resource."""
 
     def begin(self, **options):
         node = self.node("robot", **options)
@@ -37,7 +37,7 @@ class Exhaustion(takt_system.Case):
         return node
 
     def walk_on(self, rows):
-        """Waits for this many more rows, and checks that every thread module is EXECUTING and had no error."""
+        """Waits until `rows` more rows have run. Checks that every thread module is EXECUTING and had no error."""
         def cycles():
             return self.status_of("robot")["executors"][0]["cycles"]
         until = cycles() + rows
@@ -65,7 +65,7 @@ class FullDisk(Exhaustion):
     def tearDown(self):
         super().tearDown()
         subprocess.run(["umount", "-l", self.state], capture_output=True, check=False)
-        shutil.rmtree(self.folder, ignore_errors=True)  # the mount had prevented the removal
+        shutil.rmtree(self.folder, ignore_errors=True)  # super().tearDown() could not remove the folder while it contained a mount point
 
     def mount(self, size, how=""):
         subprocess.run(["mount", "-t", "tmpfs", "-o", how + "size=" + size, "tmpfs", self.state], check=True)
@@ -74,27 +74,27 @@ class FullDisk(Exhaustion):
         return glob.glob(os.path.join(self.state, "robot.*.deployment"))
 
     def recorded(self):
-        """The events in the file of the fault record, read without the node."""
+        """Reads the events directly from the file of the fault record, not through the node."""
         found = glob.glob(os.path.join(self.state, "robot.*.faults"))
         self.assertEqual(1, len(found))
         return [json.loads(line) for line in self.done("log --file %s --json" % found[0])[0].splitlines()]
 
     def a_fault(self, node):
-        """Causes a fault: kills a program and waits until its module executes again."""
+        """Causes a fault: kills a program, and waits until its module is EXECUTING again."""
         before = len(node.steps("program"))
         node.one("grid.exe").kill()
         wait_until(lambda: [s.target for s in node.steps("program")[before:]][-1:] == ["EXECUTING"], 15, "the program to execute again")
 
-    def test_a_full_disk_is_reported_once_and_the_files_are_written_when_there_is_space(self):
+    def test_a_node_writes_its_missing_files_when_a_full_disk_has_space_again(self):
         self.mount("64k")
         filler = fill(self.state)
-        full = r"warning: .*%s/.*No space left on device; name a folder that this user may write to, with space on its disk"
+        full = r"warning: .*%s/.*No space left on device; name a folder that this user may write to, on a disk with free space"
         node = self.node("robot")
         node.wait_for_line(r"the fault record: .*robot\.\d+\.faults: No space left on device")
         self.deploy("cell.xml")
         self.wait_for_states({"robot": "EXECUTING"})
         node.wait_for_line(r"cell cell could not be saved for --resume: .*No space left on device")
-        node.wait_for_line(r"the state that modules retain is not on disk: .*No space left on device")
+        node.wait_for_line(r"cannot write the state that modules retain to disk: .*No space left on device")
         self.a_fault(node)
         node.wait_for_line(r"no trace was written: .*No space left on device")
         self.walk_on(3000)
@@ -114,13 +114,13 @@ class FullDisk(Exhaustion):
         self.assertEqual(1, len(self.kept()))
         self.assertEqual(in_memory, self.recorded()[:len(in_memory)])
         self.a_fault(node)
-        trace = node.wait_for_line("a trace of the last seconds was written; show it with takt trace ", limit=30).split()[-1]
+        trace = node.wait_for_line("a trace of the last few seconds was written; show it with takt trace ", limit=30).split()[-1]
         self.assertTrue(os.path.exists(trace), trace)
 
-        # The disk becomes full again. The file of the fault record already has its full size, so no event is lost.
+        # Fill the disk again. The file of the fault record already has its full size, so no event is lost.
         after = len(node.raw)
         fill(self.state)
-        node.wait_for_line(r"the state that modules retain is not on disk: .*No space left on device", after=after)
+        node.wait_for_line(r"cannot write the state that modules retain to disk: .*No space left on device", after=after)
         self.a_fault(node)
         self.done("set robot.source burst 2")
         self.assertIn("set burst = 2 was carried out", [event["cause"] for event in self.recorded()])
@@ -139,7 +139,7 @@ class FullDisk(Exhaustion):
         self.walk_on(500)
         self.finish(node)
 
-    def test_a_cell_runs_and_swaps_modules_while_dev_shm_is_full(self):
+    def test_a_swap_succeeds_in_a_running_cell_while_dev_shm_is_full(self):
         subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", "/dev/shm"], check=True)
         self.addCleanup(subprocess.run, ["umount", "-l", "/dev/shm"], check=True)
         fill("/dev/shm")
@@ -153,11 +153,11 @@ class FullDisk(Exhaustion):
 
 
 def without_descriptors(process):
-    """Lowers the limit of the process so that it can open no file. Returns its old limit."""
+    """Lowers the limit of the process so that it cannot open any more files. Returns its old limit."""
     def look():
         return {int(name) for name in os.listdir("/proc/%d/fd" % process.pid)}
     opened = look()
-    for _ in range(50):  # ignore descriptors that are open only for a moment
+    for _ in range(50):  # skip descriptors that are open only for a moment
         time.sleep(0.005)
         opened &= look()
     first_free = next(number for number in range(len(opened) + 1) if number not in opened)
@@ -167,7 +167,7 @@ def without_descriptors(process):
 
 
 def processor_time(process):
-    """The CPU time of each thread, in seconds."""
+    """Returns the CPU time of each thread, in seconds."""
     ticks = os.sysconf("SC_CLK_TCK")
     used = {}
     for task in os.listdir("/proc/%d/task" % process.pid):
@@ -178,9 +178,9 @@ def processor_time(process):
 
 
 class NoDescriptors(Exhaustion):
-    NONE_LEFT = r"Too many open files; raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE="
+    NONE_LEFT = r"Too many open files; raise the limit on open files of this process: ulimit -n, prlimit --nofile or, for a service, LimitNOFILE="
 
-    def test_a_node_without_free_file_descriptors_runs_on_and_rejects_a_swap(self):
+    def test_a_swap_that_fails_because_the_node_has_no_free_file_descriptors_does_no_harm(self):
         node = self.begin()
         process = node.one("takt-node")
         threads = process.threads()
@@ -191,7 +191,7 @@ class NoDescriptors(Exhaustion):
         swap = self.takt("swap", "robot.source", "port_source.so")
         self.assertEqual(1, swap.status)
         self.assertRegex(swap.err, self.NONE_LEFT)
-        # In this time, the node does all its periodic work.
+        # In this time, the node does all its periodic work at least once.
         self.walk_on(6000)
         spent = time.monotonic() - began
         for task, used in processor_time(process).items():
@@ -203,7 +203,7 @@ class NoDescriptors(Exhaustion):
         self.done("swap robot.source port_source.so", "echo robot.source.out --count 3")
         self.finish(node)
 
-    def test_a_host_without_free_file_descriptors_runs_on_and_rejects_a_swap(self):
+    def test_a_swap_that_fails_because_the_host_has_no_free_file_descriptors_does_no_harm(self):
         node = self.begin()
         host = node.one("takt-host")
         limit = without_descriptors(host)
@@ -233,11 +233,11 @@ class NoDescriptors(Exhaustion):
                 def become(most=megabytes << 20):
                     resource.setrlimit(resource.RLIMIT_AS, (most, most))
                 run = self.program("takt-node", "--device", "robot", become=become).wait(30)
-                if run.status == 127:  # the loader could not start the program
+                if run.status == 127:  # the dynamic loader could not start the program
                     self.assertRegex(run.err, "error while loading shared libraries")
                 else:
                     self.assertEqual(1, run.status, run.err)
-                    self.assertRegex(run.err, "the system denies takt-node memory or a thread: .*; free memory, or raise the limits")
+                    self.assertRegex(run.err, "the system denied takt-node memory or a new thread: .*; free memory, or raise the limits")
 
     def test_a_node_without_free_file_descriptors_rejects_a_deployment(self):
         node = self.node("robot")

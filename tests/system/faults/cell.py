@@ -1,5 +1,5 @@
-"""The demo cell with additional modules for the test. Each device has a module that fails on command, in its own host, and readers that
-check the samples of such modules."""
+"""The demo cell with additional modules for this test. Each device gets a module that fails on command and runs in its own host, and
+readers that check the samples of such modules."""
 
 import os
 import re
@@ -13,8 +13,8 @@ EXECUTORS = {"robot": "motion", "line": "plc", "station": "main"}
 PERIOD_NS = 4_000_000
 DEADLINE_NS = 100_000_000
 BACKOFF_NS = 50_000_000
-ATTEMPTS = 3  # the default, which the modules of the demo have
-# Longer than the faults of this test, so that they do not stop the cell. This test is not about the manual reset.
+ATTEMPTS = 3  # the default value, which the modules of the demo cell use
+# This time is longer than any fault of this test, so that no fault stops the cell. This test does not cover the manual reset.
 STOP_TIMEOUT_S = 10
 
 _SAFE = """
@@ -82,7 +82,7 @@ def _elements():
 
 
 def modules():
-    """For each device, the type of each module by name: "thread" or "process"."""
+    """The type ("thread" or "process") of each module, by device and module name."""
     found = {device: {} for device in DEVICES}
     for device, name, module in _elements():
         found[device][name] = module.findtext("moduletype").strip()
@@ -90,7 +90,7 @@ def modules():
 
 
 def programs():
-    """For each device, the file of the program of each process module."""
+    """The program file of each process module, by device and module name."""
     found = {device: {} for device in DEVICES}
     for device, name, module in _elements():
         if module.findtext("moduletype").strip() == "process":
@@ -99,5 +99,5 @@ def programs():
 
 
 def period(device, module):
-    """The period of a module, in seconds."""
+    """Returns the period of a module, in seconds."""
     return next(int(e.findtext("period")) / 1e9 for d, name, e in _elements() if (d, name) == (device, module))

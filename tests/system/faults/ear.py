@@ -1,4 +1,4 @@
-"""Collects the output of nodes and readers while they run: transitions, safe values, wrong samples. All times are in seconds since
+"""Collects the state transitions, safe values and wrong samples that nodes and readers print while they run. All times are in seconds since
 1970."""
 
 import json
@@ -10,19 +10,19 @@ from collections import namedtuple
 from takt_system import LINE, STATES, STEP
 
 Step = namedtuple("Step", "at module source target text")
-Reading = namedtuple("Reading", "at who what number")  # what: SAFE, LIVE, WRONG
+Reading = namedtuple("Reading", "at who what number")  # `what` is SAFE, LIVE or WRONG
 
 _READING = re.compile(r"\b(near|far|relayed) (SAFE|LIVE|WRONG) (\d+) [a-z, ]+ (\d+)$")
 _TOLD = re.compile(r"told (\d+) at (\d+)$")
 
-# The steps that the lifecycle allows (framework/lifecycle).
+# The state transitions that the lifecycle allows (framework/lifecycle).
 ALLOWED = {("IDLE", "INITIALIZE"), ("INITIALIZE", "START"), ("START", "EXECUTING"), ("EXECUTING", "START"),
            ("INITIALIZE", "RECOVER"), ("START", "RECOVER"), ("EXECUTING", "RECOVER"), ("RECOVER", "EXECUTING"),
            ("RECOVER", "START"), ("DESTRUCT", "IDLE")} | {(state, "DESTRUCT") for state in STATES if state != "DESTRUCT"}
 
 
 def since_1970(hours, minutes, seconds):
-    """Returns the instant nearest to now at which the local clock showed this time of day."""
+    """Returns the time nearest to now at which the local clock shows these hours, minutes and seconds."""
     now = time.time()
     today = time.localtime(now)
     midnight = time.mktime((today.tm_year, today.tm_mon, today.tm_mday, 0, 0, 0, 0, 0, -1))
@@ -36,16 +36,17 @@ def step_of(text):
 
 
 def line_of(text):
-    """Returns the time, device, module and text of a node's line; None for any other line."""
+    """Returns the time, device, module and text of a line that a node printed, or None for any other line."""
     match = LINE.match(text)
     return match and (since_1970(*match.groups()[:3]), match[4], match[5] or "", match[6])
 
 
 def breaks(module, steps):
-    """Returns a text for each step of the module that does not follow the lifecycle, which begins in IDLE."""
+    """Returns an error text for each transition of the module that breaks the rules of the lifecycle. The first transition must begin in
+    IDLE."""
     found = []
     state = "IDLE"
-    met = None  # the state in which the last error occurred
+    met = None  # the state in which the module had its last error
     for step in steps:
         if step.source != state:
             found.append("%s: a step from %s while in %s: %s" % (module, step.source, state, step))
@@ -61,16 +62,16 @@ def breaks(module, steps):
 
 
 class Ear:
-    """Reads the output of one node, from its start to its end."""
+    """Reads the output of one node from its start to its end."""
 
     def __init__(self, run):
         self.run = run
         self.steps = []
         self.readings = []
-        self.told = {}  # for each number of a command: when the module carried out the command
-        self.said = []  # all lines: (at, module, text)
+        self.told = {}  # for each command number, the time at which the module carried out the command
+        self.said = []  # all lines of the node: (at, module, text)
         self.states = {}
-        self.live = {}  # for each reader: whether it now reads samples
+        self.live = {}  # for each reader, True while it reads samples
         self._heard = 0
         self._monotonic = time.time() - time.monotonic()
         self._lock = threading.Lock()
@@ -105,25 +106,27 @@ class Ear:
             self.told[int(told[1])] = int(told[2]) / 1e9
 
     def mark(self):
-        """Returns the position of lines from now on. Nodes print times in ms, so the first of these lines may seem older than the mark."""
+        """Returns a mark that separates the lines so far from later lines. Nodes print times in ms, so the first later line may show a time
+        just before the mark."""
         self.hear()
         return len(self.said), len(self.steps), len(self.readings)
 
     def first(self, pattern, mark, module=None):
-        """The time of the first line after the mark that contains `pattern`."""
+        """Returns the time of the first line after the mark that matches `pattern`."""
         return next((at for at, of, text in self.said[mark[0]:] if module in (None, of) and re.search(pattern, text)), None)
 
     def first_step(self, module, target, mark, pattern=""):
-        """The time of the module's first step to `target` after the mark whose text contains `pattern`."""
+        """Returns the time of the first transition of the module to state `target` after the mark, if its text matches `pattern`."""
         return next((step.at for step in self.steps[mark[1]:] if step.module == module and step.target == target and
                      re.search(pattern, step.text)), None)
 
     def first_reading(self, who, what, mark, since):
-        """The time of the first reading of this kind (`what`) by the reader `who`, after the mark and not before `since`."""
+        """Returns the time at which the reader `who` first reported `what`, after the mark and not before `since`."""
         return next((r.at for r in self.readings[mark[2]:] if r.who == who and r.what == what and r.at > since - 1e-3), None)
 
     def last_news(self, mark):
-        """The time of the last step after the mark, or of the last reader that began to read samples again."""
+        """Returns the time of the last transition after the mark, or of the last reader that began to read samples again, whichever is
+        later."""
         return max([step.at for step in self.steps[mark[1]:]] + [r.at for r in self.readings[mark[2]:] if r.what == "LIVE"],
                    default=None)
 
@@ -138,8 +141,8 @@ class Ear:
 
 
 class Monitor:
-    """Reads takt watch, which runs on another machine, and notes when each step arrived."""
-    Seen = namedtuple("Seen", "came device step")  # step: None if the device is LOST
+    """Reads the output of takt watch on another machine, and notes when each transition arrived there."""
+    Seen = namedtuple("Seen", "came device step")  # `step` is None if the device is LOST
 
     def __init__(self, run):
         self.run = run
@@ -158,7 +161,7 @@ class Monitor:
             at, device, module, what = line
             step = step_of(what)
             if step and step[0] == step[1]:
-                continue  # takt watch prints the first state of a module like this; this is no step
+                continue  # takt watch prints the first known state of a module in this form; it is not a transition
             if step:
                 self.seen.append(self.Seen(came + self._monotonic, device, Step(at, module, *step)))
             elif not module and what.startswith("LOST"):
@@ -169,12 +172,14 @@ class Monitor:
         return len(self.seen)
 
     def first_trouble(self, device, mark, since):
-        """The time at which takt watch first showed the device LOST, or one of its modules in RECOVER or DESTRUCT, after the mark and `since`."""
+        """Returns the time at which takt watch first showed the device as LOST, or one of its modules in RECOVER or DESTRUCT, after the
+        mark and `since`."""
         return next((s.came for s in self.seen[mark:] if s.device == device and s.came > since and
                      (s.step is None or s.step.target in ("RECOVER", "DESTRUCT"))), None)
 
     def missed(self, device, module, steps):
-        """Returns the steps of a module that did not arrive, and the steps that arrived but did not happen. `steps` are those of all its nodes."""
+        """Compares the transitions of a module with those that takt watch showed. Returns those that are missing there, and those that only
+        takt watch showed. `steps` has the transitions from all nodes of the device."""
         told = [s.step for s in self.seen if s.device == device and s.step is not None and s.step.module == module]
         missed = []
         position = 0
@@ -187,7 +192,7 @@ class Monitor:
 
 
 class Record:
-    """Reads the fault records of all nodes from takt log --follow."""
+    """Reads the events that takt log --follow prints, from the fault records of all nodes."""
 
     def __init__(self, run):
         self.run = run
@@ -205,6 +210,6 @@ class Record:
         return len(self.events)
 
     def first(self, kind, device, mark, module="", cause=""):
-        """Returns when the event happened, by the device's clock; None if the event has not arrived."""
+        """Returns the time of the first such event after the mark, by the clock of the device, or None if there is none yet."""
         return next((e["time_ns"] / 1e9 for e in self.events[mark:] if e["kind"] == kind and e["device"] == device and
                      (e["module"] or "") == module and cause in e["cause"]), None)

@@ -23,27 +23,27 @@ FAULTS = takt_system.how_much("TAKT_FAULTS", 12, 1000)
 SEED = int(os.environ.get("TAKT_FAULTS_SEED", "0")) or random.randrange(1, 1 << 30)
 KINDS_WANTED = [kind for kind in os.environ.get("TAKT_FAULTS_KINDS", "").split(",") if kind]
 
-SECONDS = float(os.environ.get("TAKT_FAULTS_SECONDS", "3600"))  # the test ends after this time, with fewer faults
+SECONDS = float(os.environ.get("TAKT_FAULTS_SECONDS", "3600"))  # the test ends after this time, even if it has injected fewer faults
 REPORT = os.environ.get("TAKT_FAULTS_REPORT", "")
-LOG = REPORT and REPORT + ".log"  # the lines of the nodes around each violation
+LOG = REPORT and REPORT + ".log"  # gets the output of the nodes around each violation
 
 MS = 1e-3
 LOOK = 5 * MS  # how often a node checks its processes and tables
-SAID = 50 * MS  # the bound for reporting that a module left EXECUTING (tests/system/lost)
-LEASE = 300 * MS  # the lease of a writer of the topic takt/device
+SAID = 50 * MS  # the promised time for a report that a module has left EXECUTING (tests/system/lost)
+LEASE = 300 * MS  # the lease of a DDS writer of the topic takt/device
 PORTS = 100 * MS  # how often a node checks its ports for the fault record (framework/node/src/limits.hpp)
 DEADLINE = cell.DEADLINE_NS / 1e9
 PERIOD = cell.PERIOD_NS / 1e9
 BACKOFF = cell.BACKOFF_NS / 1e9
-STUCK = 1 + 10 * PERIOD  # after this time a run() or a body counts as hung (framework/node/src/limits.hpp)
-# An endless loop in a real-time thread leaves 50 ms of each second to the other threads of its CPU (sched_rt_runtime_us). If the other
-# CPUs are busy, the node may be one of these threads.
+STUCK = 1 + 10 * PERIOD  # after this time, a run() or the body of a program counts as hung (framework/node/src/limits.hpp)
+# If a real-time thread is in an endless loop, the kernel gives the other threads of its CPU only 50 ms of each second
+# (sched_rt_runtime_us). If the other CPUs are busy, the node may be one of these threads.
 THROTTLED = 950 * MS
-# A shared machine can stall. A fault fails the test only if it exceeds its promised bound by more than this.
+# A machine that other programs use can stall. So a fault fails the test only if it exceeds its promised time by more than this.
 HELD_UP = 500 * MS
 
-# weight: how often this kind is chosen. detected, recovered: the promised bounds, in seconds. because, afterwards: the reasons for these
-# bounds.
+# weight: how often the test chooses this kind, relative to other kinds. detected, recovered: the promised times, in seconds. because,
+# afterwards: the reasons for these times.
 Kind = namedtuple("Kind", "weight detected because recovered afterwards")
 KINDS = {
     "host-killed": Kind(3, SAID, "a node checks every 5 ms; 50 ms are promised", 2.0, "two seconds to load"),
@@ -67,7 +67,7 @@ FIGURES = ("detected", "safe", "seen", "recovered", "held")
 
 
 def summary(values):
-    """Returns the p50, p99 and max of the values; None if there are none."""
+    """Returns the p50, p99 and max of the values, or None if there are no values."""
     if not values:
         return None
     values = sorted(values)
@@ -75,7 +75,7 @@ def summary(values):
 
 
 def in_columns(table):
-    """Returns the table as text."""
+    """Formats the table as text with aligned columns."""
     rows = [["kind", "count", "detected p50", "p99", "max", "bound", "safe max", "bound", "seen max", "recovered p50", "p99", "max", "bound",
              "held max"]]
     for row in table:
@@ -90,18 +90,18 @@ def in_columns(table):
 
 
 class Fault:
-    """One injected fault. `at`: its time in seconds since 1970; if that is unknown, a time just before it."""
+    """One injected fault. `at` is its time in seconds since 1970, or, if that is unknown, a time shortly before it."""
 
     def __init__(self, device, what, at=None):
         self.device = device
         self.what = what
         self.at = at
-        self.detected = lambda: None  # when the system first reported it
-        self.back = lambda: self.at  # when the part that failed was back; steps and readers are checked in any case
-        self.told_when_mended = False  # True if the fault is reported only after its repair
+        self.detected = lambda: None  # returns the time of the first report of this fault
+        self.back = lambda: self.at  # returns when the failed part worked again; modules and readers are checked separately
+        self.told_when_mended = False  # True if Takt can report the fault only after its repair
         self.mend = None  # repairs the fault
-        self.from_then = None  # recovery is measured from this time; None: from the fault
-        self.within = None  # the bound for detecting this fault, if it differs from the bound of its kind
+        self.from_then = None  # the start of the recovery time; None means the time of the fault
+        self.within = None  # the promised time of detection, if it differs from that of this kind
         self.safe = []  # (device, reader): the readers that must get the safe value
         self.module = None  # (device, module): the module whose recovery attempts are checked
 
@@ -114,7 +114,7 @@ class Faults(networks.NetworkCase):
         self.random = random.Random(SEED)
         self.running = {}
         self.ears = {}
-        self.lives = {device: [] for device in DEVICES}  # the Ears of all nodes of the device so far
+        self.lives = {device: [] for device in DEVICES}  # for each device, the Ears of all its nodes so far
         self.wear = {device: Wear(device) for device in DEVICES}
         self.modules = cell.modules()
         self.violations = []
@@ -139,7 +139,7 @@ class Faults(networks.NetworkCase):
         self.record.hear()
 
     def all_execute(self):
-        """Returns whether every module executes and every reader reads samples."""
+        """Returns whether all modules are EXECUTING and all readers read samples."""
         return all(self.ears[d].states.get(module) == "EXECUTING" for d in DEVICES for module in self.modules[d]) and \
             all(self.ears[d].live.get(who) for d in DEVICES for who in ("near", "far", "relayed"))
 
@@ -149,7 +149,7 @@ class Faults(networks.NetworkCase):
             ["%s.%s has no samples" % (d, who) for d in DEVICES for who in ("near", "far", "relayed") if not self.ears[d].live.get(who)]
 
     def wait_heard(self, condition, limit):
-        """Returns the value of `condition` as soon as the output so far makes it true, or its last value after `limit` seconds."""
+        """Reads the output until `condition` returns a true value, and returns this value. Returns its last value after `limit` seconds."""
         end = time.monotonic() + limit
         while True:
             self.hear()
@@ -169,7 +169,7 @@ class Faults(networks.NetworkCase):
                 for at, module, said in self.ears[device].said[self.marks[device][0]:][:200]:
                     file.write("    %.3f %s.%s: %s\n" % (at - self.began, device, module, said))
 
-    # The faults. Each method chooses at random among the targets that are allowed now.
+    # The faults. Each method chooses a random target among those that may fail now.
 
     def killed(self, pid, device, what):
         fault = Fault(device, what, time.time())
@@ -177,7 +177,7 @@ class Faults(networks.NetworkCase):
         return fault
 
     def hosts(self, device):
-        """The pid of each host, by its executor."""
+        """Returns the pid of each host, by the name of its executor."""
         found = {}
         for process in self.running[device].processes("takt-host"):
             threads = set()
@@ -186,12 +186,12 @@ class Faults(networks.NetworkCase):
                     with open("/proc/%d/task/%s/comm" % (process.pid, task)) as file:
                         threads.add(file.read().strip())
                 except OSError:
-                    pass  # this thread only called a hook and has ended
+                    pass  # this thread only called a hook and has already ended
             found["risky" if "risky" in threads else cell.EXECUTORS[device]] = process.pid
         return found
 
     def host_killed(self):
-        # Takt gives up a host that ends more than three times in a minute, so the test must not kill it more often.
+        # Takt gives up a host that ends more than three times in a minute, so the test kills no host more often.
         now = time.monotonic()
         may = [(d, e) for d in DEVICES for e in ("risky", cell.EXECUTORS[d])
                if sum(now - then < 61 for then in self.hosts_killed.get((d, e), ())) < 3]
@@ -288,12 +288,12 @@ class Faults(networks.NetworkCase):
         os.kill(self.running[device].one(program).pid, signal.SIGSTOP)
         fault.module = (device, module)
         fault.within = 1 + 10 * cell.period(device, module) + SAID
-        fault.detected = lambda: ear.first_step(module, "RECOVER", mark, "hang: the process did not come back")
+        fault.detected = lambda: ear.first_step(module, "RECOVER", mark, "hang: the process did not return")
         fault.back = lambda: ear.first_step(module, "EXECUTING", mark)
         return fault
 
     def pull(self, device):
-        """Pulls the cable of the device now."""
+        """Pulls the network cable of the device."""
         fault = Fault(device, "its cable", time.time())
         self.net.cut(device)
         fault.safe = [(next_to(device), "far"), (device, "far")]
@@ -317,13 +317,13 @@ class Faults(networks.NetworkCase):
             join()
             self.excused.append((device, fault.at - 0.5, time.time() + 1))
         fault.mend = mend
-        fault.told_when_mended = True  # the other end of the cable can be heard only once the cable is back
+        fault.told_when_mended = True  # the output of the other side arrives only when the cable is back
         fault.detected = lambda: self.latest(self.record.first("device-lost", a, mark, cause="device %s " % b) for a, b in ends)
         fault.back = lambda: self.latest(self.record.first("device-back", a, mark, cause="device %s " % b) for a, b in ends)
         return fault
 
     def silence(self):
-        """Loses all packets for longer than a deadline and shorter than the lease."""
+        """Drops all packets of a device, for a time that is longer than a deadline and shorter than the lease."""
         device = self.random.choice(DEVICES)
         mark = self.record_mark
         readers = [(next_to(device), "far"), (device, "far")]
@@ -337,7 +337,7 @@ class Faults(networks.NetworkCase):
         return fault
 
     def lost_samples(self):
-        """Loses about half of all packets for a second."""
+        """Drops about half of all packets of a device for one second."""
         device = self.random.choice(DEVICES)
         before = self.lost_on_the_way()
         fault = Fault(device, "its network", time.time())
@@ -357,7 +357,7 @@ class Faults(networks.NetworkCase):
         return fault
 
     def lost_on_the_way(self):
-        """The samples lost at each reader `far`, as takt status shows them."""
+        """Returns how many samples each reader `far` has lost, according to takt status."""
         return {(device, module["name"]): port["lost"] for device, status in self.status().items() for module in status["modules"]
                 if module["name"] == "far" for port in module["ports"]}
 
@@ -367,7 +367,7 @@ class Faults(networks.NetworkCase):
         return None if None in times else max(times)
 
     def let_last(self, device, module):
-        """Waits until the last recovery counts as successful, so that the attempts of the next recovery are counted from 1."""
+        """Waits until the last recovery of the module counts as successful, so that its next recovery begins with attempt 1."""
         steps = [s.at for s in self.ears[device].steps if s.module == module]
         if steps:
             time.sleep(max(0.0, steps[-1] + 1.1 - time.time()))
@@ -376,11 +376,11 @@ class Faults(networks.NetworkCase):
     # One fault
 
     def waits(self):
-        """The waiting times of all threads, except those of the executor whose module may be in an endless loop."""
+        """Returns how long each thread has waited for a CPU. Leaves out the executor whose module may be in an endless loop."""
         return held_up.waits([p.pid for node in self.running.values() for p in node.processes()], but=("risky", "risky/s"))
 
     def mark(self):
-        """Lines from now on belong to the next fault."""
+        """Marks the present end of all outputs, so that later lines count for the next fault."""
         self.hear()
         self.marks = {d: self.ears[d].mark() for d in DEVICES}
         self.record_mark = self.record.mark()
@@ -397,7 +397,7 @@ class Faults(networks.NetworkCase):
         fault = getattr(self, kind.replace("-", "_"))()
         if fault is None:
             return None
-        ears, marks = dict(self.ears), dict(self.marks)  # as they are at the time of the fault
+        ears, marks = dict(self.ears), dict(self.marks)  # kept here, because the test replaces them when it restarts a node
         figures = {"number": self.number, "kind": kind, "device": fault.device, "what": fault.what, "at": fault.at}
         bound = fault.within or promised.detected
         of = "%s of %s.%s" % (kind, fault.device, fault.what)
@@ -452,7 +452,7 @@ class Faults(networks.NetworkCase):
             self.violated("%s.%s: wrong count of recovery attempts: %s" % (device, module, attempts))
 
     def start_afresh(self):
-        """Restarts all nodes and the cell, so that the test can continue after a failed recovery."""
+        """Restarts all nodes and deploys the cell again, so that the test can continue after a failed recovery."""
         for device in DEVICES:
             self.running[device].kill_all()
             self.runs.remove(self.running[device])
@@ -469,7 +469,7 @@ class Faults(networks.NetworkCase):
         self.assertTrue(self.wait_heard(self.all_execute, 30), self.not_executing())
 
     @takt_system.alone("each fault has to be reported within the time that the kernel and DDS need")
-    def test_each_random_fault_is_detected_contained_and_recovered_in_time(self):
+    def test_the_demo_cell_recovers_from_random_faults_within_the_promised_times(self):
         print("seed %d" % SEED, flush=True)
         self.number = 0
         self.began = time.time()
@@ -504,34 +504,35 @@ class Faults(networks.NetworkCase):
 
     @staticmethod
     def shared():
-        return {name for name in os.listdir("/dev/shm") if not name.startswith("takt-fuzz")}  # a fuzzer that runs now has files of this name
+        return {name for name in os.listdir("/dev/shm") if not name.startswith("takt-fuzz")}  # a fuzzer that runs now creates such files
 
     def shown(self):
         """Returns the last line that the panel printed."""
         return next((text for _, module, text in reversed(self.ears["station"].said) if module == "panel" and " placed; " in text), "")
 
     def let_go(self):
-        """Presses the reset button if the emergency stop is active: a lost fieldbus rightly stops the cell."""
+        """Presses the reset button if the emergency stop is active, because the loss of the fieldbus stops the cell as intended."""
         if "EMERGENCY STOP" in self.shown():
             self.resets += 1
             for down in ("true", "false"):
                 self.operator("set", "line.reset_button", "down", down)
 
     def look(self):
-        """Checks all devices between two faults."""
+        """Checks all devices before the next fault is injected."""
         self.let_go()
         for device in DEVICES:
             self.wear[device].look(self.running[device].one("takt-node").pid, fault=self.number)
             self.assert_counted(device)
 
     def assert_counted(self, device):
-        """The errors of each module in takt status must equal its steps to RECOVER since the start of its node."""
+        """Checks that takt status counts as many errors of each module as the module had transitions to RECOVER since the start of its
+        node."""
         def differences():
             self.ears[device].hear()
             steps = Counter(step.module for step in self.ears[device].steps if step.target == "RECOVER")
             return {m["name"]: (m["errors"], steps[m["name"]]) for m in self.status().get(device, {"modules": []})["modules"]
                     if m["errors"] != steps[m["name"]]}
-        end = time.monotonic() + 5  # nodes publish the counts once a second
+        end = time.monotonic() + 5  # nodes publish the counts only once a second
         while found := differences():
             if time.monotonic() > end:
                 return self.violated("%s: the errors in takt status differ from the steps to RECOVER: %s" % (device, found))
@@ -558,7 +559,7 @@ class Faults(networks.NetworkCase):
             self.violations.append("/dev/shm has %s, but had %s before" % (after, before))
         table = self.table(done)
         for row in table:
-            # Stalls are rare, so half of the faults must keep the bound itself.
+            # Stalls of the machine are rare, so at least half of the faults must stay within the promised time without the tolerance.
             if row["count"] >= 5 and row["detected_ms"] and row["detected_ms"]["p50"] > row["detected_bound_ms"]:
                 self.violations.append("half of the %s faults took more than %.0f ms to detect" % (row["kind"], row["detected_bound_ms"]))
         steps = sum(len(ear.steps) for device in DEVICES for ear in self.lives[device])
@@ -582,7 +583,7 @@ class Faults(networks.NetworkCase):
                            "violations": self.violations, "done": done}, file, indent=1)
 
     def assert_it_works_on(self):
-        """Checks that the cell still places parts after all faults."""
+        """Checks that the cell still places parts after the last fault."""
         def placed():
             match = re.search(r"(\d+) placed;", self.shown())
             return int(match[1]) if match else 0
@@ -595,8 +596,8 @@ class Faults(networks.NetworkCase):
         return placed()
 
     def assert_seen(self, device):
-        """Checks that takt watch showed each step of each module once. Returns the number of steps that it could not show, because the device
-        was disconnected or dead."""
+        """Checks that takt watch showed each transition of each module once. Returns the number of transitions that it could not show,
+        because the device was disconnected or dead."""
         self.monitor.hear()
         unseen = 0
         for module in self.modules[device]:

@@ -31,7 +31,7 @@ class Foreign(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         return json.loads(run.out)
 
-    def test_a_cyclone_dds_program_observes_commands_and_exchanges_samples_with_a_cell(self):
+    def test_a_program_with_cyclone_dds_can_observe_and_command_a_cell(self):
         cell = self.start("run", "cell.xml", "--json")
         cell.wait_for_state("counter", "EXECUTING")
         watch = self.cyclone("watch", 60)

@@ -21,11 +21,11 @@ class Hangs(takt_system.Case):
                 self.assertEqual(last, run.states("culprit"))
                 self.assertEqual(0, run.executor()["cycles"])
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
-                # The hooks of the next module in the file were still called.
+                # Takt must still call the hooks of the next module in the descriptor.
                 self.assertEqual("destruct", self.read("after").splitlines()[-1])
                 os.remove(os.path.join(self.folder, "after"))
 
-    def test_after_ctrl_c_takt_run_ends_once_a_hanging_hook_is_given_up(self):
+    def test_ctrl_c_ends_takt_run_as_soon_as_the_hanging_hook_times_out(self):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
@@ -44,14 +44,14 @@ class Hangs(takt_system.Case):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
-        # Two pending signals would merge into one.
+        # if the first signal were still pending, the kernel would merge both into one
         wait_until(lambda: not self.is_pending(run.pid, signal.SIGINT), 3, "the first signal to be delivered")
         run.signal(signal.SIGINT)
         run.wait(20)
         self.assertEqual(1, run.status)
         self.assertIn("device initialize: error: its node was killed by SIGKILL (Killed)", run.other_lines)
 
-    def test_error_and_recover_and_destruct_hooks_that_hang_do_not_delay_other_modules(self):
+    def test_a_hang_in_the_error_recover_or_destruct_hook_does_not_delay_other_modules(self):
         run = self.start("run", "running.xml", "--json")
         run.wait_for_line("after: recovery, attempt 1", limit=30)
         host = run.one("takt-host")
@@ -68,10 +68,11 @@ class Hangs(takt_system.Case):
         for module in ("in_error", "in_recover"):
             self.assertEqual(LIFE[:4] + ["RECOVER", "DESTRUCT"], run.states(module))
             self.assertEqual(50, run.modules()[module]["cycles"])
-        # The hooks of module `after` had to wait for the hooks of the other modules. All were called: those of each attempt, and destruct().
+        # The hooks of module `after` had to wait for those of the other modules. All of them were called: error() and recover() for each
+        # attempt, and destruct().
         diary = self.read("after").splitlines()
         self.assertEqual(["initialize", "start"] + ["error 1", "recover"] * 3 + ["error 1", "destruct"], diary)
-        # The modules in the tables were not affected.
+        # The hanging hooks must not affect the modules in the tables.
         for module, every in (("steady", 1), ("program", 2)):
             self.assertEqual(LIFE, run.states(module))
             self.assert_grid(run, module, every=every)

@@ -16,12 +16,13 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = takt_system.SOURCE
 BUILD = os.path.dirname(takt_system.BIN)
 PAGE = open(os.path.join(SOURCE, "docs", "install.md"), encoding="utf-8").read()
-PREFIX = "/opt/takt"  # the installation folder on the page docs/install.md
+PREFIX = "/opt/takt"  # the installation folder that the page docs/install.md uses
 CELL = os.path.join("share", "takt", "deploy", "palletizing.xml")
 
 
 def hidden(empty):
-    """Returns the words before a command that hide the source tree and the build tree from it. None if that is not permitted."""
+    """Returns the words to put before a command so that it cannot see the source tree and the build tree. Returns None if this is not
+    permitted."""
     alone = ["unshare", "--mount"] if os.getuid() == 0 else ["unshare", "--map-root-user", "--mount"]
     before = alone + ["sh", "-c", 'for tree in "$1" "$2"; do mount --bind "$0" "$tree" || exit 9; done; shift 2; exec "$@"',
                       empty, BUILD, SOURCE]
@@ -29,7 +30,7 @@ def hidden(empty):
 
 
 def block(language, containing=""):
-    """Returns the only code block of this language on the page that contains this text."""
+    """Returns the code block of this language that contains this text. The page must have exactly one."""
     found = [text for text in re.findall(r"```%s\n(.*?)```" % language, PAGE, re.S) if containing in text]
     assert len(found) == 1, (language, containing, len(found))
     return found[0]
@@ -56,7 +57,7 @@ def tearDownModule():
 
 class Installed(takt_system.Case):
     def installed(self, *arguments, program="takt", folder="bin", root=None, hide=True, components="", **options):
-        """Runs one of the installed programs, with the source tree and the build tree hidden."""
+        """Runs an installed program. The program cannot see the source tree and the build tree."""
         if hide and HIDDEN is None:
             self.skipTest("no mount namespace is granted here")
         environment = {"TAKT_COMPONENT_PATH": components, "PATH": "/usr/bin:/bin", "LD_LIBRARY_PATH": ""}
@@ -73,7 +74,7 @@ class Installed(takt_system.Case):
         return found
 
     def command(self, line, folder):
-        """Runs a command of the page with the real installation folder."""
+        """Runs a command from the page, with the installation folder of this test instead of the folder on the page."""
         self.assertIn(line, PAGE)
         run = subprocess.run(line.replace(PREFIX, INSTALLED), shell=True, cwd=folder, capture_output=True, text=True, timeout=300,
                              env=dict(os.environ, TAKT_DOMAIN=str(self.domain)))
@@ -81,7 +82,7 @@ class Installed(takt_system.Case):
         return run
 
     def test_cmake_find_package_rejects_a_build_tree(self):
-        """find_package() looks into the build tree because the programs of the build tree are in PATH."""
+        """Because the programs of the build tree are in PATH, find_package() also searches the build tree."""
         project = os.path.join(self.folder, "project")
         os.mkdir(project)
         with open(os.path.join(project, "CMakeLists.txt"), "w") as file:
@@ -95,7 +96,7 @@ class Installed(takt_system.Case):
         run = self.installed("run", os.path.join(INSTALLED, CELL), "--for", "2", "--json", "--quiet")
         self.assert_ran(run, ["trajectory", "servo", "arm", "conveyor", "counter", "panel"])
 
-    def test_an_installed_takt_finds_its_components_and_its_check_library(self):
+    def test_an_installed_takt_finds_its_installed_components_and_libraries(self):
         for component in ("servo.so", "panel.exe"):
             self.assertEqual(0, self.installed("describe", component).status)
         run = self.installed("describe", "nowhere.so")
@@ -130,7 +131,7 @@ class Installed(takt_system.Case):
                     self.assertNotIn(BUILD.encode(), content, path)
                     self.assertNotIn(SOURCE.encode() + b"/", content, path)
 
-    def test_the_installed_headers_compile(self):
+    def test_the_installed_c_and_cpp_headers_compile_without_errors(self):
         include = os.path.join(INSTALLED, "include")
         headers = sorted(os.path.relpath(path, include) for path in glob.glob(include + "/takt/**/*.h*", recursive=True))
         self.assertLess(20, len(headers))
@@ -160,7 +161,7 @@ class Installed(takt_system.Case):
         run = self.installed("run", os.path.join(folder, "cell.xml"), "--for", "1.5", "--json", "--quiet",
                              components=os.path.join(folder, "build", "components"))
         self.assert_ran(run, ["press", "gauge"])
-        # A project that asks for another version must not find the package.
+        # find_package() must not find the package if the project asks for another version.
         self.write("project/CMakeLists.txt", block("cmake").replace("takt 0.1", "takt 0.2"))
         refused = subprocess.run(["cmake", "-S", folder, "-B", os.path.join(self.folder, "other"), "-DCMAKE_PREFIX_PATH=" + INSTALLED],
                                  capture_output=True, text=True)
@@ -168,7 +169,7 @@ class Installed(takt_system.Case):
         self.assertIn('compatible with requested version "0.2"', re.sub(r"\s+", " ", refused.stderr))
 
     def build(self, lines):
-        """Builds a project of these CMake lines in the folder of the test. Returns the folder of its components."""
+        """Builds a project from these CMake lines in the folder of the test. Returns the folder that contains its components."""
         self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(outside LANGUAGES C CXX)\n"
                    "find_package(takt REQUIRED)\n" + "\n".join(lines) + "\n")
         build = os.path.join(self.folder, "build")
@@ -229,7 +230,7 @@ class Installed(takt_system.Case):
         self.assertIn("end after this many seconds", run.stdout)
 
     def completed(self, line):
-        """Returns the words that bash offers at the end of this line."""
+        """Returns the words that bash offers as completions at the end of this line."""
         script = os.path.join(INSTALLED, "share", "bash-completion", "completions", line.split()[0])
         words = line.split(" ")
         run = subprocess.run(["bash", "-c", 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); '
@@ -277,7 +278,7 @@ class Installed(takt_system.Case):
     # Packages
 
     @unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "no dpkg-dev")
-    def test_the_debian_packages_have_their_files_and_dependencies(self):
+    def test_each_debian_package_has_the_correct_files_and_dependencies(self):
         command = "cd build/release && cpack -G DEB"
         self.assertIn(command, PAGE)
         packages = os.path.join(self.folder, "packages")

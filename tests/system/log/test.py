@@ -29,7 +29,7 @@ class Log(takt_system.Case):
         return events
 
     def log_of_both(self):
-        """Repeats takt log until it finds both nodes. A stalled node may be found only by the next command."""
+        """Repeats takt log until it finds both nodes, because it may miss a node that is stalled."""
         def both():
             events = self.log()
             return events if {e["device"] for e in events} == set(DEVICES) else None
@@ -42,18 +42,18 @@ class Log(takt_system.Case):
         return [e for e in events if e["kind"] == kind and module in (None, e["module"]) and device in (None, e["device"])]
 
     def crashed(self):
-        """Starts both nodes and the cell, and waits until the module of robot has crashed."""
+        """Starts both nodes and deploys the cell. Returns when module culprit on robot has crashed and was given up."""
         nodes = self.nodes(*DEVICES)
         self.deploy("crash.xml")
         nodes["robot"].wait_for_line("the host is started again")
         self.wait_for_states({"robot": {"grid": "EXECUTING", "culprit": "DESTRUCT"}})
         return nodes
 
-    def test_the_fault_record_has_the_source_line_of_a_crash_and_counts_every_overrun(self):
+    def test_the_fault_record_lists_crashes_overruns_and_commands(self):
         begun = time.time_ns()
         began = time.monotonic()
         nodes = self.crashed()
-        # These are two rejected commands, and one that is carried out.
+        # Two of these commands are rejected, and one is carried out.
         self.refused({"start robot.culprit": "is not allowed in state DESTRUCT", "stop robot.none": "no module"})
         self.done("stop line.program")
         time.sleep(1.5)
@@ -85,7 +85,7 @@ class Log(takt_system.Case):
         self.assertLessEqual(len(overruns), seconds + 2, "at most one event a second, and one at the end")
         self.end(nodes)
 
-    def test_takt_undeploy_reports_a_repeated_failure_once(self):
+    def test_takt_undeploy_lists_a_module_that_failed_twice_only_once(self):
         nodes = self.crashed()
         begun = len(nodes["robot"].raw)
         for order in ("reset", "initialize", "start"):
@@ -97,7 +97,7 @@ class Log(takt_system.Case):
         self.assertEqual(1, run.err.count("failed earlier: module robot.culprit"), run.err)
         self.end(nodes)
 
-    def test_the_counts_of_the_fault_record_equal_those_of_the_run_report(self):
+    def test_the_fault_record_and_the_run_report_contain_the_same_counts(self):
         run = self.takt("run", "crash.xml", "--for", "3", "--json", "--state-dir", os.path.join(self.folder, "state"))
         for device in DEVICES:
             events = self.log("--file", self.file(device))
@@ -109,7 +109,7 @@ class Log(takt_system.Case):
             self.assertEqual("node-end", events[-1]["kind"])
         self.assertGreater(run.modules("line")["slow"]["overruns"], 0)
 
-    def test_takt_log_filters_events_and_prints_readable_text(self):
+    def test_takt_log_prints_only_the_events_that_its_filter_options_select(self):
         nodes = self.crashed()
         self.assertEqual([], [e for e in self.log("--device", "line") if e["device"] != "line"])
         self.assertEqual({"culprit"}, {e["module"] for e in self.log("--module", "culprit")})
@@ -132,7 +132,7 @@ class Log(takt_system.Case):
                       "log --file /nowhere/x.faults": "/nowhere/x.faults: error: there is no such file"})
         self.end(nodes)
 
-    def test_the_fault_record_survives_crashes_of_the_host_and_the_node(self):
+    def test_the_fault_record_survives_a_crash_of_the_host_or_the_node(self):
         nodes = self.crashed()
         begun = len(nodes["robot"].raw)
         nodes["robot"].one("takt-host").kill()
@@ -144,7 +144,7 @@ class Log(takt_system.Case):
         nodes["robot"].signal(signal.SIGKILL)
         nodes["robot"].wait(10)
 
-        # The record can be read without its node, and the other node records the loss.
+        # takt log can read the record while the node is dead, and the other node records the loss of the device.
         dead = self.log("--file", self.file("robot"))
         self.assertEqual(before, dead[:len(before)])
         text = self.takt("log", "--file", self.file("robot"), "--kind", "host-restart")
@@ -165,7 +165,7 @@ class Log(takt_system.Case):
         self.end(nodes)
         self.assertEqual("node-end", self.log("--file", self.file("robot"))[-1]["kind"])
 
-    def test_takt_log_skips_only_the_damaged_events_of_a_damaged_file(self):
+    def test_takt_log_prints_all_undamaged_events_of_a_damaged_file(self):
         nodes = self.crashed()
         self.end(nodes)
         path = self.file("robot")
@@ -184,7 +184,7 @@ class Log(takt_system.Case):
         self.assertEqual({"robot"}, {e["device"] for e in self.log()})
         self.end({"robot": node})
 
-    def test_a_node_runs_on_if_it_cannot_write_its_fault_record(self):
+    def test_a_node_keeps_running_if_it_cannot_write_its_fault_record(self):
         place = self.write("file", "")
         node = self.node("robot", "--state-dir", os.path.join(place, "folder"))
         self.assertRegex(node.err, "warning: the fault record: ")
@@ -210,7 +210,7 @@ class Log(takt_system.Case):
 
         error = crash("none", 0)
         self.assertIsNone(error["attachment"])
-        self.assertIn("no core dump: core_pattern passes it to" if piped else "no core dump: RLIMIT_CORE is 0", error["cause"])
+        self.assertIn("no core dump: core_pattern passes core dumps to" if piped else "no core dump: RLIMIT_CORE is 0", error["cause"])
         if piped or resource.getrlimit(resource.RLIMIT_CORE)[1] != unlimited:
             self.skipTest("this system writes no core dumps to files")
         error = crash("some", unlimited)
@@ -226,19 +226,19 @@ class Log(takt_system.Case):
         follower.wait_for_out("stop was carried out")
         self.done("undeploy shop")
         follower.wait_for_out("undeployed")
-        # The events that takt log --follow prints equal those of the record.
+        # takt log --follow must print the same events as takt log.
         last = {e["device"]: e for e in self.log_of_both()}
 
         def told(device):
             return [e for e in [json.loads(line) for _, line in list(follower.out_lines)] if e["device"] == device]
         wait_until(lambda: all(last[device] in told(device) for device in DEVICES), 15, "the last events of both records")
-        time.sleep(0.5)  # an event that came twice would arrive in this time
+        time.sleep(0.5)  # an event that is printed twice would be printed again in this time
         follower.signal(signal.SIGINT)
         self.assertEqual(0, follower.wait(10).status, follower.err)
         everything = self.log_of_both()
         self.assertIn("node-start", [e["kind"] for device in DEVICES for e in told(device)])
         for device in DEVICES:
-            # takt log prints the events since it found the device. Newer events may exist by now.
+            # takt log --follow prints only events that occur after it finds the device. There may already be newer events in the record.
             seen = told(device)
             since = [e for e in everything if e["device"] == device and e["sequence"] >= seen[0]["sequence"]]
             self.assertEqual(since[:len(seen)], seen)
@@ -252,7 +252,7 @@ class Log(takt_system.Case):
         node.signal(signal.SIGSTOP)
         begun = time.time_ns()
         follower = self.start("log", "--follow", "--json")
-        time.sleep(4)  # in this time, takt log finds no node and so no record
+        time.sleep(4)  # in this time, takt log finds no node and so reads no record
         self.assertEqual("", follower.out)
         node.signal(signal.SIGCONT)
         self.refused({"stop robot.four": "robot"})
@@ -267,7 +267,7 @@ class Log(takt_system.Case):
 class Cable(networks.NetworkCase):
     MACHINES = DEVICES
 
-    def test_takt_log_names_a_device_that_only_other_nodes_can_reach(self):
+    def test_takt_log_reports_a_device_that_other_nodes_list_but_it_cannot_reach(self):
         nodes = self.nodes(*DEVICES)
         self.deploy("cable.xml")
         for machine, other in (("operator", "line"), ("line", "operator")):
@@ -276,7 +276,7 @@ class Cable(networks.NetworkCase):
         run = self.takt("log", "--json")
         self.assertEqual({"robot"}, {json.loads(line)["device"] for line in run.out.splitlines()})
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, "^device line: error: other devices of its cell list it, but it was not found from here within 3 s; "
+        self.assertRegex(run.err, "^device line: error: other devices of its cell list it, but this program did not find it within 3 s; "
                                   "try again")
         self.assertGreater(time.monotonic() - begun, 3, "takt log must wait for the device")
         for machine, other in (("operator", "line"), ("line", "operator")):
@@ -286,7 +286,7 @@ class Cable(networks.NetworkCase):
         self.assertEqual(set(DEVICES), {json.loads(line)["device"] for line in run.out.splitlines()})
         self.end(nodes)
 
-    def test_the_devices_at_both_ends_record_a_pulled_cable(self):
+    def test_both_devices_record_the_loss_and_return_of_their_network_connection(self):
         nodes = self.nodes(*DEVICES)
 
         since = {}
@@ -297,7 +297,8 @@ class Cable(networks.NetworkCase):
             return {e["kind"]: e for e in map(json.loads, run.out.splitlines()) if e["sequence"] > since.get(device, -1)}
 
         def newest(device):
-            """The number of the newest event of the device. A stall of the machine may have caused events before the cut."""
+            """Returns the number of the newest event of the device, because a stall of the machine may have caused events before the cable
+            is pulled."""
             return max(e["sequence"] for e in kinds(device).values())
 
         def wait_for(wanted, limit, what):

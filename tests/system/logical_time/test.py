@@ -4,7 +4,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 
-# Periods in ms. Run times are up to 2 ms, which fits into the rows.
+# Periods in ms. Run times are at most 2 ms, which is shorter than a row.
 PERIODS = {"m0": 20, "m1": 20, "m2": 40, "m3": 60}
 CONNECTIONS = [("m0", "m1.a"), ("m1", "m2.a"), ("m2", "m0.a"), ("m0", "m3.a"), ("m3", "m1.b"), ("m2", "m3.b"), ("m1", "m0.b")]
 RUNS_MS = 600
@@ -26,7 +26,8 @@ class LogicalTime(takt_system.Case):
         return self.write("cell.xml", text + "</cell>\n")
 
     def computed(self, executors, timing):
-        """Returns the results of all modules in a run without missed rows and overruns. Repeats runs that a stall of the machine disturbed."""
+        """Returns the results of all modules after a run without missed rows and overruns. Repeats the run if a stall of the machine
+        disturbed it."""
         cell = self.cell(executors, timing)
         for _ in range(20):
             run = self.takt("run", cell, "--for", "1.1", "--json", "--quiet")

@@ -10,7 +10,7 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 LEASE_MS = 300
-# The promised limits are 50 ms, and the lease plus 100 ms. The limits here are wider, because a shared machine can stall.
+# The promised limits are 50 ms, and the lease plus 100 ms. The limits here are longer, because a machine that other programs use can stall.
 LEAVES_MS = 500
 LOST_MS = 2000
 
@@ -26,7 +26,8 @@ class Lost(takt_system.Case):
             self.watch.wait_for_out(r"^\d\d:\d\d:\d\d\.\d{3} %s: START -> EXECUTING$" % re.escape(module))
 
     def kill(self, process, seen, back):
-        """Kills the process. Returns the ms until takt watch had printed all lines `seen`, and the ms until it had printed all lines `back`."""
+        """Kills the process. Returns the time in ms until takt watch had printed all lines `seen`, and the time in ms until it had printed
+        all lines `back`."""
         after = len(self.watch.out_lines)
         killed = time.monotonic()
         process.kill()
@@ -41,7 +42,8 @@ class Lost(takt_system.Case):
         self.assertLess(statistics.median(gone), limit)
 
     def assert_line_goes_on(self):
-        """Checks that the modules of line never left EXECUTING and have the same processes. Returns the status of all devices."""
+        """Checks that the modules of device line never left EXECUTING and still have the same processes. Returns the status of all
+        devices."""
         before = time.monotonic_ns()
         now = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         row = now["line"]["executors"][0]
@@ -52,7 +54,8 @@ class Lost(takt_system.Case):
         return now
 
     def told_by_the_line(self):
-        """Waits until line too has lost robot and returns the status of all devices. takt status now learns of robot only from line."""
+        """Waits until the node of device line has also lost robot. Returns the status of all devices, which now knows about robot only from
+        line."""
         def holds():
             status = {d["name"]: d for d in self.status_of()["devices"]}
             alive = {name: device["alive"] for name, device in status.items()}
@@ -65,7 +68,7 @@ class Lost(takt_system.Case):
         self.assertRegex(run.err, failure)
         t0, _, strayed = map(int, self.read("line").split())
         self.assertEqual(0, strayed)
-        # Each row of line since T0 was walked or counted as missed; half a second is tolerated for an executor that stalled.
+        # Each row of line since T0 must have run or count as missed. Half a second is tolerated for an executor that stalled.
         for before, rows, after in self.looks:
             self.assertGreater(rows, (before - t0) / 5e6 - 100)
             self.assertLess(rows, (after - t0) / 5e6 + 2)
@@ -91,7 +94,7 @@ class Lost(takt_system.Case):
         robot = {m["name"]: m for m in now["robot"]["modules"]}
         self.assertEqual(7, robot["program"]["errors"])
         self.assertEqual(0, robot["grid"]["errors"], "the module itself had no error")
-        # The fourth end of the host ends this device, but not the other one.
+        # When the host ends for the fourth time, this device ends, but not the other device.
         self.robot.one("takt-host").kill()
         reason = r"device robot: error: the host was killed by SIGKILL \(Killed\); it has been restarted 3 times"
         self.watch.wait_for_out(r"^\S+ robot: ended \(%s" % reason)
@@ -99,9 +102,9 @@ class Lost(takt_system.Case):
         self.assertEqual(["takt-node"], [process.program for process in self.robot.processes()])
         self.finish("failed earlier: " + reason)
 
-    def test_a_killed_node_is_shown_as_lost_and_resumes_its_cell_when_it_is_restarted(self):
+    def test_takt_watch_and_takt_status_show_the_loss_and_return_of_a_node(self):
         self.begin()
-        # A node that is stopped by SIGSTOP counts as lost. Its host and programs run on. After SIGCONT, the node is back.
+        # Takt treats a node that is stopped with SIGSTOP as lost. Its host and programs keep running. After SIGCONT, the device is back.
         node = self.robot.one("takt-node")
         after = len(self.watch.out_lines)
         node.kill(signal.SIGSTOP)
@@ -143,8 +146,8 @@ class Lost(takt_system.Case):
         self.told_by_the_line()
         run = self.takt("undeploy", "cell")
         self.assertEqual((1, "cell cell is undeployed from line\n"), (run.status, run.out))
-        self.assertEqual("device robot: error: is lost and did not receive the command; start its node without --resume, or it resumes the "
-                         "cell", run.err.rstrip())
+        self.assertEqual("device robot: error: is lost and did not receive the command; when you start its node again, leave out "
+                         "--resume; otherwise the device resumes the cell", run.err.rstrip())
         self.assertEqual("-", self.status_of()["cell"])
         self.end({"line": self.line})
 

@@ -10,7 +10,7 @@ MODULE = ("<module><name>%s</name><filename>%s</filename><moduletype>%s</modulet
 
 
 class Many(takt_system.Case):
-    def test_a_thousand_modules_of_one_table_run_in_every_row(self):
+    def test_a_table_with_a_thousand_modules_runs_each_of_them_in_every_row(self):
         threads = ["m%d" % i for i in range(1000)]
         copies = ["c%d" % i for i in range(50)]
         programs = ["p%d" % i for i in range(30)]

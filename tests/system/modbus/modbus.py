@@ -1,5 +1,5 @@
-"""A device and a master of Modbus TCP, written from its specification (Application Protocol V1.1b3, Messaging on TCP/IP V1.0b) without
-the library that Takt uses. The device can misbehave."""
+"""A device and a master for Modbus TCP, written according to the specification (Application Protocol V1.1b3, Messaging on TCP/IP V1.0b),
+without the library that Takt uses. The device can misbehave."""
 
 import random
 import socket
@@ -11,7 +11,8 @@ ILLEGAL_ADDRESS = 2
 
 
 def free_port():
-    """Returns a free port below the range of outgoing connections, so that the port stays free until the test uses it."""
+    """Returns a free TCP port below the range that the kernel uses for outgoing connections, so that the port stays free until the test
+    uses it."""
     ports = list(range(12000, 30000))
     random.shuffle(ports)
     for port in ports:
@@ -46,8 +47,8 @@ def _exactly(connection, count):
 
 
 class Device:
-    """Serves one map of addresses. `mood` says how it answers: "well", "refuses", "garbage", "silent", "drip" (byte by byte) or "other"
-    (answers another request)."""
+    """A Modbus device with one address map. `mood` selects how it answers requests: "well", "refuses", "garbage", "silent", "drip" (byte by
+    byte) or "other" (answers a different request)."""
 
     def __init__(self, port=None):
         self.coils = dict.fromkeys(range(64), 0)
@@ -136,7 +137,7 @@ class Device:
 
 
 class Refused(Exception):
-    """The device answered with an exception; its argument is the code."""
+    """The device answered with a Modbus exception. The argument is the exception code."""
 
 
 class Master:

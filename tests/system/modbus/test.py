@@ -52,15 +52,15 @@ class Modbus(takt_system.Case):
         return run
 
     def assert_on_time(self, run):
-        """Checks that the body returned to waitPeriod() before its next release, whatever the device did."""
+        """Checks that the body of the master always returned to waitPeriod() before its next release, whatever the device did."""
         master = run.modules("plc")["master"]
         self.assertEqual(0, master["errors"])
         self.assertLess(master["overruns"], FEW)
         self.assertGreater(master["cycles"], 5)
 
-    # The master, with the device of modbus.py
+    # Runs Takt's master with the device of modbus.py.
 
-    def test_the_master_reads_and_writes_values_with_few_requests(self):
+    def test_the_master_accesses_neighbouring_addresses_in_one_request(self):
         device = self.device()
         device.discrete[3] = 1
         device.inputs[4] = -205 & 0xFFFF
@@ -75,7 +75,7 @@ class Modbus(takt_system.Case):
         device.discrete[3] = 0
         wait_until(lambda: device.coils[0] == 0)
         self.assert_on_time(self.end(run))
-        # The master did not write a coil without a value before the end. It read and wrote neighbouring addresses in one request.
+        # Before the end, the master did not write the coil that has no value. It read and wrote neighbouring addresses in one request.
         self.assertEqual({(2, 3, 1), (4, 4, 1), (3, 20, 2), (15, 0, 1), (16, 10, 1), (16, 30, 2), (15, 0, 2)},
                          set(device.requests))
         self.assertEqual((15, 0, 2), next(r for r in reversed(device.requests) if r[0] == 15))
@@ -96,18 +96,18 @@ class Modbus(takt_system.Case):
         wait_until(lambda: device.coils[0] == 1)
         self.done("stop plc.master")
         wait_until(lambda: (device.coils[0], device.coils[1]) == (0, 1), what="the safe values")
-        run.wait_for_line(r"plc.master: \| .*does not run: its outputs get their safe values")
+        run.wait_for_line(r"plc.master: \| .*does not run; its outputs now have their safe values")
         self.done("start plc.master")
         wait_until(lambda: device.coils[0] == 1, what="the master to write values again")
         self.end(run)
 
-    def test_a_misbehaving_modbus_device_is_reported_once_and_delays_no_cycle(self):
+    def test_a_misbehaving_modbus_device_does_not_delay_a_cycle_of_the_master(self):
         device = self.device()
         device.discrete[3] = 1
         device.inputs[4] = 25
         run = self.run_cell(device)
         wait_until(lambda: device.coils[0] == 1)
-        # Any request may be the one that fails.
+        # The failed request may be any of those that the master sends.
         request = r"(reading|writing) [a-z ]+ \d+ to \d+ \(\w+\): "
         for mood, words in (("refuses", "the device rejected " + request + "Illegal data address; correct the map"),
                             ("garbage", "no valid answer when " + request + "Invalid data"),
@@ -117,7 +117,7 @@ class Modbus(takt_system.Case):
             begun = len(run.raw)
             device.mood = mood
             run.wait_for_line(words, after=begun)
-            time.sleep(2)  # a repeated message would appear in this time
+            time.sleep(2)  # if the message were repeated, it would appear in this time
             device.mood = "well"
             run.wait_for_line(r"plc.master: \| 127.0.0.1:\d+: the exchange works again after \d", after=begun)
             self.assertEqual(2, sum(" plc.master: | " in line for line in run.raw[begun:]), run.err)
@@ -125,9 +125,9 @@ class Modbus(takt_system.Case):
             wait_until(lambda: device.coils[0] == 1, what="the lamp after " + mood)
         self.assert_on_time(self.end(run))
 
-    def test_values_are_stale_while_the_modbus_device_is_off(self):
+    def test_values_from_a_modbus_device_are_stale_while_it_is_off(self):
         device = self.device()
-        run = self.run_cell(device, replace=[('deadline="300000000"', 'deadline="2000000000"')])  # longer than the machine may stall
+        run = self.run_cell(device, replace=[('deadline="300000000"', 'deadline="2000000000"')])  # longer than a stall of the machine
         wait_until(lambda: len(device.requests) > 50)
 
         def late():
@@ -144,7 +144,7 @@ class Modbus(takt_system.Case):
         self.assert_on_time(self.end(run))
         self.assertEqual(1, late())
 
-    # Takt's master and device, and a master of modbus.py
+    # Runs Takt's master with Takt's device component, and with a master of modbus.py.
 
     def test_the_master_and_the_device_component_exchange_values(self):
         port = modbus.free_port()
@@ -164,7 +164,7 @@ class Modbus(takt_system.Case):
         self.assertEqual([1], stranger.read_bits(1, 0))
         self.end(run)
 
-    def test_the_device_component_survives_invalid_data_and_still_serves_other_masters(self):
+    def test_invalid_data_from_a_modbus_master_does_not_disturb_the_other_masters(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -183,7 +183,7 @@ class Modbus(takt_system.Case):
             self.assertEqual([1], one.read_bits(1, 100))
         self.end(run)
 
-    def test_the_master_connects_again_to_a_restarted_device(self):
+    def test_the_master_reconnects_to_a_restarted_device(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -209,7 +209,7 @@ class Modbus(takt_system.Case):
 
     # Before anything runs
 
-    def test_takt_check_rejects_a_wrong_modbus_map_and_names_its_lines(self):
+    def test_takt_check_reports_the_line_of_each_error_in_a_modbus_map(self):
         wrong = self.descriptor("cell.xml", 1502, replace=[("discrete 3", "discret 3"), ("int16 scale 0.1", "int16 scale x"),
                                                            ("register 30 int32", "input-register 30 int32")])
         run = self.takt("check", wrong)
@@ -220,7 +220,7 @@ class Modbus(takt_system.Case):
         self.assertRegex(run.err, at + r"\d+: an input register cannot be written; write 'in', or 'out register'")
         self.assert_refused(self.takt("run", wrong, "--for", "1"), at)
 
-    def test_each_point_of_the_modbus_map_is_a_port(self):
+    def test_takt_describe_lists_a_port_for_each_point_of_the_modbus_map(self):
         out, = self.done("describe --json modbus_device.exe 'map=lamp out coil 0; speed in register 4 unit m/s'")
         ports = {p["name"]: (p["direction"], p["type"]["name"] if isinstance(p["type"], dict) else p["type"], p["text"])
                  for p in json.loads(out)["ports"]}

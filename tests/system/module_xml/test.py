@@ -27,7 +27,7 @@ STATISTICS = ["mean", "variance", "min", "p50", "p99", "p999", "max"]
 
 
 class ModuleXml(takt_system.Case):
-    def test_takt_check_json_has_the_documented_form(self):
+    def test_takt_check_prints_json_in_the_documented_format(self):
         run = self.takt("check", EXAMPLE, "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual("", run.err)
@@ -51,7 +51,7 @@ class ModuleXml(takt_system.Case):
         self.assertEqual([("emergency", "thread", "100 us", "1"), ("vision", "process", "10 ms", "2")], sporadic)
         self.assertRegex(run.out, r"not real-time: +monitoring")
 
-    def test_modules_pass_through_every_state_and_each_row_is_counted(self):
+    def test_the_example_of_the_paper_runs_and_accounts_for_every_row(self):
         run = self.start("run", EXAMPLE, "--for", "10", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         programs = sorted(p.program for p in run.processes())
@@ -82,28 +82,28 @@ class ModuleXml(takt_system.Case):
             program = name + ".exe" if m["type"] == "process" else "takt-host"
             self.assertEqual(pids[program], m["pid"], name)
 
-        # The grid has a row every 100 us, from T0 until the run was asked to end.
+        # The grid has a row every 100 us, from T0 until takt run begins to end the cell.
         rows = executor["cycles"] + executor["missed"]
         self.assertLess(abs(rows - 100000), 20000)
         self.assertEqual(executor["cycles"], modules["control2"]["cycles"])
         self.assertEqual(executor["cycles"], modules["control3"]["cycles"])
         self.assert_grid(run, "controller1", every=6)
         self.assert_grid(run, "control4", every=3)
-        # Each row releases a sporadic program, unless it is still in its body.
+        # Each row releases a sporadic program, unless its body is still running.
         self.assertGreater(modules["vision"]["cycles"], 0)
         self.assertLessEqual(modules["vision"]["cycles"], executor["cycles"])
         self.assertGreater(modules["emergency"]["cycles"], 0)
         self.assertEqual(0, modules["monitoring"]["cycles"])
 
-        # The modules counted the same releases as the scheduler. Only the last release of a program may be missing, because the end
-        # of the run can interrupt it.
+        # The modules must count the same number of releases as the scheduler. Only the last release of a program may be missing, because
+        # the shutdown can interrupt it.
         for name in ("control4", "vision"):
             counted = int(re.search(r"(\d+) releases", " ".join(run.printed(name)))[1])
             self.assertIn(modules[name]["cycles"] - counted, (0, 1), name)
         self.assertIn("of %d periods" % modules["control2"]["cycles"], " ".join(line.text for line in run.said("(host)")))
         self.assertRegex(" ".join(run.printed("monitoring")), r"load .* monitoring: ended after \d+ lines")
 
-    def test_no_module_starts_before_all_are_initialised_and_none_runs_before_all_are_started(self):
+    def test_every_module_completes_a_start_up_step_before_any_module_takes_the_next(self):
         run = self.takt("run", EXAMPLE, "--for", "1")
         self.assertEqual(0, run.status, run.err)
         order = [run.lines.index(line) for state in ("INITIALIZE", "START", "EXECUTING")

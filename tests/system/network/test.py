@@ -1,7 +1,7 @@
-"""The demo cell runs on three machines (network namespaces). A fourth machine deploys and observes it.
+"""The demo cell runs on three simulated machines (network namespaces), and a fourth machine deploys and observes it.
 
-The cell survives a pulled cable: the isolated device stops its belt by itself, the other devices run on, and the cell places parts again
-once the cable is back. Without multicast, the nodes find each other through a list of peers or through a discovery server.
+When a cable is pulled, the isolated device stops its belt by itself, and the other devices keep running. When the cable is back, the cell
+places parts again. Two tests check that without multicast, the nodes find each other through a list of peers or through a discovery server.
 """
 import json
 import os
@@ -40,16 +40,16 @@ class Network(networks.NetworkCase):
         self.done("undeploy palletizing")
         super().end(nodes)
 
-    def test_the_demo_cell_places_parts_again_after_a_cable_was_pulled(self):
+    def test_the_demo_cell_resumes_its_work_after_a_pulled_cable_is_reconnected(self):
         nodes = self.nodes(*DEVICES)
         with open(CELL) as file:
             text = file.read()
-        # With its original time-outs, the demo would rightly halt when the machine stalls, and wait for a manual reset.
+        # With its original time-outs, the demo cell would correctly stop when the machine stalls, and wait for a manual reset.
         text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text).replace('deadline="500000000" stale="error"', 'deadline="2000000000" stale="error"')
         self.assertEqual((3, 1), (text.count('timeout">2<'), text.count('deadline="2000000000"')))
         self.deploy(self.write("patient.xml", text))
         self.wait_for_status(self.all_execute, 15, "all devices to execute")
-        time.sleep(5)  # some parts are placed
+        time.sleep(5)  # wait until some parts are placed
         before = self.wait_for_status(self.all_execute, 15, "all devices to execute")
         self.assertEqual([], [line.text for line in nodes["line"].said("conveyor") if "RECOVER" in line.text])
 
@@ -58,7 +58,7 @@ class Network(networks.NetworkCase):
         self.wait_for_status(lambda s: {name: d["alive"] for name, d in s.items()} == {"robot": True, "line": False, "station": True},
                              15, "the loss of line to be seen")
         print("takt status showed the loss of line %.2f s after the cut" % (time.monotonic() - cut))
-        # The isolated device stops its belt by itself, because commands for its speed no longer arrive.
+        # The isolated device must stop its belt by itself, because it no longer receives commands for the speed of the belt.
         nodes["line"].wait_for_line(r"line\.conveyor: EXECUTING -> RECOVER .*(stale|older)")
         time.sleep(max(0.0, 5 - (time.monotonic() - cut)))
         during = self.status()
@@ -68,7 +68,7 @@ class Network(networks.NetworkCase):
         joined = time.monotonic()
         after = self.wait_for_status(self.all_execute, 20, "line to come back")
         print("the line was back %.2f s after the cable" % (time.monotonic() - joined))
-        # Each row of robot during the cut was walked or counts as missed.
+        # Each row of robot during the disconnection must have run or count as missed.
         walked = {}
         for name, status in (("before", before), ("after", after)):
             executor = status["robot"]["executors"][0]
@@ -80,7 +80,7 @@ class Network(networks.NetworkCase):
         wait_until(lambda: placed() > before + 1, 30, "parts to be placed again")
         self.end(nodes)
 
-    def test_without_multicast_nodes_find_each_other_through_a_list_of_peers(self):
+    def test_nodes_find_each_other_through_a_list_of_peers_without_multicast(self):
         self.net.no_multicast()
         peers = " ".join(self.net.address(device) for device in DEVICES)
         cell = self.cell_with('discovery="peers" peers="%s"' % peers)
@@ -90,7 +90,7 @@ class Network(networks.NetworkCase):
         self.assert_all_execute_by(("--peers", peers.replace(" ", ",")))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--peers", peers.replace(" ", ",")).status)
 
-    def test_without_multicast_nodes_find_each_other_through_a_discovery_server(self):
+    def test_nodes_find_each_other_through_a_discovery_server_without_multicast(self):
         self.net.no_multicast()
         server = self.net.address("station") + ":11811"
         cell = self.cell_with('discovery="server" server="%s" server-device="station"' % server)

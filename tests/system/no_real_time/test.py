@@ -13,7 +13,7 @@ MODULES = ["steady", "program", "sporadic", "background"]
 
 
 def become_unprivileged(locked_bytes=0):
-    """The child process calls this to give up all rights, and to set limits that grant none."""
+    """The child process calls this to become a user without rights, with limits that grant none."""
     resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
     resource.setrlimit(resource.RLIMIT_MEMLOCK, (locked_bytes, locked_bytes))
     if os.getuid() == 0:
@@ -50,8 +50,8 @@ class NoRealTime(takt_system.Case):
         self.assertEqual(run.executor()["cycles"], run.modules()["steady"]["cycles"])
         self.assertGreater(run.modules()["background"]["cycles"], 0)
 
-    def test_a_limit_on_locked_memory_is_reported(self):
-        # Many systems have this limit: it is enough for a program to start, but less than the program needs later.
+    def test_takt_run_reports_a_limit_on_locked_memory(self):
+        # Many systems limit locked memory to 8 MiB: enough for the start of a program, but less than the program needs later.
         options = dict(self.options, become=lambda: become_unprivileged(8 * 1024 * 1024))
         run = self.takt("run", self.descriptor, "--for", "1.5", "--json", **options)
         self.assert_ran(run)
@@ -66,12 +66,12 @@ class NoRealTime(takt_system.Case):
         self.assertTrue([w for w in warnings if "SCHED_FIFO" in w and "is denied" in w and "CAP_SYS_NICE" in w], run.err)
         self.assertTrue([w for w in warnings if "mlockall is denied" in w and "memlock" in w], run.err)
 
-    def test_the_text_report_of_a_run_without_rights_says_not_real_time(self):
+    def test_the_report_marks_a_run_without_real_time_rights_as_not_real_time(self):
         run = self.takt("run", self.descriptor, "--for", "0.2", **self.options)
         self.assertEqual(0, run.status, run.err)
         self.assertRegex(run.out, r"(?m)^device cell +NOT REAL-TIME$")
 
-    def test_with_require_realtime_takt_run_starts_nothing_without_rights(self):
+    def test_the_option_require_realtime_prevents_a_start_without_real_time_rights(self):
         run = self.takt("run", self.descriptor, "--for", "5", "--json", "--require-realtime", limit=15, **self.options)
         self.assert_refused(run, r"(?m)^device cell: error: SCHED_FIFO .* is denied: .*; run as root, or give ",
                             r"(?m)^device cell: error: mlockall is denied beyond 0 KiB")
@@ -79,13 +79,13 @@ class NoRealTime(takt_system.Case):
         self.assertNotIn("WARNING", run.err)
 
     @unittest.skipUnless(shutil.which("taskset"), "no taskset")
-    def test_a_cell_without_rights_runs_on_one_cpu(self):
+    def test_a_cell_without_real_time_rights_can_run_on_a_single_cpu(self):
         run = self.takt("run", self.descriptor, "--for", "1", "--json", before=["taskset", "-c", self.a_processor()], **self.options)
         self.assert_ran(run)
         self.assertRegex(run.err, "no CPU is left for process modules")
 
     @unittest.skipUnless(shutil.which("taskset"), "no taskset")
-    def test_a_cell_runs_on_one_cpu(self):
+    def test_a_cell_with_real_time_rights_can_run_on_a_single_cpu(self):
         run = self.takt("run", "cell.xml", "--for", "1", "--json", before=["taskset", "-c", self.a_processor()])
         self.assert_ran(run)
         self.assertRegex(run.err, "no CPU is left for process modules")

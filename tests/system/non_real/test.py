@@ -50,10 +50,10 @@ class NonReal(takt_system.Case):
         for module in ("ends_well", "ends_badly"):
             self.assertGreater(int(run.printed(module)[0].split()[1]), t0)
 
-    def test_a_run_function_that_never_returns_does_not_block_the_end_of_the_cell(self):
+    def test_a_non_real_time_run_that_never_returns_does_not_block_the_shutdown(self):
         run = self.takt("run", "endless.xml", "--for", "2", "--json", limit=30)
         self.assertEqual(1, run.status)
-        self.assertEqual(["module endless.endless: error: run() did not return within 2 s, so the host was ended"],
+        self.assertEqual(["module endless.endless: error: run() did not return within 2 s, so the node killed the host"],
                          run.other_lines)
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
         self.assertEqual(LIFE, run.states("steady"))

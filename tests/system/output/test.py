@@ -7,7 +7,7 @@ import takt_system
 
 
 class Output(takt_system.Case):
-    def test_takt_run_prints_each_line_of_a_program_with_the_name_of_its_module(self):
+    def test_takt_run_prefixes_each_line_that_a_program_prints_with_the_module_name(self):
         run = self.takt("run", "cell.xml", "--for", "2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual("cell", run.report["cell"])
@@ -38,11 +38,11 @@ class Output(takt_system.Case):
         run = self.takt("run", "cell.xml", "--for", "0.3", "--json", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
         self.assertEqual(1, run.status)
         self.assertIn("brief: START -> DESTRUCT", run.err)
-        self.assertEqual(["error: the report cannot be written to standard output"], run.other_lines)
+        self.assertEqual(["error: cannot write the report to standard output"], run.other_lines)
         run = self.takt("check", "cell.xml", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
-        self.assertEqual((1, "error: the report cannot be written to standard output"), (run.status, run.err))
+        self.assertEqual((1, "error: cannot write the report to standard output"), (run.status, run.err))
 
-    def test_a_device_runs_on_when_nobody_reads_its_output(self):
+    def test_a_device_keeps_running_when_nobody_reads_its_output(self):
         run = self.takt("run", "cell.xml", "--for", "0.5", "--json",
                         before=["/bin/sh", "-c", '"$0" "$@" 2>&1 >report | head -1'])
         self.assertEqual(1, len(run.out.splitlines()))

@@ -15,7 +15,7 @@ def module(name, component, priority, more="", **properties):
                      "properties": values, "more": more}
 
 
-# Every 20th run of this module takes three and a half periods, so the modules after it miss three releases.
+# Every 20th run of this module takes three and a half periods, so that the modules after it in the row miss three releases.
 HOG = module("hog", "slow.so", 9, ns=35000000, every=20)
 
 
@@ -24,7 +24,7 @@ class Overload(takt_system.Case):
         cell = self.write("cell.xml", '<cell name="c"><device name="d"><executor name="main" %s/>%s</device></cell>\n' % (executor, modules))
         return self.takt("run", cell, "--for", seconds, "--json")
 
-    def test_overrun_skip_drops_missed_releases_and_overrun_catch_up_runs_them_later(self):
+    def test_the_overrun_policy_decides_if_missed_releases_are_dropped_or_run_later(self):
         run = self.run_cell(HOG + module("skips", "grid.so", 1, file="skips") +
                             module("all", "grid.so", 2, "<overrun limit=\"1000\">catch-up</overrun>", file="all") +
                             module("one", "grid.so", 3, "<overrun>catch-up</overrun>", file="one"))
@@ -39,12 +39,12 @@ class Overload(takt_system.Case):
         self.assertGreater(modules["one"]["missed"], 0)
         self.assertEqual(rows["cycles"] + rows["missed"], modules["one"]["cycles"] + modules["one"]["missed"])
         self.assertGreater(modules["one"]["cycles"], rows["cycles"])
-        # Each release was on the grid, even if it was run later.
+        # Each release was on the grid, even if its run started later.
         for name in ("skips", "all", "one"):
             t0, runs, strayed = self.read(name).split()
             self.assertEqual((str(modules[name]["cycles"]), "0"), (runs, strayed), name)
 
-    def test_overrun_error_moves_the_module_to_recover(self):
+    def test_with_overrun_policy_error_an_overrun_moves_the_module_to_recover(self):
         run = self.run_cell(HOG + module("strict", "fine.so", 1, '<overrun>error</overrun><recovery attempts="100" backoff="1000000"/>'))
         self.assertEqual(0, run.status, run.err)
         steps = [s.text for s in run.steps("strict") if s.target == "RECOVER"]
@@ -63,13 +63,13 @@ class Overload(takt_system.Case):
         self.assertNotIn("RECOVER", run.states("lax"))
         self.assertNotIn("RECOVER", run.states("hog"))
 
-    def test_overrun_stop_device_ends_the_device(self):
+    def test_with_overrun_policy_stop_device_an_overrun_ends_the_device(self):
         run = self.run_cell(HOG + module("vital", "fine.so", 1, "<overrun>stop-device</overrun>"), seconds="20")
         self.assertEqual(1, run.status, run.err)
-        self.assertRegex(run.err, r"module d\.vital: error: overrun: \d+ release.*another <overrun> than stop-device")
+        self.assertRegex(run.err, r"module d\.vital: error: overrun: \d+ release.*choose an <overrun> other than stop-device")
         self.assertEqual("DESTRUCT", run.states("hog")[-1])
 
-    def test_a_program_with_overrun_catch_up_gets_its_pending_releases(self):
+    def test_with_overrun_policy_catch_up_a_program_runs_all_its_releases(self):
         hog = dict(ns=35000000, every=20)
         run = self.run_cell(module("skips", "slow.exe", 1, **hog) +
                             module("owed", "slow.exe", 2, '<overrun limit="1000">catch-up</overrun>', **hog))
@@ -79,10 +79,10 @@ class Overload(takt_system.Case):
         for name in ("skips", "owed"):
             self.assertGreaterEqual(modules[name]["overruns"], 6, name)
         self.assertLess(modules["skips"]["cycles"], rows["cycles"])
-        # The program with catch-up got a release for each row, walked or missed.
+        # The program with catch-up got one release for each row, even for rows that the executor missed.
         self.assertEqual(rows["cycles"] + rows["missed"], modules["owed"]["cycles"])
 
-    def test_a_budget_tolerates_overruns_as_its_attributes_say(self):
+    def test_a_budget_tolerates_as_many_overruns_as_its_attributes_allow(self):
         long = dict(ns=2000000, every=7)
         run = self.run_cell(module("often", "slow.so", 1, '<budget in-a-row="2">1000000</budget>', **long) +
                             module("little", "slow.so", 2, '<budget times="1000">1000000</budget>', **long) +

@@ -1,4 +1,4 @@
-"""The demo cell places as many parts as its timing predicts, and its emergency stop halts it."""
+"""The demo cell places as many parts as its timing predicts, and the emergency stop halts it."""
 import json
 import math
 import os
@@ -26,13 +26,13 @@ class PickAndPlace(takt_system.Case):
         self.port = modbus.free_port()
         with open(DEMO, encoding="utf-8") as file:
             text = file.read().replace("15020", str(self.port))
-        # With its original time-out of 0.2 s, the demo would rightly halt when the machine stalls, and wait for a manual reset.
+        # With its original time-out of 0.2 s, the demo cell would correctly stop when the machine stalls, and wait for a manual reset.
         text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text)
         self.assertEqual(3, text.count('timeout">2<'))
         return self.start("run", self.write("palletizing.xml", text), *arguments)
 
     def modbus(self, function, address, count):
-        """Reads as a Modbus TCP client, without the library of Takt. Returns the data of the answer."""
+        """Reads values as a Modbus TCP client, without the library that Takt uses. Returns the data of the reply."""
         with socket.create_connection(("127.0.0.1", self.port), 5) as client:
             client.sendall(struct.pack(">HHHBBHH", 1, 0, 6, 1, function, address, count))
             head = client.recv(9, socket.MSG_WAITALL)
@@ -54,7 +54,7 @@ class PickAndPlace(takt_system.Case):
         self.assertEqual(0, self.takt("set", f"line.{button}", "down", down).status)
 
     @takt_system.timing("the test compares the number of placed parts with the number that the timing predicts")
-    def test_the_demo_cell_places_the_predicted_parts_and_halts_at_the_emergency_stop(self):
+    def test_the_demo_cell_places_the_predicted_parts_despite_an_emergency_stop(self):
         cell = self.demo()
         cell.wait_for_state("panel", "EXECUTING")
         wait_until(lambda: self.lamp() == 1, 10, "the green lamp to light without a reset")
@@ -66,7 +66,7 @@ class PickAndPlace(takt_system.Case):
         wait_until(lambda: max(map(abs, self.samples("robot.trajectory.setpoint", 1)[0]["velocity"])) == 0, 5, "the arm to stop")
         held = self.samples("robot.trajectory.setpoint", 1)[0]["position"]
         wait_until(lambda: self.samples("line.conveyor.state", 1)[0]["speed"] == 0, 5, "the belt to stop")
-        self.press("reset_button", "true")  # has no effect while the stop button is down
+        self.press("reset_button", "true")  # this has no effect while the stop button is pressed
         self.press("reset_button", "false")
         self.press("stop_button", "false")
         time.sleep(0.5)
@@ -94,7 +94,7 @@ class PickAndPlace(takt_system.Case):
     @unittest.skipUnless(os.path.realpath(takt_system.BIN) == os.path.join(takt_system.SOURCE, "build", "release", "bin"),
                          "tools/demo builds and runs build/release")
     @takt_system.timing("the test compares the number of placed parts with the number that the timing predicts")
-    def test_the_script_tools_demo_presses_the_emergency_stop_and_ends_by_itself(self):
+    def test_the_demo_script_ends_by_itself_after_an_emergency_stop(self):
         demo = takt_system.Run([os.path.join(takt_system.SOURCE, "tools", "demo"), "--for", "20"], self.folder,
                                environment={"TAKT_DOMAIN": str(self.domain)})
         self.runs.append(demo)
@@ -108,7 +108,7 @@ class PickAndPlace(takt_system.Case):
         self.assertGreater(float(stopped), 2)
         self.assertIn("cell palletizing", demo.out)
 
-    def test_a_killed_camera_program_is_restarted_and_parts_are_placed_again(self):
+    def test_the_demo_cell_resumes_its_work_after_its_camera_program_is_killed(self):
         cell = self.demo()
         cell.wait_for_state("camera", "EXECUTING")
         wait_until(lambda: self.display() == 1, 60, "the first part")

@@ -16,7 +16,7 @@ class Ports(takt_system.Case):
     def port(self, run, module, port):
         return next(p for p in run.modules("d")[module]["ports"] if p["name"] == port)
 
-    def test_samples_reach_every_connected_reader(self):
+    def test_every_connected_reader_gets_all_samples_in_order(self):
         run = self.takt("run", "cell.xml", "--for", "3", "--json")
         self.assertEqual(0, run.status, run.err)
         for name in ("objects", "bytes", "events"):
@@ -29,7 +29,7 @@ class Ports(takt_system.Case):
         self.assertGreater(slow["gaps"], slow["read"])
         self.assertGreater(self.port(run, "slow", "in")["dropped"], 100)
 
-    def test_the_links_of_a_killed_program_stay_usable(self):
+    def test_a_killed_program_continues_to_pass_on_samples_after_its_restart(self):
         run = self.start("run", "cell.xml", "--json")
         run.wait_for_state("relay", "EXECUTING")
         time.sleep(1)
@@ -47,7 +47,7 @@ class Ports(takt_system.Case):
         self.assertGreater(seen["last"], 250)
         self.assertEqual((0, 0), (self.seen("objects")["gaps"], self.seen("objects")["wrong"]))
 
-    def test_takt_echo_does_not_count_as_a_connection_of_the_port(self):
+    def test_takt_echo_does_not_count_as_a_connection_of_the_port_that_it_reads(self):
         run = self.start("run", "cell.xml", "--json")
         run.wait_for_state("relay", "EXECUTING")
         output = lambda: next(p for m in self.status_of("d")["modules"] if m["name"] == "source" for p in m["ports"] if p["name"] == "out")
@@ -65,7 +65,7 @@ class Ports(takt_system.Case):
         run.wait(20)
         self.assertEqual(0, run.status, run.err)
 
-    def test_a_property_can_name_the_ports_of_a_program(self):
+    def test_a_property_can_define_which_ports_a_program_has(self):
         run = self.takt("run", "named.xml", "--for", "3", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(["b"], [p["name"] for p in run.modules("d")["first"]["ports"] if p["samples"] > 50])
@@ -73,7 +73,7 @@ class Ports(takt_system.Case):
         out, = self.done("describe --json port_named.exe ports=x,y")
         self.assertEqual(["x", "y"], [p["name"] for p in json.loads(out)["ports"]])
 
-    def test_takt_check_reports_the_property_errors_of_a_program_at_their_lines(self):
+    def test_takt_check_reports_the_line_of_each_property_error_of_a_program(self):
         with open(self.beside("named.xml")) as file:
             text = file.read()
         wrong = self.write("wrong.xml", text.replace(">c<", "><").replace(">a,b<", ">a<"))
@@ -85,7 +85,7 @@ class Ports(takt_system.Case):
         self.refused({"describe port_named.exe": r"property 'ports' is missing; name the ports",
                       "describe port_named.exe ports=": r"property 'ports' is missing; name the ports",
                       "describe port_named.exe ports=a,a": r"the program has two ports 'a'",
-                      "describe port_sink.so file=x": r"do not depend on properties"})
+                      "describe port_sink.so file=x": r"cannot depend on properties, because it is not a program"})
 
 
 if __name__ == "__main__":

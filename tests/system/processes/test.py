@@ -10,7 +10,7 @@ from takt_system import LIFE, wait_until
 
 STARTED = LIFE[:4]
 AGAIN = ["RECOVER", "EXECUTING"]
-HUNG = "hang: the process did not come back to waitPeriod() within 1.02 s and was ended"
+HUNG = "hang: the process did not return to waitPeriod() within 1.02 s and was killed"
 
 
 class Processes(takt_system.Case):
@@ -28,52 +28,53 @@ class Processes(takt_system.Case):
         self.assertEqual(1, sum(line.startswith("module %s.%s: error: was given up: %s; " % (device, module, reason))
                                 for line in run.other_lines), run.other_lines)
 
-    def test_a_program_that_keeps_ending_is_restarted_and_then_given_up(self):
+    def test_a_program_that_ends_after_every_restart_is_given_up(self):
         run = self.takt("run", "ends.xml", "--for", "4", "--json")
         self.assertEqual(1, run.status)
         modules = run.modules()
         self.assert_recovered_then_given_up(run, "exits", "crash: the process ended with status 3", 2)
         self.assert_recovered_then_given_up(run, "crashes", "crash: the process was killed by SIGSEGV (Segmentation fault)", 2)
-        # Exit status 0 is an error too for a program that has releases.
+        # For a program that gets releases, exit status 0 is an error too.
         self.assert_recovered_then_given_up(run, "leaves", "crash: the process ended with status 0", 0)
-        # A program that ends in its first release was EXECUTING before that, if only briefly.
+        # A program that ends during its first release was EXECUTING before that, if only for a moment.
         self.assert_recovered_then_given_up(run, "first_row", "crash: the process ended with status 0", 3)
         for module, releases, lives in (("exits", 50, 3), ("crashes", 50, 3), ("leaves", 50, 1), ("first_row", 1, 4)):
-            # Each process ends by itself after this many releases. At most one more release is counted while it ends.
+            # Each process ends by itself after this many releases. While it ends, at most one more release may be counted.
             self.assertIn(modules[module]["cycles"] - releases * lives, range(lives + 1), module)
         self.assertEqual(4, len(run.other_lines), run.other_lines)
         self.assert_others_unaffected(run)
 
-    def test_a_program_that_overruns_runs_on_and_its_overruns_are_counted(self):
+    def test_a_program_keeps_running_after_an_overrun(self):
         run = self.takt("run", "late.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(LIFE, run.states("late"))
         late = run.modules()["late"]
         self.assertEqual(0, late["errors"])
-        # Every tenth body takes one and a half periods. So the next row finds the program busy, unless that row was missed or is the last one.
+        # Every tenth body takes one and a half periods, so the next row finds the program busy, unless the executor missed that row or it
+        # was the last row.
         self.assertGreaterEqual(late["overruns"] + run.executor()["missed"], late["cycles"] // 10 - 1)
         self.assertGreater(late["overruns"], 0)
         self.assert_grid(run, "late", every=5)
         self.assertEqual(LIFE, run.states("steady"))
         self.assert_grid(run, "steady")
 
-    def test_each_missed_deadline_of_a_sporadic_program_is_counted(self):
+    def test_the_run_report_counts_each_missed_deadline_of_a_sporadic_program(self):
         run = self.takt("run", "deadline.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
         held = int(re.search(r"condition held (\d+) times", " ".join(run.printed("late")))[1])
         self.assertGreater(held, 5)
-        # Every body is too long. Other releases may be late too, and the end of the run may interrupt the last body.
+        # Every body takes too long. More releases may be late, and the shutdown may interrupt the last body.
         self.assertGreaterEqual(run.modules()["late"]["overruns"], held - 1)
         self.assertEqual(LIFE, run.states("late"))
 
-    def test_a_program_that_does_not_attach_prevents_the_start_of_the_device(self):
+    def test_a_program_that_never_calls_the_takt_interface_prevents_the_start_of_the_device(self):
         reasons = {
             "never_attaches": "did not call initPeriodExe() within 5 s",
             "never_waits": "did not call waitPeriod() within 5 s",
             "exits_at_once": "was given up: the process ended with status 7",
             "crashes_at_once": "was given up: the process was killed by SIGSEGV (Segmentation fault)",
-            "wrong_kind": "the process ended with status 1; its last line was: takt: initSporadicExe(): the descriptor says "
-                          "periodic; use initPeriodExe() and waitPeriod(); it had not called initPeriodExe()",
+            "wrong_kind": "the process ended with status 1; its last line was: takt: initSporadicExe(): the descriptor "
+                          "declares the module periodic; use initPeriodExe() and waitPeriod(); it had not called initPeriodExe()",
         }
         runs = {name: self.start("run", name + ".xml", "--for", "5", "--json") for name in reasons}  # in parallel, because no module runs
         for name, run in runs.items():
@@ -85,9 +86,9 @@ class Processes(takt_system.Case):
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
                 self.assertEqual(0, run.executor()["cycles"])
 
-    def test_a_program_that_keeps_hanging_is_ended_restarted_and_then_given_up(self):
+    def test_a_program_that_hangs_after_every_restart_is_given_up(self):
         run = self.start("run", "stuck.xml", "--for", "6", "--json")
-        run.wait_for_state("stuck", "EXECUTING")  # before this, the program was started to describe itself
+        run.wait_for_state("stuck", "EXECUTING")  # before this, Takt started the program so that it describes itself
         pids = set()
         wait_until(lambda: pids.update(p.pid for p in run.processes("stuck.exe")) or len(pids) == 2, 10)
         run.wait()
@@ -100,11 +101,11 @@ class Processes(takt_system.Case):
         self.assertIn(modules["stuck"]["pid"], pids)
         self.assert_others_unaffected(run)
 
-    def test_a_program_that_ignores_sigterm_at_the_end_is_killed(self):
+    def test_a_program_that_ignores_sigterm_during_the_shutdown_is_killed(self):
         run = self.start("run", "stuck_at_the_end.xml", "--json")
         for module in ("stuck", "deaf"):
             run.wait_for_state(module, "EXECUTING")
-        time.sleep(1.9)  # after three releases, both programs stay in their bodies, but not long enough to count as hung
+        time.sleep(1.9)  # after three releases, both programs stay in their bodies, but not long enough to be treated as hung
         run.signal(signal.SIGTERM)
         run.wait(10)
         self.assertEqual("was killed by SIGTERM (Terminated)", run.steps("stuck")[-1].text)

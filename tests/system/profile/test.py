@@ -12,7 +12,7 @@ TIMES = ["min_ns", "p50_ns", "p99_ns", "p999_ns", "max_ns"]
 
 
 def line_of(module):
-    """Returns the line of a <module> element in deploy/module.xml."""
+    """Returns the number of the line in deploy/module.xml at which the <module> element begins."""
     with open(EXAMPLE, encoding="utf-8") as file:
         lines = file.read().splitlines()
     found = next(i for i, line in enumerate(lines) if "<filename>" in line and module in line)
@@ -21,7 +21,7 @@ def line_of(module):
 
 class Profile(takt_system.Case):
     def profile(self, **longest):
-        """Writes a profile in which every module takes 1 us, except the given ones."""
+        """Writes a profile in which every module takes 1 us, except for the given times."""
         modules = {}
         for name in SCHEDULED + ["monitoring"]:
             time = longest.get(name, 1000)
@@ -54,7 +54,7 @@ class Profile(takt_system.Case):
             self.assertGreater(times["min_ns"], 0)
             self.assertEqual(sorted(times[key] for key in TIMES), [times[key] for key in TIMES])
 
-        # On a shared machine, the measured times may be too long for 100 us.
+        # On a machine that other programs use, the measured run times may exceed a period of 100 us.
         report = self.check(file, "--json")
         self.assertIn(report.status, (0, 1))
         worst = self.worst_cases(report)
@@ -72,7 +72,7 @@ class Profile(takt_system.Case):
         proof = run.report["devices"][0]["worst_case"]
         self.assertEqual((2, 1, "profile"), (proof["processors"], proof["factor"], proof["run_times"]))
         worst = self.worst_cases(run)
-        # Row 0: control3, control2, controller1.
+        # In row 0, control3, control2 and controller1 run in this order.
         self.assertEqual([1000, 2000, 3000], [worst[name]["response_ns"] for name in ("control3", "control2", "controller1")])
         self.assertEqual((600000, 597000, True, [1]), tuple(worst["controller1"][key] for key in
                                                              ("deadline_ns", "slack_ns", "kept", "cpus")))
@@ -80,14 +80,14 @@ class Profile(takt_system.Case):
         self.assertNotIn("monitoring", worst)
         text = self.check(self.profile())
         self.assertEqual((0, ""), (text.status, text.err))
-        self.assertIn("worst case, by the profile, on 2 CPUs", text.out)
+        self.assertIn("worst-case response times, computed from the profile, on 2 CPUs", text.out)
         self.assertRegex(text.out, r"controller1 +1 +1 us +3 us +600 us +597 us +kept")
 
     def test_takt_check_rejects_a_module_that_cannot_meet_its_deadline(self):
         run = self.check(self.profile(emergency=70000))
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, r"^%s:%d: error: 'module\.emergency' cannot keep its deadline, 100 us: it may finish only .* "
-                                  r"after its release, .* late; shorten the runs, " % (re.escape(EXAMPLE), line_of("emergency")))
+        self.assertRegex(run.err, r"^%s:%d: error: 'module\.emergency' cannot keep its deadline, 100 us: it may finish as late as .* "
+                                  r"after its release, .* too late; shorten the runs, " % (re.escape(EXAMPLE), line_of("emergency")))
         self.assertEqual(1, len(run.err.splitlines()))
         self.assertRegex(run.out, r"(?m)^ +emergency .*NOT KEPT$")
         self.assertEqual(0, self.check(self.profile(emergency=20000)).status)
@@ -96,7 +96,7 @@ class Profile(takt_system.Case):
         self.assertIn(":%d: error: 'module.control2' cannot keep its period, 100 us: the work does not fit into the available time"
                       % line_of("control2"), overloaded.err)
 
-    def test_takt_check_rejects_a_profile_that_does_not_fit_the_cell(self):
+    def test_takt_check_rejects_an_invalid_profile_or_one_from_another_cell(self):
         with open(self.profile(), encoding="utf-8") as file:
             good = json.load(file)
         other = dict(good, cell="other")
@@ -104,7 +104,7 @@ class Profile(takt_system.Case):
         negative = json.loads(json.dumps(good))
         negative["modules"]["module.control2"]["max_ns"] = -1
         cases = {
-            "absent.json": (None, r"^\S*absent\.json: error: there is no such file; write one with takt run --profile FILE$"),
+            "absent.json": (None, r"^\S*absent\.json: error: there is no such file; create a profile with takt run --profile FILE$"),
             "text.json": ("{\n no", r"^\S*text\.json:2: error: the file is not JSON; "),
             "list.json": ("[]", r"^\S*list\.json:1: error: the file is not a profile; "),
             "negative.json": (json.dumps(negative, indent=1), r"^\S*negative\.json:\d+: error: \"max_ns\" of 'module\.control2' is "
@@ -122,13 +122,13 @@ class Profile(takt_system.Case):
                 self.assertEqual(1, len(run.err.splitlines()), run.err)
                 self.assertRegex(run.err, message)
 
-    def test_takt_run_reports_a_profile_path_that_it_cannot_write(self):
+    def test_takt_run_reports_a_profile_file_that_it_cannot_write(self):
         run = self.takt("run", EXAMPLE, "--for", "0.1", "--json", "--profile", os.path.join(self.folder, "nowhere", "p.json"))
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, r"nowhere/p\.json: error: cannot be written; name a file in a folder that you may write to")
+        self.assertRegex(run.err, r"nowhere/p\.json: error: cannot be written; choose a file in a folder that you may write to")
         self.assertEqual("module", run.report["cell"])
 
-    def test_takt_check_exits_with_status_2_on_wrong_profile_options(self):
+    def test_takt_check_exits_with_status_2_on_invalid_profile_options(self):
         for arguments in (["--factor", "0.5"], ["--factor", "nan"], ["--factor", "x"], ["--cpus", "0"], ["--profile"]):
             self.assertEqual(2, self.takt("check", EXAMPLE, *arguments).status, arguments)
 
@@ -143,7 +143,7 @@ class Profile(takt_system.Case):
 
         held = self.takt("check", cell("<budget>500000</budget>"), "--remote")
         self.assertEqual(0, held.status, held.err)
-        self.assertIn("worst case, by the budgets", held.out)
+        self.assertIn("worst-case response times, computed from the budgets", held.out)
         late = self.takt("check", cell("<budget>1500000</budget>"), "--remote", "--cpus", "2")
         self.assertEqual(1, late.status)
         self.assertIn("'d.slow' cannot keep its period, 4 ms", late.err)

@@ -19,7 +19,7 @@ class Progress(takt_system.Case):
                                     environment={"LC_ALL": "C"})
 
     def ends(self, terminal, run, last):
-        """Waits for the end of the run, after which no progress line may be left."""
+        """Waits for the end of the run. After that, the terminal must not show a progress line."""
         self.assertEqual(0, run.wait(120).status)
         terminal.wait_for(last)
         self.assertNotRegex(terminal.text, BAR[1:])
@@ -41,14 +41,14 @@ class Progress(takt_system.Case):
         self.done("undeploy cell")
         self.end(nodes)
 
-    def test_takt_run_quiet_shows_its_progress(self):
+    def test_takt_run_shows_its_progress_with_the_option_quiet(self):
         terminal, run = self.in_terminal("run", "cell.xml", "--quiet", "--for", "3")
         terminal.wait_for(BAR + "[123] of 3 s$", 30)
         self.ends(terminal, run, "^  other +DESTRUCT ")
         for line in (r"robot\.grid: (START|EXECUTING)", r"line\.other: (START|EXECUTING)"):
             self.assertTrue(any(re.fullmatch(line, shown) for shown in terminal.lines), (line, terminal.lines))
 
-    def test_takt_run_without_quiet_prints_transitions_instead_of_module_progress(self):
+    def test_takt_run_shows_no_progress_line_without_the_option_quiet(self):
         terminal, run = self.in_terminal("run", "cell.xml", "--for", "2")
         terminal.wait_for("grid: START -> EXECUTING", 30)
         self.ends(terminal, run, "^  other +DESTRUCT ")
@@ -61,10 +61,10 @@ class Progress(takt_system.Case):
             terminal.wait_for(FILLED + share + r" %  wake-up by [a-z ]+ at 1 ms$", 30)
         self.ends(terminal, run, "^  spin ")
 
-    def test_takt_bench_table1_shows_its_current_case(self):
+    def test_takt_bench_table1_shows_which_case_it_measures(self):
         terminal, run = self.in_terminal("bench", "table1", "--for", "0.2")
         terminal.wait_for(BAR + "case [2-5] of 10: (Takt|the bare loop)", 60)
-        terminal.wait_for("^ 1 .*")  # the results so far are above the progress line
+        terminal.wait_for("^ 1 .*")  # the results so far must be above the progress line
         terminal.wait_for(BAR + "case [6-9] of 10: (Takt|the bare loop)", 60)
         self.ends(terminal, run, "^ *10 ")
 
@@ -81,7 +81,7 @@ class Progress(takt_system.Case):
         terminal.wait_for(BAR + r"[12]\.\d of [34]\.\d s, \d+ samples$", 30)
         self.ends(terminal, run, r"^takt play: \d+ samples of ")
 
-    def test_takt_prints_no_progress_without_a_terminal(self):
+    def test_takt_prints_no_progress_if_standard_error_is_not_a_terminal(self):
         run = self.takt("simulate", "cell.xml", "--for", "2000", limit=120)
         self.assertEqual(0, run.status, run.err)
         self.assertNotRegex(run.out + run.err, "[\r\x1b]|times real time$|%  ")

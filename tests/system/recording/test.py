@@ -26,18 +26,19 @@ class Recording(takt_system.Case):
             database.close()
 
     def count(self, file="a.takt"):
-        """Returns the number of samples in the file; 0 before the table exists."""
+        """Returns the number of samples in the file, or 0 if the file has no table yet."""
         try:
             return self.rows("select count(*) from sample", file)[0][0]
         except sqlite3.OperationalError:
             return 0
 
     def numbers(self, file="a.takt"):
-        """Returns the numbers that the source wrote, in the order of the file. In a sample, the number follows the CDR header."""
+        """Returns the numbers that the source wrote, in the order in which they are in the file. In each sample, the number comes after the
+        CDR header."""
         return [int.from_bytes(data[4:12], "little") for (data,) in self.rows("select bytes from sample order by id", file)]
 
     def arrived(self):
-        """Returns the number of samples that have arrived at the port of sink.xml."""
+        """Returns how many samples have arrived at the port in the cell of sink.xml."""
         return next(p["samples"] for m in self.status_of("s")["modules"] for p in m["ports"] if p["name"] == "in")
 
     def record(self, seconds, cell, *options, file="a.takt"):
@@ -51,7 +52,7 @@ class Recording(takt_system.Case):
         self.missed = run.executor("main", "d")["missed"]
         return recorder
 
-    def test_samples_are_recorded_played_and_plotted_without_change(self):
+    def test_recorded_samples_are_unchanged_when_they_are_played_back(self):
         recorder = self.record(6, "source.xml")
         self.assertEqual(0, recorder.status, recorder.err)
         self.assertRegex(recorder.err, r"records d\.source\.out \(samples::Count\)")
@@ -67,7 +68,7 @@ class Recording(takt_system.Case):
         self.assertEqual(sorted(set(numbers)), numbers, "samples must be in order, and none twice")
         times = [t for (t,) in self.rows("select time_ns from sample order by id")]
         self.assertLess(abs(times[-1] / 1e9 - time.time()), 60)
-        # The time stamps are those of the module. The module sends one sample per period, except in periods that the executor missed.
+        # The time stamps must be those of the module, which sends one sample per period, except in periods that the executor missed.
         for (a, at), (b, bt) in zip(list(zip(numbers, times)), list(zip(numbers, times))[1:]):
             self.assertAlmostEqual((b - a) * 0.01, (bt - at) / 1e9, delta=0.5 + self.missed * 0.01)
 
@@ -88,7 +89,7 @@ class Recording(takt_system.Case):
         listed = self.takt("play", "a.takt", "--list")
         self.assertRegex(listed.out, r"d\.source\.out +samples::Count +%d +0\.000" % len(numbers))
 
-        # Play the whole recording into another cell, then a part of it.
+        # Play the whole recording into another cell, then play a part of it.
         for options, expected in ([], numbers), (["--from", "0.5", "--to", "1.5", "--speed", "2"],
                                                 [n for n, t in zip(numbers, times) if 5e8 <= t - times[0] <= 15e8]):
             sink = self.start("run", "sink.xml")
@@ -102,21 +103,21 @@ class Recording(takt_system.Case):
             if not options:
                 self.assertGreater(took, (times[-1] - times[0]) / 1e9)
             wait_until(lambda: self.arrived() >= len(expected), 15, "%d samples at the sink" % len(expected))
-            time.sleep(0.5)  # duplicates would arrive in this time, and the sink reads
+            time.sleep(0.5)  # in this time, the sink would read duplicates if there were any
             sink.signal(signal.SIGINT)
             sink.wait(20)
             seen = json.loads(self.read("seen"))
             self.assertEqual((len(expected), expected[0], expected[-1], 0),
                              (seen["read"], seen["first"], seen["last"], seen["wrong"]))
 
-        # takt play must not write the topic of a running module.
+        # takt play must not write to the topic of a running module.
         run = self.start("run", "source.xml")
         run.wait_for_state("source", "EXECUTING")
-        self.refused({"play a.takt": r"port d\.source\.out: error: is written by d\.source, which runs; .*--port d\.source\.out=TOPIC"})
+        self.refused({"play a.takt": r"port d\.source\.out: error: is written by d\.source, which is running; .*--port d\.source\.out=TOPIC"})
         run.signal(signal.SIGINT)
         run.wait(20)
 
-    def test_a_killed_recorder_leaves_a_readable_file_and_appends_to_it(self):
+    def test_a_restarted_recorder_continues_the_file_that_it_left_when_it_was_killed(self):
         run = self.start("run", "component.xml")
         run.wait_for_state("source", "EXECUTING")
         wait_until(lambda: self.count() > 50, 40, "samples in the file")
@@ -136,20 +137,20 @@ class Recording(takt_system.Case):
         self.assertEqual(sorted(set(numbers)), numbers)
         self.assertEqual(1, len(self.rows("select * from port")))
 
-    def test_a_recording_keeps_to_its_maximum_size(self):
+    def test_a_recording_never_exceeds_its_maximum_size(self):
         stopped = self.record(60, "fast.xml", "--max-size", "1")
         self.assertEqual(0, stopped.status, stopped.err)
-        self.assertRegex(stopped.err, r"a\.takt is full at 1\.0 MB; recording ended")
+        self.assertRegex(stopped.err, r"a\.takt has reached its limit of 1\.0 MB; the recording has ended")
         self.assertLessEqual(os.path.getsize(self.path("a.takt")), 1000000)
         self.assertGreater(os.path.getsize(self.path("a.takt")), 500000)
 
         dropped = self.record(15, "fast.xml", "--max-size", "1", "--full", "oldest", file="b.takt")
         self.assertEqual(0, dropped.status, dropped.err)
-        self.assertRegex(dropped.err, r"lost, \d+ of the oldest dropped")
+        self.assertRegex(dropped.err, r"lost, \d+ oldest samples dropped")
         self.assertLessEqual(os.path.getsize(self.path("b.takt")), 1000000)
         self.assertGreater(self.numbers("b.takt")[0], 1000)
 
-    def test_record_play_and_plot_reject_wrong_arguments_and_files(self):
+    def test_takt_record_play_and_plot_reject_invalid_arguments_and_files(self):
         self.write("text.takt", "This is a text of more than a few words, and no recording whatever it is called.\n" * 50)
         self.refused({
             "record d --out x.takt": r"'d' is not a port name; write DEVICE\.MODULE\.PORT",
@@ -173,13 +174,13 @@ class Recording(takt_system.Case):
         self.assertRegex(run.err, r"\| error: unknown property 'fiel'; did you mean file\?")
         self.assertRegex(run.err, r"\| property file: error: is missing")
 
-    def test_play_and_plot_reject_wrong_port_names_and_damaged_files(self):
+    def test_takt_play_and_plot_reject_unknown_ports_and_damaged_files(self):
         self.assertEqual(0, self.record(8, "source.xml").status)
         self.refused({
             "plot a.takt d.source.uot.number": r"has no port 'd\.source\.uot'; did you mean d\.source\.out\?",
             "plot a.takt d.source.out.numbr": r"port d\.source\.out has no field 'numbr'; did you mean number\?",
-            "plot a.takt d.source.out --from 1000": r"has no samples in that time",
-            "play a.takt --from 1000": r"has no samples in that time",
+            "plot a.takt d.source.out --from 1000": r"has no samples between --from and --to",
+            "play a.takt --from 1000": r"has no samples between --from and --to",
             "plot a.takt d.source.out --svg no/a.svg": r"no/a\.svg: error: cannot be written",
             "play a.takt --port d.source.uot": r"has no port 'd\.source\.uot'",
             "play a.takt --port d.source.out=": r"has no topic after '='",

@@ -91,7 +91,7 @@ class Recovery(takt_system.Case):
         self.assertEqual(5, len(run.other_lines), run.other_lines)
         self.assert_others_unaffected(run)
 
-    def test_giving_up_a_stop_device_module_ends_the_device(self):
+    def test_a_device_ends_when_a_stop_device_module_cannot_recover(self):
         run = self.takt("run", "stop_device.xml", "--for", "60", "--json", limit=40)
         self.assertEqual(1, run.status)
         self.assertEqual(STARTED + AGAIN + ["RECOVER", "DESTRUCT"], run.states("needed"))

@@ -23,7 +23,7 @@ class RefusedStart(takt_system.Case):
             self.assertNotIn("EXECUTING", run.states(name))
             self.assertEqual(1, run.states(name).count("DESTRUCT"))
 
-    def test_a_failing_initialize_hook_prevents_the_start_of_the_device(self):
+    def test_a_failed_initialize_hook_prevents_the_start_of_the_device(self):
         for how, words in WORDS.items():
             with self.subTest(how=how):
                 run = self.takt("run", "initialize_%s.xml" % how, "--for", "5", "--json", limit=15)
@@ -39,7 +39,7 @@ class RefusedStart(takt_system.Case):
                 if os.path.exists(os.path.join(self.folder, name)):
                     os.remove(os.path.join(self.folder, name))
 
-    def test_a_failing_start_hook_prevents_the_start_of_the_device(self):
+    def test_a_failed_start_hook_prevents_the_start_of_the_device(self):
         for how, words in WORDS.items():
             with self.subTest(how=how):
                 run = self.takt("run", "start_%s.xml" % how, "--for", "5", "--json", limit=15)
@@ -57,7 +57,7 @@ class RefusedStart(takt_system.Case):
                     self.assertEqual(["initialize", "start", "destruct"], self.diary(name))
                     os.remove(os.path.join(self.folder, name))
 
-    def test_a_start_hook_that_fails_and_recovers_only_delays_the_start(self):
+    def test_recovery_from_a_failed_start_hook_only_delays_the_start(self):
         run = self.takt("run", "start_recovers.xml", "--for", "0.3", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(LIFE[:2] + ["RECOVER"] + LIFE[2:], run.states("bad"))

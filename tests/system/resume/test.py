@@ -29,7 +29,7 @@ class Resume(takt_system.Case):
         self.assertEqual(("-", [[]]), (status["cell"], [d["modules"] for d in status["devices"]]))
         self.assertEqual(["takt-node"], [p.program for p in node.processes()])
 
-    def test_a_cell_that_is_resumed_after_a_restart_of_its_node_keeps_its_grid(self):
+    def test_a_restarted_node_resumes_its_cell_on_the_same_grid(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)
@@ -43,7 +43,7 @@ class Resume(takt_system.Case):
                 instants.append(self.first_release())
             node = self.node("robot", "--resume")
             self.executes(node)
-            # The node does not make up for the rows that passed while it was dead.
+            # The node does not run the rows that it missed while it was dead.
             executor = self.status_of("robot")["executors"][0]
             print("%s: rows walked %d, missed %d" % (number.name, executor["cycles"], executor["missed"]))
             self.assertLess(executor["missed"], 3000)
@@ -59,7 +59,7 @@ class Resume(takt_system.Case):
         self.assert_waits(node)
         self.end({"robot": node})
 
-    def test_a_node_that_restarts_without_resume_waits_and_reports_the_kept_cell(self):
+    def test_a_node_restarted_without_the_option_resume_does_not_start_its_saved_cell(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)
@@ -69,13 +69,13 @@ class Resume(takt_system.Case):
         node = self.node("robot")
         node.wait_for_line("cell cell was running when this node ended.*--resume")
         self.assert_waits(node)
-        # A new deployment is accepted.
+        # The node still accepts a new deployment.
         self.deploy("cell.xml")
         self.executes(node)
         self.done("undeploy cell")
         self.end({"robot": node})
 
-    def test_a_node_reports_a_damaged_deployment_file_and_waits(self):
+    def test_a_node_does_not_resume_a_cell_from_a_damaged_file(self):
         node = self.node("robot")
         self.deploy("cell.xml")
         self.executes(node)

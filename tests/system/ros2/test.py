@@ -26,7 +26,7 @@ class Ros2(takt_system.Case):
     def matched(self, port):
         return any(line.split()[0].endswith(port) and "1/1" in line for line in self.takt("status").out.splitlines() if line.strip())
 
-    def test_a_ros2_node_finds_the_topics_of_a_cell_and_exchanges_messages(self):
+    def test_a_ros2_node_exchanges_messages_with_a_cell(self):
         cell = self.start("run", "cell.xml", "--json")
         cell.wait_for_state("echo", "EXECUTING")
 
@@ -50,14 +50,14 @@ class Ros2(takt_system.Case):
         self.assertGreater(times[-1], before)
         self.assertLess(times[-1], time.time() + 1)
 
-        # Text goes there and back. The third text is longer than the 255 characters of the port and is dropped.
+        # Texts are sent to the cell and back. The third text is longer than the 255 characters that the port allows, so it is dropped.
         capitals = self.peer("sub", "String", "/cell/capitals", 5, 40)
         wait_until(lambda: self.matched("echo.capitals"), 20, "the reader to match")
         self.assertEqual(0, self.peer("pub", "String", "/cell/text", 6, 20).wait(30).status)
         self.assertEqual(0, capitals.wait(40).status, capitals.err)
         self.assertEqual(["HELLO %d" % n for n in (1, 2, 4, 5, 6)], [m["data"] for m in self.messages(capitals)])
 
-        # Velocities arrive from a reliable and from a best-effort writer.
+        # The cell must receive velocities from a reliable and from a best-effort writer.
         for reliability in ("reliable", "best-effort"):
             wait_until(lambda: not self.matched("echo.x"), 20, "the previous reader to disappear")
             x = self.peer("sub", "Float64", "/cell/x", 5, 40)
@@ -73,7 +73,7 @@ class Ros2(takt_system.Case):
         names.signal(signal.SIGKILL)
         names.wait(10)
 
-    def test_takt_check_rejects_a_port_type_that_ros2_does_not_know(self):
+    def test_takt_check_rejects_a_port_type_that_ros2_does_not_support(self):
         with open(self.beside("cell.xml"), encoding="utf-8") as file:
             text = file.read()
         path = self.write("wrong.xml", text.replace('from="robot.joint_states.joint_states" topic', 'from="robot.arm.measured" topic'))

@@ -25,7 +25,8 @@ def changes(node, who):
 
 class Readers:
     def wait_for(self, node, readers, what, since, limit=15.0, after=None):
-        """Waits until each reader has printed `what` after `since`, or after the later time in `after`. Returns the seconds for each reader."""
+        """Waits until each reader has printed `what` after `since`, or after the time in `after`, whichever is later. Returns the seconds
+        for each reader."""
         took = {}
         for who in readers:
             begin = since + (after[who] if after else 0.0)
@@ -39,15 +40,15 @@ class Readers:
         print("%s: %s" % (what, ", ".join("%s after %.1f ms" % (who, 1000 * s) for who, s in took.items())))
 
     def goes_safe(self, what, node, readers, act, *arguments, back=None):
-        """Calls `act` and waits until the readers get the safe value. Then calls `back`, and waits until they get samples again. With
-        back="itself", only waits for the samples."""
+        """Calls `act` and waits until the readers get the safe value. Then calls `back` and waits until they get samples again. With
+        back="itself", it calls nothing and only waits for the samples."""
         since = time.monotonic()
         act(*arguments)
         took = self.wait_for(node, readers, "SAFE", since)
         self.tell(what, took)
         if back is None:
             return
-        if back == "itself":  # one reader may get samples again before the other reader has the safe value
+        if back == "itself":  # one reader may get samples again before the other reader has got the safe value
             self.tell("  and back", self.wait_for(node, readers, "LIVE", since, after=took))
             return
         since = time.monotonic()
@@ -60,7 +61,7 @@ class Readers:
 
 
 class OnOneDevice(Readers, takt_system.Case):
-    def test_readers_on_one_device_get_the_safe_value_however_the_writer_fails(self):
+    def test_readers_on_the_same_device_get_the_safe_value_when_the_writer_stops_or_fails(self):
         node = self.node("d")
         self.deploy("local.xml")
         everybody = ("thread", "program", "relayed")
@@ -76,7 +77,7 @@ class OnOneDevice(Readers, takt_system.Case):
         self.goes_safe("in DESTRUCT", node, direct, order("destruct d.source"), back=lambda: self.done("reset d.source") and
                        self.done("initialize d.source") and self.done("start d.source"))
         self.goes_safe("its program was killed", node, ("relayed",), lambda: node.one("port_relay.exe").kill(), back="itself")
-        # The readers that this host releases read nothing until it restarts, so only their return is checked.
+        # The readers that this host releases read nothing until it has restarted, so the test only checks that they get samples again.
         since = time.monotonic()
         node.one("takt-host").kill()
         self.tell("its host was killed; samples again", self.wait_for(node, ("thread",), "LIVE", since))
@@ -115,7 +116,7 @@ class OverACable(Readers, networks.NetworkCase):
         self.deploy(cell)
         return nodes
 
-    def test_readers_get_the_safe_value_when_the_cable_of_the_writer_is_pulled(self):
+    def test_readers_get_the_safe_value_when_the_network_cable_of_the_writer_is_pulled(self):
         nodes = self.start_cell("far.xml", ("robot", "line"))
         readers = OnAnotherDevice.READERS
         self.wait_for(nodes["line"], readers, "LIVE", 0)
@@ -125,7 +126,7 @@ class OverACable(Readers, networks.NetworkCase):
         self.assertEqual(0, self.operator("undeploy", "far").status)
         self.end(nodes)
 
-    def test_an_isolated_device_stops_itself_and_the_cell(self):
+    def test_a_cell_stops_when_a_device_with_a_stop_cell_module_loses_its_network(self):
         nodes = self.start_cell("stop_cell.xml", ("a", "b", "c"))
         self.wait_for(nodes["b"], ("reader",), "LIVE", 0)
         cut = time.monotonic()

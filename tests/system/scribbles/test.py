@@ -11,7 +11,7 @@ SEEDS = [int(seed) for seed in os.environ.get("TAKT_SCRIBBLES", "1 2 3 4").split
 
 
 class Scribbles(takt_system.Case):
-    def test_a_module_that_writes_random_words_to_shared_memory_never_ends_the_node(self):
+    def test_a_node_survives_a_module_that_writes_random_words_to_shared_memory(self):
         with open(self.beside("cell.xml")) as file:
             cell = file.read()
         nodes = self.nodes("hurt", "whole")

@@ -164,7 +164,7 @@ class Security(takt_system.Case):
         self.assertEqual(len(DEVICES), update.err.count("observer eve at 10.77.0.3 may only observe, not"), update.err)
         call = self.as_one("observers/eve", "call", "robot.plainly_visible.none")
         self.assertEqual(1, call.status)
-        self.assertRegex(call.err, "observers/eve: error: observer eve may only observe, not call; give the folder of an operator")
+        self.assertRegex(call.err, "observers/eve: error: observer eve may only observe, not call; give the identity folder of an operator")
         undeploy = self.as_one("observers/eve", "undeploy", "guarded")
         self.assertEqual(1, undeploy.status, undeploy.err)
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
@@ -226,7 +226,7 @@ class Security(takt_system.Case):
         # This identity has the name of the operator, but another authority issued it.
         run = self.as_one(os.path.join(self.folder, "evil", "operators", "anna"), "stop", "line.quiet_sink", machine="stranger")
         self.assertEqual(1, run.status)
-        line.wait_for_line("rejected: operator anna at 10.77.0.4: its identity is from another authority")
+        line.wait_for_line("rejected: operator anna at 10.77.0.4: its identity was issued by another authority")
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
         self.assertEqual(1, sum("'takt' at 10.77.0.4" in text for text in line.raw), "each participant must be reported once")
         self.end(nodes)
@@ -263,7 +263,7 @@ class Security(takt_system.Case):
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
         self.end(nodes)
 
-    def test_commands_leave_no_memory_and_no_open_files_in_a_node(self):
+    def test_repeated_commands_do_not_leak_memory_or_open_files_in_a_node(self):
         nodes = self.started()
         self.deploy()
         ask = lambda: self.assertEqual(0, self.as_one("operators/anna", "status").status)
@@ -279,7 +279,7 @@ class Security(takt_system.Case):
         self.assertEqual(before["files"], after["files"])
         self.end(nodes)
 
-    def test_a_revoked_identity_is_rejected_from_the_next_start_on(self):
+    def test_nodes_started_after_a_revocation_reject_the_revoked_identity(self):
         shutil.copytree(os.path.join(self.keys, "operators", "anna"), os.path.join(self.folder, "stolen"))
         self.secure("add", "keys", "operator", "bert")
         run = self.secure("revoke", "keys", "anna")
@@ -302,8 +302,8 @@ class Security(takt_system.Case):
         run = self.as_one("devices/line", "stop", "robot.plainly_visible")
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"^\S+keys/devices/line: error: this is the identity of device line, not of an operator or observer; "
-                                  r"give the folder of an operator or observer, such as DIR/operators/NAME$")
-        self.refused({"secure add keys program mes": "cell guarded has no topics for a program: each of its connections has two ends; leave out",
+                                  r"give the identity folder of an operator or observer, such as DIR/operators/NAME$")
+        self.refused({"secure add keys program mes": "cell guarded has no topics for programs outside Takt: each connection has two ends in the cell; remove",
                       "sign cell.xml --key keys/operators/anna": "keys/operators/anna: error: this is the identity of one participant, not an "
                       "authority; its authority is in .*keys$"})
         self.assertFalse(os.path.exists(os.path.join(self.keys, "programs")))
@@ -319,7 +319,7 @@ class Security(takt_system.Case):
         self.secure("revoke", "keys", "line")
         self.assertEqual("", self.secure("update", "keys", less).err)
 
-    def test_a_node_rejects_identity_files_that_are_missing_or_exposed_or_wrong(self):
+    def test_a_node_does_not_start_with_missing_exposed_or_wrong_identity_files(self):
         folder = os.path.join(self.keys, "devices", "robot")
 
         def refused(pattern, **options):
@@ -360,7 +360,7 @@ class Security(takt_system.Case):
         finding = next(f for f in doctor.report["findings"] if f["check"] == "security")
         self.assertRegex(finding["found"], "is off")
 
-    def test_one_folder_of_keys_secures_a_run_on_one_machine(self):
+    def test_takt_run_can_secure_a_cell_with_the_keys_in_one_folder(self):
         run = self.start("run", "cell.xml", "--for", "2", "--security", "keys", environment=self.environment,
                          before=self.net.on("operator")).wait(60)
         self.assertEqual(0, run.status, run.err)
@@ -392,7 +392,7 @@ class Components(takt_system.Case):
         self.assertEqual(1, len({run.status for run in runs}), [run.err for run in runs])
         return runs[0].status, runs[0].err + runs[1].err
 
-    def test_takt_rejects_components_that_everybody_may_write(self):
+    def test_takt_rejects_components_that_every_user_may_overwrite(self):
         self.assertEqual(0, self.try_it()[0])
         os.chmod(self.file, 0o757)
         status, said = self.try_it()

@@ -16,7 +16,7 @@ class Services(takt_system.Case):
         return json.loads(self.read(name))
 
     def running(self, descriptor):
-        """Starts the cell and waits until a service and a client execute. Returns the run."""
+        """Starts the cell and waits until a service and a client are EXECUTING. Returns the run."""
         run = self.start("run", descriptor, "--json")
         for module in ("answers", "near"):
             run.wait_for_state(module, "EXECUTING")
@@ -56,10 +56,10 @@ class Services(takt_system.Case):
             "call serve.answers.handle": "module serve.answers has no port 'handle'; .*handled",
             "call serve.near.ask": "'ask' of module serve.near is a client and cannot be called",
             "call serve.answers.handled nummer=5": "samples::Count: error: has no field 'nummer'; did you mean number",
-            "call serve.answers.handled number": "'number' is not a field with a value; write field=value",
+            "call serve.answers.handled number": "'number' does not have the form field=value; write field=value",
             "call serve.answers.handled number=five": "samples::Count.number: error: cannot be \"five\"; write a whole number",
             "call serve.answers.handled number=1 number=2": "samples::Count.number: error: is given twice",
-            "call serve.answers.handled few=[1,2,3,4,5]": "samples::Count.few: error: .*write a list of at most 4",
+            "call serve.answers.handled few=[1,2,3,4,5]": "samples::Count.few: error: .*write a list of length at most 4",
             "call serve.answers.handled '{\"number\": }'": "the sample is not JSON",
             "call serve.answers.handled --timeout 10": "serve.answers.handled rejected the request: a multiple of 7",
             "call serve.answers.handled --timeout 10 number=11 same=[11,11,11,11,11,11] few=[11]":
@@ -81,7 +81,8 @@ class Services(takt_system.Case):
         seen = self.seen("near")
         print("stopped for a while: %s" % seen)
         self.assertEqual(0, seen["wrong"])
-        # While the module was stopped, calls with a handler were rejected. Calls without a handler timed out, or a late run() took them.
+        # While the module was stopped, calls to the service with a handler were rejected. Calls to the service without a handler timed out,
+        # or run() answered them late.
         self.assertGreater(seen["refused"], 20)
 
     def test_a_service_replies_again_after_a_restart_of_its_host(self):
@@ -103,7 +104,7 @@ class Services(takt_system.Case):
             self.assertGreater(seen["replied"], 50, name)
         self.end(nodes)
 
-    def test_a_client_of_a_service_on_a_killed_node_finds_no_service(self):
+    def test_a_client_gets_no_wrong_reply_after_the_node_of_the_service_is_killed(self):
         nodes = self.nodes("serve", "ask")
         self.deploy("cell.xml")
         nodes["ask"].wait_for_state("far", "EXECUTING")
@@ -121,7 +122,7 @@ class Services(takt_system.Case):
         self.end({"ask": nodes["ask"]})
 
     @takt_system.timing("the other clients must get their replies within a second while a handler hangs")
-    def test_a_service_handler_that_hangs_ends_only_its_module(self):
+    def test_a_service_handler_that_hangs_ends_only_its_own_module(self):
         run = self.running("hang.xml")
         run.wait_for_line("answers: EXECUTING -> RECOVER .*the handler of a service did not return within 5 s", limit=30)
         run.wait_for_state("answers", "DESTRUCT")
@@ -140,7 +141,7 @@ class Services(takt_system.Case):
         self.assertLess(other["timed_out"], 5)
         self.assertGreater(other["replied"], 100)
 
-    def test_a_service_handler_that_crashes_ends_only_its_module(self):
+    def test_a_service_handler_that_crashes_ends_only_its_own_module(self):
         run = self.running("crash.xml")
         run.wait_for_line("the host .*in the handler of a service", limit=30)
         run.wait_for_state("answers", "DESTRUCT")
@@ -150,12 +151,12 @@ class Services(takt_system.Case):
         run.wait(30)
         self.assertEqual(0, self.seen("other")["wrong"])
 
-    def test_takt_check_reports_wrong_service_elements(self):
+    def test_takt_check_reports_errors_in_service_elements(self):
         check = self.takt("check", "bad.xml")
         self.assertEqual(1, check.status)
         for line, what in {
-            20: "client d.asks.ask has requests of type samples::Count, but service d.belt.count of type basic::Count; "
-                "connect a client and a service with the same types",
+            20: "client d.asks.ask has requests of type samples::Count, but those of service d.belt.count have type basic::Count; "
+                "connect a client and a service that have the same request and reply types",
             21: "module d.answers has no service 'handle'; did you mean handled",
             22: "'handled' of module d.answers is a service, not a client",
             23: "'command' of module d.belt is a port, not a client",

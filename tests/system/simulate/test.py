@@ -19,7 +19,7 @@ class Simulate(takt_system.Case):
 
     def test_two_simulations_with_the_same_seed_write_identical_traces(self):
         faults = ("--faults", "20", "--for", "0.5")
-        # With these seeds no module is given up, so the exit status is 0.
+        # With these seeds, no module is given up, so the exit status must be 0.
         first = self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt"))
         self.assertGreater(len(first), 100000)
         self.assertEqual(first, self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt")))
@@ -29,7 +29,7 @@ class Simulate(takt_system.Case):
         self.assertGreater(len(random.out), 100000)
         self.assertEqual(random.out, again.out)
 
-    def test_the_report_of_takt_simulate_has_the_form_of_the_report_of_takt_run(self):
+    def test_takt_simulate_and_takt_run_print_reports_of_the_same_format(self):
         run = self.takt("simulate", EXAMPLE, "--for", "2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(["cell", "devices"], list(run.report))
@@ -46,15 +46,15 @@ class Simulate(takt_system.Case):
         self.assertGreater(modules["emergency"]["cycles"], 0)
         text = self.takt("simulate", EXAMPLE, "--for", "0.1")
         self.assertIn("cell module", text.out)
-        self.assertIn("overruns: not done by the next", text.out)
+        self.assertIn("overruns: runs that did not end", text.out)
 
-    def test_takt_simulate_injects_the_faults_of_a_script_at_their_times(self):
+    def test_takt_simulate_injects_each_fault_of_a_script_at_the_given_time(self):
         lines = self.trace(DEMO, "--for", "1.5", "--script", self.beside("faults.txt")).decode().splitlines()
 
         def has(pattern):
             self.assertTrue(any(re.search(pattern, line) for line in lines), pattern)
 
-        has(r"^\+0\.20[4-9]\d+ robot executor motion walked row 20[4-5] .*, missed [3-4] before it$")
+        has(r"^\+0\.20[4-9]\d+ robot executor motion ran row 20[4-5], .*, missed rows before it: [3-4]$")
         has(r"^\+0\.40\d+ robot\.servo EXECUTING -> RECOVER, step 4, failure")
         has(r"robot\.servo RECOVER -> EXECUTING, step 5$")
         has(r"^\+0\.6\d+ line\.counter EXECUTING -> RECOVER, step 4, crash")
@@ -66,7 +66,7 @@ class Simulate(takt_system.Case):
         times = [float(line.split(" ")[0]) for line in lines]
         self.assertEqual(sorted(times), times)
 
-    def test_takt_simulate_rejects_a_wrong_script_and_names_its_lines(self):
+    def test_takt_simulate_reports_the_line_of_each_error_in_a_fault_script(self):
         wrong = self.beside("wrong.txt")
         run = self.takt("simulate", DEMO, "--for", "1", "--script", wrong, "--trace", "trace.txt")
         self.assertEqual((1, ""), (run.status, run.out))
@@ -78,14 +78,14 @@ class Simulate(takt_system.Case):
         self.assertEqual((1, ""), (absent.status, absent.out))
         self.assertIn("absent.txt: error: ", absent.err)
 
-    def test_takt_simulate_generates_the_same_random_cell_from_the_same_number(self):
+    def test_takt_simulate_generates_the_same_random_cell_from_the_same_seed(self):
         traces = [self.takt("simulate", "--random-cell", str(n), "--trace", "-") for n in (3, 3, 4)]
         for run in traces:
-            self.assertNotIn("invariant violated", run.err)
+            self.assertNotIn("violated an invariant", run.err)
         self.assertEqual(traces[0].out, traces[1].out)
         self.assertNotEqual(traces[0].out, traces[2].out)
 
-    def test_takt_simulate_exits_with_status_2_on_wrong_arguments(self):
+    def test_takt_simulate_exits_with_status_2_on_invalid_arguments(self):
         for arguments in ([], [DEMO, "--for", "0"], [DEMO, "--for", "soon"], [DEMO, "--cpus", "0"], [DEMO, "--random-cell", "1"],
                           [DEMO, "--faults", "-1"], [DEMO, "--faults", "nan"], [DEMO, "--for", "nan"], [DEMO, "--seed", "x"],
                           [DEMO, "--seed", "-1"], [DEMO, "--seed", "99999999999999999999"], [DEMO, "--trace", "-", "--json"],
@@ -115,7 +115,7 @@ class Simulate(takt_system.Case):
             self.assertEqual((1, ""), (refused.status, refused.out))
             self.assertIn("error: ", refused.err)
 
-    def test_takt_simulate_prints_how_many_times_faster_than_real_time_it_was(self):
+    def test_takt_simulate_prints_its_speed_relative_to_real_time(self):
         run = self.takt("simulate", DEMO, "--for", "100")
         self.assertEqual(0, run.status, run.err)
         print("\n" + run.err)

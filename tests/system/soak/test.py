@@ -40,7 +40,7 @@ class Soak(networks.NetworkCase):
             return states == {"EXECUTING"} and all(status[d]["alive"] for d in DEVICES)
         wait_until(holds, 30, "every module to execute after %s (seed %d)" % (dict(self.done_so_far), SEED))
 
-    # The events. After each of them the cell returns to its normal state.
+    # Each of these functions causes one event. After it, the cell returns to its normal state.
 
     def order(self):
         module = self.random.choice(("left.source", "left.near", "left.program", "right.far", "right.answers"))
@@ -53,7 +53,7 @@ class Soak(networks.NetworkCase):
         self.assertEqual(value, self.operator("get", "right.answers", "burst").out.strip())
 
     def kill_host(self):
-        time.sleep(max(0.0, self.hosts_killed_at + 25 - time.monotonic()))  # Takt gives up a host that ends more often
+        time.sleep(max(0.0, self.hosts_killed_at + 25 - time.monotonic()))  # if a host ended more often, Takt would give it up
         self.hosts_killed_at = time.monotonic()
         hosts = [p for p in self.running["left"].processes() if p.program == "takt-host"]
         os.kill(self.random.choice(hosts).pid, signal.SIGKILL)
@@ -88,7 +88,7 @@ class Soak(networks.NetworkCase):
         self.assertEqual(0, run.status, run.err)
 
     def measure(self):
-        """Records the resources of each node while it waits for a deployment."""
+        """Measures the resources of each node while it waits for a deployment."""
         for device in DEVICES:
             wait_until(lambda d=device: not [p for p in self.running[d].processes() if p.program != "takt-node"], 10,
                        "the host and programs of %s to end" % device)
@@ -103,7 +103,7 @@ class Soak(networks.NetworkCase):
             self.start_node(device)
         self.began = time.monotonic()
         self.deploy()
-        # A killed node begins a new series of figures, so the test rarely kills a node.
+        # A new process starts a new series of measurements, so the test kills a node only rarely.
         events = [self.order] * 6 + [self.property] * 6 + [self.kill_host] * 1 + [self.kill_program] * 4 + \
             [self.pull_cable] * 3 + [self.redeploy] * 6
         while time.monotonic() - self.began < SECONDS:
@@ -118,7 +118,7 @@ class Soak(networks.NetworkCase):
         self.take_down()
         self.measure()
         self.assertGreater(self.crashes, 0)
-        # Files that existed before the test may belong to other programs.
+        # Files that existed before the test belong to other programs.
         new = {name for name in os.listdir("/dev/shm") if "takt" in name or "fast" in name} - before
         self.assertEqual(set(), new, "left in /dev/shm")
 

@@ -58,7 +58,8 @@ class StartStop(takt_system.Case):
             number = signal.SIGTERM if step % 2 else signal.SIGINT
             run.signal(number)
             run.wait(20)
-            # At first, takt does not handle the signal yet, so the signal kills takt. takt has started no process by then.
+            # Shortly after its start, takt does not handle signals yet, so that the signal kills it. takt has not started any other process
+            # by then.
             self.assertIn(run.status, (0, -number), run.err)
             self.assert_nothing_left(run)
 
@@ -78,7 +79,7 @@ class StartStop(takt_system.Case):
             self.assertEqual(LIFE, run.states(module), "the node must end in order")
         self.assert_nothing_left(run)
 
-    def test_the_end_of_a_killed_node_is_reported_and_no_process_is_left_behind(self):
+    def test_a_killed_node_leaves_no_process_behind(self):
         run = self.running()
         run.one("takt-node").kill()
         run.wait(20)
@@ -87,10 +88,10 @@ class StartStop(takt_system.Case):
         device = run.device()
         self.assertEqual(("cell", False, [], []), (device["name"], device["alive"], device["executors"], device["modules"]))
         self.assert_nothing_left(run)
-        # The host still ends its modules in order, although no process reads their output.
+        # The host must still call destruct() of its modules, although no process reads its output any more.
         self.assertEqual(["initialize", "start", "destruct"], self.read("diary").splitlines())
 
-    def test_a_killed_host_is_restarted_and_the_other_processes_run_on(self):
+    def test_the_restart_of_a_killed_host_does_not_disturb_other_processes(self):
         run = self.running()
         node = run.one("takt-node").pid
         programs = [run.one(program).pid for program in PROGRAMS]
@@ -113,7 +114,7 @@ class StartStop(takt_system.Case):
             self.assertEqual(LIFE, run.states(module))
         for module in ("fine", "sporadic", "diary"):
             self.assertEqual(LIFE[:4] + ["DESTRUCT"] + LIFE, run.states(module))
-        # The grid stayed the same. Rows during the restart count as missed, also for the program.
+        # The grid must stay the same. The rows during the restart count as missed, also for the program.
         self.assertGreater(run.executor()["missed"], 0)
         self.assert_grid(run, "program", every=2)
 

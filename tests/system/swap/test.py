@@ -141,7 +141,7 @@ class Swap(takt_system.Case):
         self.assertEqual(LIFE, run.states("ticks"))
         self.assertEqual(LIFE, run.states("reader"))
 
-    def test_takt_swap_misses_no_release_and_keeps_the_saved_state(self):
+    def test_a_swapped_module_continues_from_its_saved_state_without_a_missed_release(self):
         run = self.running()
         self.done("set d.ticks label mine")
         files = ["ticks_more.so", "ticks.so", "ticks.so"]
@@ -172,7 +172,7 @@ class Swap(takt_system.Case):
         self.assertGreater(counts[-1], counts[1])
         self.assert_nothing_missed(run)
 
-    def test_a_swapped_version_that_fails_in_its_first_runs_is_replaced_by_the_old_version(self):
+    def test_takt_swap_puts_the_old_version_back_if_the_new_one_fails_in_its_first_runs(self):
         run = self.running()
         self.refused({"swap d.ticks ticks_fails.so":
                       r"module d\.ticks: error: the old instance was put back in cycle \d+: failure: the third is not for me"})
@@ -188,7 +188,7 @@ class Swap(takt_system.Case):
         self.assertEqual(modules["ticks"]["cycles"] - 2, seen["last"])
         self.assert_grid(run, "ticks")
 
-    def test_a_swapped_version_that_crashes_is_not_loaded_again(self):
+    def test_a_version_that_crashes_after_a_swap_is_not_loaded_again(self):
         run = self.running()
         before = self.count()
         self.refused({"swap d.ticks ticks_crashes.so":
@@ -203,7 +203,7 @@ class Swap(takt_system.Case):
         # The numbers of two runs of the new version are written again. Its third run never ended.
         self.assertEqual(modules["ticks"]["cycles"] - 2, json.loads(self.read("seen"))["last"])
 
-    def test_a_restarted_host_loads_the_swapped_file(self):
+    def test_a_host_that_restarts_after_a_swap_loads_the_new_version(self):
         mine = os.path.join(self.folder, "mine.so")
         shutil.copy(os.path.join(COMPONENTS, "ticks.so"), mine)
         run = self.running(("ticks.so", "mine.so"))
@@ -221,7 +221,7 @@ class Swap(takt_system.Case):
         self.wait_for_states({"d": "EXECUTING"})
         self.finish(run)
 
-    def test_takt_swap_rejects_unsuitable_files_without_losing_a_run(self):
+    def test_takt_swap_rejects_an_unsuitable_component_without_losing_a_run(self):
         run = self.running()
         everybody = self.write("everybody.so", "")
         shutil.copy(os.path.join(COMPONENTS, "ticks.so"), everybody)
@@ -252,7 +252,7 @@ class Swap(takt_system.Case):
         self.assertEqual((1, 0, 0), (seen["first"], seen["gaps"], seen["wrong"]))
         self.assertEqual(run.modules()["ticks"]["cycles"], seen["read"])
 
-    def test_a_node_swaps_only_signed_files_on_its_component_path(self):
+    def test_with_signatures_required_takt_swap_accepts_only_signed_components(self):
         folder = os.path.join(self.folder, "signed")
         os.mkdir(folder)
         for name in ("ticks.so", "ticks_more.so", "ticks_fails.so", "port_sink.so"):

@@ -11,7 +11,7 @@ DEVICES = {"robot": ["grid", "program"], "line": ["grid", "sporadic"], "station"
 
 
 class ThreeDevices(takt_system.Case):
-    def test_all_devices_of_takt_run_start_at_one_instant(self):
+    def test_takt_run_starts_all_devices_of_a_cell_at_the_same_instant(self):
         run = self.start("run", "cell.xml", "--for", "3", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         nodes = run.processes("takt-node")
@@ -42,7 +42,7 @@ class ThreeDevices(takt_system.Case):
                                                 ("slow", "station", 1, "slow")):
             self.assert_grid(run, module, every=every, executor=executor, device=device)
 
-    def test_if_a_module_of_one_device_fails_to_initialise_no_device_runs(self):
+    def test_no_device_runs_if_a_module_of_one_device_fails_to_initialise(self):
         run = self.takt("run", "one_refuses.xml", "--for", "5", "--json", limit=30)
         self.assert_refused(run)
         self.assertEqual(["module line.bad: error: initialize() failed: threw: initialize() threw as it was asked to"], run.other_lines)

@@ -41,7 +41,7 @@ class Trace(takt_system.Case):
         return node
 
     def sound(self, trace):
-        """Checks that Chrome can read the trace, and that the trace is consistent. Returns its spans by thread and category."""
+        """Checks that Chrome can read the trace, and that its spans are consistent. Returns the spans by thread and category."""
         spans = collections.defaultdict(list)
         names = {}
         for event in trace["traceEvents"]:
@@ -65,7 +65,7 @@ class Trace(takt_system.Case):
             row = next(rows)
             for run in events:
                 while row["ts"] + row["dur"] + 0.002 < run["ts"] + run["dur"]:
-                    row = next(rows)  # each run lies in a row
+                    row = next(rows)  # each run must lie within a row
                 self.assertLessEqual(row["ts"], run["ts"] + 0.002)
         self.assertEqual("takt trace 1", trace["otherData"]["format"])
         return spans
@@ -85,7 +85,7 @@ class Trace(takt_system.Case):
         return run.report, trace
 
     def caused(self, report, trace, cause, culprit=None):
-        """Checks that some delay has this cause and this culprit. Returns the delays with this cause."""
+        """Checks that at least one delay has this cause and names this culprit. Returns all delays with this cause."""
         found = [e for e in trace["traceEvents"] if e.get("args", {}).get("cause") == cause]
         self.assertTrue(found, "no delay has the cause %s: %s" % (cause, report))
         if culprit is not None:
@@ -111,7 +111,7 @@ class Trace(takt_system.Case):
         self.assertEqual(["slow"], sorted({body["name"] for events in bodies for body in events}))
         self.end({"robot": node})
 
-    def test_takt_trace_attributes_a_delay_to_an_overrun_or_to_a_predecessor(self):
+    def test_takt_trace_names_the_module_whose_overrun_delayed_a_run(self):
         node = self.deployed(module("long", "slow.so", 1, ns=7000000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(1.5)
@@ -148,8 +148,8 @@ class Trace(takt_system.Case):
         os.kill(host, signal.SIGCONT)
         time.sleep(0.3)
         report, trace = self.trace()
-        # The machine may also have stalled for longer than the test stopped the host.
-        stopped = [e for e in self.caused(report, trace, "preemption") if "stopped by a signal" in e["args"]["why"]]
+        # The machine may also have stalled, and then the delay is longer than the time for which the test stopped the host.
+        stopped = [e for e in self.caused(report, trace, "preemption") if "a signal stopped its process" in e["args"]["why"]]
         self.assertTrue(stopped, report)
         late = max(stopped, key=lambda e: e["args"]["begins_late_us"])
         self.assertGreater(late["args"]["missed"], 20)
@@ -177,7 +177,7 @@ class Trace(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.end({"robot": node})
 
-    def test_takt_trace_rejects_devices_and_files_that_have_no_trace(self):
+    def test_takt_trace_reports_a_device_or_file_without_a_trace(self):
         node = self.node("robot")
         self.write("none.json", "{}")
         self.write("text.json", "no")

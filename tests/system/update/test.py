@@ -26,7 +26,7 @@ class Update(takt_system.Case):
             self.cell = file.read()
 
     def changed(self, *changes):
-        """Writes the cell with these replacements to a file."""
+        """Writes the cell to a file, with these texts replaced."""
         text = self.cell
         for old, new in changes:
             self.assertEqual(1, text.count(old), old)
@@ -51,17 +51,17 @@ class Update(takt_system.Case):
         return {device: node.one("takt-host").pid for device, node in nodes.items()}
 
     def versions(self, node):
-        """Returns what each instance of ticks printed in start(): its version, how it began, and its label."""
+        """Returns what each instance of module ticks printed in start(): its version, how it got its initial state, and its label."""
         found = [re.match(r"version (\d) (from|begins at) \d+, label (\w+)", line.text.lstrip("| ")) for line in list(node.lines)]
         return [m.groups() for m in found if m]
 
     def assert_versions(self, node, *expected):
-        """Waits until the last instances of ticks have these versions. Their output may arrive after the answer to the update."""
+        """Waits until the last instances of module ticks have these versions. Their output may arrive after the reply to the update."""
         wait_until(lambda: [version for version, *_ in self.versions(node)][-len(expected):] == list(expected), 10,
                    "versions %s to be printed" % (expected,))
 
     def t0(self, name):
-        """Returns the T0 of an ended module, in ns. Checks that all its releases were on the grid."""
+        """Returns the T0 of a module that has ended, in ns. Checks that all its releases were on the grid."""
         t0, runs, strayed = (int(n) for n in self.read(name).split())
         self.assertEqual((True, 0), (runs > 0, strayed))
         return t0
@@ -70,7 +70,7 @@ class Update(takt_system.Case):
         print("the grids differ by %d ns" % (other - one))
         self.assertLess(abs(other - one), 20000)
 
-    def test_an_update_changes_a_file_and_a_property_while_the_modules_run(self):
+    def test_an_update_changes_components_and_properties_of_running_modules(self):
         nodes = self.running()
         hosts = self.hosts(nodes)
         self.done("set robot.live label mine")
@@ -79,7 +79,7 @@ class Update(takt_system.Case):
                          self.update(*more))
         self.assertEqual(["7", "mine"], self.done("get robot.live step", "get robot.live label"))
         self.assertEqual(["nothing differs"], self.update(*more))
-        # A value set by an operator is replaced only if the descriptor changes it.
+        # An update replaces a value that an operator has set only if the descriptor changes this value.
         self.assertEqual(["robot.live: label: a -> b", "cell cell is updated"], self.update(*more, ('"label">a', '"label">b')))
         self.assertEqual(["7", "b"], self.done("get robot.live step", "get robot.live label"))
         self.assertEqual(hosts, self.hosts(nodes))
@@ -104,7 +104,7 @@ class Update(takt_system.Case):
         self.assertGreater(seen["read"], 0)
         self.end(nodes)
 
-    def test_an_update_of_a_period_restarts_only_its_device_on_the_same_grid(self):
+    def test_an_update_of_a_period_restarts_only_the_device_of_that_module(self):
         nodes = self.running()
         robot = nodes["robot"].one("takt-host").pid
         self.done("set line.grid file operator")
@@ -115,7 +115,7 @@ class Update(takt_system.Case):
         self.assertEqual(robot, nodes["robot"].one("takt-host").pid)
         self.assertEqual([RUNS, RUNS], [nodes["robot"].states(module) for module in ("ticks", "live")])
         self.assertEqual(["operator"], self.done("get line.grid file"))
-        # The restarted device gets samples from the other device again.
+        # The restarted device must get samples from the other device again.
         reader = lambda: next(m for m in self.status_of("line")["modules"] if m["name"] == "reader")["ports"][0]
         wait_until(lambda: reader()["samples"] > 0, 15, "samples from the other device")
         self.done("undeploy cell")
@@ -123,7 +123,7 @@ class Update(takt_system.Case):
         self.assertGreater(json.loads(self.read("seen"))["read"], 0)
         self.end(nodes)
 
-    def test_an_update_with_an_error_changes_nothing_on_any_device(self):
+    def test_an_invalid_update_changes_nothing_on_any_device(self):
         nodes = self.nodes("robot", "line")
         more = ("ticks.so", "ticks_more.so")
         run = self.update_fails(more)
@@ -161,7 +161,7 @@ class Update(takt_system.Case):
         self.assertRegex(run.err, r"module robot\.ticks: error: file: ticks\.so -> ticks_fails\.so: the old instance was put back "
                                   r"in cycle \d+: failure: the third is not for me")
         self.assertIn("cell cell is not updated; all changes were undone", run.err)
-        # Each node reports the change when it begins, and the reason before it undoes the change.
+        # Each node reports the change when it begins, and reports the reason before it undoes the change.
         for node, change in (("robot", "robot.ticks: label: given -> other; file: "), ("line", "line is restarted: ")):
             nodes[node].wait_for_line("is not updated: ")
             said = nodes[node].err
@@ -176,7 +176,7 @@ class Update(takt_system.Case):
         self.assertEqual(["given"], self.done("get robot.ticks label"), "the property was set before the swap and must be set back")
         first = self.t0("line")
         self.assertEqual(["nothing differs"], self.update())
-        # The new version of a device cannot be started.
+        # The new version of one device cannot be started.
         run = self.update_fails(("ticks.so", "ticks_more.so"), ("grid.so", "bad_start.so"), ('<value name="file">line</value>', ""))
         self.assertRegex(run.err, r"grid.*start\(\)")
         self.assertIn("cell cell is not updated; all changes were undone", run.err)
@@ -187,7 +187,7 @@ class Update(takt_system.Case):
         self.assert_same_grid(first, self.t0("line"))
         self.end(nodes)
 
-    def test_an_update_adds_and_removes_devices(self):
+    def test_an_update_can_add_and_remove_devices(self):
         connection = re.search(r"  <connection.*\n", self.cell)[0]
         self.cell = self.cell.replace(connection, "")
         nodes = self.running("robot", "line", "station")

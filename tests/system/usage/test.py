@@ -8,7 +8,7 @@ EXAMPLE = os.path.join(takt_system.SOURCE, "deploy", "module.xml")
 
 
 class Usage(takt_system.Case):
-    def test_takt_exits_with_status_2_on_wrong_arguments(self):
+    def test_takt_exits_with_status_2_on_invalid_arguments(self):
         for arguments in ([], ["nonsense"], ["run"], ["check"], ["graph"], ["describe", "--json", "--xml"], ["run", EXAMPLE, "more"], ["run", EXAMPLE, "--nope"],
                           ["check", "--for", "1", EXAMPLE], ["run", EXAMPLE, "--for"], ["run", EXAMPLE, "--for", "soon"],
                           ["run", EXAMPLE, "--for", "-1"], ["run", EXAMPLE, "--for", "0"], ["run", EXAMPLE, "--for", "inf"],
@@ -23,14 +23,14 @@ class Usage(takt_system.Case):
                     self.assertEqual("takt %s --help explains all options" % arguments[0], run.err.splitlines()[2])
                 self.assertLess(max(map(len, run.err.splitlines())), 200)
 
-    def test_takt_suggests_the_intended_command_for_a_misspelled_command(self):
+    def test_takt_suggests_the_correct_spelling_of_a_misspelled_command(self):
         run = self.takt("staus")
         self.assertEqual((2, "", "takt: there is no command 'staus'; did you mean status?"), (run.status, run.out, run.err.strip()))
         run = self.takt("get", "line.belt.speed", "speed")
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertIn("'line.belt.speed' is not the name of a module; write DEVICE.MODULE, a space and the property", run.err)
 
-    def test_takt_log_lists_every_kind_of_event_if_a_kind_is_unknown(self):
+    def test_takt_log_lists_the_valid_event_kinds_after_an_unknown_kind(self):
         kinds = self.takt("log", "--help").out.split("Kinds:")[1].rstrip(".\n").replace(",", " ").split()
         self.assertLess(20, len(kinds))
         run = self.takt("log", "--kind", "nosuchkind")
@@ -58,7 +58,7 @@ class Usage(takt_system.Case):
                     self.assertEqual(1, len(run.err.splitlines()), run.err)
                     self.assertTrue(run.err.startswith("%s%s: error: " % (file, line)), run.err)
 
-    def test_takt_graph_draws_a_cell_without_its_components(self):
+    def test_takt_graph_draws_a_cell_whose_components_are_missing(self):
         cell = self.write("cell.xml", """<cell name="c">
   <device name="d">
     <module><filename>nowhere.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
@@ -82,7 +82,7 @@ class Usage(takt_system.Case):
         self.assertEqual((1, ""), (refused.status, refused.out))
         self.assertIn("cannot be written", refused.err)
 
-    def test_takt_describe_describes_a_component_in_cpp(self):
+    def test_takt_describe_shows_the_hooks_and_properties_of_a_cpp_component(self):
         run = self.takt("describe", "cpp_properties.so", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertEqual(["name", "text", "interface", "operation", "hooks", "properties", "ports", "saved", "file"], list(run.report))
@@ -96,7 +96,7 @@ class Usage(takt_system.Case):
         for word in list(properties) + ["c++", "1 to 10", "parts", "At a time."]:
             self.assertIn(word, text)
 
-    def test_takt_describe_describes_a_component_in_c_and_a_program(self):
+    def test_takt_describe_shows_the_hooks_of_a_c_component_and_the_kind_of_a_program(self):
         c = self.takt("describe", "fine.so", "--json").report
         self.assertEqual(("fine", "c", []), (c["name"], c["interface"], c["properties"]))
         self.assertEqual(["initialize", "start", "run", "error", "recover", "destruct"], c["hooks"])
@@ -115,7 +115,7 @@ class Usage(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(4, len(run.modules()))
 
-    def test_the_printed_element_of_a_component_with_event_ports_needs_only_a_connection(self):
+    def test_the_element_printed_for_an_event_component_is_valid_once_connected(self):
         events = self.takt("describe", "port_events.so", "--xml").out
         for line in ("<name>port_events</name>", "<operationtype>sporadic</operationtype>", "<deadline>1000000</deadline>",
                      "<dispatch>immediate</dispatch>"):
@@ -133,7 +133,7 @@ class Usage(takt_system.Case):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),
                             ("wrong_default.so", "a property 'speed' whose default 20 is out of its range: 0 to 10"),
-                            (self.folder, "there are no components")):
+                            (self.folder, "no components found")):
             with self.subTest(file=file):
                 run = self.takt("describe", file)
                 self.assertEqual((1, ""), (run.status, run.out))

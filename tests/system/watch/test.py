@@ -27,7 +27,7 @@ class Watch(takt_system.Case):
         self.end(self.running)
 
     def choose(self, terminal, name):
-        """Presses the arrow keys until this row is selected."""
+        """Presses the arrow keys until the row is selected."""
         def there():
             lines = terminal.lines
             marked = next((i for i, line in enumerate(lines) if line.startswith("> ")), None)
@@ -48,7 +48,7 @@ class Watch(takt_system.Case):
         self.assertEqual([], terminal.strange)
         self.assertEqual("", run.err)
 
-    def test_takt_watch_shows_devices_and_modules_and_their_state_changes(self):
+    def test_takt_watch_shows_the_current_state_of_each_device_and_module(self):
         terminal, run = self.open()
         terminal.wait_for("no devices found on this domain")
         self.assertTrue(terminal.alternate)
@@ -60,7 +60,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^[> ] robot +\* running$")
         terminal.wait_for(r"^[> ] line +! running +module fails is in RECOVER")
         number = r"\d+(\.\d+)?"
-        # The columns are: p50, p99, a last minute that is not empty, budget, overruns, errors, cycles.
+        # The columns are p50, p99, run time in the last minute, budget, overruns, errors and cycles.
         terminal.wait_for(r"^ +grid +\* EXECUTING +%s +%s +[_.,\-=+*# ]*[_.,\-=+*#] +\d+ %% +\d+ +0 +\d+$" % (number, number))
         terminal.wait_for(r"^ +program +\* EXECUTING +%s +%s +[_.,\-=+*# ]+ - +\d+ +0 +\d+$" % (number, number))
         terminal.wait_for(r"^ +fails +! RECOVER .*failure: run\(\)")
@@ -73,7 +73,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^ +grid +X LOST")
         terminal.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
         self.running["robot"].wait(10)
-        # A terminal that starts now shows the loss too.
+        # A takt watch that starts now also shows the loss.
         late, second = self.open()
         late.wait_for(r"^[> ] robot +X LOST")
         late.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
@@ -88,7 +88,7 @@ class Watch(takt_system.Case):
         terminal.wait_for("no devices found on this domain")
         self.leave(terminal, run, lambda: terminal.press("q"))
 
-    def test_keys_in_takt_watch_command_the_selected_module(self):
+    def test_a_key_in_takt_watch_sends_a_command_to_the_selected_module(self):
         self.cell()
         terminal, run = self.open()
         terminal.wait_for(r"^ +fails +! RECOVER")
@@ -108,7 +108,7 @@ class Watch(takt_system.Case):
         terminal.press("r")
         terminal.wait_for(r"^line\.fails: EXECUTING$")
         self.running["line"].wait_for_line("fails: RECOVER -> EXECUTING", after=begun)
-        # A command to a device goes to all its modules.
+        # A command to a device applies to all its modules.
         self.choose(terminal, "robot")
         terminal.press("t")
         for module in ("grid", "program"):
@@ -116,7 +116,7 @@ class Watch(takt_system.Case):
         terminal.press("s")
         for module in ("grid", "program"):
             terminal.wait_for(r"^ +%s +\* EXECUTING\b" % module)
-        # The selection stops at both ends, and keys without a meaning have no effect.
+        # The selection does not move beyond the first and last row. Keys without a meaning have no effect.
         terminal.press(UP * 20 + "zZ7\t\x1b[15~")
         terminal.wait_for(r"^> line\b")
         terminal.press(DOWN * 20)
@@ -125,7 +125,7 @@ class Watch(takt_system.Case):
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_takt_watch_draws_within_a_terminal_of_any_size(self):
+    def test_takt_watch_fits_its_screen_to_a_terminal_of_any_size(self):
         self.cell()
         for rows, columns in ((1, 1), (2, 3), (3, 200), (5, 10), (60, 20)):
             with self.subTest(rows=rows, columns=columns):
@@ -144,7 +144,7 @@ class Watch(takt_system.Case):
             if rows >= 6:
                 terminal.wait_for("^> line")
         terminal.wait_for(r"^Enter details .*q quit")
-        del terminal.strange[:]  # takt watch drew these for the larger size
+        del terminal.strange[:]  # takt watch drew these characters for the larger size
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
@@ -155,7 +155,7 @@ class Watch(takt_system.Case):
         self.choose(terminal, "grid")
         terminal.press(ENTER)
         terminal.wait_for(r"^robot\.grid$")
-        # These lines come from the running descriptor.
+        # takt watch reads these lines from the descriptor of the running cell.
         terminal.wait_for(r"^  runs +thread, periodic, every 1 ms$")
         terminal.wait_for(r"^  executor +main, priority 1$")
         terminal.wait_for(r"^  budget +500 us$")
@@ -172,7 +172,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^  state +\* EXECUTING$")
         terminal.press("n")
         terminal.wait_for(r"^robot\.program$")
-        terminal.wait_for(r"no budget is given")
+        terminal.wait_for(r"the descriptor gives no budget")
         terminal.press(ESCAPE)
         terminal.wait_for(r"^> +program")
         self.choose(terminal, "robot")
@@ -183,11 +183,11 @@ class Watch(takt_system.Case):
         terminal.press(ESCAPE + "c")
         terminal.wait_for("the cell has no connections")
         terminal.press(ESCAPE + "?")
-        terminal.wait_for("destruct; confirm with y")
+        terminal.wait_for("destruct the module; confirm with y")
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
-    def test_a_slow_command_does_not_block_the_screen_of_takt_watch(self):
+    def test_takt_watch_reacts_to_keys_while_a_command_is_unanswered(self):
         self.cell()
         terminal, run = self.open()
         terminal.wait_for(r"^ +stubborn +\* EXECUTING")
@@ -198,7 +198,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^destruct of line\.stubborn cancelled")
         terminal.press("Dy")
         terminal.wait_for(r"destruct of line\.stubborn, [1-9] s \.\.\.$")
-        # The command is not answered yet, but keys still work.
+        # The command has no reply yet, but keys still work.
         for _ in range(3):
             terminal.press(UP)
             terminal.wait_for(r"^> +fails")
@@ -207,7 +207,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"destruct of line\.stubborn, \d+ s \.\.\.$")
         terminal.press(ENTER)
         terminal.wait_for(r"^line\.stubborn$")
-        # The key q works too.
+        # The key q also works.
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
@@ -228,7 +228,7 @@ class Watch(takt_system.Case):
     def test_takt_watch_without_a_terminal_prints_a_line_for_each_transition(self):
         run = self.start("watch")
         self.running = self.nodes("robot", "line")
-        for device in self.running:  # a later start prints only the last transition
+        for device in self.running:  # a takt watch that starts later prints only the last transition
             run.wait_for_out(r"^\S+ %s: waiting" % device)
         self.deploy("cell.xml")
         for module in ("robot.grid", "robot.program", "line.fails"):
@@ -263,14 +263,14 @@ class InTmux(takt_system.Case):
         coloured = tmux.coloured
         self.assertRegex(coloured, "\x1b\\[32m● EXECUTING")
         self.assertRegex(coloured, "\x1b\\[31m▲ RECOVER")
-        # Sort by state with the worst first, then in reverse order.
+        # Sort by state, first with the worst state at the top, then in reverse order.
         tmux.press(">")
         tmux.wait_for("module +▲state")
         self.assertRegex(tmux.lines[2], r"line\.fails +▲ RECOVER")
         tmux.press("v")
         tmux.wait_for("module +▼state")
         self.assertRegex(tmux.lines[5], r"line\.fails +▲ RECOVER")
-        # Typed text filters the rows.
+        # Typing text filters the rows.
         tmux.press("<", "/")
         tmux.type("grix")
         tmux.wait_for("^/grix_$")
@@ -291,7 +291,7 @@ class InTmux(takt_system.Case):
         tmux.wait_for("^>   grid")
         tmux.press("Escape")
         tmux.wait_for("^    program")
-        # The size of the terminal changes while takt watch runs.
+        # The terminal is resized while takt watch runs.
         for columns, rows in ((40, 10), (200, 60), (20, 5), (80, 24)):
             tmux.resize(columns, rows)
             wait_until(lambda: len(tmux.lines) == rows and tmux.lines[-1].startswith("Enter details"[:columns - 1]), 5,

@@ -1,5 +1,5 @@
-"""Acts like a user of a web page: opens the page, reads it, clicks and presses keys. Uses headless Chromium, whose files are all in a
-folder of the test."""
+"""Uses a web page as a person does: opens the page, reads it, clicks and presses keys. The browser is headless Chromium, which stores all
+its files in a folder of the test."""
 
 import os
 
@@ -15,7 +15,7 @@ OPTIONS = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", 
            "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--disable-breakpad",
            "--force-device-scale-factor=1")
 
-# This script records every change of a row's state with its time, because the page does not keep these.
+# This script records every state change of a row with its time, because the page shows only the current state.
 WATCH_STATES = """
 window.seen = {};
 const note = (row) => (window.seen[row.dataset.module] ??= []).push([row.dataset.state, Date.now()]);
@@ -51,7 +51,7 @@ class Browser:
         self.driver.get(address)
 
     def go(self, route):
-        """Opens another view of the page, as a link in it does."""
+        """Opens another view of the page, as a link on the page does."""
         self.script("location.hash = arguments[0]", route)
 
     def script(self, text, *arguments):
@@ -63,7 +63,7 @@ class Browser:
         return self.driver.execute_async_script("const done = arguments[arguments.length - 1];\n" + text, *arguments)
 
     def texts(self, selector):
-        """The texts of all visible elements that `selector` finds."""
+        """Returns the texts of all visible elements that match `selector`."""
         return self.script("return [...document.querySelectorAll(arguments[0])].filter((one) => one.checkVisibility())"
                            ".map((one) => one.textContent)", selector)
 
@@ -72,7 +72,7 @@ class Browser:
         return found[0] if found else None
 
     def wait_for(self, selector, pattern, limit=40.0):
-        """Waits for a visible text that `selector` finds and that matches, and returns it."""
+        """Waits until the text of a visible element that matches `selector` also matches the pattern, and returns this text."""
         import re
         expression = re.compile(pattern)
         try:
@@ -91,7 +91,7 @@ class Browser:
             raise AssertionError("%s; it is %r" % (error, self.attribute(selector, name))) from None
 
     def click(self, selector):
-        """Clicks at the place of the element. If another element covers it, that element gets the click."""
+        """Clicks at the position of the element. If another element covers it, that other element gets the click."""
         self.driver.find_element("css selector", selector).click()
 
     def write(self, selector, text):
@@ -103,12 +103,12 @@ class Browser:
         ActionChains(self.driver).send_keys(*keys).perform()
 
     def focused(self):
-        """The label of the element that has the focus, or its text."""
+        """Returns the label of the element that has the focus, or its text if it has no label."""
         return self.script("const one = document.activeElement;"
                            "return one.getAttribute('aria-label') || one.labels?.[0]?.textContent || one.textContent.slice(0, 80)")
 
     def press_until(self, key, holds, most=60):
-        """Presses the key until the focused element satisfies `holds`. Fails if the focus is invisible on the way."""
+        """Presses the key until `holds` is true for the focused element. Fails if an element on the way shows no visible focus."""
         for _ in range(most):
             self.press(key)
             if self.script("const one = getComputedStyle(document.activeElement);"
@@ -120,7 +120,7 @@ class Browser:
         raise AssertionError("pressing %d times %r did not move the focus to the wanted element; the focus is on %r" % (most, key, self.focused()))
 
     def states(self):
-        """The states of the modules in the list: {"device.module": "EXECUTING"}."""
+        """Returns the states in the list of modules: {"device.module": "EXECUTING"}."""
         return self.script("return Object.fromEntries([...document.querySelectorAll('tr[data-module]')].map((row) =>"
                            "[row.dataset.module, row.querySelector('.mark .word').textContent]))")
 
@@ -128,12 +128,14 @@ class Browser:
         self.script(WATCH_STATES)
 
     def seen(self, module=None):
-        """Returns the states since watch_states(): those of one module, or those of all modules with their times in ms of the browser's clock."""
+        """Returns the states since watch_states(): those of one module, or those of all modules with their times, in ms of the browser's
+        clock."""
         seen = self.script("return window.seen")
         return seen if module is None else [state for state, _ in seen[module]]
 
     def errors(self, apart=()):
-        """Returns the errors and warnings on the console since the last call. Leaves out lines that contain one of `apart`."""
+        """Returns the errors and warnings on the browser's console since the last call. Leaves out lines that contain one of the texts in
+        `apart`."""
         try:
             lines = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
         except WebDriverException as error:

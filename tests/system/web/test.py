@@ -16,14 +16,14 @@ from selenium.webdriver.common.keys import Keys
 from browser import Browser
 
 TOKEN = "a-token-that-only-this-test-knows"
-LONG = 60  # seconds, because the browser and the cell share two CPUs
+LONG = 60  # seconds; this is long because the browser and the cell share two CPUs
 MODULES = ("robot.source", "robot.tuned", "robot.program", "line.sink", "line.fails")
 VIEWS = ("cell", "modules", "connections", "faults", "table", "plots")
 
 
 class Web(takt_system.Case):
     def serve(self, *arguments, port=0):
-        """Starts takt web with the token of this test, and sets self.address."""
+        """Starts takt web with the token of this test, and stores the address in self.address."""
         token = os.path.join(self.folder, "token")
         if not os.path.exists(token):
             self.write("token", TOKEN + "\n")
@@ -55,14 +55,14 @@ class Web(takt_system.Case):
                 for device in self.status_of()["devices"] for module in device["modules"]}
 
     def wait_until_as_on_dds(self):
-        """Waits until the page shows every module in the state that takt status prints."""
+        """Waits until the page shows every module in the state that takt status reports."""
         for _ in range(20):
             told = self.on_dds()
             try:
                 wait_until(lambda: self.page.states() == told, 3)
                 return told
             except AssertionError:
-                pass  # a state changed between the two readings
+                pass  # a state may have changed between the two readings
         self.assertEqual(told, self.page.states())
 
     def select(self, module):
@@ -76,7 +76,7 @@ class Web(takt_system.Case):
         self.page.click(button)
 
     @takt_system.timing("the test looks for the last faults, and a stall of the machine would add newer faults")
-    def test_the_web_page_shows_the_states_that_are_on_dds(self):
+    def test_the_web_page_shows_the_states_that_nodes_publish(self):
         web = self.serve()
         page = self.look("#/modules")
         page.wait_for("#summary", "no devices found")
@@ -87,7 +87,7 @@ class Web(takt_system.Case):
         self.assertEqual(set(MODULES), set(told))
         page.wait_for("#summary", r"^running: 4 of 5 modules EXECUTING, line.fails in RECOVER$")
 
-        # The graph shows the states in words too, not by colour alone.
+        # The graph must show the states as words too, not only as colours.
         page.go("#/cell")
         for module, state in told.items():
             page.wait_for("[data-module='%s'] .state-word" % module, "^%s$" % state)
@@ -98,7 +98,8 @@ class Web(takt_system.Case):
         self.assertEqual("good", page.attribute("[data-module='robot.tuned']", "data-look"))
         page.wait_for_attribute("path.wire", "data-line", "good", LONG)
 
-        # A killed program goes to RECOVER and comes back. The states of a killed host change too fast to see, but the details keep the steps.
+        # A killed program goes to RECOVER and then executes again. The states of a killed host change too fast to see, but the details list
+        # the transitions.
         page.go("#/modules")
         page.wait_for("tr[data-module='robot.program'] .word", "EXECUTING")
         page.watch_states()
@@ -127,7 +128,7 @@ class Web(takt_system.Case):
         page.wait_for("#details .last-faults li", "host-restart", LONG)
         self.assertNotIn("program-restart", " ".join(page.texts("#details .last-faults li")))
 
-        # If a node is killed, its device, its modules and their connections are shown as lost.
+        # If a node is killed, the page must show its device, its modules and their connections as lost.
         self.running["robot"].signal(signal.SIGKILL)
         self.running["robot"].wait(10)
         page.wait_for("#summary", "robot lost", LONG)
@@ -145,9 +146,9 @@ class Web(takt_system.Case):
         page.go("#/modules")
         page.wait_for_attribute("tr[data-module='robot.tuned']", "data-state", "EXECUTING", LONG)
         self.wait_until_as_on_dds()
-        self.finish(web, apart=("504",))  # the page may have asked the node that was killed
+        self.finish(web, apart=("504",))  # the page may still have waited for a reply of the killed node
 
-    def test_an_operator_with_the_token_can_command_modules_on_the_web_page(self):
+    def test_an_operator_with_the_token_can_command_modules_from_the_web_page(self):
         web = self.serve()
         self.cell()
         page = self.look("#token=" + TOKEN)
@@ -163,7 +164,7 @@ class Web(takt_system.Case):
         self.wait_for_states({"robot": {"tuned": "EXECUTING"}})
         page.wait_for("#details .mark .word", "^EXECUTING", LONG)
 
-        # The page asks before it ends a module, and Escape cancels.
+        # The page asks for confirmation before it ends a module, and Escape cancels the command.
         self.order("destruct")
         page.wait_for("dialog h3", r"Destruct robot\.tuned\?")
         page.press(Keys.ESCAPE)
@@ -185,7 +186,7 @@ class Web(takt_system.Case):
         self.order("recover")
         wait_until(lambda: "EXECUTING" in page.seen("line.fails"), LONG, "line.fails to execute again")
 
-        # A property is set to a value in its range, then to a value out of its range.
+        # Set a property first to a value in its range, then to a value out of its range.
         self.select("robot.tuned")
         gain = "[data-property=gain]"
         page.wait_for(gain + " .about", "0 to 100", LONG)
@@ -197,7 +198,7 @@ class Web(takt_system.Case):
         page.click(gain + " button")
         page.wait_for_attribute(gain + " .answer", "data-look", "bad", LONG)
         self.assertEqual(["2.5"], self.done("get robot.tuned gain"))
-        # Input is shown as text, never as HTML.
+        # The page must show input as text, never as HTML.
         label = "[data-property=label]"
         page.write(label + " input", "<img src=x onerror=document.title='x'>")
         page.click(label + " button")
@@ -215,7 +216,7 @@ class Web(takt_system.Case):
         page.wait_for("[data-property=gain] .name", "gain", LONG)
         self.assertTrue(page.script("return [...document.querySelectorAll('.commands button, .property input, .property button')]"
                                     ".every((one) => one.disabled)"))
-        # Requests that do not come from the page are rejected too.
+        # The gateway must also reject requests that do not come from the page.
         order = json.dumps({"device": "robot", "module": "tuned", "verb": "stop"})
         self.assertEqual(403, page.wait_script("fetch('/api/command', {method: 'POST', body: arguments[0]}).then((a) => done(a.status))",
                                                order))
@@ -227,13 +228,13 @@ class Web(takt_system.Case):
             self.assertEqual(403, refused.exception.code)
             refused.exception.close()
         self.assertEqual("EXECUTING", self.on_dds()["robot.tuned"])
-        # Opening the address with the token in the same tab grants the right to command.
+        # If the address with the token is opened in the same tab, the page may send commands.
         page.go("#token=" + TOKEN)
         page.wait_for("#rights", "may command", LONG)
         self.assertNotIn(TOKEN, page.script("return location.href"))
         self.finish(web, apart=("403",))
 
-    def test_every_function_of_the_web_page_works_with_the_keyboard(self):
+    def test_every_function_of_the_web_page_can_be_used_with_the_keyboard(self):
         web = self.serve()
         self.cell()
         page = self.look("#token=" + TOKEN)
@@ -243,7 +244,7 @@ class Web(takt_system.Case):
             page.press(Keys.ARROW_RIGHT)
             wait_until(lambda: page.script("return location.hash").startswith("#/" + view), LONG, view)
         page.press(Keys.HOME)
-        # In the graph, keys enter the graph, go from box to box, and select a box.
+        # In the graph, keys move from box to box and select a box.
         page.press_until(Keys.TAB, lambda focused: focused.startswith("graph of the cell"))
         page.press_until(Keys.TAB, lambda focused: focused.startswith(("device ", "robot.", "line.")))
         reached = set()
@@ -273,7 +274,7 @@ class Web(takt_system.Case):
         wait_until(lambda: page.focused() == "tuned", LONG, "the focus to return")
         self.finish(web)
 
-    def test_the_web_page_shows_the_loss_and_the_return_of_the_gateway(self):
+    def test_the_web_page_marks_its_data_as_outdated_while_the_gateway_is_unreachable(self):
         web = self.serve()
         port = int(re.search(r":(\d+)/", self.address)[1])
         self.cell()
@@ -282,10 +283,10 @@ class Web(takt_system.Case):
         page.wait_for("#details .mark .word", "^EXECUTING", LONG)
         web.signal(signal.SIGKILL)
         web.wait(10)
-        page.wait_for("#link", "connection lost, trying again", LONG)
+        page.wait_for("#link", "connection lost, reconnecting", LONG)
         page.wait_for("#stale", "The page shows the last known state", LONG)
         self.assertEqual("alert", page.attribute("#stale", "role"))
-        page.wait_for("#commands-why", "connection to the gateway is lost", LONG)
+        page.wait_for("#commands-why", "connection to takt web is lost", LONG)
         self.assertTrue(page.script("return [...document.querySelectorAll('.commands button')].every((one) => one.disabled)"))
         self.assertNotEqual("none", page.script("return getComputedStyle(document.querySelector('#main')).filter"))
         self.done("stop robot.tuned")
@@ -300,7 +301,7 @@ class Web(takt_system.Case):
         self.wait_for_states({"robot": {"tuned": "EXECUTING"}}, LONG)
         self.finish(web, apart=("ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED", "ERR_EMPTY", "ERR_CONNECTION_RESET"))
 
-    def test_the_web_page_draws_port_values_and_the_table_of_an_executor(self):
+    def test_the_web_page_shows_live_port_values_and_executor_tables(self):
         web = self.serve()
         self.cell()
         page = self.look("#/plots")
@@ -321,34 +322,34 @@ class Web(takt_system.Case):
         page.wait_for(".executor summary", "Where the time went", LONG)
         wait_until(lambda: {"source", "tuned", "program (program)"} <= set(page.texts(".executor details tbody th")), LONG, "all modules")
         page.go("#/modules?select=robot.source")
-        page.wait_for(".ports li", "line.sink.in.*ok", LONG)
+        page.wait_for(".ports li", r"line\.sink\.in.*(ok|\d+ late)", LONG)
         page.wait_for("#details .bar .words", r"p99 run time .* us of 5 ms budget", LONG)
         self.finish(web)
 
-    def test_an_open_view_of_the_web_page_shows_a_later_deployment(self):
+    def test_an_open_web_page_shows_a_new_deployment_without_a_reload(self):
         web = self.serve()
-        page = self.look("#/constructor")  # there is no such view, although every JavaScript object has a member of this name
+        page = self.look("#/constructor")  # there is no view of this name, but every JavaScript object has a member of this name
         page.wait_for("#tabs [aria-selected=true]", "^Cell$", LONG)
         page.go("#/table?device=robot")
-        page.wait_for(".table-view .answer", "no cell runs", LONG)
+        page.wait_for(".table-view .answer", "no cell is running", LONG)
         self.cell()
         page.wait_for(".executor summary", "Where the time went", LONG)
         self.done("undeploy cell")
-        page.wait_for(".table-view .answer", "no cell runs", LONG)
+        page.wait_for(".table-view .answer", "no cell is running", LONG)
         page.go("#/plots?port=robot.source.out")
         page.wait_for(".tools [role=status]", r"^(?!waiting)\w", LONG)
         self.deploy("cell.xml")
         page.wait_for(".time-plot b", r"^\d+$", LONG)
         wait_until(lambda: page.script("return document.querySelectorAll('optgroup[label=robot] option').length"), LONG, "the list of ports")
 
-        # A module is replaced by another one of the same name. The page shows the new one.
+        # A new module replaces the old one of the same name. The page must show the new one.
         page.go("#/table?device=robot&select=robot.tuned")
         page.wait_for("[data-property=gain] .name", "gain", LONG)
         page.wait_for(".executor summary", "Where the time went", LONG)
         with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "cell.xml")) as file:
             text = file.read().replace("cpp_properties.so", "port_source.so")
         self.done("undeploy cell")
-        page.wait_for(".table-view .answer", "no cell runs", LONG)
+        page.wait_for(".table-view .answer", "no cell is running", LONG)
         self.deploy(self.write("other.xml", text))
         page.wait_for("#details .ports li", "^out writes", LONG)
         page.wait_for(".executor summary", "Where the time went", LONG)
@@ -381,7 +382,7 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_a_link_keeps_the_filters_and_a_paused_list_counts_new_events(self):
+    def test_the_fault_list_of_the_web_page_counts_new_events_while_it_is_paused(self):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
@@ -439,7 +440,7 @@ class Web(takt_system.Case):
             print("from a step until it is shown: %d steps, ms: p50 %.0f, p99 %.0f, longest %.0f"
                   % (len(ages), ages[len(ages) // 2], ages[len(ages) * 99 // 100], ages[-1]))
         for module, seen in seen_at.items():
-            seen = [state for state, _ in seen if state != "lost"]  # the page shows this for a moment if the machine stalls
+            seen = [state for state, _ in seen if state != "lost"]  # the page shows this text for a moment if the machine stalls
             self.assertEqual(["EXECUTING"] + told, [state for i, state in enumerate(seen) if i == 0 or seen[i - 1] != state], module)
         frames = sorted(page.script("return window.frames_ms"))
         print("frames with a hundred modules: %d, ms: p50 %.1f, p99 %.1f, longest %.1f"
@@ -448,7 +449,7 @@ class Web(takt_system.Case):
         page.wait_for("[data-module='robot.m0'] .state-word", "EXECUTING", LONG)
         self.finish(web)
 
-    def test_the_web_page_is_legible_and_fits_small_screens_and_fingers(self):
+    def test_the_web_page_is_usable_on_tablets_and_desktop_screens(self):
         web = self.serve()
         self.cell()
         page = self.look("#token=" + TOKEN)
@@ -457,7 +458,7 @@ class Web(takt_system.Case):
             page.size(width, height)
             for view in VIEWS + ("modules?select=robot.tuned", "cell?select=robot"):
                 page.go("#/" + view)
-                time.sleep(0.3)  # answers of the gateway may widen the page
+                time.sleep(0.3)  # replies of the gateway may make the page wider
                 with self.subTest(width=width, view=view):
                     self.assertLessEqual(page.script("return Math.max(document.documentElement.scrollWidth, ...[...document.querySelectorAll("
                                                      "'.scrolled, #details')].map((one) => one.scrollWidth - one.clientWidth + innerWidth))"),
@@ -492,7 +493,7 @@ class Web(takt_system.Case):
                              "the lines of a legend must have the colour of the curves")
         self.finish(web)
 
-    def test_the_web_page_removes_scripts_and_links_from_drawings(self):
+    def test_the_web_page_removes_scripts_and_links_from_svg_drawings(self):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
@@ -511,7 +512,7 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_the_web_page_draws_a_plot_of_any_values_and_width(self):
+    def test_the_web_page_can_plot_any_values_at_any_width(self):
         web = self.serve()
         page = self.look()
         found = page.wait_script("""
@@ -541,7 +542,7 @@ class Web(takt_system.Case):
         web = self.serve()
         page = self.look()
         page.wait_for("#link", "^live$", LONG)
-        web.signal(signal.SIGSTOP)  # a stopped gateway accepts connections and does not answer
+        web.signal(signal.SIGSTOP)  # a gateway that is stopped accepts connections but does not reply
         try:
             limits, said = page.wait_script("""
                 import("/api.js").then(async ({get, post}) => {
@@ -555,7 +556,7 @@ class Web(takt_system.Case):
             web.signal(signal.SIGCONT)
         self.assertGreater(limits[1], 30, "the page must wait longer than the gateway waits for a device")
         self.assertEqual(["no answer within %d s" % limits[0],
-                          "no answer within %d s; it may or may not have been done" % limits[1]], said)
+                          "no answer within %d s; the device may still have carried out the request" % limits[1]], said)
         self.assertEqual([1, 1, 0, 1], page.wait_script("""
             import("/orders.js").then(async ({Commands}) => {
               const [given, fetched] = [[], window.fetch];
@@ -579,7 +580,7 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
-    def test_dates_and_hours_on_the_web_page_use_the_same_time_zone(self):
+    def test_dates_and_times_of_day_on_the_web_page_use_the_same_time_zone(self):
         web = self.serve()
         page = self.look()
         page.driver.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "Asia/Tokyo"})
@@ -589,7 +590,8 @@ class Web(takt_system.Case):
         self.assertEqual(0, web.wait(20).status, web.err)
 
 
-# This script finds texts with less contrast to their background than WCAG level AA requires. As in WCAG, disabled elements do not count.
+# This script finds texts whose contrast to their background is lower than WCAG level AA requires. As in WCAG, disabled elements do not
+# count.
 CONTRAST = """
 const parts = (text) => text.match(/[\\d.]+/g).map(Number);
 const light = ([r, g, b]) => [r, g, b].map((c) => c / 255).map((c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)

@@ -19,7 +19,7 @@ from takt_system import wait_until
 
 
 class Events:
-    """Reads the stream of events and combines them as the page does."""
+    """Reads the stream of events, and derives the current states from it as the web page does."""
 
     def __init__(self, address):
         self.response = urllib.request.urlopen(address + "api/events", timeout=30)
@@ -80,7 +80,7 @@ class Gateway(takt_system.Case):
         return run
 
     def ask(self, path, body=None, method=None, token=None, headers=()):
-        """Sends a request. Returns the HTTP status and the JSON of the answer."""
+        """Sends a request. Returns the HTTP status and the JSON object of the reply."""
         request = urllib.request.Request(self.address + path, method=method,
                                          data=None if body is None else body if isinstance(body, bytes) else json.dumps(body).encode())
         if token:
@@ -111,7 +111,7 @@ class Gateway(takt_system.Case):
         self.takt("undeploy", "seen")
         self.end(self.running)
 
-    def test_the_gateway_streams_the_states_that_are_on_dds(self):
+    def test_the_gateway_streams_the_states_that_nodes_publish(self):
         run = self.web()
         events = self.events()
         events.wait(lambda e: e.of("cell"))
@@ -121,7 +121,7 @@ class Gateway(takt_system.Case):
         self.deploy("cell.xml")
         names = {"left.source", "left.fails", "right.sink", "right.live", "right.program"}
         events.wait(lambda e: e.states() == {name: "EXECUTING" for name in names})
-        for name in names:  # no step may be missing
+        for name in names:  # no transition may be missing
             self.assertEqual([(s, n) for m, s, n in events.steps if m == name][-3:],
                              [("INITIALIZE", 1), ("START", 2), ("EXECUTING", 3)], name)
         cell = events.wait(lambda e: e.of("cell")[-1] if e.of("cell")[-1]["cell"] == "seen" else None)
@@ -131,7 +131,7 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: e.of("measures") and e.of("measures")[-1]["modules"].get("left.source", {}).get("cycles", 0) > 500)
         events.wait(lambda e: e.of("measures")[-1]["connections"].get("0", {}).get("matched"))
 
-        # The stream quickly shows a command of another operator, a fault, a crash of a host, and the loss of a device.
+        # The stream must soon show a command of another operator, a fault, a crash of a host, and the loss of a device.
         began = time.monotonic()
         self.done("stop right.live")
         events.wait(lambda e: e.states()["right.live"] == "START")
@@ -146,7 +146,7 @@ class Gateway(takt_system.Case):
         self.running["right"].signal(signal.SIGKILL)
         events.wait(lambda e: not e.devices["right"]["alive"])
         self.assertEqual("EXECUTING", events.states()["right.sink"], "the last known state must remain")
-        # A new stream shows the same states.
+        # A new stream must show the same states.
         other = self.events()
         other.wait(lambda e: e.of("faults"))
         self.assertEqual(events.devices["right"], other.devices["right"])
@@ -162,7 +162,7 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: e.ended, what="the end of the stream")
 
     def faults(self, events):
-        """Returns the faults as the page lists them."""
+        """Returns the faults in the order in which the page lists them."""
         told = events.of("faults")
         last = max((i for i, data in enumerate(told) if data["whole"]), default=0)
         return [f for data in told[last:] for f in data["events"]]
@@ -186,7 +186,7 @@ class Gateway(takt_system.Case):
         self.assertTrue(self.ask("api/rights", token=self.token)[1]["command"])
         self.assertEqual((200, "START"), (lambda s, j: (s, j["state"]))(*self.ask("api/command", stop, token=self.token)))
         self.assertEqual("START", self.states_of("right")["live"])
-        # The node rejects the command with a reason.
+        # The node must reject the command and give the reason.
         status, said = self.ask("api/command", stop, token=self.token)
         self.assertEqual(409, status)
         self.assertRegex(said["what"], "stop is not allowed in state START")
@@ -203,14 +203,15 @@ class Gateway(takt_system.Case):
         status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "0"}, token=self.token)
         self.assertEqual(409, status)
         self.assertRegex(said["what"], "1 to 1000|at least 1|less than")
-        # For a program, the gateway shows the values at its start. It does not ask the node, which would reject this request.
+        # For a program, the gateway shows the property values with which it started. It does not ask the node for the current values,
+        # because the node would reject this.
         before = self.done("log --json --kind refused-command")[0].count("refused-command")
         properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
         self.assertEqual({"gain": "2.5", "label": "none"}, properties)
         self.assertEqual(before, self.done("log --json --kind refused-command")[0].count("refused-command"))
         self.finish(run)
 
-    def test_the_gateway_serves_port_values_tables_and_history(self):
+    def test_a_web_client_can_request_port_values_executor_tables_and_history(self):
         run = self.cell()
         events = self.events()
         stream = events.wait(lambda e: e.of("stream"))[0]["id"]
@@ -231,14 +232,14 @@ class Gateway(takt_system.Case):
         self.assertEqual([True] + [False] * (len(events.of("points")) - 1), [p["whole"] for p in events.of("points")])
         same = [v for p in events.of("points") for v in p["values"][1]]
         self.assertEqual(numbers()[:len(same)], same[:len(numbers())], "all fields must be of the same sample")
-        # A stream that is opened later gets the earlier values too.
+        # A stream that is opened later must get the earlier values too.
         other = self.events()
         later = other.wait(lambda e: e.of("stream"))[0]["id"]
         self.ask("api/streams/%s/ports" % later, {"ports": ["left.source.out"]}, "PUT")
         first = other.wait(lambda e: e.of("points"))[0]
         self.assertTrue(first["whole"])
         self.assertGreaterEqual(len(first["times_ms"]), 60)
-        # A new list of ports replaces the old one. Each wrong port is reported.
+        # A new list of ports replaces the old list. The gateway must report each wrong port.
         status, said = self.ask(path, {"ports": ["left.source.ouy", "left.nobody.out", "x"]}, "PUT")
         self.assertEqual(200, status)
         self.assertEqual(["left.source.ouy", "left.nobody.out", "x"], [p["port"] for p in said["problems"]])
@@ -278,7 +279,7 @@ class Gateway(takt_system.Case):
         self.assertEqual([], self.ask("api/history?module=left.nobody")[1]["times_ms"])
         self.finish(run)
 
-    def test_the_gateway_shows_an_updated_cell_and_forgets_an_undeployed_cell(self):
+    def test_the_gateway_follows_the_update_and_undeployment_of_a_cell(self):
         run = self.cell()
         spare = self.node("spare")
         events = self.events()
@@ -290,7 +291,7 @@ class Gateway(takt_system.Case):
             self.assertIn('takt_faults_total{device="spare",severity="error"} 0\n', response.read().decode())
         cells = len(events.of("cell"))
         ports = len(events.of("port"))
-        # The update changes the port from a queue to the latest value, so its topic has another quality of service.
+        # The update changes the connection from a queue to the latest value, so the topic of the port gets another QoS.
         with open(self.beside("cell.xml")) as file:
             text = file.read().replace('kind="queue" depth="100"', 'kind="latest" deadline="1000000000"')
         self.done("deploy %s --update" % self.write("other.xml", text))
@@ -301,7 +302,7 @@ class Gateway(takt_system.Case):
         told = len(events.of("points"))
         events.wait(lambda e: len(e.of("points")) > told + 3, what="values of the changed port")
         self.assertTrue(any(p["whole"] for p in events.of("points")[1:]), "the values must begin anew")
-        # The loss of a node outside the cell delays nothing.
+        # The loss of a node that does not belong to the cell must not delay anything.
         spare.signal(signal.SIGKILL)
         events.wait(lambda e: not e.devices["spare"]["alive"])
         self.done("undeploy seen")
@@ -310,7 +311,7 @@ class Gateway(takt_system.Case):
         self.runs.remove(spare)
         self.finish(run)
 
-    def test_the_gateway_lists_but_does_not_count_old_faults_of_a_node_that_it_finds_late(self):
+    def test_the_gateway_counts_only_faults_that_occur_after_it_finds_the_node(self):
         node = self.node("left")
         self.refused({"stop left.before": "left"})
         node.signal(signal.SIGSTOP)
@@ -400,7 +401,7 @@ class Gateway(takt_system.Case):
         for junk in (b"", b"\r\n\r\n", b"\0" * 5000, b"GET / HTTP/9.9\r\n\r\n", b"POST /api/command HTTP/1.1\r\nContent-Length: 99999999999999\r\n\r\n",
                      b"GET /" + b"a" * 100000 + b" HTTP/1.1\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 20000 + b"\r\n"):
             self.assertNotIn(b" 200 ", raw(junk).split(b"\r\n")[0], junk[:40])
-        # A request under another host name (DNS rebinding) is rejected.
+        # The gateway must reject a request whose Host header names another host (DNS rebinding).
         for host in ("evil.example", "127.0.0.1.evil.example", ""):
             self.assertIn(b" 421 ", raw(b"GET /api/events HTTP/1.1\r\nHost: %s\r\nConnection: close\r\n\r\n" % host.encode(), whole=True).split(b"\r\n")[0])
         status, said = self.ask("api/command", b"x" * 70000, token=self.token)
@@ -417,7 +418,7 @@ class Gateway(takt_system.Case):
         with urllib.request.urlopen(self.address, timeout=30) as page:
             self.assertIn("default-src 'self'", page.headers["Content-Security-Policy"])
             self.assertIn(b"<title>", page.read())
-        # The number of streams is limited. The existing streams continue.
+        # The number of streams is limited. The existing streams must continue.
         more = []
         for _ in range(63):
             more.append(Events(self.address))
@@ -452,7 +453,7 @@ class Gateway(takt_system.Case):
         short = self.write("short", "abc\n")
         os.chmod(short, 0o600)
         self.refused({
-            "web --listen foo.bar": r"foo\.bar:8080: (error: )?cannot listen on this address(: [^;]+)?; --listen needs an address",
+            "web --listen foo.bar": r"foo\.bar:8080: (error: )?cannot listen on this address(: [^;]+)?; give --listen an address",
             "web --port %d" % taken.getsockname()[1]: r"error: 127\.0\.0\.1:\d+: cannot listen on this address.*choose another --port|127\.0\.0\.1:\d+: error: cannot listen on this address.*choose another --port",
             "web --listen 192.0.2.1 --port 0": "cannot listen on this address.*an address of this machine",
             "web --token-file %s" % secret: "is readable by other users.*chmod 600",

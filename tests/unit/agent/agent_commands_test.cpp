@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(AgentCommands, InspectsComponentsOnceForSeveralDescribeCommands) {
+TEST(AgentOnCommand, InspectsComponentsOnceForSeveralDescribeCommands) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
@@ -28,7 +28,7 @@ TEST(AgentCommands, InspectsComponentsOnceForSeveralDescribeCommands) {
   EXPECT_TRUE(device.work.inspections[1].describe);
 }
 
-TEST(AgentCommands, ReturnsTheDeployedDescriptor) {
+TEST(AgentOnCommand, ReturnsTheDeployedDescriptor) {
   FakeDevice device;
   device.receive(device.command(COMMAND_DESCRIPTOR));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
@@ -40,7 +40,7 @@ TEST(AgentCommands, ReturnsTheDeployedDescriptor) {
   EXPECT_EQ(device.reply().value().to_string(), "cell.xml");
 }
 
-TEST(AgentCommands, ForwardsACommandToItsModuleAndReturnsTheOutcome) {
+TEST(AgentOnCommand, ForwardsACommandToItsModuleAndReturnsTheOutcome) {
   FakeDevice device;
   device.become_running();
   wire::WholeCommand stop = device.command(COMMAND_STOP);
@@ -55,7 +55,7 @@ TEST(AgentCommands, ForwardsACommandToItsModuleAndReturnsTheOutcome) {
   EXPECT_EQ(device.reply().module_name(), "arm");
 }
 
-TEST(AgentCommands, NamesTheModuleOfAFailedCommand) {
+TEST(AgentOnCommand, NamesTheModuleInTheReplyToAFailedCommand) {
   FakeDevice device;
   device.become_running();
   wire::WholeCommand start = device.command(COMMAND_START);
@@ -69,7 +69,7 @@ TEST(AgentCommands, NamesTheModuleOfAFailedCommand) {
   EXPECT_EQ(device.data()[0]["what"], "it went to RECOVER");
 }
 
-TEST(AgentCommands, SuggestsAModuleForAnUnknownName) {
+TEST(AgentOnCommand, SuggestsASimilarModuleForAnUnknownName) {
   FakeDevice device;
   device.become_running();
   wire::WholeCommand stop = device.command(COMMAND_STOP);
@@ -80,7 +80,7 @@ TEST(AgentCommands, SuggestsAModuleForAnUnknownName) {
   EXPECT_THAT(device.text(), HasSubstr("servo"));
 }
 
-TEST(AgentCommands, ReadsAndSetsAPropertyOfAModule) {
+TEST(AgentOnCommand, ReadsAndSetsAPropertyOfAModule) {
   FakeDevice device;
   device.become_running();
   wire::WholeCommand get = device.command(COMMAND_GET);
@@ -105,7 +105,7 @@ TEST(AgentCommands, ReadsAndSetsAPropertyOfAModule) {
   EXPECT_EQ(device.text(), "0 to 2");
 }
 
-TEST(AgentCommands, RejectsAPropertyOfAnUnknownModule) {
+TEST(AgentOnCommand, RejectsAPropertyOfAnUnknownModule) {
   FakeDevice device;
   wire::WholeCommand get = device.command(COMMAND_GET);
   get.head.module_name("arn");
@@ -124,7 +124,7 @@ TEST(AgentCommands, RejectsAPropertyOfAnUnknownModule) {
   EXPECT_TRUE(device.work.properties.empty());
 }
 
-TEST(AgentCommands, TracesADeploymentForTheRequestedTime) {
+TEST(AgentOnCommand, TracesADeploymentForTheRequestedTime) {
   FakeDevice device;
   const auto ask = [&device](const char* value) {
     wire::WholeCommand trace = device.command(COMMAND_TRACE);
@@ -150,7 +150,7 @@ wire::WholeCommand swap_of(FakeDevice& device, const char* module, const char* f
   return swap;
 }
 
-TEST(AgentCommands, RejectsASwapToAFileWithAPath) {
+TEST(AgentOnCommand, RejectsASwapFileGivenWithAFolder) {
   FakeDevice device;
   device.become_running();
   for (const char* file : {"new/arm2.so", "./arm2.so", "/nowhere/arm2.so"}) {
@@ -163,7 +163,7 @@ TEST(AgentCommands, RejectsASwapToAFileWithAPath) {
   EXPECT_EQ(device.work.inspections.size(), 1U) << "only the inspection of the deployment";
 }
 
-TEST(AgentCommands, NamesTheFileOfARejectedSwap) {
+TEST(AgentOnCommand, NamesTheFileWhenItRejectsASwap) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
@@ -174,7 +174,7 @@ TEST(AgentCommands, NamesTheFileOfARejectedSwap) {
   EXPECT_EQ(device.text(), "file arm2.so: module arm: it has no property 'slope'");
 }
 
-TEST(AgentCommands, InspectsASwapFileFirstAndDescribesItAfterwards) {
+TEST(AgentOnCommand, InspectsAFileBeforeItSwapsIt) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
@@ -202,7 +202,7 @@ TEST(AgentCommands, InspectsASwapFileFirstAndDescribesItAfterwards) {
   EXPECT_EQ(device.work.inspections.back().only, "");
 }
 
-TEST(AgentCommands, RejectsAnImpossibleSwapWithTheReason) {
+TEST(AgentOnCommand, RejectsAnImpossibleSwapWithTheReason) {
   FakeDevice device;
   device.receive(swap_of(device, "arm", "arm.so"));
   EXPECT_EQ(device.text(), "device robot has no deployment");
@@ -232,7 +232,7 @@ TEST(AgentCommands, RejectsAnImpossibleSwapWithTheReason) {
   EXPECT_TRUE(device.work.swaps.empty());
 }
 
-TEST(AgentCommands, AnswersADeviceCommandWhenEveryModuleHasAnswered) {
+TEST(AgentOnCommand, AnswersACommandForTheDeviceAfterAllModulesAnswered) {
   FakeDevice device;
   device.become_running();
   device.receive(device.command(COMMAND_STOP));

@@ -15,7 +15,7 @@ using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class AgentFaultsTest : public testing::Test {
+class AgentRecordingFaults : public testing::Test {
  protected:
   std::vector<std::string> kinds() const {
     std::vector<std::string> kinds;
@@ -34,7 +34,7 @@ class AgentFaultsTest : public testing::Test {
   FakeDevice device_;
 };
 
-TEST_F(AgentFaultsTest, DetectsACrashOfThePreviousNode) {
+TEST_F(AgentRecordingFaults, DetectsACrashOfThePreviousNode) {
   const auto record = std::make_shared<node::FaultRecord>();
   const auto note_start = [&record] {
     FakeDevice device{{}, false, record};
@@ -55,7 +55,7 @@ TEST_F(AgentFaultsTest, DetectsACrashOfThePreviousNode) {
   EXPECT_EQ(note_start().kind(), FAULT_NODE_START);
 }
 
-TEST_F(AgentFaultsTest, AddsDeviceCellAndTimeToAModuleEvent) {
+TEST_F(AgentRecordingFaults, AddsDeviceCellAndTimeToAnEventOfAModule) {
   device_.become_running();
   EXPECT_EQ(newest().kind(), FAULT_DEPLOYED);
   device_.work.noted({.module = "servo",
@@ -79,7 +79,7 @@ TEST_F(AgentFaultsTest, AddsDeviceCellAndTimeToAModuleEvent) {
   EXPECT_EQ(event.time_ns(), device_.wall());
 }
 
-TEST_F(AgentFaultsTest, ConvertsEveryFaultKindToTheWireAndBack) {
+TEST_F(AgentRecordingFaults, ConvertsEveryFaultKindToDdsAndBack) {
   for (std::size_t i = 0; i < model::kFaultKinds; ++i) {
     const model::Fault fault{
         .cell = "-", .device = "robot", .kind = static_cast<FaultKind>(i), .error = "stale"};
@@ -90,7 +90,7 @@ TEST_F(AgentFaultsTest, ConvertsEveryFaultKindToTheWireAndBack) {
   EXPECT_EQ(wire::to_wire({.kind = FaultKind::host_restart}).kind(), FAULT_HOST_RESTART);
 }
 
-TEST_F(AgentFaultsTest, RecordsRejectedAndCompletedCommands) {
+TEST_F(AgentRecordingFaults, RecordsRejectedAndCompletedCommands) {
   device_.receive(device_.command(COMMAND_START));
   EXPECT_EQ(newest().kind(), FAULT_REFUSED_COMMAND);
   EXPECT_EQ(newest().cause(), "start: device robot has no deployment");
@@ -106,7 +106,7 @@ TEST_F(AgentFaultsTest, RecordsRejectedAndCompletedCommands) {
   EXPECT_EQ(newest().cause(), "stop was carried out");
 }
 
-TEST_F(AgentFaultsTest, MergesManyRejectionsIntoOneEventASecondWithAnExactCount) {
+TEST_F(AgentRecordingFaults, MergesRejectedCommandsIntoOneCountedEventPerSecond) {
   for (int i = 0; i < 1000; ++i) {
     wire::WholeCommand start = device_.command(COMMAND_START);
     start.head.id("asker-" + std::to_string(i));
@@ -121,7 +121,7 @@ TEST_F(AgentFaultsTest, MergesManyRejectionsIntoOneEventASecondWithAnExactCount)
   EXPECT_LE(device_.published.faults.size(), 13U);
 }
 
-TEST_F(AgentFaultsTest, AnswersALogCommandWithTheFilteredEvents) {
+TEST_F(AgentRecordingFaults, AnswersALogCommandWithTheFilteredEvents) {
   device_.agent.note_start();
   device_.become_running();
   for (int i = 0; i < 3; ++i) device_.work.noted({.module = "servo", .kind = FaultKind::host_restart}, "");
@@ -138,7 +138,7 @@ TEST_F(AgentFaultsTest, AnswersALogCommandWithTheFilteredEvents) {
   EXPECT_EQ(device_.published.faults.size(), 5U) << "a log command is not an event";
 }
 
-TEST_F(AgentFaultsTest, RejectsAWrongLogFilterWithASuggestion) {
+TEST_F(AgentRecordingFaults, RejectsAnInvalidLogFilterWithASuggestion) {
   wire::WholeCommand command = device_.command(COMMAND_LOG);
   command.data = R"({"kinds": ["eror"]})";
   device_.receive(command);
@@ -146,7 +146,7 @@ TEST_F(AgentFaultsTest, RejectsAWrongLogFilterWithASuggestion) {
   EXPECT_THAT(device_.text(), HasSubstr("did you mean error"));
 }
 
-TEST_F(AgentFaultsTest, EmitsPendingEventCountsAtTheEndOfADeployment) {
+TEST_F(AgentRecordingFaults, EmitsPendingEventCountsAtTheEndOfADeployment) {
   device_.become_running();
   for (int i = 0; i < 5; ++i)
     device_.work.noted({.module = "servo", .kind = FaultKind::overrun, .count = 2}, "");
@@ -157,7 +157,7 @@ TEST_F(AgentFaultsTest, EmitsPendingEventCountsAtTheEndOfADeployment) {
   EXPECT_EQ(newest().cell(), "cell");
 }
 
-TEST_F(AgentFaultsTest, RecordsTheLossAndReturnOfAnotherDevice) {
+TEST_F(AgentRecordingFaults, RecordsTheLossAndReturnOfAnotherDevice) {
   DeviceStatus line;
   wire::set(line.path(), "cell/line");
   wire::set(line.cell(), "cell");

@@ -22,7 +22,7 @@ DeviceStatus other(const std::string& device, const std::string& node) {
   return status;
 }
 
-TEST(AgentWithOtherNodes, RejectsDeploymentsWhileAnotherNodeHasItsName) {
+TEST(AgentWithOtherNodes, RejectsDeploymentsWhileAnotherNodeUsesTheSameName) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "there"), 1);
   device.agent.step();
@@ -38,7 +38,7 @@ TEST(AgentWithOtherNodes, RejectsDeploymentsWhileAnotherNodeHasItsName) {
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
 }
 
-TEST(AgentWithOtherNodes, ReportsNoNameClashWithItselfOrOtherDevices) {
+TEST(AgentWithOtherNodes, ReportsNoNameConflictWithItselfOrOtherDevices) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "here"), 1);
   device.agent.others().heard(other("line", "there"), 2);
@@ -46,7 +46,7 @@ TEST(AgentWithOtherNodes, ReportsNoNameClashWithItselfOrOtherDevices) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST(AgentWithOtherNodes, ListsTheLiveNodesThatItReceivesInItsReport) {
+TEST(AgentWithOtherNodes, ListsTheOtherLiveNodesInItsReport) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "here"), 1);
   device.agent.others().heard(other("line", "there"), 2);
@@ -58,7 +58,7 @@ TEST(AgentWithOtherNodes, ListsTheLiveNodesThatItReceivesInItsReport) {
   EXPECT_EQ(device.data()["heard"], (nlohmann::ordered_json{"twin", "here"}));
 }
 
-TEST(AgentWithOtherNodes, ReportsThatItIsSearchingDuringTheFirstSecond) {
+TEST(AgentWithOtherNodes, ReportsDuringItsFirstSecondThatItStillSearchesForNodes) {
   FakeDevice device;
   device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["searching"], true);
@@ -91,7 +91,7 @@ TEST(AgentWithOtherNodes, ListsLostDevicesOfItsCellInItsReport) {
   EXPECT_EQ(device.data()["lost"][0]["modules"][0]["state"], "EXECUTING");
 }
 
-// A cell that stops if this module fails.
+// Returns a cell that stops if this module fails.
 std::string cell_stopped_by(const std::string& module) {
   std::string text = FakeDevice::kCell;
   const std::size_t at = text.find("</priority>", text.find("<name>" + module + "<"));
@@ -127,7 +127,7 @@ TEST(AgentWithOtherNodes, StopsWhenAnotherDeviceStopsTheCell) {
   EXPECT_TRUE(device.status().stops_cell()) << "for devices that do not receive the status of line";
 }
 
-TEST(AgentWithOtherNodes, IgnoresAStoppedCellOfAnotherDeployment) {
+TEST(AgentWithOtherNodes, KeepsRunningWhenACellOfAnotherDeploymentStops) {
   FakeDevice device;
   device.become_running();
   DeviceStatus line = runs_with_us("line", "there");
@@ -157,7 +157,7 @@ TEST(AgentWithOtherNodes, KeepsRunningWhenAnotherDeviceShutsDownCleanly) {
   device.agent.others().heard(line, 3);
   line.state(DEVICE_STOPPING);
   device.agent.others().heard(line, 3);
-  device.agent.others().lost(3);  // the agent sees the loss before the status is withdrawn
+  device.agent.others().lost(3);  // the agent learns of the loss before the device disposes of its status
   device.agent.step();
   EXPECT_FALSE(device.work.stop_called);
   device.agent.others().heard(runs_with_us("line", "again"), 4);
@@ -167,7 +167,7 @@ TEST(AgentWithOtherNodes, KeepsRunningWhenAnotherDeviceShutsDownCleanly) {
   EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST(AgentWithOtherNodes, StopsWithAStopCellModuleWhenAllOtherDevicesAreLost) {
+TEST(AgentWithOtherNodes, StopsIfItHasAStopCellModuleAndAllOtherDevicesAreLost) {
   for (const bool vital : {false, true}) {
     FakeDevice device;
     device.become_running(vital ? cell_stopped_by("servo") : FakeDevice::kCell);

@@ -19,14 +19,14 @@ using std::chrono::seconds;
 using testing::HasSubstr;
 using Phase = Supervised::Phase;
 
-class AgentResume : public testing::Test {
+class ResumingAgent : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
   node::DeploymentFile file_{folder_, "robot", 7};
 };
 
-TEST_F(AgentResume, SavesARunningDeploymentUntilItIsUndeployed) {
+TEST_F(ResumingAgent, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
   device.become_ready();
   EXPECT_FALSE(file_.kept()->has_value()) << "the deployment does not run yet";
@@ -41,7 +41,7 @@ TEST_F(AgentResume, SavesARunningDeploymentUntilItIsUndeployed) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(AgentResume, RestoresADeploymentOnTheSameGrid) {
+TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {
   std::int64_t t0 = 0;
   {
     FakeDevice device{file_};
@@ -65,7 +65,7 @@ TEST_F(AgentResume, RestoresADeploymentOnTheSameGrid) {
   EXPECT_TRUE(device.published.replies.empty()) << "no command was sent";
 }
 
-TEST_F(AgentResume, KeepsTheGridWhenTheWallClockIsSetBeforeTheNextBoot) {
+TEST_F(ResumingAgent, KeepsTheGridIfTheWallClockChangesWithinTheSameBoot) {
   Instant t0{};
   {
     FakeDevice device{file_};
@@ -94,7 +94,7 @@ TEST_F(AgentResume, KeepsTheGridWhenTheWallClockIsSetBeforeTheNextBoot) {
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
 }
 
-TEST_F(AgentResume, ReportsAFailedSaveOnceAndSavesWhenThereIsSpace) {
+TEST_F(ResumingAgent, RetriesAFailedSaveAndReportsItOnlyOnce) {
   std::ofstream{folder_} << "a file where a folder should be";
   FakeDevice device{file_};
   device.become_running();
@@ -117,7 +117,7 @@ TEST_F(AgentResume, ReportsAFailedSaveOnceAndSavesWhenThereIsSpace) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(AgentResume, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
+TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -135,7 +135,7 @@ TEST_F(AgentResume, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(AgentResume, RejectsASavedDeploymentThatStartsFarAhead) {
+TEST_F(ResumingAgent, RejectsASavedDeploymentThatStartsFarInTheFuture) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -157,7 +157,7 @@ TEST_F(AgentResume, RejectsASavedDeploymentThatStartsFarAhead) {
   }
 }
 
-TEST_F(AgentResume, ReportsADamagedFileUntilTheNextDeployment) {
+TEST_F(ResumingAgent, ReportsADamagedFileUntilTheNextDeployment) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -174,7 +174,7 @@ TEST_F(AgentResume, ReportsADamagedFileUntilTheNextDeployment) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST_F(AgentResume, WaitsWithoutASavedDeployment) {
+TEST_F(ResumingAgent, WaitsForADeploymentIfNoneIsSaved) {
   FakeDevice device{file_};
   device.agent.resume();
   device.agent.step();

@@ -59,7 +59,7 @@ TEST(Agent, RejectsACommandAfterItsDeadline) {
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
-TEST(Agent, AnswersAQuestionAfterItsDeadline) {
+TEST(Agent, AnswersAReadOnlyCommandEvenAfterItsDeadline) {
   FakeDevice device;
   device.become_running();
   for (const CommandKind kind :
@@ -74,7 +74,7 @@ TEST(Agent, AnswersAQuestionAfterItsDeadline) {
   }
 }
 
-TEST(Agent, HandlesExtremeTimesInCommands) {
+TEST(Agent, RejectsExtremeTimesInCommandsWithoutOverflow) {
   constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   FakeDevice device;
@@ -100,7 +100,7 @@ TEST(Agent, HandlesExtremeTimesInCommands) {
   }
 }
 
-TEST(Agent, AnswersDescribeCommandsWhenTheDeploymentEnds) {
+TEST(Agent, FailsPendingDescribeCommandsWhenTheDeploymentEnds) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
@@ -114,7 +114,7 @@ TEST(Agent, AnswersDescribeCommandsWhenTheDeploymentEnds) {
   EXPECT_THAT(device.published.replies[0].head.text().to_string(), HasSubstr("before it was described"));
 }
 
-TEST(Agent, PreparesADeploymentAndRunsItOnCommand) {
+TEST(Agent, RunsAPreparedDeploymentOnCommand) {
   FakeDevice device;
   device.prepare();
   EXPECT_TRUE(device.published.replies.empty()) << "it answers when the deployment is ready";
@@ -141,7 +141,7 @@ TEST(Agent, PreparesADeploymentAndRunsItOnCommand) {
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
 }
 
-TEST(Agent, PublishesEveryStepOfAModuleWithItsNumber) {
+TEST(Agent, PublishesEveryTransitionOfAModuleWithItsSequenceNumber) {
   FakeDevice device;
   device.become_running();
   ASSERT_EQ(device.published.steps.size(), 2U);
@@ -166,7 +166,7 @@ TEST(Agent, PublishesEveryStepOfAModuleWithItsNumber) {
   EXPECT_EQ(step.time_ns(), device.wall());
 }
 
-TEST(Agent, PublishesEveryEventStateAndErrorWithItsEnumerator) {
+TEST(Agent, PublishesEachEventStateAndErrorUnderTheSameName) {
   FakeDevice device;
   device.become_running();
   for (const lifecycle::Event event : lifecycle::kEvents) {
@@ -183,7 +183,7 @@ TEST(Agent, PublishesEveryEventStateAndErrorWithItsEnumerator) {
   }
 }
 
-TEST(Agent, RejectsAnInvalidDescriptorWithEveryReason) {
+TEST(Agent, RejectsAnInvalidDescriptorAndListsAllProblems) {
   FakeDevice device;
   device.prepare("d1", "<cell name=\"cell\"><device name=\"robot\"><module/></device></cell>");
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
@@ -202,7 +202,7 @@ TEST(Agent, RejectsACellWithoutThisDevice) {
   EXPECT_THAT(device.text(), HasSubstr("cell cell has no device robot"));
 }
 
-TEST(Agent, RejectsACellThatRequiresSecurityWithoutAnIdentity) {
+TEST(Agent, RejectsACellThatRequiresSecurityIfItHasNoIdentity) {
   std::string text = FakeDevice::kCell;
   text.replace(text.find(">"), 1, " security=\"required\">");
   FakeDevice without;
@@ -216,7 +216,7 @@ TEST(Agent, RejectsACellThatRequiresSecurityWithoutAnIdentity) {
   EXPECT_TRUE(with.published.replies.empty());
 }
 
-TEST(Agent, RejectsACellThatItsIdentityIsNotFor) {
+TEST(Agent, RejectsACellForWhichItHasNoIdentity) {
   FakeDevice device{{}, false, {}, "another"};
   device.prepare();
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
@@ -237,7 +237,7 @@ TEST(Agent, RejectsADeploymentWithMissingComponents) {
   EXPECT_TRUE(device.published.withdrawn.empty()) << "no module was published";
 }
 
-TEST(Agent, AnswersAFailedPreparationWhenEverythingIsUndone) {
+TEST(Agent, ReportsAFailedPreparationOnlyAfterEverythingIsUndone) {
   FakeDevice device;
   device.prepare();
   device.work.inspected = Inspected{.paths = {"", ""}};
@@ -257,7 +257,7 @@ TEST(Agent, AnswersAFailedPreparationWhenEverythingIsUndone) {
   EXPECT_EQ(device.data()["report"]["name"], "robot") << "its final report is still available";
 }
 
-TEST(Agent, RejectsADeploymentThatCannotBeBroughtUp) {
+TEST(Agent, RejectsADeploymentThatCannotBeSetUp) {
   FakeDevice device;
   device.work.prepared = fail("no shared memory");
   device.prepare();
@@ -302,7 +302,7 @@ TEST(Agent, AnswersARepeatedPrepareCommand) {
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
-TEST(Agent, RejectsAStartTimeInThePastOrFarAhead) {
+TEST(Agent, RejectsAStartTimeInThePastOrFarInTheFuture) {
   FakeDevice device;
   device.become_ready();
   device.run(milliseconds{-30});
@@ -316,7 +316,7 @@ TEST(Agent, RejectsAStartTimeInThePastOrFarAhead) {
   EXPECT_FALSE(device.work.t0);
 }
 
-TEST(Agent, UndoesAPreparedDeploymentThatIsNeverRun) {
+TEST(Agent, UndoesAPreparedDeploymentThatTheClientNeverStarts) {
   FakeDevice device;
   device.become_ready();
   device.pass(seconds{20});
@@ -331,14 +331,14 @@ TEST(Agent, UndoesAPreparedDeploymentThatIsNeverRun) {
   EXPECT_THAT(device.text(), HasSubstr("has not prepared a deployment"));
 }
 
-TEST(Agent, DoesNotUndoARunningDeployment) {
+TEST(Agent, DoesNotUndoARunningDeploymentWhenTheClientIsSilent) {
   FakeDevice device;
   device.become_running();
   device.pass(seconds{100});
   EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST(Agent, UndeploysARunningDeviceAndReturnsItsReport) {
+TEST(Agent, ReturnsTheFinalReportWhenItUndeploysADevice) {
   FakeDevice device;
   device.become_running();
   device.undeploy("another");
@@ -449,7 +449,7 @@ TEST(Agent, StopsItsDeploymentBeforeTheNodeEnds) {
   EXPECT_TRUE(waiting.agent.ended());
 }
 
-TEST(Agent, WaitsForItsFinalReportToBeFetchedIfTaktRunStartedIt) {
+TEST(Agent, WaitsUntilTaktRunHasFetchedTheFinalReport) {
   FakeDevice device{{}, true};
   device.become_running();
   EXPECT_TRUE(device.work.inspections[0].as_written);
@@ -496,7 +496,7 @@ TEST(Agent, StaysReadyWhileTheClientSendsKeepAlives) {
   EXPECT_EQ(device.work.phase, Phase::stopping) << "only keep-alives for this deployment count";
 }
 
-TEST(Agent, AnswersThePrepareCommandWhenTheNodeEndsMeanwhile) {
+TEST(Agent, FailsAPendingPrepareCommandWhenTheNodeEnds) {
   FakeDevice device;
   device.prepare();
   device.agent.end(false);

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Phase = Supervised::Phase;
 
-/// Returns the text with `part` replaced by `other`.
+/// Returns the cell's descriptor with `part` replaced by `other`.
 std::string with(const std::string& part, const std::string& other, std::string text = FakeDevice::kCell) {
   const auto at = text.find(part);
   EXPECT_NE(at, std::string::npos) << part;
@@ -94,7 +94,7 @@ class AgentUpdate : public testing::Test {
   FakeDevice device{file_};
 };
 
-TEST_F(AgentUpdate, SavesAnEquivalentDescriptorWithoutChangingModules) {
+TEST_F(AgentUpdate, OnlySavesTheDescriptorIfNoModuleChanges) {
   start_running();
   ASSERT_TRUE(accepts(with("</cell>", "<!-- the same --></cell>")));
   EXPECT_EQ(device.data()["change"], "none");
@@ -107,7 +107,7 @@ TEST_F(AgentUpdate, SavesAnEquivalentDescriptorWithoutChangingModules) {
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
-TEST_F(AgentUpdate, InspectsAndThenSwapsAChangedComponent) {
+TEST_F(AgentUpdate, InspectsAChangedComponentBeforeItSwapsIt) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   EXPECT_EQ(device.data()["change"], "in place");
@@ -127,7 +127,7 @@ TEST_F(AgentUpdate, InspectsAndThenSwapsAChangedComponent) {
               HasSubstr("update to new.xml was carried out"));
 }
 
-TEST_F(AgentUpdate, RestoresTheSetValueOfAPropertyNotTheDescriptorsValue) {
+TEST_F(AgentUpdate, RestoresThePropertyValueThatAnOperatorHadSet) {
   start_running(kGain1);
   ASSERT_TRUE(accepts(kGain2));
   const auto change = step(COMMAND_CHANGE);
@@ -176,7 +176,7 @@ TEST_F(AgentUpdate, ReportsAChangeThatCannotBeUndone) {
   EXPECT_THAT(answer_to(back)->text().to_string(), HasSubstr("restore() refused"));
 }
 
-TEST_F(AgentUpdate, RestartsTheDeviceForAnUndeclaredProperty) {
+TEST_F(AgentUpdate, RestartsTheDeviceIfAChangedPropertyIsNotDeclared) {
   start_running(kGain1);
   device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = R"({"modules": []})"};
   ASSERT_TRUE(accepts(kGain2));
@@ -185,13 +185,13 @@ TEST_F(AgentUpdate, RestartsTheDeviceForAnUndeclaredProperty) {
               HasSubstr("module arm reads property gain only in initialize()"));
 }
 
-TEST_F(AgentUpdate, RestartsTheDeviceForANewFileWithOtherPorts) {
+TEST_F(AgentUpdate, RestartsTheDeviceForAComponentWithOtherPorts) {
   start_running();
   device.work.inspected = Inspected{.paths = {"", ""}, .ports = {std::nullopt, std::vector<model::Port>(1)}};
   ASSERT_TRUE(accepts(kFile));
   EXPECT_EQ(device.data()["change"], "anew");
   EXPECT_THAT(device.data()["words"][0].get<std::string>(),
-              HasSubstr("module arm has other ports in its new file"));
+              HasSubstr("module arm has different ports in its new file"));
 }
 
 TEST_F(AgentUpdate, RejectsAnUpdateWhenAModuleCannotBeSwapped) {
@@ -202,7 +202,7 @@ TEST_F(AgentUpdate, RejectsAnUpdateWhenAModuleCannotBeSwapped) {
   EXPECT_THAT(device.text(), HasSubstr("is in START"));
 }
 
-TEST_F(AgentUpdate, RejectsAPropertyOfAModuleWithoutAnInstance) {
+TEST_F(AgentUpdate, RejectsAPropertyChangeForAModuleInDestruct) {
   start_running(kGain1);
   device.work.stepped({.module = 1, .transition = {.to = lifecycle::State::destruct}});
   EXPECT_FALSE(accepts(kGain2));
@@ -210,7 +210,7 @@ TEST_F(AgentUpdate, RejectsAPropertyOfAModuleWithoutAnInstance) {
   EXPECT_THAT(device.text(), HasSubstr("module robot.arm: it is in DESTRUCT"));
 }
 
-TEST_F(AgentUpdate, RestartsTheDeviceOnTheSameGridForOtherChanges) {
+TEST_F(AgentUpdate, KeepsTheGridWhenItRestartsTheDevice) {
   start_running();
   const auto t0 = device.work.t0;
   device.now += seconds{100};
@@ -255,7 +255,7 @@ TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneCannotStart) {
   EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
 }
 
-TEST_F(AgentUpdate, FailsWhenTheOldDeploymentCannotStartEither) {
+TEST_F(AgentUpdate, FailsIfTheOldDeploymentCannotBeRestoredEither) {
   start_running();
   ASSERT_TRUE(accepts(kPeriod));
   const auto change = step(COMMAND_CHANGE);
@@ -286,7 +286,7 @@ TEST_F(AgentUpdate, RestoresARestartedDeviceWhenAnotherDeviceFails) {
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
 }
 
-TEST_F(AgentUpdate, KeepsOperatorsChangesWhereBothDescriptorsAgree) {
+TEST_F(AgentUpdate, KeepsChangesByOperatorsThatTheNewDescriptorDoesNotConcern) {
   start_running(kGain1);
   wire::WholeCommand set = device.command(COMMAND_SET);
   set.head.module_name("arm");
@@ -310,7 +310,7 @@ TEST_F(AgentUpdate, KeepsOperatorsChangesWhereBothDescriptorsAgree) {
   EXPECT_THAT(device.work.paths, ElementsAre("/servo9.so", "/arm.so"));
   become_ready();
   send(step(COMMAND_KEEP));
-  // Where the new descriptor differs, its value counts.
+  // Where the new descriptor differs from the old one, the value of the new descriptor applies.
   device.work.inspected = Inspected{.paths = {"", ""}, .description = "{}"};
   ASSERT_TRUE(accepts(with("servo.so", "servo1.so", kGain2), "u2"));
   EXPECT_THAT(device.work.inspections.back().swapped, IsEmpty());
@@ -319,7 +319,7 @@ TEST_F(AgentUpdate, KeepsOperatorsChangesWhereBothDescriptorsAgree) {
   EXPECT_EQ(*model::given_property(device.work.cell.devices[0].modules[1], "gain"), "2");
 }
 
-TEST_F(AgentUpdate, StartsAnAddedDeviceOnTheGridOfTheOthers) {
+TEST_F(AgentUpdate, StartsAnAddedDeviceOnTheGridOfTheOtherDevices) {
   device.work.inspected = Inspected{.paths = {"", ""}};
   ASSERT_TRUE(accepts(FakeDevice::kCell));
   EXPECT_EQ(device.data()["change"], "added");
@@ -336,7 +336,7 @@ TEST_F(AgentUpdate, StartsAnAddedDeviceOnTheGridOfTheOthers) {
   EXPECT_EQ((*file_.kept())->id, "d1");
 }
 
-TEST_F(AgentUpdate, EndsAnAddedDeviceWhenTheUpdateIsUndone) {
+TEST_F(AgentUpdate, StopsAnAddedDeviceWhenItIsUndone) {
   device.work.inspected = Inspected{.paths = {"", ""}};
   ASSERT_TRUE(accepts(FakeDevice::kCell));
   auto change = step(COMMAND_CHANGE);
@@ -350,7 +350,7 @@ TEST_F(AgentUpdate, EndsAnAddedDeviceWhenTheUpdateIsUndone) {
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
 }
 
-TEST_F(AgentUpdate, EndsARemovedDeviceAndCanRestoreIt) {
+TEST_F(AgentUpdate, CanRestoreADeviceThatItRemoved) {
   for (const bool kept : {false, true}) {
     FakeDevice fresh{file_};
     start_running();
@@ -393,7 +393,7 @@ TEST_F(AgentUpdate, RejectsAnInvalidDescriptorWithItsLine) {
   EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST_F(AgentUpdate, UpdatesOnlyARunningDeploymentOfTheGivenId) {
+TEST_F(AgentUpdate, IsRejectedUnlessTheGivenDeploymentIsRunning) {
   device.become_ready();
   EXPECT_FALSE(accepts(kFile));
   EXPECT_THAT(device.text(), HasSubstr("it is not running: its state is ready"));
@@ -420,7 +420,7 @@ TEST_F(AgentUpdate, RejectsASecondUpdateAtTheSameTime) {
   EXPECT_TRUE(accepts(kFile, "u3"));
 }
 
-TEST_F(AgentUpdate, IsUndoneWhenTheClientIsSilent) {
+TEST_F(AgentUpdate, IsUndoneWhenTheClientNoLongerReports) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   send(step(COMMAND_CHANGE));
@@ -474,7 +474,7 @@ TEST_F(AgentUpdate, FailsWhenTheCellIsUndeployedOrTheNodeEnds) {
   EXPECT_TRUE(device.agent.ended());
 }
 
-TEST_F(AgentUpdate, FailsWhenTheDeploymentEndsByItself) {
+TEST_F(AgentUpdate, FailsIfTheDeploymentEndsDuringTheUpdate) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   const auto change = step(COMMAND_CHANGE);

@@ -1,5 +1,5 @@
-// An agent with fakes in place of DDS, processes and clocks. Tests read what it publishes and decide what its
-// deployment does.
+// An agent with fakes in place of DDS, processes and clocks. Tests read its publications and control its
+// deployment.
 #pragma once
 
 #include <memory>
@@ -37,7 +37,8 @@ class RecordingPublisher final : public Publisher {
 /// The calls that the fakes received, and the results that they give.
 struct Work {
   std::vector<InspectionRequest> inspections;
-  std::optional<Result<Inspected>> inspected;  ///< empty while the inspection is in progress
+  /// The result of the inspection; empty while it is in progress.
+  std::optional<Result<Inspected>> inspected;
   Result<void> prepared{};
   Supervised::Phase phase = Supervised::Phase::preparing;
   Problems failures;
@@ -46,12 +47,13 @@ struct Work {
   std::vector<model::SafeOutput> safe;
   bool stop_called = false;
   int supervised = 0;  ///< number of FakeSupervised objects that exist
-  model::Cell cell;    ///< the cell of the newest FakeSupervised
+  model::Cell cell;    ///< the cell of the FakeSupervised that was created last
   std::vector<std::string> paths;
   std::function<void(const Step&)> stepped;
   std::function<void(model::Fault, const std::string&)> noted;
   std::vector<std::pair<std::uint32_t, Verb>> commands;
-  std::vector<std::string> properties;  ///< requests: "0 gain" reads gain of module 0, "0 gain = 2" sets it
+  /// Requests for properties: "0 gain" reads `gain` of module 0, and "0 gain = 2" sets it.
+  std::vector<std::string> properties;
   Result<void> may_swap{};
   std::vector<std::pair<std::uint32_t, std::string>> swaps;
   std::vector<std::function<void(const Outcome&)>> done;
@@ -237,7 +239,7 @@ class FakeDevice {
   }
 
   Instant now = from_ns(5'000'000'000);
-  Nanoseconds set{0};  ///< by how much the wall clock was set
+  Nanoseconds set{0};  ///< by how much a test has set the wall clock forward
   int asked = 0;
   Work work;
   RecordingPublisher published;

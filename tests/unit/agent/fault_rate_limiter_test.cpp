@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class FaultRateLimiterTest : public testing::Test {
+class LimiterOfFaultEvents : public testing::Test {
  protected:
   void put(const std::string& module, FaultKind kind, std::uint64_t count = 1, const std::string& cause = {},
            const std::string& origin = {}) {
@@ -35,13 +35,13 @@ class FaultRateLimiterTest : public testing::Test {
   FaultRateLimiter filter_{[this](Fault fault) { through_.push_back(std::move(fault)); }};
 };
 
-TEST_F(FaultRateLimiterTest, EmitsTheFirstEventAtOnce) {
+TEST_F(LimiterOfFaultEvents, EmitsTheFirstEventAtOnce) {
   put("servo", FaultKind::overrun, 3);
   ASSERT_THAT(through_, SizeIs(1));
   EXPECT_EQ(through_[0].count, 3U);
 }
 
-TEST_F(FaultRateLimiterTest, MergesLaterEventsIntoOneASecond) {
+TEST_F(LimiterOfFaultEvents, MergesFurtherEventsIntoOnePerSecond) {
   for (int i = 0; i < 2500; ++i) {
     put("servo", FaultKind::overrun, 1, "number " + std::to_string(i));
     pass(milliseconds{1});
@@ -55,7 +55,7 @@ TEST_F(FaultRateLimiterTest, MergesLaterEventsIntoOneASecond) {
   EXPECT_EQ(sum(), 2500U);
 }
 
-TEST_F(FaultRateLimiterTest, EmitsMergedEventsAfterASecond) {
+TEST_F(LimiterOfFaultEvents, EmitsMergedEventsOneSecondAfterTheFirst) {
   put("servo", FaultKind::overrun);
   put("servo", FaultKind::overrun);
   pass(milliseconds{999});
@@ -66,7 +66,7 @@ TEST_F(FaultRateLimiterTest, EmitsMergedEventsAfterASecond) {
   EXPECT_THAT(through_, SizeIs(2));
 }
 
-TEST_F(FaultRateLimiterTest, LimitsEachModuleKindErrorAndOriginSeparately) {
+TEST_F(LimiterOfFaultEvents, LimitsEachModuleKindErrorAndOriginSeparately) {
   put("servo", FaultKind::overrun);
   put("arm", FaultKind::overrun);
   put("servo", FaultKind::stale_input, 1, {}, "target");
@@ -76,7 +76,7 @@ TEST_F(FaultRateLimiterTest, LimitsEachModuleKindErrorAndOriginSeparately) {
   EXPECT_THAT(through_, SizeIs(6));
 }
 
-TEST_F(FaultRateLimiterTest, NeverLimitsCommandsDeploymentsAndRestarts) {
+TEST_F(LimiterOfFaultEvents, NeverLimitsCommandsDeploymentsAndRestarts) {
   for (const FaultKind kind : {FaultKind::host_restart, FaultKind::command, FaultKind::deployed,
                                FaultKind::undeployed, FaultKind::given_up, FaultKind::node_restart}) {
     through_.clear();
@@ -85,14 +85,14 @@ TEST_F(FaultRateLimiterTest, NeverLimitsCommandsDeploymentsAndRestarts) {
   }
 }
 
-TEST_F(FaultRateLimiterTest, LimitsItsMemoryForManyOrigins) {
+TEST_F(LimiterOfFaultEvents, LimitsItsMemoryIfEventsHaveManyOrigins) {
   for (int i = 0; i < 10'000; ++i) put("", FaultKind::refused_command, 1, "no", std::to_string(i));
   EXPECT_LE(through_.size(), FaultRateLimiter::kMost + 1);
   filter_.flush();
   EXPECT_EQ(sum(), 10'000U);
 }
 
-TEST_F(FaultRateLimiterTest, LosesNoCountInAnyOrderOfEvents) {
+TEST_F(LimiterOfFaultEvents, KeepsExactCountsForAnyOrderOfEvents) {
   std::mt19937 random{7};
   const std::vector<std::string> modules{"servo", "arm", "belt"};
   std::map<std::pair<std::string, FaultKind>, std::uint64_t> counters;

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 const Grid kGrid{.first = from_ns(1'000'000), .period = 100us, .length = 1ms};
 
-// Runs a loop whose first cycles wake late by the given delays, and punctually after that.
+// Runs a loop whose first wake-ups are late by the given delays. All later wake-ups are punctual.
 Loop loop_with(const std::vector<Nanoseconds>& late, std::vector<Instant>* releases = nullptr) {
   std::size_t cycle = 0;
   return loop_on_grid(
@@ -19,7 +19,7 @@ Loop loop_with(const std::vector<Nanoseconds>& late, std::vector<Instant>* relea
       });
 }
 
-TEST(LoopOnGrid, RunsOneCycleAtEachInstant) {
+TEST(LoopOnGrid, RunsOneCycleAtEachInstantOfItsGrid) {
   std::vector<Instant> releases;
   const Loop loop = loop_with({}, &releases);
   EXPECT_EQ(std::vector<std::int64_t>(10, 0), loop.jitter);
@@ -29,14 +29,17 @@ TEST(LoopOnGrid, RunsOneCycleAtEachInstant) {
   EXPECT_EQ(kGrid.first + 9 * kGrid.period, releases.back());
 }
 
-TEST(LoopOnGrid, MeasuresJitterAsReleaseMinusStart) { EXPECT_EQ(-5000, loop_with({0us, 5us}).jitter.at(1)); }
+TEST(LoopOnGrid, MeasuresJitterAsReleaseTimeMinusStartTime) {
+  EXPECT_EQ(-5000, loop_with({0us, 5us}).jitter.at(1));
+}
 
-TEST(LoopOnGrid, SkipsMissedInstantsAndKeepsTheGrid) {
+TEST(LoopOnGrid, KeepsTheGridAfterMissedInstants) {
   std::vector<Instant> releases;
   const Loop loop = loop_with({0us, 250us}, &releases);
   EXPECT_EQ(2U, loop.missed);
   ASSERT_EQ(8U, loop.jitter.size());
-  EXPECT_EQ(-50'000, loop.jitter.at(1));  // jitter is relative to the slot in which the cycle began
+  // Jitter is measured from the beginning of the slot in which the cycle began.
+  EXPECT_EQ(-50'000, loop.jitter.at(1));
   EXPECT_EQ(kGrid.first + 3 * kGrid.period, releases.at(1));
   EXPECT_EQ(0, loop.jitter.at(2));
 }
@@ -47,7 +50,7 @@ TEST(LoopOnGrid, EndsIfTheLastInstantsWereMissed) {
   EXPECT_EQ(50U, loop.missed);
 }
 
-TEST(LoopOnGrid, RunsNoCycleWithoutAnInstant) {
+TEST(LoopOnGrid, RunsNoCycleIfItsGridIsEmpty) {
   const Grid grid{.first = from_ns(0), .period = 1ms, .length = 100us};
   EXPECT_TRUE(loop_on_grid(grid, [](Instant release) { return release; }).jitter.empty());
 }

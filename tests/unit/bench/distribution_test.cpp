@@ -15,7 +15,7 @@ TEST(Distribution, IsZeroWithoutValues) {
   EXPECT_EQ(0, d.max);
 }
 
-TEST(Distribution, OfOneValueIsThatValue) {
+TEST(Distribution, OfASingleValueConsistsOfThatValue) {
   const Distribution d = distribution_of({-7});
   EXPECT_EQ(1U, d.count);
   EXPECT_EQ(-7, d.mean);
@@ -35,7 +35,7 @@ TEST(Distribution, ComputesPercentilesByNearestRank) {
   EXPECT_EQ(1000, d.max);
 }
 
-TEST(Distribution, KeepsTheSignOnlyInMeanAndVariance) {
+TEST(Distribution, UsesAbsoluteValuesExceptForMeanAndVariance) {
   const Distribution d = distribution_of({-3, 3, -1, 1});
   EXPECT_EQ(0, d.mean);
   EXPECT_EQ(5, d.variance);
@@ -44,7 +44,7 @@ TEST(Distribution, KeepsTheSignOnlyInMeanAndVariance) {
   EXPECT_EQ(3, d.max);
 }
 
-TEST(Distribution, KeepsASmallVarianceFarFromZero) {
+TEST(Distribution, ComputesASmallVarianceOfLargeValuesExactly) {
   const std::int64_t far = 1'000'000'000'000;
   EXPECT_EQ(1, distribution_of({far - 1, far + 1}).variance);
 }

@@ -44,7 +44,7 @@ TEST(ReportJson, HasAKeyForEachColumn) {
   EXPECT_EQ(1U, json["refused"].size());
 }
 
-TEST(AddOnce, AddsEachProblemOnce) {
+TEST(ProblemList, AddsEachProblemOnlyOnce) {
   Problems all;
   add_once(all, {fail("a"), fail("a")});
   add_once(all, {fail("b"), fail("a")});

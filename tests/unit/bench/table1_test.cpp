@@ -29,9 +29,9 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-// ---- The cases
+// ---- Cases
 
-TEST(Table1Cases, HaveTheNumbersOfThePaper) {
+TEST(Table1Cases, MatchTheTableOfThePaper) {
   ASSERT_EQ(10U, kTable1.size());
   int number = 0;
   for (const Table1Case& one : kTable1) EXPECT_EQ(++number, one.number);
@@ -47,7 +47,7 @@ TEST(Table1Cases, HaveTheNumbersOfThePaper) {
   EXPECT_EQ(15, kTable1[1].so);
 }
 
-TEST(Table1Cases, HaveDescriptorsWithTheirModules) {
+TEST(Table1Cases, HaveDescriptorsWithTheModulesOfThePaper) {
   for (const Table1Case& one : kTable1) {
     const std::string text = descriptor_of(
         one, {.period = 100us, .cpu = 3, .priority = 70, .file = "/tmp/a & b", .releases = 500});
@@ -115,11 +115,11 @@ TEST(Table1Verdict, LimitsOnlyTheMedianOfAProcessModule) {
 TEST(Table1Verdict, SaysIfTheMachineHasTooFewCpus) {
   const Judgement crowded = judge(result_of(3, 1001, 0, 10), 100us, 3);
   EXPECT_EQ(Verdict::more_modules, crowded.verdict);
-  EXPECT_THAT(crowded.why, HasSubstr("it needs 4 CPUs and has 3"));
+  EXPECT_THAT(crowded.why, HasSubstr("the case needs 4 CPUs and the machine has 3"));
   EXPECT_EQ(Verdict::held, judge(result_of(3, 1000, 0, 10), 100us, 2).verdict);
 }
 
-TEST(Table1Verdict, IsNotHeldWithoutSamplesOrRealTime) {
+TEST(Table1Verdict, FailsWithoutSamplesOrRealTime) {
   CaseResult nothing = result_of(0, 0, 0, 10'000);
   nothing.takt.count = 0;
   EXPECT_EQ(Verdict::not_held, judge(nothing, 100us, 4).verdict);
@@ -151,12 +151,12 @@ Table1Result all_cases() {
     one.missed = 900;
     result.cases.push_back(one);
   }
-  result.cases.back().jitter.clear();  // nothing was recorded
+  result.cases.back().jitter.clear();  // the last case has no recorded jitter
   result.cases.back().takt = {};
   return result;
 }
 
-TEST(Table1Report, HasRowsForTaktThePaperAndTheBareLoop) {
+TEST(Table1Report, ComparesTaktWithThePaperAndABareLoop) {
   const Table1Result result = all_cases();
   const std::string rows = table1_rows(result.cases[0], result);
   EXPECT_THAT(rows, ContainsRegex("1 +1 +0 +0 +0 +0 thread +takt .* 0.02 +0.90 .*900"));
@@ -164,7 +164,7 @@ TEST(Table1Report, HasRowsForTaktThePaperAndTheBareLoop) {
   EXPECT_THAT(rows, ContainsRegex("bare .* 40.0 "));
   EXPECT_THAT(rows, HasSubstr("held\n"));
   EXPECT_THAT(table1_rows(result.cases[9], result),
-              HasSubstr("more modules than cores: nothing was recorded"));
+              HasSubstr("more modules than cores: no release was recorded"));
 }
 
 TEST(Table1Report, ContainsEachCaseAsJson) {
@@ -187,7 +187,7 @@ bool is_well_formed(const std::string& page) {
   return right;
 }
 
-TEST(Table1Page, IsWellFormedAndSelfContained) {
+TEST(Table1Page, IsWellFormedWithoutExternalReferences) {
   const std::string page = table1_page(all_cases());
   EXPECT_TRUE(is_well_formed(page));
   for (const char* word : {"http", "//", "src=", "<script", "@import", "url("})
@@ -203,7 +203,7 @@ TEST(Table1Page, HasTwoChartsForEachCase) {
   EXPECT_EQ(20U, charts);
   for (const Table1Case& one : kTable1)
     EXPECT_THAT(page, HasSubstr("<h2 id=\"case" + std::to_string(one.number) + "\">"));
-  EXPECT_THAT(page, HasSubstr("nothing was recorded"));
+  EXPECT_THAT(page, HasSubstr("no release was recorded"));
 }
 
 TEST(Table1Page, IsWellFormedWithoutCases) {
@@ -227,7 +227,7 @@ TEST(JitterOverTime, HasAGapWhereNothingWasReleased) {
   EXPECT_EQ(2U + 1U, count_medians(jitter_over_time("t", served, 100us)));
 }
 
-TEST(JitterOverTime, DrawsEvenAFewValues) {
+TEST(JitterOverTime, CanShowOnlyAFewValues) {
   const std::string one = jitter_over_time("t", {{7, -100}}, 100us);
   EXPECT_THAT(one, AllOf(HasSubstr("class=\"alone\""), Not(HasSubstr("nan"))));
   std::vector<Served> served;
@@ -251,7 +251,7 @@ TEST(JitterCharts, HaveALegendAndAxisTitles) {
   EXPECT_THAT(jitter_histogram("t", served, {}), Not(HasSubstr("bare loop")));
 }
 
-TEST(HistogramClasses, AreTenPerDecadeAboveTheSmallest) {
+TEST(HistogramBuckets, DivideEachDecadeIntoTen) {
   EXPECT_EQ((std::vector<std::size_t>{2}), classes_of({0, -9}));
   EXPECT_EQ((std::vector<std::size_t>{0, 1}), classes_of({10}));
   const auto classes = classes_of({-100, 99, 1000});

@@ -14,7 +14,7 @@ namespace {
 /// Returns a second file descriptor of the same memory, like that of another process.
 os::Fd again(const os::Fd& fd) { return os::Fd{::dup(fd.get())}; }
 
-TEST(Channel, IsAllZeroExceptForTheNamesWhenCreated) {
+TEST(Channel, ContainsOnlyNamesAndZerosWhenCreated) {
   const auto channel = Channel::create(2, {"main", "motion"}, {"a", "b", "c"});
   ASSERT_TRUE(channel.ok());
   EXPECT_EQ(channel->hosts(), 2U);
@@ -43,13 +43,13 @@ TEST(Channel, IsSharedWithEveryProcessThatAttaches) {
   EXPECT_EQ(mine->host(0).t0_ns.load(), 11);
 }
 
-TEST(Channel, WorksWithoutExecutorsAndModules) {
+TEST(Channel, CanBeCreatedWithoutExecutorsAndModules) {
   const auto mine = Channel::create(1, {}, {});
   ASSERT_TRUE(mine.ok());
   EXPECT_TRUE(Channel::attach(again(mine->fd())).ok());
 }
 
-TEST(Channel, OutlivesItsCreator) {
+TEST(Channel, StaysValidAfterItsCreatorHasClosedIt) {
   Channel theirs;
   {
     const auto mine = Channel::create(1, {"main"}, {"a"});
@@ -59,7 +59,7 @@ TEST(Channel, OutlivesItsCreator) {
   EXPECT_EQ(theirs.module(0).cycles.load(), 3U);
 }
 
-TEST(Channel, PutsEachBlockOnItsOwnCacheLines) {
+TEST(Channel, AlignsEachBlockToACacheLine) {
   const auto channel = Channel::create(1, {"main", "other"}, {"a", "b"});
   for (const void* block :
        {static_cast<const void*>(&channel->host(0)), static_cast<const void*>(&channel->executor(1)),
@@ -68,7 +68,7 @@ TEST(Channel, PutsEachBlockOnItsOwnCacheLines) {
   }
 }
 
-TEST(Channel, RejectsMemoryOfAnotherVersion) {
+TEST(Channel, RejectsMemoryCreatedByAnotherVersion) {
   const auto mine = Channel::create(1, {"main"}, {"a"});
   auto view = os::SharedMemory::attach(again(mine->fd()));
   std::uint64_t magic = 0;
@@ -84,7 +84,7 @@ TEST(Channel, RejectsMemoryOfAnotherVersion) {
 TEST(Channel, RejectsMemoryWhoseSizeDoesNotMatchItsHeader) {
   const auto mine = Channel::create(1, {"main"}, {"a"});
   auto view = os::SharedMemory::attach(again(mine->fd()));
-  // Includes numbers for which the computed size overflows 64 bits.
+  // For some of these numbers of modules, the computed size overflows 64 bits.
   for (const std::uint64_t modules :
        {std::uint64_t{0}, std::uint64_t{2}, ~std::uint64_t{0}, (std::uint64_t{1} << 60) + 1}) {
     std::memcpy(view->data() + 24, &modules, sizeof modules);
@@ -96,7 +96,7 @@ TEST(Channel, RejectsMemoryThatIsTooSmall) {
   auto memory = os::SharedMemory::create("small", 32);
   const auto theirs = Channel::attach(again(memory->fd()));
   ASSERT_FALSE(theirs.ok());
-  EXPECT_EQ(theirs.problems()[0].what, "the memory is not a channel");
+  EXPECT_EQ(theirs.problems()[0].what, "the shared memory of the host is not a channel");
   EXPECT_FALSE(Channel::attach(os::Fd{}).ok());
   auto nothing = os::SharedMemory::create("empty", 4096);
   EXPECT_FALSE(Channel::attach(again(nothing->fd())).ok());

@@ -51,7 +51,7 @@ TEST(FlightRecord, ClampsValuesToTheirBounds) {
 }
 
 // A copy of a full ring omits the oldest entry, because the writer may be overwriting it.
-TEST(FlightRecord, HoldsTheNewestEntries) {
+TEST(FlightRecord, HoldsTheNewestEntriesWhenItIsFull) {
   for (std::uint64_t n = 0; n <= 5 * kCapacity; ++n) {
     const auto record = FlightRecord::create({kCapacity});
     FlightWriter writer = record->writer(0);
@@ -80,7 +80,7 @@ TEST(FlightRecord, ContinuesWhenAnotherWriterTakesOver) {
   EXPECT_EQ(copy.entries[1].value, 1U);
 }
 
-TEST(FlightRecord, KeepsItsRingsIndependent) {
+TEST(FlightRecord, KeepsEntriesOfDifferentRingsApart) {
   const auto record = FlightRecord::create({2, 0, 4});
   FlightWriter first = record->writer(0);
   FlightWriter none = record->writer(1);
@@ -99,27 +99,27 @@ TEST(FlightRecord, KeepsItsRingsIndependent) {
   EXPECT_EQ(record->copy(2).entries[0].value, 7U);
 }
 
-TEST(FlightRecord, RejectsMemoryOfAnotherLayout) {
+TEST(FlightRecord, RejectsMemoryWithAnotherLayout) {
   const auto rejected = [](std::size_t offset, std::uint64_t value) {
     const auto record = FlightRecord::create({kCapacity, kCapacity});
     auto memory = os::SharedMemory::attach(os::Fd{::dup(record->fd().get())});
     std::memcpy(memory->data() + offset, &value, sizeof value);
     return !FlightRecord::attach(os::Fd{::dup(record->fd().get())}).ok();
   };
-  EXPECT_TRUE(rejected(0, 1));  // changes the magic number
-  EXPECT_TRUE(rejected(8, 3));  // changes the number of rings
+  EXPECT_TRUE(rejected(0, 1));  // this changes the magic number
+  EXPECT_TRUE(rejected(8, 3));  // this changes the number of rings
   EXPECT_TRUE(rejected(8, ~std::uint64_t{0}));
-  EXPECT_TRUE(rejected(64, kCapacity * 2));  // changes a capacity
+  EXPECT_TRUE(rejected(64, kCapacity * 2));  // this changes the capacity of a ring
   EXPECT_TRUE(rejected(64, kCapacity - 1));
   EXPECT_TRUE(rejected(64, std::uint64_t{1} << 63));
 }
 
-TEST(FlightWriter, RecordsNothingWithoutARing) {
+TEST(FlightWriter, DoesNothingWithoutARing) {
   FlightWriter writer;
   add(writer, 1);
 }
 
-// Every entry that is read is consistent, and the entries are consecutive.
+// While a thread writes, every copy contains consistent, consecutive entries.
 TEST(FlightRecord, CanBeReadWhileItIsWritten) {
   const auto record = FlightRecord::create({64});
   std::atomic<bool> end{false};

@@ -1,6 +1,7 @@
-// Tries every interleaving of a writer and a reader of a link, and every moment at which either can die and
-// be replaced, for small links and a few samples. The code is the real one. Its atomics hand control to a
-// scheduler before every step. The scheduler tries all orders, and visits each state once.
+// Tests a small link with a few samples in every interleaving of its writer and reader, and with every moment
+// at which either can die and be replaced. It runs the real code of the link, but with atomics that hand
+// control to a scheduler before each step. The scheduler tries all orders of steps, and visits each state
+// once.
 #include <takt/channel/link.hpp>
 
 #include <gtest/gtest.h>
@@ -26,7 +27,7 @@ std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
   return hash ^ (hash >> 32);
 }
 
-/// A side of the link, stopped between two of its steps. A killed side is never resumed.
+/// The writer or reader of the link, stopped between two of its steps. Once killed, it is never resumed.
 class Fiber {
  public:
   static Fiber* running;
@@ -41,7 +42,7 @@ class Fiber {
     mine_.uc_link = &scheduler_;
     ::makecontext(&mine_, reinterpret_cast<void (*)()>(&Fiber::main), 0);
   }
-  /// Runs the side up to its next step.
+  /// Runs this writer or reader up to its next step.
   void resume() {
     running = this;
     ::swapcontext(&scheduler_, &mine_);
@@ -51,7 +52,8 @@ class Fiber {
   void learn(std::uint64_t value) { known = mixed(known, value); }
 
   bool done = true;
-  /// Hash of everything that the side has read. The hash and the side's script determine the side's state.
+  /// Hash of everything that this writer or reader has read. Together with its script, the hash determines
+  /// its state.
   std::uint64_t known = 0;
 
  private:
@@ -176,8 +178,8 @@ class World {
     return hash;
   }
 
-  /// Checks the final state, after both sides (or their successors) are done: every buffer has one owner, and
-  /// the remaining samples are complete.
+  /// Checks the final state, after the writer and the reader (or their replacements) are done: every buffer
+  /// has one owner, and the remaining samples are complete.
   void check_end() {
     LinkWriter writer{link_};
     LinkReader reader{link_};
@@ -194,7 +196,7 @@ class World {
     }
     if (last_read_ > newest) wrong_ = "a sample was read that was never published";
     if (expected != 0 && expected != newest + 1) wrong_ = "the newest sample is missing";
-    // The link still works.
+    // Checks that the link still works.
     fill(writer, writer.next());
     writer.publish(16, 1);
     if (!reader.has_news() || !reader.take() || reader.info().sequence != newest + 1)
@@ -211,7 +213,7 @@ class World {
   [[nodiscard]] Link::Options options() const {
     return {.depth = limits_.depth, .payload = 16, .is_queue = limits_.depth > 1};
   }
-  // A payload of two words, written and read one after the other.
+  // The payload is two words, which are written and read one after the other.
   std::array<Stepped<std::uint64_t>, 2>& words(std::uint32_t buffer) {
     return *reinterpret_cast<std::array<Stepped<std::uint64_t>, 2>*>(link_.payload(buffer));
   }
@@ -273,7 +275,7 @@ Found explore(Limits limits) {
   Found found;
   std::unordered_set<std::uint64_t> seen;
   std::vector<Move> path;
-  std::vector<std::vector<Move>> open;  // untried moves at each depth of the path
+  std::vector<std::vector<Move>> open;  // for each step of the current path, the moves not yet tried
 
   const auto moves = [&world] {
     std::vector<Move> possible;
@@ -293,7 +295,7 @@ Found explore(Limits limits) {
         path.pop_back();
       }
       if (open.empty() || open.back().empty()) break;
-      world.begin();  // a state can be reached again only from the start
+      world.begin();  // goes back to an earlier state by repeating its path from the start
       for (const Move move : path) world.make(move);
     }
     const Move move = open.back().back();

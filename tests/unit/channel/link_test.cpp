@@ -21,7 +21,7 @@
 namespace takt::channel::link_test {
 namespace {
 
-/// A link in its own memory.
+/// A link in memory of its own.
 class Memory {
  public:
   explicit Memory(const Link::Options& options)
@@ -40,7 +40,7 @@ Link::Options queue(std::uint32_t depth, std::uint32_t payload = 64) {
   return {.depth = depth, .payload = payload, .is_queue = depth > 1};
 }
 
-/// Writes a sample in which every word is the number of the sample.
+/// Writes one sample. Every word in it is the number of the sample.
 void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
   const std::uint64_t value = writer.next();
   const std::uint32_t words = writer.link().stride() / 8;
@@ -51,7 +51,8 @@ void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
 void write(LinkWriter& writer, int samples) {
   for (int i = 0; i < samples; ++i) write(writer);
 }
-/// Returns the number in the sample, or 0 if the sample is torn or its number differs from that of its info.
+/// Returns the number in the sample. Returns 0 if the sample is torn or if its number is not the sequence
+/// number in its info.
 std::uint64_t value_of(const LinkReader& reader) {
   const std::uint32_t words = reader.link().stride() / 8;
   const std::byte* payload = reader.link().payload(reader.buffer());
@@ -106,7 +107,7 @@ TEST(Link, DeliversEachSampleOnceAndInOrder) {
   }
 }
 
-TEST(Link, DropsAndCountsTheOldestSamplesOfAFullQueue) {
+TEST(Link, CountsTheOldestSamplesThatAFullQueueDrops) {
   const Memory memory{queue(7)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
@@ -120,14 +121,14 @@ TEST(Link, DropsAndCountsTheOldestSamplesOfAFullQueue) {
   EXPECT_EQ(read_all(reader), (std::vector<std::uint64_t>{1004, 1005, 1006, 1007, 1008, 1009, 1010}));
 }
 
-TEST(Link, SkipsOverwrittenSamplesWhenRead) {
+TEST(Link, SkipsSamplesOverwrittenBeforeTheyWereRead) {
   const Memory memory{queue(3)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
   write(writer, 3);
   ASSERT_TRUE(reader.take());
   EXPECT_EQ(value_of(reader), 1U);
-  write(writer, 2);  // sample 4 takes the slot of 1, and 5 overwrites 2
+  write(writer, 2);  // sample 4 takes the slot of sample 1, and sample 5 overwrites sample 2
   EXPECT_EQ(memory.link().block().overwritten.load(), 1U);
   EXPECT_EQ(read_all(reader), (std::vector<std::uint64_t>{3, 4, 5}));
 }
@@ -171,7 +172,7 @@ TEST(Link, LetsANewWriterOrReaderContinueWhereTheOldOneStopped) {
   }
 }
 
-TEST(Link, IsEmptyButUsableAfterItsSamplesWereDropped) {
+TEST(Link, CanBeUsedAgainAfterItsSamplesWereDropped) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     for (int unread = 0; unread < 20; ++unread) {
       const Memory memory{queue(depth)};
@@ -222,7 +223,7 @@ TEST(Link, HoldsAsManySamplesAsTheMaximumDepth) {
   EXPECT_TRUE(is_whole(writer, reader));
 }
 
-TEST(Link, NeverAccessesOutsideItsMemoryWhateverIsWrittenIntoIt) {
+TEST(Link, StaysWithinItsMemoryEvenIfItIsCorrupted) {
   std::mt19937_64 random{7};
   for (int round = 0; round < 2000; ++round) {
     const Memory memory{queue(3)};
@@ -288,7 +289,7 @@ void stress(std::uint32_t depth, bool slow_reader, bool slow_writer) {
   testing::Test::RecordProperty("read", static_cast<int>(read));
 }
 
-TEST(LinkOfTwoThreads, NeitherTearsNorLosesSamples) {
+TEST(LinkBetweenTwoThreads, DeliversEachSampleIntactOrCountsItAsLost) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     SCOPED_TRACE(depth);
     stress(depth, false, false);
@@ -344,9 +345,9 @@ void write_for_ever(Link link) {
   while (true) write(writer, 1);
 }
 
-class LinkOfTwoProcesses : public testing::TestWithParam<std::uint32_t> {
+class LinkBetweenTwoProcesses : public testing::TestWithParam<std::uint32_t> {
  protected:
-  LinkOfTwoProcesses()
+  LinkBetweenTwoProcesses()
       : memory(queue(GetParam(), 128)),
         counters(std::move(os::SharedMemory::create("takt-test", sizeof(Shared)).value())),
         shared(*new (counters.data()) Shared{}) {}
@@ -383,7 +384,7 @@ class LinkOfTwoProcesses : public testing::TestWithParam<std::uint32_t> {
   std::mt19937 random{GetParam()};
 };
 
-TEST_P(LinkOfTwoProcesses, SurvivesKilledWriters) {
+TEST_P(LinkBetweenTwoProcesses, SurvivesKilledWriters) {
   {
     const Killed reader{[&] { read_for_ever(memory.link(), shared); }};
     kill_again_and_again([&] { write_for_ever(memory.link()); });
@@ -391,7 +392,7 @@ TEST_P(LinkOfTwoProcesses, SurvivesKilledWriters) {
   check_the_end();
 }
 
-TEST_P(LinkOfTwoProcesses, SurvivesKilledReaders) {
+TEST_P(LinkBetweenTwoProcesses, SurvivesKilledReaders) {
   {
     const Killed writer{[&] { write_for_ever(memory.link()); }};
     kill_again_and_again([&] { read_for_ever(memory.link(), shared); });
@@ -399,7 +400,7 @@ TEST_P(LinkOfTwoProcesses, SurvivesKilledReaders) {
   check_the_end();
 }
 
-TEST_P(LinkOfTwoProcesses, SurvivesKilledWritersAndReaders) {
+TEST_P(LinkBetweenTwoProcesses, SurvivesKilledWritersAndReaders) {
   for (int i = 0; i < kKills / 2; ++i) {
     const Killed writer{[&] { write_for_ever(memory.link()); }};
     const Killed reader{[&] { read_for_ever(memory.link(), shared); }};
@@ -408,7 +409,7 @@ TEST_P(LinkOfTwoProcesses, SurvivesKilledWritersAndReaders) {
   check_the_end();
 }
 
-INSTANTIATE_TEST_SUITE_P(Depths, LinkOfTwoProcesses, testing::Values(1, 2, 7),
+INSTANTIATE_TEST_SUITE_P(Depths, LinkBetweenTwoProcesses, testing::Values(1, 2, 7),
                          [](const auto& depth) { return "Depth" + std::to_string(depth.param); });
 
 }  // namespace

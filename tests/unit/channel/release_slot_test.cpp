@@ -1,5 +1,5 @@
-// The release slot between two real processes. The scheduler and the program each add up the cycles that they
-// see; the sums are compared at the end.
+// Tests the release slot between two real processes. The scheduler and the program each add up the cycle
+// numbers of the releases, and the test compares the sums at the end.
 #include <takt/channel/release_slot.hpp>
 
 #include <gtest/gtest.h>
@@ -28,12 +28,13 @@ struct Shared {
   ReleaseSlot slot;
   WakeWord wake_word;
   std::atomic<std::uint64_t> served;
-  std::atomic<std::uint64_t> sum;    // sum of the cycles for which the program was released
-  std::atomic<std::uint64_t> wrong;  // releases that came twice, or with the instant of another release
+  std::atomic<std::uint64_t> sum;  // sum of the cycle numbers for which the program was released
+  // Number of releases that arrived twice or with the release time of another one.
+  std::atomic<std::uint64_t> wrong;
   std::atomic<std::uint64_t> sleeps;
 };
 
-/// A program that behaves like one with libtakt_process, in its own process. It reads the slot
+/// A program in its own process that waits for releases as libtakt_process does. It checks the slot
 /// `patience` times before it sleeps.
 class Program {
  public:
@@ -90,9 +91,9 @@ class Program {
   int pid_ = 0;
 };
 
-class ReleaseSlotOfTwoProcesses : public testing::Test {
+class ReleaseSlotBetweenTwoProcesses : public testing::Test {
  protected:
-  ReleaseSlotOfTwoProcesses()
+  ReleaseSlotBetweenTwoProcesses()
       : memory(std::move(os::SharedMemory::create("slot", sizeof(Shared)).value())),
         shared(*reinterpret_cast<Shared*>(memory.data())) {
     shared.slot.wake_bit = wake_bit(3);
@@ -102,7 +103,7 @@ class ReleaseSlotOfTwoProcesses : public testing::Test {
     shared.wake_word.rings.fetch_add(1);
     os::futex_wake(shared.wake_word.rings, bits);
   }
-  /// Waits until `holds` is true. Returns false after ten seconds, because then a release was lost.
+  /// Waits until `holds` returns true. Returns false after ten seconds, which means that a release was lost.
   template <class Predicate>
   bool until(const Predicate& holds) {
     const Instant limit = os::now() + std::chrono::seconds{10};
@@ -112,8 +113,8 @@ class ReleaseSlotOfTwoProcesses : public testing::Test {
     }
     return true;
   }
-  /// Releases the program `n` times, each time as soon as the program waits. Each attempt uses one cycle
-  /// number.
+  /// Releases the program `n` times, each time as soon as the program waits. Each attempt increments the
+  /// cycle number.
   void release_times(std::uint32_t n) {
     for (std::uint32_t given = 0; given < n;) {
       const Release outcome = release(shared.slot, cycle, static_cast<std::int64_t>(cycle) * 1000);
@@ -140,7 +141,7 @@ class ReleaseSlotOfTwoProcesses : public testing::Test {
   std::uint64_t expected = 0;
 };
 
-TEST_F(ReleaseSlotOfTwoProcesses, DeliversEachReleaseExactlyOnce) {
+TEST_F(ReleaseSlotBetweenTwoProcesses, DeliversEachReleaseExactlyOnce) {
   Program program{shared, 200};
   release_times(kReleases);
   end(program);
@@ -149,7 +150,7 @@ TEST_F(ReleaseSlotOfTwoProcesses, DeliversEachReleaseExactlyOnce) {
   EXPECT_EQ(shared.wrong.load(), 0U);
 }
 
-TEST_F(ReleaseSlotOfTwoProcesses, DeliversEachReleaseIfTheProgramAlwaysSleeps) {
+TEST_F(ReleaseSlotBetweenTwoProcesses, DeliversEachReleaseToAProgramThatNeverSpins) {
   Program program{shared, 0};
   release_times(kReleases);
   end(program);
@@ -159,7 +160,7 @@ TEST_F(ReleaseSlotOfTwoProcesses, DeliversEachReleaseIfTheProgramAlwaysSleeps) {
   EXPECT_GT(shared.sleeps.load(), 0U);
 }
 
-TEST_F(ReleaseSlotOfTwoProcesses, IsUsableAfterTheProgramWasKilled) {
+TEST_F(ReleaseSlotBetweenTwoProcesses, IsUsableAfterTheProgramWasKilled) {
   for (const bool in_body : {true, false}) {
     clear_for_new_program(shared.slot);
     Program first{shared, 0, in_body};
@@ -189,13 +190,13 @@ TEST_F(ReleaseSlotOfTwoProcesses, IsUsableAfterTheProgramWasKilled) {
   }
 }
 
-TEST(ReleaseSlot, IsBusyWithoutAProgram) {
+TEST(ReleaseSlot, RejectsReleasesWithoutAProgram) {
   ReleaseSlot slot{};
   EXPECT_EQ(release(slot, 0, 0), Release::busy);
   EXPECT_EQ(slot.released.load(), 0U);
 }
 
-TEST(ReleaseSlot, ContinuesAfterTheCountOfReleasesWraps) {
+TEST(ReleaseSlot, SurvivesAnOverflowOfItsReleaseCount) {
   ReleaseSlot slot{};
   slot.phase.store(ReleaseSlotPhase::ready);
   slot.released.store(~0U);
@@ -207,8 +208,8 @@ TEST(ReleaseSlot, ContinuesAfterTheCountOfReleasesWraps) {
   EXPECT_EQ(release(slot, 2, 2), Release::given);
 }
 
-/// The slot of a program that releases itself, as with libtakt_process. Here the program is a thread, so that
-/// a thread sanitizer finds data that it and the node share without synchronisation.
+/// The slot of a program that releases itself, as libtakt_process does. Here a thread acts as the program, so
+/// that ThreadSanitizer finds data that program and node share without synchronization.
 class SelfReleasingProgram : public testing::Test {
  protected:
   static constexpr std::int64_t kInterarrival = 1'000;
@@ -224,7 +225,7 @@ class SelfReleasingProgram : public testing::Test {
   ReleaseSlot slot{};
 };
 
-TEST_F(SelfReleasingProgram, IsInItsBodyFromItsReleaseOn) {
+TEST_F(SelfReleasingProgram, IsNotWaitingFromItsReleaseUntilItIsDone) {
   slot.open.store(1);
   EXPECT_TRUE(slot.waiting());
   ASSERT_TRUE(begin(slot, 5'000'000));
@@ -241,7 +242,7 @@ TEST_F(SelfReleasingProgram, DoesNotBeginWhileRemovedFromTheTables) {
   EXPECT_EQ(slot.begun.load(), 0U);
 }
 
-TEST_F(SelfReleasingProgram, GetsTheNumberOfTheNextRow) {
+TEST_F(SelfReleasingProgram, GetsTheCycleNumberOfTheNextRow) {
   slot.open.store(1);
   slot.t0_ns.store(10'000'000);
   for (const auto& [now, row] :
@@ -262,8 +263,9 @@ TEST_F(SelfReleasingProgram, KeepsTheInterarrivalTimeAcrossARestart) {
   EXPECT_EQ(slot.begun.load(), 1U) << "the count continues";
 }
 
-// The body and the node both write `shared`, the node while the module is out. Only the slot separates them.
-TEST_F(SelfReleasingProgram, RunsNoBodyAfterItsSlotIsClosed) {
+// The program's body writes `shared`, and so does the node while the module is out of the tables. Only the
+// slot keeps the two from writing at the same time.
+TEST_F(SelfReleasingProgram, NeverRunsItsBodyWhileItsSlotIsClosed) {
   std::uint64_t shared = 0;
   std::atomic<bool> inside{false};
   std::atomic<bool> end{false};
@@ -298,8 +300,8 @@ TEST_F(SelfReleasingProgram, RunsNoBodyAfterItsSlotIsClosed) {
   EXPECT_EQ(slot.begun.load(), bodies);
 }
 
-/// One thread waits on the wake word for a variable that another thread writes. No wake-up may be lost.
-class WakeWordOfTwoThreads : public testing::Test {
+/// One thread changes a variable, and another waits on the wake word for the change. No wake-up may be lost.
+class WakeWordBetweenTwoThreads : public testing::Test {
  protected:
   void ring(std::uint32_t bits) {
     wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
@@ -308,8 +310,8 @@ class WakeWordOfTwoThreads : public testing::Test {
   WakeWord wake_word{};
 };
 
-// Like the real gateway, this one states that it sleeps and then checks once more for a sample.
-TEST_F(WakeWordOfTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
+// Like the real gateway, the test's gateway announces that it sleeps and then checks once more for a sample.
+TEST_F(WakeWordBetweenTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
   constexpr std::uint32_t kSamples = kReleases / 2;
   std::atomic<std::uint32_t> published{0};
   std::atomic<std::uint32_t> seen{0};
@@ -338,7 +340,7 @@ TEST_F(WakeWordOfTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
     }
     const Instant limit = os::now() + std::chrono::seconds{10};
     while (seen.load(std::memory_order_acquire) != i && !lost) {
-      if (i % 3 != 0) ::sched_yield();  // otherwise publish the next sample while the gateway goes to sleep
+      if (i % 3 != 0) ::sched_yield();  // for every third sample, publish while the gateway goes to sleep
       lost = os::now() > limit;
     }
     EXPECT_FALSE(lost) << "the wake-up for sample " << i << " was lost";
@@ -352,8 +354,8 @@ TEST_F(WakeWordOfTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
   EXPECT_GT(rings, 0U) << "the gateway never slept";
 }
 
-// At the end of its cycle, each writer takes all pending bits: its own and those of the other writer.
-TEST_F(WakeWordOfTwoThreads, LosesNoBitBetweenSeveralWriters) {
+// At the end of its cycle, each writer takes all pending bits, including those that the other writer set.
+TEST_F(WakeWordBetweenTwoThreads, LosesNoBitIfSeveralWritersSetIt) {
   constexpr std::uint32_t kSamples = kReleases / 4;
   constexpr int kWriters = 2;
   const std::uint32_t bit = wake_bit(5);
@@ -381,7 +383,7 @@ TEST_F(WakeWordOfTwoThreads, LosesNoBitBetweenSeveralWriters) {
         published.fetch_add(1, std::memory_order_seq_cst);
         wake_word.note(bit);
         const std::uint32_t bits = wake_word.take_pending();
-        if (bits == 0) continue;  // the other writer took the bit, and wakes the waiter
+        if (bits == 0) continue;  // the other writer took the bit, so it wakes the waiting thread
         EXPECT_EQ(bits, bit);
         ++rung;
         ring(bits);

@@ -13,7 +13,7 @@ namespace {
 
 using Words = std::array<std::uint64_t, 64>;
 
-class SavedStateTest : public testing::Test {
+class SavedModuleState : public testing::Test {
  protected:
   static Words words(std::uint64_t value) {
     Words all;
@@ -32,12 +32,12 @@ class SavedStateTest : public testing::Test {
   std::unique_ptr<SavedState> state = std::make_unique<SavedState>();
 };
 
-TEST_F(SavedStateTest, IsEmptyAtFirst) {
+TEST_F(SavedModuleState, IsEmptyAtFirst) {
   EXPECT_EQ(state->saved(), nullptr);
   EXPECT_FALSE(state->copy().has_value());
 }
 
-TEST_F(SavedStateTest, ReturnsTheStateThatWasSavedLast) {
+TEST_F(SavedModuleState, ReturnsTheStateThatWasSavedLast) {
   for (std::uint64_t value = 1; value <= 5; ++value) {
     save(value, 7);
     ASSERT_NE(state->saved(), nullptr);
@@ -49,15 +49,16 @@ TEST_F(SavedStateTest, ReturnsTheStateThatWasSavedLast) {
   }
 }
 
-TEST_F(SavedStateTest, HoldsTheMaximumSize) {
+TEST_F(SavedModuleState, HoldsAStateOfTheMaximumSize) {
   std::array<std::byte, kMostSaved> all;
   all.fill(std::byte{9});
   state->save(all.data(), kMostSaved, 1, 0);
   EXPECT_EQ(state->saved()->bytes, all);
 }
 
-// A process that dies while saving has written parts of one place, but not the number.
-TEST_F(SavedStateTest, KeepsTheLastStateIfTheProcessDiesWhileSaving) {
+// A process that dies while saving leaves one of the two places partly written, but does not publish its
+// number.
+TEST_F(SavedModuleState, KeepsThePreviousStateIfTheProcessDiesWhileSaving) {
   save(1);
   save(2);
   SavedState::Place& next = state->places[3 % 2];
@@ -70,7 +71,7 @@ TEST_F(SavedStateTest, KeepsTheLastStateIfTheProcessDiesWhileSaving) {
   EXPECT_EQ(read(*state->saved()), words(3));
 }
 
-TEST_F(SavedStateTest, IsEmptyIfTheMemoryIsDamaged) {
+TEST_F(SavedModuleState, IsEmptyIfTheMemoryIsDamaged) {
   save(1);
   state->places[1].size = kMostSaved + 1;
   EXPECT_EQ(state->saved(), nullptr);
@@ -79,7 +80,7 @@ TEST_F(SavedStateTest, IsEmptyIfTheMemoryIsDamaged) {
   EXPECT_EQ(state->saved(), nullptr);
 }
 
-TEST_F(SavedStateTest, IsEmptyAfterClear) {
+TEST_F(SavedModuleState, IsEmptyAfterItIsCleared) {
   save(1);
   state->clear();
   EXPECT_EQ(state->saved(), nullptr);
@@ -87,7 +88,7 @@ TEST_F(SavedStateTest, IsEmptyAfterClear) {
   EXPECT_EQ(read(*state->saved()), words(4));
 }
 
-TEST_F(SavedStateTest, CopiesAConsistentStateWhileTheModuleSaves) {
+TEST_F(SavedModuleState, CanBeCopiedConsistentlyWhileTheModuleSaves) {
   std::atomic<bool> end{false};
   save(1);
   std::thread saver{[&] {

@@ -38,7 +38,7 @@ TEST(History, IsEmptyForAnUnknownModule) {
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
 }
 
-TEST(History, ReturnsTheNewestEntriesOldestFirst) {
+TEST(History, ReturnsTheNewestEntriesInChronologicalOrder) {
   History history;
   for (int i = 0; i < 3; ++i) {
     ModuleStatistics statistics = servo(i * 1000);
@@ -59,7 +59,7 @@ TEST(History, ReturnsTheNewestEntriesOldestFirst) {
   EXPECT_THAT(history.of("line.servo").times_ms, SizeIs(0));
 }
 
-TEST(History, KeepsOneEntryASecondHoweverOftenItIsCalled) {
+TEST(History, KeepsOneEntryPerSecondAndModule) {
   History history;
   for (int ms = 0; ms <= 3000; ms += 100) {
     history.hear(robot({servo(ms)}));
@@ -69,7 +69,7 @@ TEST(History, KeepsOneEntryASecondHoweverOftenItIsCalled) {
               ElementsAre(kBegin_ms, kBegin_ms + 900, kBegin_ms + 1800, kBegin_ms + 2700));
 }
 
-TEST(History, KeepsTheLastTenMinutes) {
+TEST(History, KeepsOnlyTheLastTenMinutes) {
   History history;
   for (std::int64_t i = 0; i < 1501; ++i) {
     ModuleStatistics statistics = servo(i * 1000);
@@ -84,15 +84,16 @@ TEST(History, KeepsTheLastTenMinutes) {
   EXPECT_EQ(history.of("robot.servo", 60).jitter_p99_us.front(), 1441);
 }
 
-TEST(History, ComputesTheMeansBetweenTwoStatistics) {
+TEST(History, ComputesMeansForTheCyclesBetweenTwoStatistics) {
   History history;
-  // 1000 cycles have a jitter of -2 us. The next 1000 alternate between -3 us and 5 us.
+  // The first 1000 cycles have a jitter of -2 us. The jitter of the next 1000 alternates between -3 us and 5
+  // us.
   ModuleStatistics statistics = servo(0, 1000);
   statistics.jitter_us().mean(-2);
   statistics.run_us().mean(10);
   history.hear(robot({statistics}));
   statistics = servo(1000, 2000);
-  statistics.jitter_us().mean(-0.5);  // (-2 * 1000 + 1 * 1000) / 2000
+  statistics.jitter_us().mean(-0.5);  // the mean over all cycles: (-2 * 1000 + 1 * 1000) / 2000
   statistics.jitter_us().variance((4.0 + 17.0) / 2 - 0.25);
   statistics.run_us().mean(25);
   history.hear(robot({statistics}));
@@ -129,7 +130,7 @@ TEST(History, ForgetsAModuleThatHasDisappeared) {
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
 }
 
-TEST(History, KeepsTheFirstModulesWhenThereAreTooMany) {
+TEST(History, IgnoresFurtherModulesAboveItsLimit) {
   std::vector<ModuleStatistics> modules;
   for (std::size_t i = 0; i <= History::kModules; ++i) {
     modules.push_back(servo(0));

@@ -51,7 +51,7 @@ TEST(Factory, CreatesASeparateObjectForEachModule) {
   factory->destroy(second);
 }
 
-TEST(Component, ComputesWithTheTimeOfItsCycle) {
+TEST(Component, ReceivesThePeriodOfItsCycle) {
   Ramp ramp;
   for (std::uint64_t n = 0; n < 10; ++n) ramp.run({.number = n, .time = {}, .period = 100ms});
   EXPECT_NEAR(ramp.value, 1, 1e-12);
@@ -75,25 +75,25 @@ TEST(Failure, IsReturnedOnceAfterAComponentReportsIt) {
   EXPECT_EQ(take_failure(), nullptr);
 }
 
-TEST(Failure, IsReportedByAModuleInTheCForm) {
+TEST(Failure, CanBeReportedByAComponentInC) {
   takt_fail("no sensor");
   EXPECT_STREQ(take_failure(), "no sensor");
 }
 
-TEST(Failure, MayHaveNoReason) {
+TEST(Failure, CanBeReportedWithoutAReason) {
   takt_fail(nullptr);
   EXPECT_STREQ(take_failure(), "no reason given");
   takt_fail("");
   EXPECT_STREQ(take_failure(), "no reason given");
 }
 
-TEST(Failure, KeepsTheLastReport) {
+TEST(Failure, ReplacesAnEarlierFailureThatWasNotRead) {
   report_failure("first");
   report_failure("second");
   EXPECT_STREQ(take_failure(), "second");
 }
 
-TEST(Failure, CutsLongTextToItsBound) {
+TEST(Failure, ShortensAReasonThatIsTooLong) {
   const std::string fits(kFailureText - 1, 'x');
   report_failure(fits);
   EXPECT_EQ(take_failure(), fits);
@@ -106,7 +106,7 @@ TEST(Failure, IsReturnedOnlyOnTheThreadThatReportedIt) {
   EXPECT_EQ(take_failure(), nullptr);
 }
 
-TEST(CurrentCycle, IsZeroOutsideACallOfTheModule) {
+TEST(CurrentCycle, IsZeroWhileNoHookOfTheModuleRuns) {
   EXPECT_EQ(takt_period_ns(), 0);
   const Cycle cycle{.number = 7, .time = from_ns(5'000), .period = Nanoseconds{600'000}};
   serve_cycle(&cycle);
@@ -118,7 +118,7 @@ TEST(CurrentCycle, IsZeroOutsideACallOfTheModule) {
   EXPECT_EQ(takt_cycle(), 0U);
 }
 
-TEST(ErrorType, HasTheNumbersOfTheCInterface) {
+TEST(ErrorType, UsesTheSameNumbersAsTheCInterface) {
   EXPECT_EQ(static_cast<int>(ErrorType::failure), TAKT_ERROR_FAILURE);
   EXPECT_EQ(static_cast<int>(ErrorType::budget), TAKT_ERROR_BUDGET);
   EXPECT_EQ(static_cast<int>(ErrorType::start), TAKT_ERROR_START);

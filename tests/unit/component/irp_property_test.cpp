@@ -14,7 +14,7 @@ using testing::ThrowsMessage;
 
 irp::Property one(const char* text) { return irp::Property(irp::Property::Values{{"value", text}}); }
 
-TEST(IrpProperty, ReturnsTheFallbackIfTheDescriptorDoesNotSetIt) {
+TEST(IrpProperty, ReturnsTheFallbackValueIfTheDescriptorDoesNotSetIt) {
   const irp::Property property;
   EXPECT_FALSE(property.contains("value"));
   EXPECT_EQ(property.get("value", 5), 5);
@@ -25,7 +25,7 @@ TEST(IrpProperty, ReturnsTheFallbackIfTheDescriptorDoesNotSetIt) {
   EXPECT_EQ(property.get("value", 50, 0, 10), 50) << "the fallback is not checked";
 }
 
-TEST(IrpProperty, ThrowsWithItsNameIfNotSetAndWithoutFallback) {
+TEST(IrpProperty, ThrowsIfItHasNeitherAValueNorAFallback) {
   EXPECT_THAT([] { irp::Property().get("speed"); }, ThrowsMessage<std::out_of_range>(HasSubstr("'speed'")));
 }
 
@@ -56,7 +56,7 @@ void expect_rejected(const char* text, T fallback, const char* takes) {
       << text;
 }
 
-TEST(IrpProperty, RejectsWrongTextAndStatesWhatItAccepts) {
+TEST(IrpProperty, RejectsInvalidTextAndStatesWhatItAccepts) {
   for (const char* text : {"", " ", "five", "5 ", " 5", "+", "+-5", "++5", "1.5", "0x10", "1e3", "5;"}) {
     expect_rejected(text, 5, "a whole number");
   }
@@ -66,7 +66,7 @@ TEST(IrpProperty, RejectsWrongTextAndStatesWhatItAccepts) {
   for (const char* text : {"", "yes", "True", "2"}) expect_rejected(text, false, "true or false");
 }
 
-TEST(IrpProperty, RejectsANumberThatDoesNotFitItsTypeAndStatesTheRange) {
+TEST(IrpProperty, StatesTheRangeWhenANumberDoesNotFitItsType) {
   expect_rejected("2147483648", 5, "-2147483648 to 2147483647");
   expect_rejected("-1", 5u, "0 to 4294967295");
   expect_rejected("128", std::int8_t{0}, "-128 to 127");
@@ -74,7 +74,7 @@ TEST(IrpProperty, RejectsANumberThatDoesNotFitItsTypeAndStatesTheRange) {
   expect_rejected("1e39", 1.0f, "a number");
 }
 
-TEST(IrpProperty, AcceptsItsBoundsButNothingBeyondThem) {
+TEST(IrpProperty, AcceptsOnlyValuesWithinItsBounds) {
   EXPECT_EQ(one("1").get("value", 5, 1, 10), 1);
   EXPECT_EQ(one("10").get("value", 5, 1, 10), 10);
   EXPECT_EQ(one("0.5").get("value", 1.0, 0.5, 2), 0.5);

@@ -25,7 +25,7 @@ std::string reason(PropertyBase& property, std::string_view text) {
   return result ? "" : to_text(result.problems());
 }
 
-TEST(Property, IsListedInTheOrderOfDeclaration) {
+TEST(Property, IsListedInDeclarationOrder) {
   Everything component;
   std::string names;
   for (const PropertyBase* property : component.properties()) names += property->name() + " ";
@@ -71,7 +71,7 @@ TEST(Property, AcceptsEveryValueOfItsType) {
   EXPECT_EQ(component.label.value(), "");
 }
 
-TEST(Property, ReadsBackTheTextOfItsValue) {
+TEST(Property, KeepsANumberExactlyWhenSetFromItsText) {
   Everything component;
   for (const double value : {0.1, 1e-300, 123456789.123456789, 1e300}) {
     ASSERT_TRUE(component.gain.assign(detail::number_text(value)).ok());
@@ -79,7 +79,7 @@ TEST(Property, ReadsBackTheTextOfItsValue) {
   }
 }
 
-TEST(Property, NamesItselfWhenItRejectsAValue) {
+TEST(Property, IsNamedInTheErrorWhenItRejectsAValue) {
   Everything component;
   EXPECT_EQ(reason(component.count, "11"),
             "error: property 'count' cannot be '11'; it takes a whole number, 1 to 10");
@@ -110,7 +110,7 @@ TEST(Property, RejectsANumberThatItsTypeCannotHold) {
   EXPECT_EQ(component.narrow, 0.0f);
 }
 
-TEST(Property, AcceptsItsBoundsButNothingBeyondThem) {
+TEST(Property, AcceptsOnlyValuesWithinItsBounds) {
   Everything component;
   EXPECT_EQ(reason(component.count, "1"), "");
   EXPECT_EQ(reason(component.count, "10"), "");
@@ -118,7 +118,7 @@ TEST(Property, AcceptsItsBoundsButNothingBeyondThem) {
   EXPECT_EQ(reason(component.gain, "0"), "");
 }
 
-TEST(Property, IsListedOnceWithoutAComponent) {
+TEST(Property, CanBeDeclaredWithoutAComponent) {
   static_cast<void>(take_loose_properties());
   Property<double> speed{"speed", 0.5, {.unit = "m/s", .min = 0.0, .max = 2.0}};
   Property<std::string> label{"label", "none"};
@@ -136,7 +136,7 @@ TEST(Property, RemembersItsDefaultAfterItIsSet) {
   EXPECT_EQ(component.gain.max_text(), "");
 }
 
-TEST(Property, NeedsAUniqueNameAndADefaultWithinItsRange) {
+TEST(Property, MustHaveAUniqueNameAndADefaultWithinItsRange) {
   struct Wrong : Component {
     Property<double> a{*this, "a", 1.0, {.min = 2.0}};
     Property<double> twice{*this, "twice", 1.0};
@@ -151,7 +151,7 @@ TEST(Property, NeedsAUniqueNameAndADefaultWithinItsRange) {
   EXPECT_TRUE(check_declared(Everything{}.properties(), "it").empty());
 }
 
-// The declarations that the macros of <takt/property.h> generate.
+// The same declarations as the macros of <takt/property.h> generate.
 struct CProperties {
   double number = 0.5;
   std::int64_t integer = 3;
@@ -190,7 +190,7 @@ TEST(CProperty, DescribesItsDeclarationAsText) {
   EXPECT_EQ(c.taken[3]->default_text(), "none");
 }
 
-TEST(CProperty, WritesItsVariableWhenTheValueIsTakenOver) {
+TEST(CProperty, ChangesItsVariableOnlyWhenTheProposedValueIsTakenOver) {
   const CProperties c;
   EXPECT_EQ(c.number, 0.5);
   EXPECT_STREQ(c.text, "none");
@@ -210,7 +210,7 @@ TEST(CProperty, WritesItsVariableWhenTheValueIsTakenOver) {
   }
 }
 
-TEST(Property, AcceptsOnlyTheWordsOfItsChoices) {
+TEST(Property, AcceptsOnlyItsChoices) {
   Everything component;
   Property<std::string> mode{component, "mode", "slow", {.choices = {"slow", "fast", "off"}}};
   EXPECT_EQ(mode.range_text(), "slow, fast or off");
@@ -222,7 +222,7 @@ TEST(Property, AcceptsOnlyTheWordsOfItsChoices) {
   EXPECT_EQ(mode.value(), "fast");
 }
 
-TEST(Property, CanBeNarrowedByTheModule) {
+TEST(Property, CanHaveItsRangeNarrowedByTheModule) {
   Everything component;
   Property<double> cutoff{component, "cutoff", 10, {.unit = "Hz", .min = 0, .max = 1000}};
   EXPECT_TRUE(cutoff.narrow(1, 450, "at a period of 1 ms"));

@@ -14,7 +14,7 @@ TEST(Latest, HasNoValueBeforeTheFirstPublish) {
   EXPECT_EQ(latest.taken(), 0);
 }
 
-TEST(Latest, ReturnsTheNewestValueOnce) {
+TEST(Latest, ReturnsTheNewestValueOnlyOnce) {
   Latest<int> latest;
   for (int i = 1; i <= 5; ++i) {
     latest.writing() = i;
@@ -27,7 +27,7 @@ TEST(Latest, ReturnsTheNewestValueOnce) {
   EXPECT_EQ(latest.taken(), 5);
 }
 
-TEST(Latest, NeverMixesTwoValuesUnderConcurrency) {
+TEST(Latest, NeverMixesTwoValuesWhenReadDuringAWrite) {
   constexpr std::uint64_t kLast = 300'000;
   Latest<std::array<std::uint64_t, 16>> latest;
   std::thread writer{[&] {

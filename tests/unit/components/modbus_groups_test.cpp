@@ -31,7 +31,7 @@ TEST(ModbusGroups, CombineAdjacentPointsOfOneTable) {
   EXPECT_EQ(text(groups_of(map, true, kWriteLimits)), "coil 3+1: 5\n");
 }
 
-TEST(ModbusGroups, CountBothRegistersOfALongValue) {
+TEST(ModbusGroups, IncludeBothRegistersOfA32BitValue) {
   EXPECT_EQ(text(groups_of(points("a in register 0 float32; b in register 2; c in register 4"), false,
                            kReadLimits)),
             "register 0+3: 0 1\nregister 4+1: 2\n");
@@ -41,19 +41,19 @@ TEST(ModbusGroups, ReadOverlappingPointsOnce) {
   EXPECT_EQ(text(groups_of(points("a in register 0 float32; b in register 0; c in register 1 uint32"), false,
                            kReadLimits)),
             "register 0+3: 0 1 2\n");
-  // Point b lies within point a.
+  // Point b uses the second register of point a.
   EXPECT_EQ(
       text(groups_of(points("a in register 0 uint32; b in register 1; c in register 2"), false, kReadLimits)),
       "register 0+3: 0 1 2\n");
 }
 
-TEST(ModbusGroups, StayWithinARequestAndNeverSplitAPoint) {
+TEST(ModbusGroups, StayWithinTheRequestLimitWithoutSplittingAPoint) {
   const auto map = points("a in register 0 uint32; b in register 2 uint32; c in register 4 uint32");
   EXPECT_EQ(text(groups_of(map, false, {.bits = 8, .registers = 5})), "register 0+4: 0 1\nregister 4+2: 2\n");
   EXPECT_EQ(text(groups_of(map, false, {.bits = 8, .registers = 6})), "register 0+6: 0 1 2\n");
 }
 
-TEST(ModbusGroups, IncludeTheLastAddress) {
+TEST(ModbusGroups, MayIncludeTheHighestAddress) {
   EXPECT_EQ(text(groups_of(points("a in coil 65534; b in coil 65535"), false, kReadLimits)),
             "coil 65534+2: 0 1\n");
 }

@@ -21,7 +21,7 @@ std::vector<std::string> messages(std::string_view text) {
   return lines;
 }
 
-TEST(ModbusMap, ParsesThePointsOfAllLines) {
+TEST(ModbusMap, ContainsThePointsOfAllLines) {
   const Map map = parse_map(R"(
     lamp         out coil 0 safe 0      # comment; with a semicolon
     button       in  discrete 3
@@ -49,7 +49,7 @@ TEST(ModbusMap, ParsesThePointsOfAllLines) {
   EXPECT_EQ(map.points[6].name, "b");
 }
 
-TEST(ModbusMap, ReportsEveryMistakeWithItsLineAndItsFix) {
+TEST(ModbusMap, ReportsEveryMistakeWithItsLineAndAFix) {
   const std::vector<std::string> lines = messages(
       "ok out coil 0\n"
       "1x sideways coils 65536\n"
@@ -75,7 +75,7 @@ TEST(ModbusMap, ReportsEveryMistakeWithItsLineAndItsFix) {
           HasSubstr("2: unknown table 'coils'; write coil, discrete, register or input-register"),
           HasSubstr("2: the address cannot be '65536'; "),
           HasSubstr("4: a discrete input cannot be written; "), HasSubstr("5: the scale cannot be '0'; "),
-          HasSubstr("6: a type of one register has no word order; "),
+          HasSubstr("6: only a type with two registers has a word order; "),
           HasSubstr("7: 'v' and 'ok' write the same coil; "),
           HasSubstr("8: there are two points named 'ok'; "), HasSubstr("9: an input has no safe value; "),
           HasSubstr(
@@ -88,7 +88,7 @@ TEST(ModbusMap, ReportsEveryMistakeWithItsLineAndItsFix) {
           HasSubstr("16: unknown option 'red'; ")));
 }
 
-TEST(ModbusMap, RejectsAMapWithoutPoints) {
+TEST(ModbusMap, MustContainAPoint) {
   EXPECT_THAT(messages(""), testing::ElementsAre(HasSubstr("1: the map has no points; ")));
   EXPECT_THAT(messages("# only; words\n\n"), testing::ElementsAre(HasSubstr("the map has no points")));
 }
@@ -108,8 +108,9 @@ TEST(ModbusMap, AcceptsAddressesFrom0To65535) {
   EXPECT_THAT(messages("a in coil 0x10"), SizeIs(1));
 }
 
-// For any text, the points are within their limits, and there is at least one point or one mistake.
-TEST(ModbusMap, SurvivesRandomText) {
+// Whatever the text, the parser returns only points within their limits, and at least one point or one
+// mistake.
+TEST(ModbusMap, NeverAcceptsInvalidPointsFromRandomText) {
   const std::vector<std::string> pieces{"lamp",     "in",
                                         "out",      "coil",
                                         "register", "input-register",
@@ -148,7 +149,7 @@ TEST(ModbusMap, RejectsControlCharactersInAUnit) {
   }
 }
 
-TEST(ModbusMap, StopsAtTheLimitOfMistakesWithinOneLine) {
+TEST(ModbusMap, StopsAtTheMaximumNumberOfMistakesEvenWithinOneLine) {
   std::string text = "a in register 1";
   for (int i = 0; i < 10000; ++i) text += " x";
   EXPECT_EQ(parse_map(text).mistakes.size(), kMostMistakes);

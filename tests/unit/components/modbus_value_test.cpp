@@ -14,23 +14,23 @@ std::array<std::uint16_t, 2> encoded(const Encoding& encoding, double value) {
   return words;
 }
 
-TEST(ModbusValue, OfOneRegisterLeavesTheNextUnchanged) {
+TEST(ModbusValue, OfOneRegisterLeavesTheNextRegisterUnchanged) {
   EXPECT_EQ(encoded({.type = Type::uint16}, 0x1234), (std::array<std::uint16_t, 2>{0x1234, 0xAAAA}));
   EXPECT_EQ(encoded({.type = Type::int16}, -2), (std::array<std::uint16_t, 2>{0xFFFE, 0xAAAA}));
 }
 
-TEST(ModbusValue, StoresTheHighWordFirstByDefault) {
+TEST(ModbusValue, HasItsHighWordFirstByDefault) {
   EXPECT_EQ(encoded({.type = Type::uint32}, 0x12345678), (std::array<std::uint16_t, 2>{0x1234, 0x5678}));
   EXPECT_EQ(encoded({.type = Type::uint32, .low_first = true}, 0x12345678),
             (std::array<std::uint16_t, 2>{0x5678, 0x1234}));
   EXPECT_EQ(encoded({.type = Type::int32}, -2), (std::array<std::uint16_t, 2>{0xFFFF, 0xFFFE}));
-  // 1.0 in IEEE 754 is 3F800000.
+  // In IEEE 754, 1.0 is 0x3F800000.
   EXPECT_EQ(encoded({.type = Type::float32}, 1), (std::array<std::uint16_t, 2>{0x3F80, 0}));
   EXPECT_EQ(encoded({.type = Type::float32, .low_first = true}, 1),
             (std::array<std::uint16_t, 2>{0, 0x3F80}));
 }
 
-TEST(ModbusValue, SurvivesEncodingAndDecoding) {
+TEST(ModbusValue, SurvivesARoundTripThroughRegisters) {
   for (const bool low_first : {false, true}) {
     for (const Type type : {Type::uint16, Type::int16, Type::uint32, Type::int32, Type::float32}) {
       const Encoding encoding{.type = type, .scale = 0.5, .offset = 3, .low_first = low_first};
@@ -61,13 +61,13 @@ TEST(ModbusValue, IsClampedToTheRangeOfItsType) {
   EXPECT_EQ(decode({.scale = -1}, encoded({.scale = -1}, 5).data()), 0);
 }
 
-TEST(ModbusValue, RejectsNotANumber) {
+TEST(ModbusValue, CannotBeNan) {
   std::array<std::uint16_t, 2> words{1, 2};
   EXPECT_FALSE(encode({}, std::numeric_limits<double>::quiet_NaN(), words.data()));
   EXPECT_EQ(words, (std::array<std::uint16_t, 2>{1, 2}));
 }
 
-TEST(ModbusValue, ReportsWhetherItFitsItsRange) {
+TEST(ModbusValue, IsCheckedAgainstTheRangeOfItsType) {
   EXPECT_TRUE(fits({.type = Type::int16, .scale = 0.1}, 3276.7));
   EXPECT_FALSE(fits({.type = Type::int16, .scale = 0.1}, 3277));
   EXPECT_EQ(range_text({.type = Type::int16, .scale = -0.1}), "-3276.7 to 3276.8");

@@ -15,7 +15,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// The bytes that `put` writes into a buffer of `room` bytes; empty if they do not fit.
+/// Returns the bytes that `put` writes into a buffer of `room` bytes, or no bytes if they do not fit.
 template <class F>
 Bytes written(F put, std::size_t room = 64) {
   Bytes bytes(room, 0xEE);
@@ -54,7 +54,7 @@ TEST(CdrWriter, AddsNoPaddingBeforeAnEmptyArray) {
             (Bytes{0, 1, 0, 0, 0, 0, 0, 0, 1}));
 }
 
-TEST(CdrWriter, EndsATextWithAZero) {
+TEST(CdrWriter, EndsAStringWithAZeroByte) {
   EXPECT_EQ(written([](CdrWriter& to) { to.put_text("abc", 2, 2); }),
             (Bytes{0, 1, 0, 0, 3, 0, 0, 0, 'a', 'b', 0}));
   EXPECT_EQ(written([](CdrWriter& to) { to.put_text("", 0, 2); }), (Bytes{0, 1, 0, 0, 1, 0, 0, 0, 0}));
@@ -64,14 +64,14 @@ TEST(CdrWriter, EndsATextWithAZero) {
 TEST(CdrWriter, WritesNothingAfterAValueThatDoesNotFit) {
   Bytes bytes(16, 0xEE);
   CdrWriter to{reinterpret_cast<std::byte*>(bytes.data()), 10};
-  to.put(std::uint64_t{1});  // two bytes too many
+  to.put(std::uint64_t{1});  // these 8 bytes exceed the buffer by two
   to.put(std::uint8_t{2});   // would fit
   EXPECT_EQ(to.size(), 0U);
   EXPECT_EQ(bytes,
             (Bytes{0, 1, 0, 0, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE}));
 }
 
-TEST(CdrWriter, RejectsALengthBeyondItsBoundOr32Bits) {
+TEST(CdrWriter, RejectsALengthThatExceedsItsBoundOr32Bits) {
   EXPECT_EQ(written([](CdrWriter& to) { to.put_length(4, 3); }), Bytes{});
   EXPECT_EQ(written([](CdrWriter& to) { to.put_length((1ULL << 32) + 1, 3); }), Bytes{});
 }
@@ -95,7 +95,7 @@ TEST(CdrReader, ReturnsZerosAfterTheFirstError) {
   const Bytes bytes{0, 1, 0, 0, 7, 2, 9, 9};
   CdrReader from = reader(bytes);
   EXPECT_EQ(from.get<std::uint8_t>(), 7);
-  EXPECT_FALSE(from.get_boolean());  // 2 is not a boolean
+  EXPECT_FALSE(from.get_boolean());  // the byte 2 is not a valid boolean
   EXPECT_FALSE(from.ok());
   EXPECT_EQ(from.get<std::uint8_t>(), 0);
   EXPECT_EQ(from.get_length(9), 0U);
@@ -108,18 +108,18 @@ TEST(CdrReader, ReturnsZerosAfterTheFirstError) {
   EXPECT_FALSE(from.complete());
 }
 
-TEST(CdrReader, NeverReadsBeyondTheBytes) {
+TEST(CdrReader, NeverReadsBeyondTheBuffer) {
   const Bytes bytes{0, 1, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 1, 2};
   EXPECT_EQ(reader(bytes).get_length(std::numeric_limits<std::uint32_t>::max()), 0U);
   EXPECT_EQ(reader(bytes).take_array(8, std::numeric_limits<std::size_t>::max() / 4), nullptr);
   EXPECT_EQ(reader(bytes).take_array(8, 1), nullptr);
   EXPECT_NE(reader(bytes).take_array(2, 3), nullptr);
-  // Each element has at least one byte, so the length is at most the number of bytes after it.
+  // Each element takes at least one byte, so a length must not exceed the number of bytes after it.
   EXPECT_EQ(reader({0, 1, 0, 0, 2, 0, 0, 0, 1, 2}).get_length(9), 2U);
   EXPECT_EQ(reader({0, 1, 0, 0, 3, 0, 0, 0, 1, 2}).get_length(9), 0U);
 }
 
-TEST(CdrReader, AcceptsOnlyATextThatEndsAtItsLength) {
+TEST(CdrReader, AcceptsOnlyAStringThatEndsAtItsLength) {
   const auto text = [](Bytes bytes) {
     bytes.insert(bytes.begin(), {0, 1, 0, 0});
     CdrReader from = reader(bytes);
@@ -135,7 +135,7 @@ TEST(CdrReader, AcceptsOnlyATextThatEndsAtItsLength) {
   EXPECT_EQ(text({4, 0, 0, 0, 'a', 'b', 'c'}), "wrong");
 }
 
-TEST(CdrReader, IsCompleteIfFewerThanFourBytesAreLeft) {
+TEST(CdrReader, AcceptsUpToThreeBytesOfPaddingAtTheEnd) {
   for (std::size_t more = 0; more < 6; ++more) {
     Bytes bytes{0, 1, 0, 0, 7};
     bytes.resize(bytes.size() + more);

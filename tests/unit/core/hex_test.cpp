@@ -8,7 +8,7 @@
 namespace takt::hex_test {
 namespace {
 
-TEST(Hex, ReadsBackWhatItWrote) {
+TEST(Hex, SurvivesARoundTrip) {
   std::vector<std::byte> all;
   for (unsigned byte = 0; byte <= std::numeric_limits<unsigned char>::max(); ++byte)
     all.push_back(std::byte(byte));
@@ -21,7 +21,7 @@ TEST(Hex, ReadsBackWhatItWrote) {
   EXPECT_TRUE(bytes_of_hex("")->empty());
 }
 
-TEST(Hex, RejectsTextThatIsNotHex) {
+TEST(Hex, MustBeAnEvenNumberOfHexDigits) {
   for (const char* text : {"0", "0g", "g0", "000", " 0", "0x", "-1", "00 0", "0\n"})
     EXPECT_FALSE(bytes_of_hex(text).has_value()) << text;
 }

@@ -31,7 +31,7 @@ TEST(HistogramScale, PutsEachValueIntoTheBucketOfItsRange) {
   EXPECT_EQ(HistogramScale::bucket(std::int64_t{1} << 60), HistogramScale::kBuckets - 1);
 }
 
-TEST(Statistics, IsAllZeroWhenEmpty) {
+TEST(Statistics, AreAllZeroWithoutValues) {
   const StatisticsSnapshot s = empty()->read();
   EXPECT_EQ(s.count, 0U);
   EXPECT_EQ(s.mean, 0);
@@ -39,7 +39,7 @@ TEST(Statistics, IsAllZeroWhenEmpty) {
   EXPECT_EQ(s.quantile(0.99), 0);
 }
 
-TEST(Statistics, KeepsTheSignOnlyInMeanAndVariance) {
+TEST(Statistics, UsesAbsoluteValuesExceptForMeanAndVariance) {
   auto statistics = empty();
   statistics->record(-300);
   statistics->record(100);
@@ -80,8 +80,9 @@ TEST(Statistics, MatchesValuesComputedFromAllSamples) {
 TEST(Statistics, GivesAConsistentSnapshotDuringWrites) {
   auto statistics = empty();
   std::atomic<bool> end{false};
-  // Every value is 1000, so any mixture of two states shows in the mean or in the buckets. A module records a
-  // few times in 100 us. This writer is faster, but leaves the reader enough time for one pass.
+  // Every value is 1000, so a mixture of two states would show in the mean or in the buckets. A real module
+  // records a few times in 100 us. This writer is faster, but leaves the reader enough time to read
+  // everything once.
   std::thread writer{[&] {
     while (!end) {
       statistics->record(1000);
@@ -105,7 +106,8 @@ TEST(Statistics, GivesAConsistentSnapshotDuringWrites) {
 TEST(Statistics, CanBeReadAfterTheWriterDiedWhileWriting) {
   auto statistics = empty();
   statistics->record(5);
-  auto* sequence = reinterpret_cast<std::atomic<std::uint64_t>*>(statistics.get());  // the first member
+  // The sequence number is the first member.
+  auto* sequence = reinterpret_cast<std::atomic<std::uint64_t>*>(statistics.get());
   sequence->store(sequence->load() + 1);
   EXPECT_EQ(statistics->read().count, 1U);
 }

@@ -27,7 +27,7 @@ TEST(QuotedText, StaysOnOneLine) {
   EXPECT_EQ(in_quotes("gr\u00f6\u00dfe \u20ac"), "'gr\u00f6\u00dfe \u20ac'");
 }
 
-TEST(QuotedText, IsCutBetweenCharacters) {
+TEST(QuotedText, IsShortenedBetweenCharacters) {
   EXPECT_EQ(in_quotes(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
   EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(40, 'x') + "..." + std::string(20, 'x') + "'");
   for (int shift = 0; shift < 4; ++shift) {
@@ -37,14 +37,15 @@ TEST(QuotedText, IsCutBetweenCharacters) {
   }
 }
 
-TEST(Place, AlwaysNamesALine) {
+TEST(ProblemLocation, AlwaysNamesALine) {
   EXPECT_EQ(place("a.xml", 7), "a.xml:7");
   EXPECT_EQ(place("a.xml", 0), "a.xml:1");
   EXPECT_EQ(place("a\nb.xml", 1), "a\\nb.xml:1");
   EXPECT_EQ(place("", 7), "line 7");
 }
 
-/// The edit distance: how many letters must be changed, inserted, removed or swapped with their neighbour.
+/// Returns the edit distance: how many letters of `a` must be changed, inserted, removed or swapped with
+/// their neighbour to get `b`.
 std::size_t letters_apart(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> table(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -91,7 +92,7 @@ TEST(NearestWord, DiffersByAtMostThreeEdits) {
   EXPECT_LT(near, static_cast<std::size_t>(count) / 20 * 19);
 }
 
-TEST(NearestWord, IsFoundOnlyForATypo) {
+TEST(NearestWord, IsFoundOnlyForASimilarWord) {
   const std::vector<std::string_view> choices{"period", "priority", "deadline"};
   EXPECT_EQ(nearest("perod", choices), "period");
   EXPECT_EQ(nearest("preiod", choices), "period");
@@ -106,17 +107,17 @@ TEST(NearestWord, IsFoundOnlyForATypo) {
 
 TEST(Suggestion, ListsTheChoicesIfNoneIsSimilar) {
   EXPECT_EQ(suggestion("quue", {"latest", "queue"}), "did you mean queue?");
-  EXPECT_EQ(suggestion("x", {"latest", "queue"}), "it can be latest or queue");
-  EXPECT_EQ(suggestion("x", {"main"}), "it must be main");
+  EXPECT_EQ(suggestion("x", {"latest", "queue"}), "use latest or queue");
+  EXPECT_EQ(suggestion("x", {"main"}), "use main");
   std::vector<std::string> names;
   for (int i = 0; i < 30; ++i) names.push_back("abc" + std::to_string(i));
   const std::vector<std::string_view> many{names.begin(), names.end()};
   EXPECT_NE(suggestion("xyz", many).find("and 10 more"), std::string::npos);
 }
 
-TEST(Suggestion, ListsADuplicateChoiceOnce) {
-  EXPECT_EQ(suggestion("x", {"sensor", "sensor"}), "it must be sensor");
-  EXPECT_EQ(suggestion("x", {"sensor", "robot", "sensor"}), "it can be sensor or robot");
+TEST(Suggestion, ListsADuplicateChoiceOnlyOnce) {
+  EXPECT_EQ(suggestion("x", {"sensor", "sensor"}), "use sensor");
+  EXPECT_EQ(suggestion("x", {"sensor", "robot", "sensor"}), "use sensor or robot");
   EXPECT_EQ(one_of({"main", "main"}), "main");
 }
 

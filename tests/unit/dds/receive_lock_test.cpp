@@ -11,7 +11,7 @@ namespace {
 
 using takt::dds::ReceiveLock;
 
-TEST(ReceiveLock, HandlesNoPacketDuringAPause) {
+TEST(ReceiveLock, StopsTheHandlingOfPacketsDuringAPause) {
   ReceiveLock receive_lock;
   std::atomic<int> inside{0};
   std::atomic<std::uint64_t> handled{0};
@@ -51,7 +51,7 @@ TEST(ReceiveLock, DoesNotPauseOnTheThreadThatHandlesAPacket) {
   EXPECT_TRUE(ReceiveLock::Pause{receive_lock}.holds());
 }
 
-TEST(ReceiveLock, GivesUpAPauseIfAPacketTakesTooLong) {
+TEST(ReceiveLock, ReportsAFailedPauseIfAPacketTakesTooLong) {
   ReceiveLock receive_lock;
   std::atomic<bool> handles{false};
   std::atomic<bool> end{false};

@@ -1,5 +1,6 @@
-// Runs the descriptors of cases/ through the parser and through xmllint, so that the parser and the schema
-// cannot drift apart. Comments in each descriptor state the expected problems and the verdict of the schema.
+// Checks the descriptors in cases/ with the parser and with xmllint, so that the parser and the schema cannot
+// drift apart. Comments in each descriptor state the problems that the parser must report and whether the
+// schema accepts the descriptor.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +38,7 @@ std::string content_of(const std::string& file) {
   return content.str();
 }
 
-/// Returns the texts of all comments with this beginning, without the beginning.
+/// Returns the texts of all comments that begin with `beginning`, without that beginning.
 std::vector<std::string> notes(const std::string& content, const std::string& beginning) {
   std::vector<std::string> found;
   const std::string open = "<!-- " + beginning;
@@ -48,7 +49,7 @@ std::vector<std::string> notes(const std::string& content, const std::string& be
   return found;
 }
 
-TEST(DescriptorCases, AcceptsTheValidDescriptors) {
+TEST(DescriptorParser, AcceptsEveryValidExample) {
   const auto files = files_of(kCases + "good");
   EXPECT_GE(files.size(), 20U);
   for (const std::string& file : files) {
@@ -57,7 +58,7 @@ TEST(DescriptorCases, AcceptsTheValidDescriptors) {
   }
 }
 
-TEST(DescriptorCases, RejectsTheInvalidDescriptorsWithTheExpectedProblems) {
+TEST(DescriptorParser, RejectsEveryInvalidExampleWithTheExpectedProblems) {
   const auto files = files_of(kCases + "bad");
   EXPECT_GE(files.size(), 60U);
   for (const std::string& file : files) {
@@ -97,7 +98,7 @@ std::set<std::string> accepted_by_schema(const std::vector<std::string>& files) 
   return accepted;
 }
 
-TEST(DescriptorSchema, AgreesWithTheParserWhereXsdCanExpressTheRule) {
+TEST(DescriptorSchema, AgreesWithTheParserWhereverXsdCanExpressTheRule) {
   if (std::system("xmllint --version >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "xmllint (libxml2-utils) is missing";
   auto good = files_of(kCases + "good");

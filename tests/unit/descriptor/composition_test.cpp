@@ -1,5 +1,5 @@
-// Includes and templates: they give the same cell as text written by hand, problems name both the template
-// and its use, and unbounded growth is rejected.
+// Tests includes and templates: they give the same cell as a descriptor without them, problems name the lines
+// of the template and of its use, and unbounded growth is rejected.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ std::vector<std::string> texts_of(const Result<model::Cell>& cell) {
   return texts;
 }
 
-/// A folder of files that is removed at the end.
+/// A temporary folder for the files of a test.
 class Folder {
  public:
   Folder()
@@ -69,8 +69,8 @@ std::string module(const std::string& name, const std::string& period, const std
          "</value></property></module>\n";
 }
 
-// The cell has many similar axes with random parameters.
-TEST(Composition, EqualsTheSameCellWrittenByHand) {
+// Compares a cell of many similar axes, with random parameters, in both forms.
+TEST(Composition, ProducesTheSameCellAsOneWrittenWithoutTemplates) {
   std::mt19937 random{1};
   const auto draw = [&random](int most) {
     return static_cast<int>(random() % static_cast<unsigned>(most)) + 1;
@@ -110,7 +110,7 @@ TEST(Composition, EqualsTheSameCellWrittenByHand) {
   }
 }
 
-TEST(Composition, PrefixesNamesInNestedTemplates) {
+TEST(Composition, PrefixesNamesInATemplateWithTheNamesOfItsUses) {
   const auto cell = load(kCases + "good/template_composite.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   std::vector<std::string> names;
@@ -125,7 +125,7 @@ TEST(Composition, PrefixesNamesInNestedTemplates) {
   EXPECT_THAT(connections, testing::Contains("d.b_right_drive.state e.log.in rt/b"));
 }
 
-TEST(Composition, InsertsIncludedFiles) {
+TEST(Composition, InsertsTheContentsOfIncludedFiles) {
   const auto cell = load(kCases + "good/include.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   ASSERT_EQ(cell->devices.size(), 2U);
@@ -165,7 +165,7 @@ TEST(Composition, ReportsTheLinesOfATemplateAndOfItsUse) {
                    "<cell name='c'>\n<include file='lib/parts.xml'/>\n<device name='d'>\n"
                    "<use template='pair' name='a'/>\n<use template='pair' name='b'/>\n</device></cell>");
   const std::string parts_file = folder.file("lib/parts.xml");
-  // A problem in the template itself is reported without the line of a use.
+  // A problem in the template itself is reported with its own line only.
   EXPECT_THAT(
       texts_of(load(cell)),
       ElementsAre(HasSubstr(parts_file +
@@ -178,7 +178,7 @@ TEST(Composition, ReportsTheLinesOfATemplateAndOfItsUse) {
   EXPECT_THAT(texts_of(load(cell)),
               ElementsAre(HasSubstr(parts_file + ":3: error: <period> is out of range: '0' (used at " +
                                     parts_file + ":6, used at " + cell + ":4, and 1 more); ")));
-  // Later checks also name both lines. Here the executor does not exist.
+  // Checks that run after the templates are expanded also name both lines. Here the executor does not exist.
   std::string named = module("", "1000", "1");
   named.insert(named.find("<period>"), "<executor>fast</executor>");
   folder.write(
@@ -205,7 +205,7 @@ TEST(Composition, RejectsStrayTextInAFragment) {
 }
 
 // A node has only the bundle and no files, but reports the same problems.
-TEST(Composition, ReportsTheSameProblemsForABundle) {
+TEST(Composition, ReportsTheSameProblemsForABundleAsForFiles) {
   const Folder folder;
   const std::string right =
       "<fragment><template name='axis'>\n" + module("", "1000", "1") + "</template></fragment>";
@@ -250,7 +250,7 @@ TEST(Composition, RejectsCircularAndTooManyIncludes) {
   folder.write("f" + std::to_string(depth) + ".xml", "<fragment/>");
   EXPECT_TRUE(load(folder.write("cell.xml", "<cell name='c'><include file='f1.xml'/>" + device)));
   EXPECT_THAT(texts_of(load(folder.write("cell.xml", "<cell name='c'><include file='f0.xml'/>" + device))),
-              ElementsAre(HasSubstr("more than 8 deep")));
+              ElementsAre(HasSubstr("more than 8 levels deep")));
 
   std::string many;
   for (std::size_t i = 0; i < kMaxIncludes; ++i) many += "<include file='f8.xml'/>\n";
@@ -266,7 +266,7 @@ TEST(Composition, RejectsCircularAndTooManyIncludes) {
       ElementsAre(HasSubstr("larger than 16 MiB")));
 }
 
-TEST(Composition, RejectsTemplatesThatExpandToTooMuch) {
+TEST(Composition, RejectsTemplatesThatExpandToTooManyElements) {
   std::string templates = "<template name='t0'>" + module("", "1000", "1") + "</template>\n";
   for (int i = 1; i < 8; ++i) {
     templates += "<template name='t" + std::to_string(i) + "'>";
@@ -279,7 +279,7 @@ TEST(Composition, RejectsTemplatesThatExpandToTooMuch) {
                              "f.xml")),
               ElementsAre(HasSubstr("alone makes more than 10^18 elements")));
 
-  // Few elements with long values: each template passes its parameter on twenty times.
+  // Few elements can also get long values: each template repeats its parameter twenty times.
   std::string twenty;
   for (int i = 0; i < 20; ++i) twenty += "${v}";
   std::string values =
@@ -294,7 +294,7 @@ TEST(Composition, RejectsTemplatesThatExpandToTooMuch) {
                              "f.xml")),
               testing::Contains(HasSubstr("more than 16 MiB of values")));
 
-  // A long chain and a long circle of templates do not exhaust the stack.
+  // Neither a long chain nor a long circle of templates exhausts the stack.
   std::string chain;
   for (int i = 0; i < 50000; ++i)
     chain += "<template name='c" + std::to_string(i) + "'><use template='c" +
@@ -305,10 +305,10 @@ TEST(Composition, RejectsTemplatesThatExpandToTooMuch) {
   EXPECT_THAT(texts_of(parse("<cell name='c'><template name='c50000'>" + module("", "1000", "1") +
                                  "</template>" + chain.replace(chain.rfind("'c0'"), 4, "'c50000'") + device,
                              "f.xml")),
-              ElementsAre(HasSubstr("more than 8 deep")));
+              ElementsAre(HasSubstr("more than 8 levels deep")));
 }
 
-TEST(Parameters, AreReplacedByTheirValuesOnce) {
+TEST(Parameters, AreReplacedOnlyOnce) {
   const std::string value = "${b}$";
   const auto of = [&](std::string_view text, int* wrong = nullptr) {
     return substituted(

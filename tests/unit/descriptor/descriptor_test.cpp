@@ -60,8 +60,8 @@ TEST(Descriptor, ReportsAllMistakesAtOnce) {
   EXPECT_THAT(
       texts_of(xml),
       ElementsAre(
-          HasSubstr("f.xml:1: error: attribute domain is out of range: '900'"),
-          HasSubstr("f.xml:3: error: attribute priority is out of range: '100'"),
+          HasSubstr("f.xml:1: error: attribute 'domain' is out of range: '900'"),
+          HasSubstr("f.xml:3: error: attribute 'priority' is out of range: '100'"),
           HasSubstr("f.xml:6: error: unknown value 'tread' of <moduletype>; did you mean thread?"),
           HasSubstr("f.xml:8: error: unknown element <perod> in <module>; did you mean <period>?"),
           HasSubstr("f.xml:9: error: <priority> is not a whole number: 'x'"),
@@ -72,23 +72,24 @@ TEST(Descriptor, ReportsAllMistakesAtOnce) {
           HasSubstr("f.xml:13: error: sporadic module 'a.b' has no <deadline>"),
           HasSubstr("f.xml:14: error: 'a.b' is not a valid module name"),
           HasSubstr("f.xml:17: error: sporadic module 'a.b' has a <period>"),
-          HasSubstr("f.xml:18: error: unknown attribute atempts of <recovery>; did you mean attempts?"),
-          HasSubstr("f.xml:18: error: unknown value 'stop' of attribute then"),
+          HasSubstr("f.xml:18: error: unknown attribute 'atempts' of <recovery>; did you mean attempts?"),
+          HasSubstr("f.xml:18: error: unknown value 'stop' of attribute 'then'"),
           HasSubstr("f.xml:21: error: a connection of kind latest has a depth"),
-          HasSubstr("f.xml:21: error: from names the unknown device 'robt'; did you mean robot?")));
+          HasSubstr(
+              "f.xml:21: error: attribute 'from' names the unknown device 'robt'; did you mean robot?")));
 }
 
-TEST(Descriptor, DoesNotReportConsequencesOfAMistake) {
-  // The executor, the module and the device exist, but their names could not be read.
+TEST(Descriptor, DoesNotReportErrorsCausedByAnotherError) {
+  // The executor, the module and the device exist, but the parser could not read their names.
   EXPECT_THAT(
       texts_of("<root><executor nam=\"fast\"/>" + module("a", "<executor>fast</executor>") + "</root>"),
-      ElementsAre(HasSubstr("unknown attribute nam")));
+      ElementsAre(HasSubstr("unknown attribute 'nam'")));
   EXPECT_THAT(texts_of("<cell name='c'><device name='d'>" + module("a") + module("a", "<nam>b</nam>") +
                        "</device>\n<connection from='d.a.x' to='d.b.x'/></cell>"),
               ElementsAre(HasSubstr("unknown element <nam>")));
   EXPECT_THAT(texts_of("<cell name='c'><device nme='d'>" + module("a") +
                        "</device><connection from='d.a.x' to='d.a.y'/></cell>"),
-              ElementsAre(HasSubstr("unknown attribute nme")));
+              ElementsAre(HasSubstr("unknown attribute 'nme'")));
   EXPECT_THAT(
       texts_of(
           "<cell name='c'><device name='d'><modul/></device><connection from='d.a.x' to='d.a.y'/></cell>"),
@@ -97,7 +98,7 @@ TEST(Descriptor, DoesNotReportConsequencesOfAMistake) {
               ElementsAre(HasSubstr("unknown element <devise>")));
   EXPECT_THAT(texts_of("<cell name='c'><device name='d'>" + module("a") +
                        "</device><connection from='d.a.x' ot='d.a.y'/></cell>"),
-              ElementsAre(HasSubstr("unknown attribute ot")));
+              ElementsAre(HasSubstr("unknown attribute 'ot'")));
   EXPECT_THAT(texts_of("<rot/>"), ElementsAre(HasSubstr("unknown root element <rot>")));
   EXPECT_THAT(
       texts_of("<root><module><filename>a.so</filename><moduletype>thread</moduletype>"
@@ -106,37 +107,40 @@ TEST(Descriptor, DoesNotReportConsequencesOfAMistake) {
       ElementsAre(HasSubstr("unknown value 'cyclic'")));
 }
 
-TEST(Descriptor, DoesNotReportConsequencesOfAMistakeInAConnection) {
+TEST(Descriptor, DoesNotReportErrorsCausedByAnErrorInAConnection) {
   const auto of = [](const std::string& attributes) {
     return texts_of("<cell name='c'><device name='d'>" + module("a") + module("b") +
                     "</device>\n<connection " + attributes + "/></cell>");
   };
-  // A misspelled end or topic does not count as missing. So the domain does not lack a topic here.
-  EXPECT_THAT(of("form='d.a.x' to='d.b.x'"), ElementsAre(HasSubstr("unknown attribute form")));
-  EXPECT_THAT(of("from='d.a.x' topc='t' domain='3'"), ElementsAre(HasSubstr("unknown attribute topc")));
-  EXPECT_THAT(of("from='d.a.x' topic='' domain='3'"), ElementsAre(HasSubstr("attribute topic is empty")));
+  // A misspelled attribute `from`, `to` or `topic` does not count as missing. So the parser does not report a
+  // domain without a topic here.
+  EXPECT_THAT(of("form='d.a.x' to='d.b.x'"), ElementsAre(HasSubstr("unknown attribute 'form'")));
+  EXPECT_THAT(of("from='d.a.x' topc='t' domain='3'"), ElementsAre(HasSubstr("unknown attribute 'topc'")));
+  EXPECT_THAT(of("from='d.a.x' topic='' domain='3'"), ElementsAre(HasSubstr("attribute 'topic' is empty")));
   EXPECT_THAT(of("from='d.a.x' to='d.b.x' deadlin='5' stale='error'"),
-              ElementsAre(HasSubstr("unknown attribute deadlin")));
+              ElementsAre(HasSubstr("unknown attribute 'deadlin'")));
   EXPECT_THAT(of("from='d.a.x' to='d.b.x' kind='cue' depth='5'"),
               ElementsAre(HasSubstr("unknown value 'cue'")));
-  EXPECT_THAT(of("from='' to='d.b.x'"), ElementsAre(HasSubstr("attribute from is empty")));
-  EXPECT_THAT(of("from='nobody.a.x' topic='t'"), ElementsAre(HasSubstr("from names the unknown device")));
-  // Two topics that could not be read do not count as the same topic.
+  EXPECT_THAT(of("from='' to='d.b.x'"), ElementsAre(HasSubstr("attribute 'from' is empty")));
+  EXPECT_THAT(of("from='nobody.a.x' topic='t'"),
+              ElementsAre(HasSubstr("attribute 'from' names the unknown device")));
+  // Two topics that the parser could not read do not count as the same topic.
   EXPECT_THAT(of("to='d.b.x' topic=''/><connection from='d.a.x' topic=''/><connection from='d.b.y' topic=''"),
               ElementsAre(HasSubstr("empty"), HasSubstr("empty"), HasSubstr("empty")));
 }
 
-TEST(Descriptor, DoesNotReportConsequencesOfAMistakeInDiscovery) {
+TEST(Descriptor, DoesNotReportErrorsCausedByAnErrorInDiscovery) {
   const auto of = [](const std::string& attributes) {
     return texts_of("<cell name='c' " + attributes + "><device name='d'>" + module("a") + "</device></cell>");
   };
   EXPECT_THAT(of("discovery='peer' peers='10.0.0.1'"), ElementsAre(HasSubstr("did you mean peers?")));
-  EXPECT_THAT(of("discovry='peers' peers='10.0.0.1'"), ElementsAre(HasSubstr("unknown attribute discovry")));
-  EXPECT_THAT(of("discovery='peers' pers='10.0.0.1'"), ElementsAre(HasSubstr("unknown attribute pers")));
-  EXPECT_THAT(of("discovery='server' sever='h:1'"), ElementsAre(HasSubstr("unknown attribute sever")));
+  EXPECT_THAT(of("discovry='peers' peers='10.0.0.1'"),
+              ElementsAre(HasSubstr("unknown attribute 'discovry'")));
+  EXPECT_THAT(of("discovery='peers' pers='10.0.0.1'"), ElementsAre(HasSubstr("unknown attribute 'pers'")));
+  EXPECT_THAT(of("discovery='server' sever='h:1'"), ElementsAre(HasSubstr("unknown attribute 'sever'")));
   EXPECT_THAT(of("discovery='server' server='h:1' server_device='d'"),
               ElementsAre(HasSubstr("did you mean server-device?")));
-  EXPECT_THAT(of("discovery='peers' peers=''"), ElementsAre(HasSubstr("attribute peers is empty")));
+  EXPECT_THAT(of("discovery='peers' peers=''"), ElementsAre(HasSubstr("attribute 'peers' is empty")));
 }
 
 TEST(Descriptor, TheDefaultReliabilityDependsOnTheKindOfConnection) {
@@ -186,7 +190,7 @@ TEST(Descriptor, ReportsAtMostAThousandProblems) {
             1000U);
 }
 
-TEST(Descriptor, ShortensLongQuotesToOneLine) {
+TEST(Descriptor, ReportsALongInvalidValueShortenedToOneLine) {
   const auto texts = texts_of(
       "<root>" + module("a", "<executor>" + std::string(100000, 'x') + "\n&#x85;</executor>") + "</root>");
   ASSERT_EQ(texts.size(), 1U);
@@ -195,7 +199,7 @@ TEST(Descriptor, ShortensLongQuotesToOneLine) {
   EXPECT_THAT(texts[0], HasSubstr("...xxx"));
 }
 
-// tinyxml2 drops white space between two pieces of markup if there is nothing else between them.
+// tinyxml2 alone drops white space that is the only text between two pieces of markup.
 TEST(Descriptor, KeepsTheWhiteSpaceOfPropertyValues) {
   const auto cell = parse(
       "<root>" +
@@ -232,7 +236,7 @@ TEST(DescriptorText, RejectsMalformedXmlWithItsLine) {
   const std::vector<std::pair<std::string, std::pair<int, std::string>>> faults{
       {"", {1, "the file is empty"}},
       {"\n\n", {1, "the file is empty"}},
-      {"<!-- x -->\n", {2, "the file has no element"}},
+      {"<!-- x -->\n", {2, "the file has no root element"}},
       {"<root>\n\xff</root>", {2, "not UTF-8: it has the byte '\\xff'"}},
       {"<root>\n\n\xed\xa0\x80</root>", {3, "not UTF-8"}},
       {"\xff\xfe<", {1, "UTF-16"}},
@@ -252,9 +256,9 @@ TEST(DescriptorText, RejectsMalformedXmlWithItsLine) {
       {"<root>\n<module\n", {2, "the tag <module is not closed"}},
       {"<root>\n</rot>", {2, "</rot> does not close <root> of line 1"}},
       {"<root/>\n</root>", {2, "</root> closes nothing"}},
-      {"<root a=\"1\"\n a=\"2\"/>", {2, "duplicate attribute a"}},
+      {"<root a=\"1\"\n a=\"2\"/>", {2, "duplicate attribute 'a'"}},
       {"<root a=\"1\"b=\"2\"/>", {1, "found 'b' in the tag <root"}},
-      {"<root a='1\n<module/>'/>", {1, "does not end, or has a <"}},
+      {"<root a='1\n<module/>'/>", {1, "does not end, or contains a <"}},
   };
   for (const auto& [xml, expected] : faults) {
     const auto texts = texts_of(xml);

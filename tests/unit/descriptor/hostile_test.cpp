@@ -1,6 +1,6 @@
-// Malicious texts: a node parses text from the network with the same parse(). Each text is rejected with
-// short messages, and the parser does not use many times its size in memory. No text makes the parser throw
-// or end the process.
+// Tests malicious texts, because a node uses the same parse() for text from the network. The parser rejects
+// each text with short messages, and its memory use stays in proportion to the text. No text makes the parser
+// throw or end the process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <full_form.hpp>
@@ -23,7 +23,7 @@ const std::string kModule =
     "<period>1000000</period><priority>1</priority></module>";
 const std::string kDevice = "<device name='d'>" + kModule + "</device>";
 
-/// A text of the maximum size: `before`, as many `unit`s as fit, and `after`.
+/// Returns a text of the maximum size: `before`, then `unit` as often as it fits, then `after`.
 std::string filled(const std::string& before, const std::string& unit, const std::string& after,
                    std::size_t size = kMaxBytes) {
   std::string text = before;
@@ -32,10 +32,10 @@ std::string filled(const std::string& before, const std::string& unit, const std
   return text + after;
 }
 
-/// The size of texts that are slow to read.
+/// The size of texts that are slow to parse.
 std::size_t bytes() { return static_cast<std::size_t>(kSanitized && !full_form() ? 3'000'000 : 8'000'000); }
 
-/// The problems of a text that must be rejected. Checks that each is short and on one line.
+/// Expects that the text is rejected, and that each problem is short and on one line. Returns the problems.
 Problems rejected(const std::string& xml) {
   Result<model::Cell> cell = model::Cell{};
   EXPECT_NO_THROW(cell = parse(xml, "the network"));
@@ -55,7 +55,7 @@ std::string first_of(const std::string& xml) {
   return problems.empty() ? "nothing" : problems[0].what;
 }
 
-TEST(HostileText, WithMoreThanAMillionPartsIsRejectedBeforeParsing) {
+TEST(HostileText, WithMoreThanAMillionXmlNodesIsRejectedBeforeParsing) {
   std::string attributes;
   for (int i = 0; i < 90; ++i) attributes += " a" + std::to_string(i) + "=''";
   for (const std::string& unit :
@@ -67,8 +67,8 @@ TEST(HostileText, WithMoreThanAMillionPartsIsRejectedBeforeParsing) {
               HasSubstr("more than 1000000 elements"));
 }
 
-// Blanks and closing tags do not count as parts.
-TEST(HostileText, WithAMillionPartsIsAccepted) {
+// White space and closing tags do not count as XML nodes.
+TEST(HostileText, WithAMillionXmlNodesIsAccepted) {
   const auto of_parts = [](std::size_t parts) {
     std::string xml = "<root>";
     for (std::size_t i = 1; i < parts; ++i) xml += "<a></a>\n";
@@ -80,7 +80,7 @@ TEST(HostileText, WithAMillionPartsIsAccepted) {
   EXPECT_EQ(fault->line, static_cast<int>(kMaxParts));
 }
 
-TEST(HostileText, WithFewHugePartsIsRejected) {
+TEST(HostileText, WithAFewHugeXmlNodesIsRejected) {
   const std::string x(kMaxBytes - 1000, 'x');
   for (const std::string& xml :
        {"<" + x + "/>", "<root " + x + "='1'/>", "<cell name='" + x + "'>" + kDevice + "</cell>",
@@ -94,7 +94,7 @@ TEST(HostileText, WithFewHugePartsIsRejected) {
   }
 }
 
-TEST(HostileText, BeyondTheLimitsOfACellIsRejected) {
+TEST(HostileText, ThatExceedsTheLimitsOfACellIsRejected) {
   EXPECT_THAT(first_of(filled("<cell name='c'>" + kDevice, "<connection from='d.a.o'/>", "</cell>", bytes())),
               HasSubstr("more than 100000 connections"));
   EXPECT_EQ(
@@ -106,7 +106,7 @@ TEST(HostileText, BeyondTheLimitsOfACellIsRejected) {
               HasSubstr("executors"));
 }
 
-// A guess at the intended name compares many names, so the number of guesses is limited.
+// To suggest a similar name, the parser compares many names, so it limits the number of suggestions.
 TEST(HostileText, WithManyMisspelledNamesIsRejectedQuickly) {
   std::string devices;
   const std::string long_name(60, 'd');
@@ -132,8 +132,8 @@ TEST(HostileText, OfRandomBytesIsRejected) {
   }
 }
 
-// The name of a file does not change how its text is read, and cannot break the line of a message.
-TEST(HostileText, WithAHostileFileNameIsRejectedOnOneLine) {
+// The name of a file does not affect how its text is parsed, and cannot add a line break to a message.
+TEST(HostileText, WithAHostileFileNameIsReportedOnOneLine) {
   for (const std::string& name :
        {std::string{}, std::string{"\n: error: nothing\n"}, std::string(100000, 'n')}) {
     const auto cell = parse("<root><x/>" + kModule + "</root>", name);

@@ -1,5 +1,5 @@
-// Breaks valid descriptors in every place and in every way that is certain to be wrong. The parser must
-// reject each result with a line and must not crash.
+// Changes valid descriptors, at every position, in every way that certainly makes them invalid. The parser
+// must reject each result with a line number, and must not crash.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,9 +37,9 @@ struct Attribute {
 struct Element {
   std::string name;
   std::string parent;
-  std::size_t parent_end = 0;  // past the parent's closing tag; 0 for the root
+  std::size_t parent_end = 0;  // the position after the parent's closing tag; 0 for the root
   Span start;                  // <name ...>
-  Span end;                    // </name>; empty for <name/>
+  Span end;                    // the closing tag </name>; empty for <name/>
   std::vector<Attribute> attributes;
 
   [[nodiscard]] bool closes_itself() const { return end.begin == end.end; }
@@ -94,7 +94,7 @@ class Mutations {
   Mutations(std::string xml, std::set<std::string> optional)
       : xml_(std::move(xml)), optional_(std::move(optional)) {}
 
-  /// Expects that the mutated text is rejected; if a line is given, one problem must be on it.
+  /// Expects that the parser rejects the mutated text. If `line` is given, one problem must be in that line.
   void expect_rejected(const std::string& mutation, const std::string& xml, int line = 0) {
     SCOPED_TRACE(mutation);
     if (!seen_.insert(xml).second) return;
@@ -169,7 +169,7 @@ void Mutations::break_markup(const Element& e) {
   expect_rejected("cut in closing of " + tag, xml_.substr(0, e.end.begin + 2));
 }
 
-/// Breaks the structure: an element is in the wrong place, appears twice, or is missing.
+/// Breaks the structure: moves, repeats or removes an element.
 void Mutations::break_structure(const Element& e) {
   const int line = line_of(xml_, e.start.begin);
   const std::string tag = "<" + e.name + ">";
@@ -185,16 +185,16 @@ void Mutations::break_structure(const Element& e) {
   expect_rejected("other name for " + tag, renamed("nonsense"), line);
   expect_rejected("prefix on " + tag, renamed("x:" + e.name), line);
 
-  // Each element is allowed once, or has a name or ends that must be unique.
+  // A repeated element is always wrong: it is allowed only once, or its name or its ends must be unique.
   expect_rejected("twice " + tag, inserted(xml_, e.past(), whole));
   expect_rejected("wrapped " + tag, replaced(xml_, {e.start.begin, e.past()}, "<wrap>" + whole + "</wrap>"),
                   line);
-  // No element is allowed next to its parent.
+  // Moves the element out of its parent, where no element is allowed.
   if (e.parent_end != 0) {
     expect_rejected("out of its parent " + tag,
                     replaced(inserted(xml_, e.parent_end, whole), {e.start.begin, e.past()}, ""));
   }
-  // These elements are optional: a name may come from the filename, and the others may be left out if nothing
+  // These elements are optional: the name defaults to the filename, and the others may be missing if nothing
   // refers to them.
   static const std::set<std::string> kOptional{"name",   "budget",     "recovery", "property",
                                                "value",  "connection", "dispatch", "interarrival",
@@ -235,7 +235,7 @@ void Mutations::break_text(const Element& e) {
                                                 "tread", "perodic", "nonreal", "0"};
   static const std::vector<std::string> kNoName{
       "", "7x", "a.b", "a b", "-a", "gr\u00f6\u00dfe", "a/b", std::string(64, 'x')};
-  // A priority may be negative.
+  // Only a priority may be negative.
   const bool priority = e.name == "priority";
   const bool number = priority || e.name == "period" || e.name == "deadline" || e.name == "budget" ||
                       e.name == "interarrival" || e.name == "offset";
@@ -246,7 +246,8 @@ void Mutations::break_text(const Element& e) {
   if (priority) wrong.insert(wrong.end(), {"2147483648", "-2147483649"});
   if (e.name == "moduletype" || e.name == "operationtype" || e.name == "dispatch" || e.name == "overrun")
     wrong = kNoWord;
-  // Invalid names. For an executor, any other name is wrong, too: the device has only one.
+  // Invalid names. For the executor of a module, any other name is also wrong, because the device has only
+  // one executor.
   if (e.name == "name" || (e.name == "executor" && e.parent == "module")) wrong = kNoName;
   if (e.name == "executor" && e.parent == "module") wrong.emplace_back("nobody");
   if (e.name == "filename") wrong = {"", " \n ", std::string(4097, 'x')};
@@ -256,7 +257,7 @@ void Mutations::break_text(const Element& e) {
                     line_of(xml_, e.start.begin));
   }
   if (e.name != "operationtype") return;
-  // Another operation type requires other elements and forbids some of these.
+  // A changed operation type is wrong, because it requires other elements and forbids some of these.
   const std::string is = part(xml_, {e.start.end, e.end.begin});
   const std::string module =
       xml_.substr(xml_.rfind("<module>", e.start.begin),
@@ -266,7 +267,7 @@ void Mutations::break_text(const Element& e) {
       module.find("<executor>") == std::string::npos && module.find("<budget>") == std::string::npos;
   for (const std::string kind : {"periodic", "sporadic", "non-real"}) {
     if (kind == is) continue;
-    // The only change of operation type that is valid.
+    // This is the only valid change of the operation type.
     if (is == "periodic" && kind == "non-real" && thread && plain) continue;
     expect_rejected(is + " becomes " + kind, replaced(xml_, {e.start.end, e.end.begin}, kind));
   }
@@ -392,8 +393,8 @@ struct Base {
 
 const std::vector<Base>& bases() {
   static const std::string kGood = "/tests/unit/descriptor/cases/good/";
-  // These attributes are optional in any descriptor. Whether others are optional depends on the file: in
-  // cell.xml some belong together, and in everything.xml a topic or a queue requires some.
+  // These attributes are optional in any descriptor. The file decides whether others are optional: in
+  // cell.xml some attributes require each other, and in everything.xml a topic or a queue requires some.
   static const std::set<std::string> kDefaults{"domain",   "cpu",     "priority", "wakeup",
                                                "attempts", "backoff", "then"};
   std::set<std::string> cell = kDefaults;
@@ -423,7 +424,7 @@ std::size_t break_everywhere(const Base& base) {
   return mutations.count();
 }
 
-TEST(DescriptorMutations, AreAllRejectedWithALine) {
+TEST(DescriptorMutations, ThatBreakARuleAreRejectedWithALineNumber) {
   for (const Base& base : bases()) {
     SCOPED_TRACE(base.file);
     const std::size_t mutations = break_everywhere(base);
@@ -432,8 +433,8 @@ TEST(DescriptorMutations, AreAllRejectedWithALine) {
   }
 }
 
-// Shows that the parser does not simply reject every text.
-TEST(DescriptorMutations, ThatChangeNothingAreAccepted) {
+// This proves that the parser does not simply reject every text.
+TEST(DescriptorMutations, WithoutEffectOnTheCellAreAccepted) {
   for (const Base& base : bases()) {
     const std::string xml = content_of(TAKT_SOURCE_DIR + base.file);
     for (const Element& element : elements_of(xml)) {
@@ -446,8 +447,9 @@ TEST(DescriptorMutations, ThatChangeNothingAreAccepted) {
         if (base.optional.count(attribute.name) + base.optional.count(element.name + "/" + attribute.name) ==
             0)
           continue;
+        // Without this attribute, the connection lacks an end.
         if (element.name == "connection" && attribute.name == "from" && element.attributes[1].name != "to")
-          continue;  // without this attribute, the connection has no end
+          continue;
         const auto cell = parse(replaced(xml, attribute.whole, ""), "base.xml");
         EXPECT_TRUE(cell) << "without " << attribute.name << "\n" << to_text(cell.problems());
       }

@@ -9,7 +9,7 @@ using model::ModuleType;
 using model::Operation;
 using namespace std::chrono_literals;
 
-// Figure 1 of the paper, as expected values.
+// The expected values of a module in Figure 1 of the paper.
 struct Expected {
   const char* name;
   const char* filename;
@@ -117,7 +117,7 @@ TEST(CellDescriptor, ReadsACellOfTwoDevices) {
   EXPECT_EQ(cell->server_device, "");
 }
 
-TEST(CellDescriptor, ReadsAllOtherElementsAndAttributes) {
+TEST(CellDescriptor, ReadsEveryElementAndAttribute) {
   const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/everything.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->discovery.kind, model::Discovery::Kind::server);

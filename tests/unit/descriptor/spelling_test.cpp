@@ -1,6 +1,6 @@
-// One cell can be written in many ways: with other quotes, another order or references. Spellings that are
-// equal in XML must give the same cell. Otherwise an editor that reformats a descriptor could change the
-// cell.
+// XML allows the same cell to be written in many ways: with other quotes, in another order, or with character
+// references. All these spellings must give the same cell. Otherwise an editor that reformats a descriptor
+// could change the cell.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -60,7 +60,7 @@ std::string as_references(const std::string& text, bool hex) {
 const std::string kAttribute = R"re(([a-z-]+)="([^"]*)")re";
 const std::string kTagWithAttributes = R"re(<([a-z]+)((?: [a-z-]+="[^"]*")+)(/?)>)re";
 
-/// Spellings that are equal in XML. `xml` has no XML declaration and no comments.
+/// Returns other spellings that have the same meaning in XML. `xml` has no XML declaration and no comments.
 std::vector<std::pair<std::string, std::string>> spellings(const std::string& xml) {
   const auto attributes =
       [&](const std::function<std::string(const std::string&, const std::string&)>& make) {
@@ -108,7 +108,7 @@ std::vector<std::pair<std::string, std::string>> spellings(const std::string& xm
   };
 }
 
-TEST(DescriptorSpelling, DoesNotChangeTheCell) {
+TEST(XmlNotation, DoesNotAffectTheCell) {
   std::set<std::string> changed;
   for (const char* file : {"everything.xml", "peers.xml", "cell.xml", "template.xml"}) {
     std::string xml =
@@ -126,7 +126,7 @@ TEST(DescriptorSpelling, DoesNotChangeTheCell) {
 }
 
 // The rules apply to the character that a reference stands for.
-TEST(DescriptorSpelling, DoesNotBypassTheRules) {
+TEST(XmlNotation, CannotBypassTheRulesByCharacterReferences) {
   const std::string device =
       "<device "
       "name='d'><module><filename>a.so</filename><moduletype>thread</moduletype><operationtype>periodic"
@@ -148,7 +148,7 @@ TEST(DescriptorSpelling, DoesNotBypassTheRules) {
 }
 
 // Connections may be written before the devices.
-TEST(DescriptorSpelling, AllowsDevicesAndConnectionsInAnyOrder) {
+TEST(XmlNotation, AllowsConnectionsBeforeDevices) {
   const std::string xml = content_of(kGood + "everything.xml");
   const std::size_t first = xml.find("  <device");
   const std::size_t connections = xml.find("  <connection");

@@ -1,4 +1,4 @@
-// Properties, commands and deadlines of the modules of a real device.
+// Tests properties, commands and deadlines of modules on a real device.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -62,7 +62,7 @@ TEST_F(DeviceProperties, CanBeReadAndSetWhileTheModuleRuns) {
   EXPECT_THAT(seen("live")["label"].get<std::string>(), HasSubstr("its own memory"));
 }
 
-TEST_F(DeviceProperties, RejectAnInvalidValueAndKeepTheOldOne) {
+TEST_F(DeviceProperties, KeepTheirValueWhenANewOneIsRejected) {
   bring_up(live());
   const Outcome high = set(0, "step", "1001");
   EXPECT_EQ(high.code, REPLY_REFUSED);
@@ -100,7 +100,7 @@ TEST_F(DeviceProperties, AreReadOnlyInCModulesAndPrograms) {
   bring_up(module("c", "slow.so", kEvery, value("ns", "1000")) +
            module("p", "fine.exe", kEvery, value("every", "3")));
   EXPECT_EQ(get(0, "ns").value, "1000");
-  EXPECT_EQ(get(0, "every").text, "the descriptor sets no property 'every' of c; it sets ns");
+  EXPECT_EQ(get(0, "every").text, "the descriptor does not set property 'every' of module c; it sets ns");
   EXPECT_EQ(set(0, "ns", "2000").text,
             "c is written in C and declares no properties: it reads them in initialize(); undeploy the cell, "
             "change the descriptor and deploy it again");
@@ -109,7 +109,7 @@ TEST_F(DeviceProperties, AreReadOnlyInCModulesAndPrograms) {
   const Outcome refused = set(1, "every", "4");
   EXPECT_EQ(refused.code, REPLY_REFUSED);
   EXPECT_EQ(refused.text,
-            "p is a program: it is given its properties when it starts; undeploy the cell, change the "
+            "p is a program, which gets its properties when it starts; undeploy the cell, change the "
             "descriptor and deploy it again");
   take_down();
 }
@@ -136,7 +136,7 @@ TEST_F(DeviceProperties, SurviveARestartOfTheHost) {
 
 class DeviceCommands : public RealDevice {
  protected:
-  /// A module that crashes in its first run, in its own host.
+  /// Returns a module that crashes in its first run, in its own host.
   static std::string crashes() {
     return R"(<executor name="own" host="own"/>)" +
            module("culprit", "segv.so", kEvery, R"(<value name="after">1</value>)",
@@ -169,7 +169,7 @@ TEST_F(DeviceCommands, FailIfTheModuleCrashesInItsFirstRun) {
   EXPECT_EQ(start.state, lifecycle::State::recover);
   EXPECT_THAT(start.text, MatchesRegex("it went to RECOVER: crash: the host of executor own was killed by "
                                        "SIGSEGV \\(Segmentation fault\\) in run\\(\\), in .* in segv.so; "
-                                       "its recovery goes on, to EXECUTING"));
+                                       "its recovery continues, with target state EXECUTING"));
   ASSERT_TRUE(comes_to("culprit", "DESTRUCT"));
   EXPECT_EQ(story(), "START EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ");
 }
@@ -197,7 +197,7 @@ TEST_F(DeviceCommands, FailIfTheHostIsKilledBeforeItAnswers) {
 
 class DeviceDeadlines : public RealDevice {
  protected:
-  /// A module with a deadline of 5 ms that needs 20 ms once in 50 rows.
+  /// Returns a module with a deadline of 5 ms that takes 20 ms once in 50 rows.
   static std::string late(const std::string& file, const std::string& miss, const std::string& recovery) {
     return module("late", file,
                   "<operationtype>sporadic</operationtype><deadline miss=\"" + miss + "\">5000000</deadline>",
@@ -227,7 +227,7 @@ TEST_F(DeviceDeadlines, AreCountedWhenMissed) {
   }
 }
 
-TEST_F(DeviceDeadlines, AreErrorsWhenMissedIfTheDescriptorSaysSo) {
+TEST_F(DeviceDeadlines, RaiseAnErrorWhenMissedIfTheDescriptorSaysSo) {
   for (const std::string file : {"fine_sporadic.so", "fine_sporadic.exe"}) {
     SCOPED_TRACE(file);
     steps.clear();

@@ -1,4 +1,4 @@
-// Ports of the modules of a real device.
+// Tests the ports of modules on a real device.
 #include <signal.h>
 
 #include "real_device.hpp"
@@ -31,7 +31,8 @@ class DevicePorts : public RealDevice {
     }
     return {};
   }
-  /// Expects that the sink read every number from 1 on, and at least `least` numbers.
+  /// Expects that the module which logs its input to file `name` has read every number from 1 on, and at
+  /// least `least` numbers.
   void expect_all(const std::string& name, int least) const {
     SCOPED_TRACE(name);
     const json sink = seen(name);
@@ -107,7 +108,7 @@ TEST_F(DevicePorts, LetSeveralWritersShareAQueue) {
   take_down();
 }
 
-TEST_F(DevicePorts, AreSeparateForEachInstanceOfACModule) {
+TEST_F(DevicePorts, AreSeparateForTwoModulesOfTheSameCComponent) {
   bring_up(source() + module("first", "port_relay_c.so", kEvery) +
                module("second", "port_relay_c.so", kEvery) + module("third", "port_relay_c.so", kEvery) +
                sink("one") + sink("three"),
@@ -147,7 +148,7 @@ TEST_F(DevicePorts, ReleaseASporadicProgramByAnEvent) {
     const int cycles = module_of("events")["cycles"];
     const int samples = port_of("events", "event")["samples"];
     if (dispatch == kImmediate) {
-      EXPECT_GE(samples, cycles - 1);  // one sample may arrive between the two reads
+      EXPECT_GE(samples, cycles - 1);  // one sample may arrive between the reading of the two counters
       EXPECT_LE(samples, cycles + 1);
     }
     take_down();
@@ -181,7 +182,7 @@ TEST_F(DevicePorts, ReleaseAProgramAtMostOncePerInterarrivalTime) {
 
 // ---- Killed programs and hosts
 
-TEST_F(DevicePorts, StayUsableAfterAProgramIsKilledRepeatedly) {
+TEST_F(DevicePorts, StillWorkAfterAProgramIsKilledRepeatedly) {
   bring_up(
       source() +
           module("relay", "port_relay.exe", kEvery, "", "<recovery attempts=\"100\" backoff=\"1000000\"/>") +
@@ -201,7 +202,7 @@ TEST_F(DevicePorts, StayUsableAfterAProgramIsKilledRepeatedly) {
   EXPECT_LE(sink["gaps"], 64 * 10) << "samples that the full queue dropped while no program read it";
 }
 
-TEST_F(DevicePorts, StayUsableAfterTheHostIsKilledRepeatedly) {
+TEST_F(DevicePorts, StillWorkAfterTheHostIsKilledRepeatedly) {
   bring_up(source() + module("relay", "port_relay.exe", kEvery) + sink("sink") + sink("typed"),
            connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
                connection("relay.out", "sink.in", "kind=\"queue\" depth=\"64\"") +

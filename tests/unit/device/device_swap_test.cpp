@@ -1,4 +1,4 @@
-// Swaps a running instance of a module for another one, in a real host.
+// Tests swaps of a running module in a real host.
 #include <gmock/gmock.h>
 
 #include <optional>
@@ -32,7 +32,7 @@ class DeviceSwap : public RealDevice {
   }
 };
 
-TEST_F(DeviceSwap, KeepsServicesAnswering) {
+TEST_F(DeviceSwap, KeepsServicesAvailable) {
   bring_up(module("answers", "answers.so", kEvery) + module("one", "asks.so", kEvery, file("one")) +
                module("two", "asks.so", kEvery, file("two")),
            R"(<service client="d.one.ask" server="d.answers.handled"/>)"
@@ -54,7 +54,7 @@ TEST_F(DeviceSwap, KeepsServicesAnswering) {
   }
 }
 
-TEST_F(DeviceSwap, KeepsAServiceClientCalling) {
+TEST_F(DeviceSwap, KeepsServiceClientsWorking) {
   bring_up(module("answers", "answers.so", kEvery) + module("one", "asks.so", kEvery, file("one")),
            R"(<service client="d.one.ask" server="d.answers.handled"/>)");
   wait_for_cycles("one", 50);
@@ -75,7 +75,7 @@ TEST_F(DeviceSwap, GivesTheNewInstanceOfACModuleItsOwnVariables) {
   const int before = module_of("counter")["cycles"];
   const Outcome outcome = swap(1, "counter.so");
   ASSERT_EQ(outcome.code, REPLY_OK) << outcome.text;
-  // The old instance writes the file when it ends, after the new instance has begun.
+  // The old instance writes the file when it ends, which is after the new instance has started.
   const auto has_written = [&] {
     const json count = seen("count");
     return count.is_number() && count >= before;
@@ -113,7 +113,7 @@ TEST_F(DeviceSwap, RejectsAnImpossibleSwapWithTheReason) {
   take_down();
 }
 
-TEST_F(DeviceSwap, RestoresTheOldInstanceIfTheNewOneFailsOnTrial) {
+TEST_F(DeviceSwap, RestoresTheOldInstanceIfTheNewOneFailsDuringItsTrial) {
   bring_up(module("ticks", "ticks.so", kEvery));
   wait_for_cycles("ticks", 20);
   const Outcome outcome = swap(0, "ticks_fails.so");
@@ -127,7 +127,7 @@ TEST_F(DeviceSwap, RestoresTheOldInstanceIfTheNewOneFailsOnTrial) {
 
 TEST_F(DeviceSwap, RestoresTheOldInstanceAfterEachCrashOfTheNewOne) {
   bring_up(module("ticks", "ticks.so", kEvery) + module("other", "fine.so", kEvery));
-  for (int n = 0; n < 5; ++n) {  // a host that crashed this often otherwise would be given up
+  for (int n = 0; n < 5; ++n) {  // outside of swaps, a host that crashes this often is given up
     ASSERT_TRUE(step_until([&] { return module_of("ticks")["state"] == "EXECUTING"; }));
     const Outcome outcome = swap(0, "ticks_crashes.so");
     EXPECT_EQ(outcome.code, REPLY_FAILED);
@@ -138,7 +138,7 @@ TEST_F(DeviceSwap, RestoresTheOldInstanceAfterEachCrashOfTheNewOne) {
   take_down();
 }
 
-TEST_F(DeviceSwap, DoesNotKeepTheDeviceFromEnding) {
+TEST_F(DeviceSwap, DoesNotPreventTheDeviceFromStopping) {
   bring_up(module("ticks", "ticks.so", kEvery));
   wait_for_cycles("ticks", 20);
   std::optional<Outcome> answer;

@@ -1,4 +1,4 @@
-// A real device: its supervisor brings it up with real hosts and programs, but without a node.
+// A real device. Its supervisor starts real hosts and programs, but there is no node.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -64,7 +64,8 @@ class RealDevice : public testing::Test {
   static inline const std::string kRow = "<dispatch>row</dispatch>";
   static inline const std::string kImmediate = "<dispatch>immediate</dispatch>";
 
-  /// Brings up the only device d of a cell until it is ready. Then starts its rows, if `start_rows` is true.
+  /// Starts device d, the only device of the cell, and waits until it is ready. Then starts its rows if
+  /// `start_rows` is true.
   void bring_up(const std::string& modules, const std::string& connections = "", bool start_rows = true) {
     const std::string text =
         "<cell name=\"c\"><device name=\"d\">" + modules + "</device>" + connections + "</cell>";
@@ -119,7 +120,7 @@ class RealDevice : public testing::Test {
 
   static inline const std::string kComponents = std::string{TAKT_BINARY_DIR} + "/tests/components";
   std::filesystem::path folder;
-  std::vector<Step> steps;  ///< of all modules
+  std::vector<Step> steps;  ///< the transitions of all modules so far
   std::shared_ptr<DevicePlatform> platform;
   std::unique_ptr<Supervisor> device;
 };

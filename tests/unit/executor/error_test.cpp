@@ -29,7 +29,7 @@ class Error : public testing::Test {
   const char* failure = nullptr;
 };
 
-TEST_F(Error, InRunRemovesTheModuleWithinTheSameRow) {
+TEST_F(Error, RemovesTheModuleFromTheTablesWithinTheSameRow) {
   device->cycle();
   device->cycle();
   failure = "no answer from the drive";
@@ -54,14 +54,14 @@ TEST_F(Error, InRunRemovesTheModuleWithinTheSameRow) {
   }
 }
 
-TEST_F(Error, KeepsTheFirst255BytesOfTheText) {
+TEST_F(Error, KeepsTheFirst255BytesOfItsText) {
   const std::string text(1000, 'x');
   failure = text.c_str();
   device->cycle();
   EXPECT_EQ(device->blocks[1].error_text.view(), std::string(255, 'x'));
 }
 
-TEST_F(Error, IsRaisedOneNanosecondOverTheBudget) {
+TEST_F(Error, IsRaisedByARunOneNanosecondOverItsBudget) {
   takes = microseconds{100};
   device->cycle();
   EXPECT_EQ(device->blocks[1].error.load(), 0U);
@@ -74,13 +74,13 @@ TEST_F(Error, IsRaisedOneNanosecondOverTheBudget) {
   EXPECT_EQ(device->blocks[2].cycles.load(), 2U);
 }
 
-TEST_F(Error, MeasuresTheBudgetFromTheCallNotFromTheRelease) {
+TEST_F(Error, IsNotRaisedByALateStartOfARunWithinItsBudget) {
   takes = microseconds{100};
   device->cycle(microseconds{600});
   EXPECT_EQ(device->blocks[1].error.load(), 0U);
 }
 
-TEST_F(Error, IsAFailureWhenRunFailsAndExceedsTheBudget) {
+TEST_F(Error, IsReportedAsAFailureIfTheRunAlsoExceedsItsBudget) {
   takes = microseconds{500};
   failure = "gave up";
   device->cycle();
@@ -88,7 +88,7 @@ TEST_F(Error, IsAFailureWhenRunFailsAndExceedsTheBudget) {
   EXPECT_EQ(device->blocks[1].errors.load(), 1U);
 }
 
-TEST_F(Error, DoesNotShiftTheReleasesAfterRecovery) {
+TEST_F(Error, DoesNotShiftTheReleasesOfTheModuleAfterRecovery) {
   failure = "once";
   device->cycle();
   failure = nullptr;

@@ -1,5 +1,5 @@
-// Sporadic modules that events release: how often, when and in which order, and how a storm of events affects
-// the rows.
+// Tests sporadic modules that events release: how often, when and in which order they run, and how a storm of
+// events affects the rows.
 #include <gtest/gtest.h>
 #include <full_form.hpp>
 
@@ -36,7 +36,7 @@ model::Module event_module(Nanoseconds deadline, Nanoseconds interarrival, model
   return module;
 }
 
-TEST(Interarrival, IsTheMinimumTimeBetweenReleasesByRows) {
+TEST(Interarrival, IsTheMinimumTimeBetweenTwoReleasesByRows) {
   FakeDevice device{
       {thread(milliseconds{1}), event_module(milliseconds{5}, microseconds{2500}, model::Dispatch::row)}};
   std::vector<Instant> releases;
@@ -51,14 +51,14 @@ TEST(Interarrival, IsTheMinimumTimeBetweenReleasesByRows) {
     while (device.executor->run_sporadic()) {
     }
   }
-  // Rows are at 0, 1, 2, 3 ... ms. After a release at 0 ms, the row at 3 ms is the first one at least 2.5 ms
-  // later.
+  // Rows are due every millisecond from 0 ms on. After a release at 0 ms, the row at 3 ms is the first row
+  // that is at least 2.5 ms later.
   ASSERT_EQ(releases.size(), 4U);
   for (std::size_t i = 1; i < releases.size(); ++i) EXPECT_EQ(releases[i] - releases[i - 1], milliseconds{3});
   EXPECT_EQ(device.bodies[1].asked, 4) << "the condition is not checked when no release is allowed";
 }
 
-TEST(Interarrival, AppliesToProgramsToo) {
+TEST(Interarrival, AlsoLimitsTheReleasesOfPrograms) {
   model::Module program = sporadic(kProcess, milliseconds{5});
   program.interarrival = milliseconds{4};
   FakeDevice device{{thread(milliseconds{1}), program}};
@@ -70,7 +70,7 @@ TEST(Interarrival, AppliesToProgramsToo) {
   EXPECT_EQ(device.blocks[1].cycles.load(), 3U);
 }
 
-TEST(ImmediateModule, RunsWithoutARow) {
+TEST(ImmediateModule, RunsBetweenRowsWhenItHasAnUnreadEvent) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   bool news = false;
   Cycle seen;
@@ -153,7 +153,7 @@ TEST(ImmediateModule, RunsBeforeAModuleWithALaterDeadline) {
   EXPECT_EQ(ran, "event row ");
 }
 
-TEST(Deadline, CountsAMissAndRaisesAnErrorOnlyIfDeclared) {
+TEST(Deadline, RaisesAnErrorWhenMissedOnlyIfTheModuleDeclaresIt) {
   for (const model::Miss miss : {model::Miss::count, model::Miss::error}) {
     model::Module late = sporadic(kThread, milliseconds{2});
     late.miss = miss;
@@ -177,7 +177,7 @@ TEST(Deadline, CountsAMissAndRaisesAnErrorOnlyIfDeclared) {
   }
 }
 
-TEST(Deadline, IsMetWhenTheRunEndsExactlyAtIt) {
+TEST(Deadline, IsMetIfTheRunEndsExactlyOnTime) {
   model::Module punctual = sporadic(kThread, milliseconds{2});
   punctual.miss = model::Miss::error;
   FakeDevice device{{thread(milliseconds{1}), punctual}};
@@ -214,8 +214,8 @@ struct Storm {
   Nanoseconds interarrival;
 };
 
-/// 20,000 events per second at random times for a minute, to a module that takes 50 us for each. Rows preempt
-/// it, as if it ran one priority lower: a row that falls due during its run() is walked inside it.
+/// For a minute, 20,000 events per second arrive at random times at a module that takes 50 us for each. Rows
+/// preempt the module: the test runs each row that falls due during run() inside that run().
 class StormOfEvents : public testing::TestWithParam<Storm> {};
 
 TEST_P(StormOfEvents, NeverDelaysARow) {
@@ -288,7 +288,8 @@ TEST_P(StormOfEvents, NeverDelaysARow) {
   EXPECT_EQ(device.block->missed.load(), 0U);
   EXPECT_EQ(device.block->late.load(), 0U);
   EXPECT_NEAR(static_cast<double>(written) / static_cast<double>(length.count()), 20'000, 83);
-  // The module took the event, the full queue dropped and counted it, or it is still waiting.
+  // The module has read the event, the full queue has dropped and counted it, or the event is still in the
+  // queue.
   const std::uint64_t dropped = memory.link().block().overwritten.load();
   std::uint64_t waiting = 0;
   while (reader.take()) ++waiting;
@@ -314,9 +315,9 @@ INSTANTIATE_TEST_SUITE_P(Dispatch, StormOfEvents,
                                   std::to_string(each.param.interarrival.count() / 1000) + "_us";
                          });
 
-/// Compares random sets with the rule itself: among the released modules the earliest absolute deadline runs
-/// first; priority decides ties.
-TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSets) {
+/// Compares the order in which random sets of modules run with the rule: among the released modules, the one
+/// with the earliest absolute deadline runs first; priority decides ties.
+TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSetsOfModules) {
   std::mt19937 random{11};
   for (int set = 0; set < 300; ++set) {
     const std::size_t count = 2 + random() % 6;
@@ -351,7 +352,7 @@ TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSets) {
     for (std::size_t i = 1; i <= count; ++i) {
       if (wanted_news[i]) wanted.push_back(i);
     }
-    // All modules were released at the same instant, because the clock stands still.
+    // All modules were released at the same instant, because the virtual clock does not advance.
     std::stable_sort(wanted.begin(), wanted.end(), [&](std::size_t a, std::size_t b) {
       return std::pair{*modules[a].deadline, modules[a].priority} <
              std::pair{*modules[b].deadline, modules[b].priority};
@@ -360,7 +361,7 @@ TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSets) {
   }
 }
 
-/// A simple model of the rule: when each module is released, and which runs next.
+/// A simple model of the rule. It computes when each module is released, and which module runs next.
 struct Rule {
   struct Each {
     model::Module module;
@@ -427,7 +428,7 @@ TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomEvents) {
       arrivals.push_back({at, 1 + static_cast<std::size_t>(up_to(count))});
     std::size_t arrived = 0;
 
-    // Advances time: delivers the events and walks the rows that fall due meanwhile.
+    // Advances time to `then`, delivers the events until then, and runs the rows that fall due.
     const auto pass_to = [&](Instant then) {
       while (true) {
         const Instant row = device.executor->next_release();

@@ -14,7 +14,8 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using State = Exchange::State;
 
-/// Continues the count of the body that it replaces, and records which release each of its runs served.
+/// A body that continues the count of the body it replaces, and records which release each of its runs
+/// served.
 class Counting final : public Body {
  public:
   explicit Counting(VirtualClock& clock) : clock_(clock) {}
@@ -43,7 +44,7 @@ class Counting final : public Body {
   Nanoseconds takes{};
   int refuses = 0;
   int taken_over = 0;
-  bool comes = true;  ///< true for a new body; false if take_over() restores an old one
+  bool comes = true;  ///< true for a new body; false for the old body that take_over() restores
 
  private:
   VirtualClock& clock_;
@@ -99,7 +100,7 @@ TEST_F(BodyExchange, HappensBetweenTwoRowsWithoutAMissedRelease) {
   EXPECT_EQ(old.taken_over, 0);
 }
 
-TEST_F(BodyExchange, RestoresTheOldBodyAfterAFailureOfTheNewOne) {
+TEST_F(BodyExchange, RestoresTheOldBodyIfTheNewOneFailsDuringItsTrial) {
   cycles(4);
   next.fails_at = 3;
   device.executor->exchange(exchange);
@@ -117,7 +118,7 @@ TEST_F(BodyExchange, RestoresTheOldBodyAfterAFailureOfTheNewOne) {
   EXPECT_EQ(old.taken_over, 1);
 }
 
-TEST_F(BodyExchange, RaisesAnErrorForAFailureAfterTheTrial) {
+TEST_F(BodyExchange, RaisesAnErrorIfTheNewBodyFailsAfterItsTrial) {
   next.fails_at = 3;
   device.executor->exchange(exchange);
   cycles(7);
@@ -127,7 +128,7 @@ TEST_F(BodyExchange, RaisesAnErrorForAFailureAfterTheTrial) {
   EXPECT_TRUE(old.served.empty());
 }
 
-TEST_F(BodyExchange, CanBeWithdrawnWhileTheModuleIsRemoved) {
+TEST_F(BodyExchange, CanBeWithdrawnWhileItsModuleIsOutOfTheTables) {
   device.blocks[1].in_tables.store(0);
   device.executor->exchange(exchange);
   cycles(4);
@@ -143,7 +144,7 @@ TEST_F(BodyExchange, CanBeWithdrawnWhileTheModuleIsRemoved) {
   EXPECT_EQ(state(), State::on_trial);
 }
 
-TEST_F(BodyExchange, ChangesNothingIfTheNewBodyDoesNotTakeOver) {
+TEST_F(BodyExchange, KeepsTheOldBodyIfTheNewOneDeclinesToTakeOver) {
   next.refuses = 1;
   device.executor->exchange(exchange);
   cycles(3);
@@ -210,9 +211,9 @@ TEST_F(BodyExchange, LosesNoReleaseOverThousandsOfExchanges) {
   EXPECT_EQ(device.block->missed.load(), 0U);
 }
 
-class LimitedBodyExchange : public BodyExchange {
+class BodyExchangeWithLimits : public BodyExchange {
  protected:
-  LimitedBodyExchange() : BodyExchange(module()) {}
+  BodyExchangeWithLimits() : BodyExchange(module()) {}
   static model::Module module() {
     model::Module module = thread(milliseconds{2}, 2);
     module.budget = microseconds{100};
@@ -222,7 +223,7 @@ class LimitedBodyExchange : public BodyExchange {
   }
 };
 
-TEST_F(LimitedBodyExchange, RestoresTheOldBodyIfTheNewOneExceedsItsBudget) {
+TEST_F(BodyExchangeWithLimits, RestoresTheOldBodyIfTheNewOneExceedsItsBudget) {
   next.takes = microseconds{200};
   device.executor->exchange(exchange);
   cycles(6);
@@ -232,7 +233,7 @@ TEST_F(LimitedBodyExchange, RestoresTheOldBodyIfTheNewOneExceedsItsBudget) {
   EXPECT_EQ(next.served.size(), 1U);
 }
 
-TEST_F(LimitedBodyExchange, RestoresTheOldBodyAfterAnOverrunOfTheNewOne) {
+TEST_F(BodyExchangeWithLimits, RestoresTheOldBodyIfTheNewOneOverruns) {
   next.takes = milliseconds{3};
   device.executor->exchange(exchange);
   cycles(1);
@@ -240,7 +241,7 @@ TEST_F(LimitedBodyExchange, RestoresTheOldBodyAfterAnOverrunOfTheNewOne) {
   EXPECT_EQ(exchange.error, ErrorType::overrun);
   EXPECT_EQ(device.blocks[1].error.load(), static_cast<std::uint32_t>(ErrorType::overrun));
   EXPECT_EQ(device.blocks[1].in_tables.load(), 0U);
-  cycles(1);  // no body serves the release that passed meanwhile
+  cycles(1);  // no body serves the release that was due meanwhile
   device.blocks[1].error.store(0);
   device.blocks[1].in_tables.store(1);  // the node does this after recovery
   cycles(4);

@@ -1,5 +1,5 @@
-// A device on virtual time: one executor, bodies that the test scripts, and programs that consist only of
-// their release slots.
+// A device on virtual time with one executor. Each test defines the bodies of the modules. Programs consist
+// only of their release slots.
 #pragma once
 
 #include <algorithm>
@@ -65,8 +65,8 @@ inline model::Module sporadic(model::ModuleType type, Nanoseconds deadline, int 
   return module;
 }
 
-/// Everything the executor needs. Blocks, bodies and slots have the module's index in `modules`. At first all
-/// modules are in the tables, and all programs wait.
+/// An executor with everything it needs. Blocks, bodies and slots have the same index as their module in
+/// `modules`. At first all modules are in the tables, and all programs wait.
 class FakeDevice {
  public:
   explicit FakeDevice(std::vector<model::Module> modules)
@@ -116,19 +116,19 @@ class FakeDevice {
     make_executor();
   }
 
-  /// Makes a new executor, as after a restart of the host: the blocks stay.
+  /// Makes a new executor, as after a restart of the host. The blocks keep their contents.
   void make_executor() {
     executor =
         std::make_unique<Executor>(plan.executors[0], periodic_units, sporadic_units, *block, clock, flight);
   }
 
-  /// Puts the executor on the grid at the clock's time; T0 is `later` than that.
+  /// Lets the executor join the grid now. T0 is `later` after the current time of the clock.
   void join(Nanoseconds later = Nanoseconds{0}) {
     t0 = clock.time + later;
     executor->join_grid(t0, clock.time);
   }
 
-  /// Advances to the next release plus `delay`, and walks the row.
+  /// Advances the clock to `delay` after the next release, and runs the row.
   std::uint32_t cycle(Nanoseconds delay = Nanoseconds{0}) {
     clock.time = std::max(clock.time, executor->next_release()) + delay;
     return executor->run_cycle(clock.time);
@@ -143,7 +143,7 @@ class FakeDevice {
   schedule::DevicePlan plan;
   std::vector<Unit> periodic_units;
   std::vector<Unit> sporadic_units;
-  Flight flight;  ///< used by the next make_executor()
+  Flight flight;  ///< takes effect at the next make_executor()
   std::unique_ptr<Executor> executor;
   Instant t0{};
 };

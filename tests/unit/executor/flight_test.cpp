@@ -1,4 +1,4 @@
-// Compares what an executor records with a model that notes what the bodies saw.
+// Compares the entries that an executor records with a model, which notes each call of a body.
 #include <takt/channel/flight_record.hpp>
 #include <takt/executor/executor.hpp>
 
@@ -36,7 +36,7 @@ class ExecutorRecording : public testing::Test {
 
 std::int64_t ns(Instant instant) { return to_ns(instant); }
 
-TEST_F(ExecutorRecording, MatchesTheModelOverThousandsOfRows) {
+TEST_F(ExecutorRecording, HasTheExpectedEntriesOverThousandsOfRows) {
   FakeDevice device{{thread(1ms), thread(2ms), thread(3ms), process(2ms, -1)}};
   record(device);
   std::mt19937 random{7};
@@ -55,7 +55,7 @@ TEST_F(ExecutorRecording, MatchesTheModelOverThousandsOfRows) {
   std::int64_t body_ended = 0;
   std::uint64_t body_took = 0;
   for (int i = 0; i < 5000; ++i) {
-    // The program ends its body between two rows, but not always.
+    // The program ends its body between some of the rows, but not between all.
     channel::ReleaseSlot& slot = device.slots[3];
     if (slot.in_body() && i % 3 != 0) {
       body_took = 1000 + static_cast<std::uint64_t>(i);
@@ -88,7 +88,8 @@ TEST_F(ExecutorRecording, MatchesTheModelOverThousandsOfRows) {
     ASSERT_EQ(runs_seen, 1U + (walked % 2 == 0) + (walked % 3 == 0));
     expected.push_back({ns(device.clock.time), FlightKind::row_end, 0, 0});
     if (walked % 2 != 0 && body_ended != 0) {
-      // The executor records the body at the next release, so the end is withheld until then.
+      // The executor records a body only at the next release, so the test reports the end of the body only
+      // then.
       const std::uint32_t done = slot.done.load();
       slot.done.store(done - 1);
     }
@@ -103,7 +104,7 @@ TEST_F(ExecutorRecording, MatchesTheModelOverThousandsOfRows) {
   }
 }
 
-TEST_F(ExecutorRecording, PutsACatchUpRunIntoTheLateRow) {
+TEST_F(ExecutorRecording, ShowsACatchUpRunInTheLateRow) {
   auto module = thread(1ms);
   module.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 2};
   FakeDevice device{{module}};
@@ -118,7 +119,7 @@ TEST_F(ExecutorRecording, PutsACatchUpRunIntoTheLateRow) {
   EXPECT_EQ(of_rows()[3].value, 500'000U);
 }
 
-TEST_F(ExecutorRecording, PutsASwapIntoTheRowInWhichItBegins) {
+TEST_F(ExecutorRecording, ShowsASwapInTheRowInWhichItBegins) {
   auto module = thread(1ms);
   module.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 2};
   FakeDevice device{{thread(1ms), module}};
@@ -140,7 +141,7 @@ TEST_F(ExecutorRecording, PutsASwapIntoTheRowInWhichItBegins) {
   EXPECT_EQ(seen, expected);
 }
 
-TEST_F(ExecutorRecording, PutsASporadicRunIntoItsThreadsRing) {
+TEST_F(ExecutorRecording, PutsSporadicRunsIntoTheRingOfTheSporadicThread) {
   FakeDevice device{{thread(1ms), sporadic(model::ModuleType::thread, 5ms)}};
   record(device);
   device.bodies[1].on_condition = [](bool* ready) -> const char* {
@@ -171,7 +172,7 @@ TEST_F(ExecutorRecording, HasNoEntryForARemovedModule) {
   EXPECT_EQ(of_rows()[1].kind, FlightKind::row_end);
 }
 
-TEST_F(ExecutorRecording, IsNotRequired) {
+TEST_F(ExecutorRecording, IsOptional) {
   FakeDevice device{{thread(1ms), process(1ms), sporadic(model::ModuleType::thread, 5ms)}};
   device.join();
   for (int i = 0; i < 10; ++i) device.cycle();

@@ -1,6 +1,7 @@
-// Compares a million cycles on virtual time with a model made only from the paper. A module is due in slot n
-// if its period divides n x basic period minus its offset. Modules run by priority, then by position in the
-// file. They skip the releases of missed slots, or make up for them if their contract is catch-up.
+// Compares a million cycles on virtual time with a model that follows only the paper. In the model, a module
+// is due in slot n if its period divides n x basic period minus its offset. Modules run in the order of their
+// priority, then of their position in the file. They skip the releases of missed slots, or catch up on them
+// if their overrun contract is catch-up.
 #include <gtest/gtest.h>
 #include <full_form.hpp>
 
@@ -45,7 +46,7 @@ struct Call {
   bool operator==(const Call&) const = default;
 };
 
-/// The expected counters of one module.
+/// The counters that the model expects for one module.
 struct Count {
   std::uint64_t cycles = 0;
   std::uint64_t missed = 0;
@@ -53,7 +54,7 @@ struct Count {
   Instant busy_until{};  // only for a program
 };
 
-/// The model. Slots are counted from T0; each is walked at most once.
+/// The model of an executor. It counts slots from T0, and runs the row of each slot at most once.
 struct Model {
   std::uint64_t seed;
   std::vector<model::Module> modules;
@@ -78,7 +79,7 @@ struct Model {
     return found;
   }
 
-  /// Models a wake-up at `now`. Returns the expected calls; `done` is the time when they have ended.
+  /// Models a wake-up at `now`. Returns the expected calls, and sets `done` to the time at which they end.
   std::vector<Call> wake(Instant now, Instant* done) {
     struct Missed {
       std::uint64_t slot;
@@ -137,7 +138,7 @@ struct Model {
 
 class Grid : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(Grid, IsKeptThroughOverrunsAndRemovals) {
+TEST_P(Grid, StaysFixedDespiteOverrunsAndRemovedModules) {
   const std::uint64_t seed = GetParam();
   std::mt19937_64 random{seed};
   const auto draw = [&random](std::int64_t n) {
@@ -172,7 +173,7 @@ TEST_P(Grid, IsKeptThroughOverrunsAndRemovals) {
   }
   model.basic = Nanoseconds{basic};
 
-  // Programs check their slots whenever time moves.
+  // Programs check their slots whenever time advances.
   std::vector<std::uint64_t> served(modules.size());
   std::vector<Instant> busy_until(modules.size());
   const auto move_time_to = [&](Instant time) {
@@ -198,7 +199,7 @@ TEST_P(Grid, IsKeptThroughOverrunsAndRemovals) {
   for (int n = 0; n < kCyclesPerSeed; ++n) {
     Nanoseconds delay{draw(basic / 10 + 1)};
     if (draw(50) == 0) delay = Nanoseconds{draw(3 * basic)};
-    if (draw(500) == 0) delay = Nanoseconds{basic * draw(100)};  // exactly on the grid
+    if (draw(500) == 0) delay = Nanoseconds{basic * draw(100)};  // this wake-up is exactly on the grid
     if (draw(1000) == 0) {
       const auto i = static_cast<std::size_t>(draw(static_cast<std::int64_t>(modules.size())));
       model.in[i] = !model.in[i];
@@ -241,7 +242,7 @@ TEST_P(Grid, IsKeptThroughOverrunsAndRemovals) {
   }
 }
 
-TEST_P(Grid, ServesOrCountsEveryReleaseOnce) {
+TEST_P(Grid, EveryReleaseIsServedOrCountedAsMissedExactlyOnce) {
   const std::uint64_t seed = GetParam();
   std::mt19937_64 random{seed ^ 0xabcdef};
   std::vector<model::Module> modules{thread(microseconds{100}), thread(microseconds{300}),
@@ -272,7 +273,7 @@ TEST_P(Grid, ServesOrCountsEveryReleaseOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Grid, testing::Range<std::uint64_t>(1, 9));
 
-TEST(Executor, RunsTheTableOfFigure3) {
+TEST(Executor, RunsTheTableFromFigure3OfThePaper) {
   FakeDevice device{{thread(microseconds{600}, 4), thread(microseconds{100}, 3), thread(microseconds{100}, 2),
                      thread(microseconds{300}, 5)}};
   device.join();
@@ -292,7 +293,7 @@ TEST(Executor, RunsTheTableOfFigure3) {
                                             "c3 c2 ", "c3 c2 c1 c4 "}));
 }
 
-TEST(Executor, AcceptsAnEmptyRow) {
+TEST(Executor, RunsARowInWhichNoModuleIsDue) {
   FakeDevice device{{thread(milliseconds{2}), thread(milliseconds{3})}};
   device.join();
   device.cycle();
@@ -303,12 +304,12 @@ TEST(Executor, AcceptsAnEmptyRow) {
   EXPECT_EQ(device.executor->next_release(), device.t0 + milliseconds{2});
 }
 
-TEST(Executor, ChecksConditionsInRowsWithoutPeriodicModules) {
+TEST(Executor, ChecksSporadicConditionsEvenWithoutPeriodicModules) {
   FakeDevice device{{sporadic(model::ModuleType::thread, milliseconds{10})}};
   device.join();
   EXPECT_EQ(device.executor->basic_period(), milliseconds{5});
   device.cycle();
-  device.cycle(milliseconds{23});  // 28 ms: the slots at 5, 10, 15 and 20 ms are over
+  device.cycle(milliseconds{23});  // now at 28 ms: the slots at 5, 10, 15 and 20 ms are over
   EXPECT_EQ(device.bodies[0].asked, 2);
   EXPECT_EQ(device.block->cycles.load(), 2U);
   EXPECT_EQ(device.block->missed.load(), 4U);
@@ -338,7 +339,7 @@ TEST(Executor, RunsAThousandModulesInOneRow) {
   EXPECT_TRUE(std::is_sorted(order.rbegin(), order.rend())) << "the lowest value runs first";
 }
 
-TEST(Executor, WaitsForAT0InTheFuture) {
+TEST(Executor, WaitsForAStartTimeInTheFuture) {
   FakeDevice device{{thread(milliseconds{1})}};
   Instant released{};
   device.bodies[0].on_run = [&released](const Cycle& cycle) {
@@ -366,7 +367,7 @@ TEST(Executor, CountsRowsMissedDuringARestart) {
   EXPECT_EQ(device.block->next_row.load(), 12U);
   EXPECT_EQ(device.block->missed.load(), 7U);  // rows 5 to 11
   EXPECT_EQ(device.blocks[0].missed.load(), 7U);
-  EXPECT_EQ(device.blocks[1].missed.load(), 3U);  // 6, 8, 10
+  EXPECT_EQ(device.blocks[1].missed.load(), 3U);  // rows 6, 8 and 10
   EXPECT_EQ(device.blocks[2].missed.load(), 2U);  // 6, 9
   std::uint64_t number = 0;
   device.bodies[0].on_run = [&number](const Cycle& cycle) {
@@ -385,14 +386,14 @@ TEST(Executor, RecordsTheLargestRowDelay) {
   device.cycle(microseconds{300});
   device.cycle(microseconds{200});
   EXPECT_EQ(device.block->latest_ns.load(), 300'000);
-  device.cycle(milliseconds{50});  // skips fifty rows; the row that is walked is on time
+  device.cycle(milliseconds{50});  // skips fifty rows; the row that runs is on time
   EXPECT_EQ(device.block->latest_ns.load(), 50'000'000);
   EXPECT_EQ(device.block->missed.load(), 50U);
   device.cycle();
   EXPECT_EQ(device.block->latest_ns.load(), 50'000'000);
 }
 
-TEST(Executor, JoinsTheGridAtAReleaseThatIsExactlyNow) {
+TEST(Executor, JoinsTheGridAtAReleaseThatIsDueExactlyNow) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.executor->join_grid(device.clock.time - milliseconds{4}, device.clock.time);
   EXPECT_EQ(device.executor->next_row(), 4U);
@@ -400,7 +401,7 @@ TEST(Executor, JoinsTheGridAtAReleaseThatIsExactlyNow) {
   EXPECT_EQ(device.block->missed.load(), 4U);
 }
 
-TEST(Executor, AcceptsARowThatEndsExactlyWithItsSlot) {
+TEST(Executor, DoesNotCountARowThatEndsExactlyWithItsSlotAsLate) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.join();
   Nanoseconds takes = milliseconds{1};
@@ -419,7 +420,7 @@ TEST(Executor, AcceptsARowThatEndsExactlyWithItsSlot) {
   EXPECT_EQ(device.block->missed.load(), 0U) << "the next row runs, late";
 }
 
-TEST(Executor, MeasuresJitterByThePapersEquation1) {
+TEST(Executor, MeasuresJitterAsInEquation1OfThePaper) {
   FakeDevice device{{thread(milliseconds{1}), thread(milliseconds{1})}};
   device.bodies[0].on_run = [&device](const Cycle&) {
     device.clock.time += microseconds{40};
@@ -433,7 +434,7 @@ TEST(Executor, MeasuresJitterByThePapersEquation1) {
   EXPECT_DOUBLE_EQ(device.blocks[1].jitter.read().mean, -43'000);
 }
 
-TEST(Executor, MarksARowAsInProgress) {
+TEST(Executor, PublishesWhichModuleOfARowIsRunning) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.bodies[0].on_run = [&device](const Cycle&) {
     EXPECT_EQ(device.block->row_sequence.load() % 2, 1U);

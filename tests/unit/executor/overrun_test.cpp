@@ -1,4 +1,4 @@
-// The effect of each overrun contract, slot by slot, on virtual time.
+// Tests the effect of each overrun contract, slot by slot, on virtual time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ class OverrunContract : public testing::Test {
     }
     device->join();
   }
-  /// Wakes the executor `late` after the release; returns its calls.
+  /// Wakes the executor `late` after the release; returns the calls of that row.
   std::vector<std::string> cycle(Nanoseconds late = Nanoseconds{0}) {
     calls.clear();
     device->cycle(late);
@@ -56,7 +56,7 @@ class OverrunContract : public testing::Test {
   std::vector<std::string> calls;
 };
 
-TEST_F(OverrunContract, SkipOmitsMissedReleases) {
+TEST_F(OverrunContract, SkipDoesNotMakeUpForMissedReleases) {
   make({thread(milliseconds{1}), thread(milliseconds{2})});
   EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
   EXPECT_THAT(cycle(microseconds{3'500}), ElementsAre("0:4", "1:2")) << "slots 1 to 3 are over";
@@ -66,7 +66,7 @@ TEST_F(OverrunContract, SkipOmitsMissedReleases) {
   EXPECT_EQ(error(0), ErrorType::none);
 }
 
-TEST_F(OverrunContract, CatchUpMakesUpForTheNewestReleasesInOrder) {
+TEST_F(OverrunContract, CatchUpRunsTheNewestMissedReleasesInOrder) {
   make({with(thread(milliseconds{1}, 1), Overrun::catch_up, 2), thread(milliseconds{1}, 2),
         with(thread(milliseconds{2}, 0), Overrun::catch_up, 5)});
   EXPECT_THAT(cycle(), ElementsAre("2:0", "0:0", "1:0"));
@@ -83,12 +83,12 @@ TEST_F(OverrunContract, CatchUpMakesUpForTheNewestReleasesInOrder) {
   EXPECT_THAT(cycle(), ElementsAre("2:3", "0:6", "1:6"));
 }
 
-TEST_F(OverrunContract, CatchUpThatIsLateItselfMakesUpForItsOwnMisses) {
+TEST_F(OverrunContract, CatchUpAlsoMakesUpForReleasesMissedBySlowRuns) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 1)});
   takes[0] = microseconds{1'400};
   EXPECT_THAT(cycle(), ElementsAre("0:0"));
-  // At 1.4 ms the slot of 1 ms is not over, so its row runs late, until 2.8 ms. Each row begins later than
-  // the one before, until a slot is missed.
+  // At 1.4 ms, the slot that began at 1 ms is not over, so its row runs late, until 2.8 ms. Each row starts
+  // later than the previous row, until a slot is missed.
   EXPECT_THAT(cycle(), ElementsAre("0:1"));
   EXPECT_THAT(cycle(), ElementsAre("0:2")) << "2.8 to 4.2 ms";
   EXPECT_THAT(cycle(), ElementsAre("0:3", "0:4")) << "4.2 ms: cycle 3 is made up for, and 4 runs late";
@@ -109,7 +109,7 @@ TEST_F(OverrunContract, CatchUpStopsWhenTheModuleIsRemoved) {
   EXPECT_EQ(device->blocks[0].cycles.load(), 2U);
 }
 
-TEST_F(OverrunContract, CatchUpDoesNotApplyToAHostRestart) {
+TEST_F(OverrunContract, CatchUpDoesNotRunReleasesMissedDuringAHostRestart) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 100)});
   cycle();
   device->make_executor();
@@ -157,7 +157,7 @@ TEST_F(OverrunContract, ErrorRemovesAModuleThatEndsAfterItsNextRelease) {
     takes[0] = milliseconds{1} + Nanoseconds{1};
     EXPECT_THAT(cycle(), ElementsAre("0:1", "1:1"));
     EXPECT_EQ(error(0), ErrorType::overrun);
-    EXPECT_EQ(device->blocks[0].error_text.view(), "run() ended after its next release");
+    EXPECT_EQ(device->blocks[0].error_text.view(), "run() ended after the module's next release");
     EXPECT_EQ(overruns(0), 1U);
     EXPECT_EQ(overruns(1), 1U) << "it ended late too, but its contract allows that";
     EXPECT_EQ(error(1), ErrorType::none);
@@ -203,7 +203,7 @@ class Budget : public OverrunContract {
     module.tolerance = tolerance;
     make({module});
   }
-  /// Runs once for this many microseconds; returns whether that was an error.
+  /// Runs the module once for `us` microseconds; returns whether that raised an error.
   bool is_error(int us) {
     takes[0] = microseconds{us};
     cycle();
@@ -232,7 +232,7 @@ TEST_F(Budget, ToleratesAnExcessUpToAMultipleOfTheBudget) {
   EXPECT_EQ(device->blocks[0].over_budget.load(), 11U);
 }
 
-TEST_F(Budget, ToleratesExcessesUpToANumberInARow) {
+TEST_F(Budget, ToleratesFewerExcessesInARowThanTheLimit) {
   make_with({.times = {}, .in_a_row = 3});
   EXPECT_FALSE(is_error(900));
   EXPECT_FALSE(is_error(101));

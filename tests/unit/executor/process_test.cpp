@@ -1,5 +1,5 @@
-// Process units. Here the program is a thread, but it shares only the slot and the wake word with the
-// executor.
+// Tests the release of process modules. Here a thread acts as the program, but it shares only the slot and
+// the wake word with the executor.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(ProcessUnit, IsReleasedWithCycleAndReleaseTime) {
+TEST(ProcessModule, IsReleasedWithItsCycleNumberAndReleaseTime) {
   FakeDevice device{{process(milliseconds{2}), thread(milliseconds{1})}};
   device.join();
   device.cycle();
@@ -33,7 +33,7 @@ TEST(ProcessUnit, IsReleasedWithCycleAndReleaseTime) {
   EXPECT_EQ(device.blocks[0].cycles.load(), 2U);
 }
 
-TEST(ProcessUnit, CountsAnOverrunInsteadOfAReleaseWhileInItsBody) {
+TEST(ProcessModule, OverrunsInsteadOfBeingReleasedWhileItsBodyRuns) {
   FakeDevice device{{process(milliseconds{1})}};
   device.join();
   for (int i = 0; i < 4; ++i) device.cycle();
@@ -46,7 +46,7 @@ TEST(ProcessUnit, CountsAnOverrunInsteadOfAReleaseWhileInItsBody) {
       << "the cycle numbers skip every missed release";
 }
 
-TEST(ProcessUnit, IsNotReleasedBeforeItsFirstWait) {
+TEST(ProcessModule, IsNotReleasedBeforeItsFirstWait) {
   FakeDevice device{{process(milliseconds{1})}};
   device.slots[0].phase.store(channel::ReleaseSlotPhase::attached);
   device.join();
@@ -55,7 +55,7 @@ TEST(ProcessUnit, IsNotReleasedBeforeItsFirstWait) {
   EXPECT_EQ(device.blocks[0].cycles.load(), 0U);
 }
 
-TEST(ProcessUnit, IsNotReleasedWhileRemovedFromTheTables) {
+TEST(ProcessModule, IsNotReleasedWhileRemovedFromTheTables) {
   FakeDevice device{{process(milliseconds{1})}};
   device.blocks[0].in_tables.store(0);
   device.join();
@@ -66,7 +66,7 @@ TEST(ProcessUnit, IsNotReleasedWhileRemovedFromTheTables) {
   EXPECT_EQ(device.blocks[0].missed.load(), 0U);
 }
 
-TEST(ProcessUnit, IsWokenOnceWhileItSleeps) {
+TEST(ProcessModule, IsWokenOnlyOnceWhileItSleeps) {
   FakeDevice device{{process(milliseconds{1}), process(milliseconds{1}), process(milliseconds{1})}};
   device.slots[0].sleeping.store(1);
   device.slots[2].sleeping.store(1);
@@ -77,8 +77,9 @@ TEST(ProcessUnit, IsWokenOnceWhileItSleeps) {
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }
 
-// The executor and the program run at their own speeds, with the memory words that libtakt_process uses.
-TEST(ProcessUnit, ServesEachReleaseOnceAtAnyProgramSpeed) {
+// The executor and the program run at independent speeds, and use the same words in memory as
+// libtakt_process.
+TEST(ProcessModule, ServesEachReleaseOnceAtAnyProgramSpeed) {
   constexpr std::uint64_t kReleases = 20'000;
   FakeDevice device{{process(milliseconds{1})}};
   channel::ReleaseSlot& slot = device.slots[0];

@@ -1,5 +1,5 @@
-// Removes modules from the tables while rows are walked as fast as possible. Once the removal is over,
-// no code of the module runs, so other threads may access its data.
+// Removes modules from the tables while rows run as fast as possible. After a removal, no code of the module
+// runs, so other threads may access its data.
 #include <takt/channel/removal.hpp>
 
 #include <gtest/gtest.h>
@@ -22,8 +22,8 @@ namespace {
 using std::chrono::milliseconds;
 constexpr auto kThread = model::ModuleType::thread;
 
-/// A clock that advances by a nanosecond at each reading. Each row sets it to its release time; otherwise the
-/// rows would become later and later, or earlier and earlier.
+/// A clock that advances by a nanosecond each time it is read. Each row sets it to its own release time,
+/// because otherwise the rows would drift away from the grid.
 class TickingClock final : public Clock {
  public:
   Instant now() noexcept override { return from_ns(ticks_.fetch_add(1, std::memory_order_relaxed)); }
@@ -59,7 +59,8 @@ struct Shared {
 };
 
 TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
-  constexpr std::size_t kModules = 3;  // one periodic, one released by rows, one immediate
+  // One periodic module, one sporadic module released by rows, and one with immediate dispatch.
+  constexpr std::size_t kModules = 3;
   constexpr std::uint64_t kTimes = 1'500;
   FakeDevice device{
       {thread(milliseconds{1}), sporadic(kThread, milliseconds{5}), immediate(milliseconds{5})}};
@@ -93,7 +94,7 @@ TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
   std::mt19937 random{5};
   std::array<channel::Removal, kModules> removals;
   std::array<std::uint64_t, kModules> outs{};
-  const auto busy = [&] {  // until each module has run often and was removed often
+  const auto busy = [&] {  // continues until each module has run often and has been removed often
     for (std::size_t i = 0; i < kModules; ++i) {
       if (device.blocks[i].cycles.load(std::memory_order_relaxed) < kTimes || outs[i] < kTimes / kModules)
         return true;
@@ -123,7 +124,7 @@ TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
 }
 
 // A row checks for unread events while the sporadic thread may be reading them.
-TEST(ImmediateModule, MayBeCheckedByARowWhileItRuns) {
+TEST(ImmediateModule, CanBeCheckedForEventsByARowWhileItRuns) {
   constexpr std::uint64_t kEvents = 20'000;
   FakeDevice device{{thread(milliseconds{1}), immediate(milliseconds{5})}};
   TickingClock clock;
@@ -193,7 +194,7 @@ TEST_F(RemovalStep, WaitsOnlyForTheCurrentRow) {
   EXPECT_TRUE(removal.over(place)) << "the next row sees that the module is out";
 }
 
-TEST_F(RemovalStep, DoesNotWaitBetweenTwoRows) {
+TEST_F(RemovalStep, DoesNotWaitIfNoRowIsInProgress) {
   executor->row_sequence = 8;
   removal.begin(place);
   EXPECT_TRUE(removal.over(place));
@@ -212,7 +213,7 @@ TEST_F(RemovalStep, WaitsOnlyForTheModulesOwnSporadicAndBackgroundRuns) {
   EXPECT_TRUE(removal.over(place));
 }
 
-TEST_F(RemovalStep, WaitsForTheProgramsBody) {
+TEST_F(RemovalStep, WaitsForTheProgramToFinishItsBody) {
   place.slot = &slot;
   slot.phase = channel::ReleaseSlotPhase::ready;
   channel::put_in(place);

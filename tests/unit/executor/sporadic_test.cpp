@@ -20,7 +20,7 @@ const char* hold(bool* ready) {
 
 class SporadicModule : public testing::Test {
  protected:
-  /// Makes one sporadic thread module for each deadline. Module 0 is periodic with 1 ms.
+  /// Makes one sporadic thread module for each deadline. Module 0 is periodic, with a period of 1 ms.
   void make(const std::vector<Nanoseconds>& deadlines) {
     std::vector<model::Module> modules{thread(milliseconds{1})};
     for (const Nanoseconds deadline : deadlines) modules.push_back(sporadic(kThread, deadline));
@@ -42,7 +42,7 @@ class SporadicModule : public testing::Test {
   std::string ran;
 };
 
-TEST_F(SporadicModule, DoesNotRunWithoutItsCondition) {
+TEST_F(SporadicModule, DoesNotRunUnlessItsConditionHolds) {
   make({milliseconds{5}});
   EXPECT_EQ(device->cycle(), 0U);
   EXPECT_FALSE(device->executor->run_sporadic());
@@ -50,7 +50,7 @@ TEST_F(SporadicModule, DoesNotRunWithoutItsCondition) {
   EXPECT_EQ(ran, "0 ");
 }
 
-TEST_F(SporadicModule, IsCheckedOnlyAtTheEndOfARow) {
+TEST_F(SporadicModule, HasItsConditionCheckedOnlyAtTheEndOfARow) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = [this](bool* ready) {
     ran += "? ";
@@ -66,7 +66,7 @@ TEST_F(SporadicModule, IsCheckedOnlyAtTheEndOfARow) {
   EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
 }
 
-TEST_F(SporadicModule, GetsNumberAndTimeOfTheRowThatReleasedIt) {
+TEST_F(SporadicModule, GetsTheNumberAndTimeOfTheRowThatReleasedIt) {
   make({milliseconds{5}});
   Cycle seen;
   device->bodies[1].on_condition = hold;
@@ -93,7 +93,7 @@ TEST_F(SporadicModule, RunsFirstIfItsAbsoluteDeadlineIsEarliest) {
   device->cycle();
   device->bodies[2].on_condition = hold;
   device->bodies[3].on_condition = hold;
-  device->cycle();  // releases 2 and 3 at 4 ms; their deadlines are at 7 and 10 ms
+  device->cycle();  // releases modules 2 and 3 at 4 ms; their deadlines are at 7 and 10 ms
   ran.clear();
   while (device->executor->run_sporadic()) {
     device->bodies[2].on_condition = nullptr;
@@ -120,7 +120,7 @@ TEST_F(SporadicModule, RunsInTableOrderIfDeadlinesAreEqual) {
   EXPECT_EQ(ran, "2 1 3 ") << "by priority, then by position in the file";
 }
 
-TEST_F(SporadicModule, IsNotCheckedAgainWhileReady) {
+TEST_F(SporadicModule, IsNotCheckedAgainWhileItIsReadyToRun) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   EXPECT_EQ(device->cycle(), channel::kSporadicBit);
@@ -138,7 +138,7 @@ TEST_F(SporadicModule, IsNotCheckedByARowThatInterruptsIt) {
   device->bodies[1].on_condition = hold;
   device->bodies[1].on_run = [this](const Cycle&) {
     device->clock.time += milliseconds{1};
-    EXPECT_EQ(device->cycle(), 0U);  // the row that preempts it
+    EXPECT_EQ(device->cycle(), 0U);  // this row preempts the sporadic run
     return nullptr;
   };
   device->cycle();
@@ -221,14 +221,14 @@ TEST_F(SporadicModule, IsRemovedIfItExceedsItsBudget) {
   EXPECT_EQ(fake.blocks[1].in_tables.load(), 0U);
 }
 
-TEST_F(SporadicModule, IsReleasedByEachRowIfItIsAWaitingProgram) {
+TEST_F(SporadicModule, IsReleasedByEveryRowIfItIsAProgramThatWaits) {
   FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};
   channel::ReleaseSlot& slot = fake.slots[0];
   fake.join();
   fake.cycle();
   EXPECT_EQ(slot.released.load(), 1U);
   EXPECT_EQ(slot.cycle(slot.released.load()), 0U);
-  fake.cycle();  // the program is in its body
+  fake.cycle();  // in this cycle, the program is still in its body
   EXPECT_EQ(slot.released.load(), 1U);
   slot.done.store(1);
   fake.cycle();

@@ -18,7 +18,8 @@ std::vector<LateStart> judged(const Made& made) {
   return late_starts(made.recording, 0, line);
 }
 
-/// A hundred rows on time, one that begins 300 us late, and a hundred more on time.
+/// Returns a recording of a hundred rows on time, one row that begins 300 us late, and a hundred more rows on
+/// time.
 Made one_late_row() {
   Made made;
   made.good(0, 100);
@@ -27,20 +28,20 @@ Made one_late_row() {
   return made;
 }
 
-TEST(Causes, AreNotGivenIfNothingIsLate) {
+TEST(LatenessDiagnosis, ReportsNothingIfNothingIsLate) {
   Made made;
   made.good(0, 1000);
   EXPECT_TRUE(judged(made).empty());
 }
 
-TEST(Causes, AreNotGivenForAnEmptyRecording) {
+TEST(LatenessDiagnosis, ReportsNothingForAnEmptyRecording) {
   EXPECT_TRUE(judged(Made{}).empty());
   Made one;
   one.good(5, 1);
   EXPECT_TRUE(judged(one).empty());
 }
 
-TEST(Causes, AreGivenOnlyAboveTheThreshold) {
+TEST(LatenessDiagnosis, ReportsOnlyDelaysAboveTheThreshold) {
   for (const std::int64_t late : {20 * kUs, 20 * kUs + 1}) {
     Made made;
     made.good(0, 10);
@@ -49,7 +50,7 @@ TEST(Causes, AreGivenOnlyAboveTheThreshold) {
   }
 }
 
-TEST(Causes, AreNotGivenForUsualLateness) {
+TEST(LatenessDiagnosis, DoesNotReportDelaysOfUsualLength) {
   Made made;
   for (std::int64_t i = 0; i < 100; ++i) made.row(i * kMs, (15 + i % 10) * kUs, {{0, 40 * kUs}});
   made.row(100 * kMs, 190 * kUs, {{0, 40 * kUs}});
@@ -58,7 +59,7 @@ TEST(Causes, AreNotGivenForUsualLateness) {
   EXPECT_EQ(judged(made).size(), 1U);
 }
 
-TEST(Causes, NameTheModuleThatRanTooLongInTheRowBefore) {
+TEST(LatenessDiagnosis, NamesTheModuleThatRanTooLongInThePreviousRow) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 40 * kUs}, {1, 1500 * kUs}});
@@ -71,10 +72,11 @@ TEST(Causes, NameTheModuleThatRanTooLongInTheRowBefore) {
   EXPECT_EQ(late[0].culprit, 1U);
   EXPECT_EQ(late[0].took, 1500us);
   EXPECT_EQ(late[0].usual, 60us);
-  EXPECT_EQ(in_words(late[0], made.recording.modules), "m1 ran 1.50 ms in the row before (usually 60.0 us)");
+  EXPECT_EQ(in_words(late[0], made.recording.modules),
+            "m1 ran 1.50 ms in the previous row (usually 60.0 us)");
 }
 
-TEST(Causes, IncludeADelayMeasuredFromTheFirstMissedRow) {
+TEST(LatenessDiagnosis, MeasuresADelayFromTheFirstMissedRow) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 3100 * kUs}});
@@ -86,7 +88,7 @@ TEST(Causes, IncludeADelayMeasuredFromTheFirstMissedRow) {
   EXPECT_EQ(late[0].cause, Cause::own_overrun);
 }
 
-TEST(Causes, BlameAPredecessorThatTookTooLong) {
+TEST(LatenessDiagnosis, BlamesAnEarlierRunInTheSameRowThatTookTooLong) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 440 * kUs}, {1, 60 * kUs}});
@@ -100,7 +102,7 @@ TEST(Causes, BlameAPredecessorThatTookTooLong) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "m0 ran 440 us before it (usually 40.0 us)");
 }
 
-TEST(Causes, ShowTheBudgetOfTheCulprit) {
+TEST(LatenessDiagnosis, ShowsTheBudgetOfTheModuleThatRanTooLong) {
   Made made;
   made.recording.modules[0].budget = 50us;
   made.good(0, 100);
@@ -109,13 +111,13 @@ TEST(Causes, ShowTheBudgetOfTheCulprit) {
             "m0 ran 440 us before it (usually 40.0 us, budget 50.0 us)");
 }
 
-TEST(Causes, AreUnknownWithoutSamples) {
+TEST(LatenessDiagnosis, GivesNoCauseWithoutSamples) {
   const auto late = judged(one_late_row());
   ASSERT_EQ(late.size(), 1U);
   EXPECT_EQ(late[0].cause, Cause::unknown);
 }
 
-TEST(Causes, AreUnknownWithSamplesOnOneSideOnly) {
+TEST(LatenessDiagnosis, GivesNoCauseWithoutSamplesBeforeAndAfterTheDelay) {
   for (const std::int64_t at : {99 * kMs, 102 * kMs}) {
     Made made = one_late_row();
     made.sample(at);
@@ -123,14 +125,14 @@ TEST(Causes, AreUnknownWithSamplesOnOneSideOnly) {
   }
 }
 
-TEST(Causes, BlameTheWakeUpIfNothingElseIsSeen) {
+TEST(LatenessDiagnosis, BlamesTheWakeUpIfNoOtherCauseIsFound) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(102 * kMs);
   EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
 }
 
-TEST(Causes, BlamePreemptionForTimeSpentWaitingForACpu) {
+TEST(LatenessDiagnosis, BlamesPreemptionForTimeSpentWaitingForACpu) {
   Made made = one_late_row();
   made.sample(99 * kMs).waited = 1ms;
   made.sample(102 * kMs).waited = 1290us;
@@ -141,13 +143,13 @@ TEST(Causes, BlamePreemptionForTimeSpentWaitingForACpu) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "waited 290 us for a CPU");
 }
 
-TEST(Causes, IgnoreTheUsualWaitOfAWakeUp) {
+TEST(LatenessDiagnosis, IgnoresTheUsualWaitForACpu) {
   Made made = one_late_row();
   for (std::int64_t i = 0; i < 10; ++i) made.sample((93 + 2 * i) * kMs).waited = 290us * i;
   EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
 }
 
-TEST(Causes, TreatAStoppedProcessAsPreempted) {
+TEST(LatenessDiagnosis, TreatsAStoppedProcessAsPreempted) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(100 * kMs + 100 * kUs).stopped = true;
@@ -155,7 +157,7 @@ TEST(Causes, TreatAStoppedProcessAsPreempted) {
   EXPECT_EQ(judged(made)[0].cause, Cause::preemption);
 }
 
-TEST(Causes, IncludeManyPageFaults) {
+TEST(LatenessDiagnosis, BlamesManyPageFaults) {
   Made made = one_late_row();
   made.sample(99 * kMs).minor_faults = 1000;
   made.sample(102 * kMs).minor_faults = 1200;
@@ -164,7 +166,7 @@ TEST(Causes, IncludeManyPageFaults) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "200 page faults");
 }
 
-TEST(Causes, DoNotBlameAFewPageFaultsForALongDelay) {
+TEST(LatenessDiagnosis, DoesNotBlameAFewPageFaultsForALongDelay) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(102 * kMs).minor_faults = 3;
@@ -173,7 +175,7 @@ TEST(Causes, DoNotBlameAFewPageFaultsForALongDelay) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "3 page faults");
 }
 
-TEST(Causes, BlameTheHypervisorForStealOnItsCpu) {
+TEST(LatenessDiagnosis, BlamesTheHypervisorForTimeStolenFromTheExecutorsCpu) {
   Made made = one_late_row();
   made.sample(99 * kMs, 50ms);
   made.sample(102 * kMs, 60ms);
@@ -182,7 +184,7 @@ TEST(Causes, BlameTheHypervisorForStealOnItsCpu) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "the hypervisor took 10.0 ms");
 }
 
-TEST(Causes, IgnoreStealOnAnotherCpu) {
+TEST(LatenessDiagnosis, IgnoresTimeStolenFromOtherCpus) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(102 * kMs);
@@ -190,7 +192,7 @@ TEST(Causes, IgnoreStealOnAnotherCpu) {
   EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
 }
 
-TEST(Causes, BlameTheGreaterOfTwoCausesAndShowBoth) {
+TEST(LatenessDiagnosis, BlamesTheGreaterOfTwoCauses) {
   for (const bool steal : {false, true}) {
     Made made = one_late_row();
     made.sample(99 * kMs);
@@ -206,7 +208,7 @@ TEST(Causes, BlameTheGreaterOfTwoCausesAndShowBoth) {
   }
 }
 
-TEST(Causes, DoNotBlameARunThatWasInterrupted) {
+TEST(LatenessDiagnosis, DoesNotBlameARunThatWasInterrupted) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 1940 * kUs}, {1, 60 * kUs}});
@@ -215,14 +217,14 @@ TEST(Causes, DoNotBlameARunThatWasInterrupted) {
   made.sample(103 * kMs).minor_faults = 2000;
   const auto late = judged(made);
   ASSERT_EQ(late.size(), 2U);
-  EXPECT_EQ(late[0].cause, Cause::page_fault);  // m1 in the long row
-  EXPECT_EQ(late[1].cause, Cause::page_fault);  // the row after it
+  EXPECT_EQ(late[0].cause, Cause::page_fault);  // the late start of m1 in the long row
+  EXPECT_EQ(late[1].cause, Cause::page_fault);  // the row after the long row
   EXPECT_EQ(late[1].culprit, 0U);
   EXPECT_EQ(in_words(late[1], made.recording.modules),
-            "m0 ran 1.94 ms in the row before (usually 40.0 us); 1 row missed; 2000 page faults");
+            "m0 ran 1.94 ms in the previous row (usually 40.0 us); 1 row missed; 2000 page faults");
 }
 
-TEST(Causes, PassOnTheCauseToTheNextLateRow) {
+TEST(LatenessDiagnosis, CarriesTheCauseOverToTheNextLateRow) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 950 * kUs, {{0, 40 * kUs}, {1, 60 * kUs}});
@@ -235,7 +237,7 @@ TEST(Causes, PassOnTheCauseToTheNextLateRow) {
   EXPECT_EQ(late[1].cause, Cause::wake_up);
 }
 
-TEST(Causes, DoNotCountTheFirstRowsOfANewHost) {
+TEST(LatenessDiagnosis, DoesNotReportRowsMissedDuringAHostRestart) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 40 * kUs}}, false);
@@ -243,13 +245,13 @@ TEST(Causes, DoNotCountTheFirstRowsOfANewHost) {
   EXPECT_TRUE(judged(made).empty());
 }
 
-TEST(Causes, HaveDistinctTexts) {
+TEST(LatenessDiagnosis, HasADistinctTextForEachCause) {
   std::set<std::string> words;
   for (const Cause cause : kCauses) words.insert(to_text(cause));
   EXPECT_EQ(words.size(), kCauses.size());
 }
 
-TEST(ShortTime, HasThreeDigits) {
+TEST(ShortTime, HasThreeSignificantDigits) {
   EXPECT_EQ(in_short(999ns), "999 ns");
   EXPECT_EQ(in_short(1us), "1.00 us");
   EXPECT_EQ(in_short(99'960ns), "100 us");

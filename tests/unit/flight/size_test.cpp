@@ -34,8 +34,9 @@ std::uint64_t bytes(const std::vector<std::uint64_t>& entries) {
   return std::accumulate(entries.begin(), entries.end(), std::uint64_t{0}) * sizeof(channel::FlightEntry);
 }
 
-TEST(RecordingSize, CoversTheTimeToKeep) {
-  // There are 5000 rows. Each row has 2 entries, and 4 entries for each of its 10 runs.
+TEST(RecordingSize, CoversTheRequestedDuration) {
+  // 5 s contain 5000 rows. Each row has 2 entries, and 4 entries for each of its 10 runs. The size is a power
+  // of two.
   EXPECT_EQ(entries_for(plan_of(10, 1ms), 5s), (std::vector<std::uint64_t>{262'144, 0}));
 }
 
@@ -49,7 +50,7 @@ TEST(RecordingSize, IncludesARingForSporadicModules) {
   EXPECT_GE(entries[1], 500U * 2 * 4);
 }
 
-TEST(RecordingSize, IsLimitedForEveryCell) {
+TEST(RecordingSize, NeverExceedsTheMemoryLimit) {
   for (const std::size_t modules : {1U, 10U, 1000U}) {
     for (const Nanoseconds period : {Nanoseconds{1}, Nanoseconds{1us}, Nanoseconds{50us}, Nanoseconds{1ms}}) {
       const auto entries = entries_for(plan_of(modules, period));

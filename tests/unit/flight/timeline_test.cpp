@@ -20,7 +20,7 @@ TEST(Timeline, IsEmptyForAnEmptyRecording) {
   EXPECT_TRUE(line.rows.empty() && line.runs.empty() && line.marks.empty() && line.bodies.empty());
 }
 
-TEST(Timeline, HasTheRunsOfEachRow) {
+TEST(Timeline, ListsTheRunsOfEachRow) {
   Made made;
   made.row(5 * kMs, 30, {{0, 40 * kUs}, {2, 60 * kUs}});
   made.row(6 * kMs, 10, {});
@@ -48,7 +48,7 @@ TEST(Timeline, OmitsARowWhoseBeginningWasOverwritten) {
   EXPECT_TRUE(line.marks.empty());
 }
 
-TEST(Timeline, BeginsWithTheFirstRequestedRow) {
+TEST(Timeline, BeginsAtTheRequestedTime) {
   Made made;
   made.good(0, 10);
   EXPECT_EQ(read(made, 5 * kMs).rows.size(), 5U);
@@ -56,7 +56,7 @@ TEST(Timeline, BeginsWithTheFirstRequestedRow) {
   EXPECT_EQ(read(made, 50 * kMs).rows.size(), 0U);
 }
 
-TEST(Timeline, PlacesSamplesAtTheBeginningOfTheirRun) {
+TEST(Timeline, PlacesReadsAndWritesAtTheBeginningOfTheirRun) {
   Made made;
   made.add(FlightKind::row, 5 * kMs, 0, 0);
   made.add(FlightKind::event, 1, 1, 3);
@@ -89,7 +89,7 @@ TEST(Timeline, KeepsTheUnfinishedRunAfterAHostCrash) {
   EXPECT_TRUE(line.rows[1].ended);
 }
 
-TEST(Timeline, DoesNotRepeatARunThatHasEndedMeanwhile) {
+TEST(Timeline, DoesNotListAFinishedRunAsUnfinishedToo) {
   Made made;
   made.row(5 * kMs, 0, {{0, 40 * kUs}, {1, 50 * kUs}}, false);
   made.recording.executors[0].threads[0].open.push_back(
@@ -109,7 +109,7 @@ TEST(Timeline, ListsAProgramRunOnceIfTwoHostsRecordedIt) {
   EXPECT_EQ(line.bodies[1].end_ns, 4 * kMs);
 }
 
-TEST(Timeline, ListsRunsOfSporadicModulesWithoutRows) {
+TEST(Timeline, ListsRunsOfSporadicModulesOutsideOfRows) {
   Made made;
   auto& thread = made.recording.executors[0].threads[1];
   thread.copy.entries = {

@@ -20,8 +20,8 @@ constexpr std::int64_t kMs = Made::kMs;
 constexpr std::int64_t kUs = Made::kUs;
 constexpr std::size_t kPlenty = 1U << 30;
 
-/// Checks what Chrome and Perfetto need in each event, and that in a thread nothing overlaps and every run
-/// lies in a row.
+/// Checks that each event has what Chrome and Perfetto need, that the events of a thread do not overlap, and
+/// that every run lies within a row.
 void expect_sound(const json& trace) {
   struct Span {
     double begin, end;
@@ -72,7 +72,7 @@ std::vector<json> of_category(const json& trace, const std::string& category) {
   return found;
 }
 
-TEST(Trace, IsValidForAnEmptyRecording) {
+TEST(Trace, IsValidJsonForAnEmptyRecording) {
   Made made;
   const json trace = json::parse(trace_json(made.recording, kPlenty));
   expect_sound(trace);
@@ -81,7 +81,7 @@ TEST(Trace, IsValidForAnEmptyRecording) {
   EXPECT_TRUE(of_category(trace, "row").empty());
 }
 
-TEST(Trace, ContainsEveryRowRunWriteAndChange) {
+TEST(Trace, ContainsEveryKindOfEntry) {
   Made made;
   made.recording.modules[1].ports = {"in", "speed"};
   made.good(0, 10);
@@ -140,7 +140,7 @@ TEST(Trace, ShowsTheCauseOfEachLateStart) {
   EXPECT_EQ(trace["otherData"]["threads"][0]["late"], 2);
 }
 
-TEST(Trace, KeepsTheNewestPartIfItWouldBeTooLong) {
+TEST(Trace, ContainsOnlyTheNewestPartOfALongRecording) {
   Made made;
   made.good(0, 1000);
   made.recording.last = std::chrono::seconds{1};
@@ -155,7 +155,7 @@ TEST(Trace, KeepsTheNewestPartIfItWouldBeTooLong) {
   EXPECT_NEAR(rows.back()["ts"].get<double>(), trace["otherData"]["lasts_us"].get<double>() - 100, 1);
 }
 
-TEST(Trace, CountsLostEntries) {
+TEST(Trace, ReportsTheNumberOfLostEntries) {
   Made made;
   made.good(0, 3);
   made.recording.executors[0].threads[0].copy.lost = 4;
@@ -165,7 +165,7 @@ TEST(Trace, CountsLostEntries) {
   EXPECT_EQ(trace["otherData"]["threads"][0]["older"], 6);
 }
 
-TEST(Trace, IsValidForAnyContentOfTheRing) {
+TEST(Trace, IsValidJsonForAnyContentOfTheRing) {
   std::mt19937 random{3};
   const auto any = [&random](std::int64_t most) {
     return std::uniform_int_distribution<std::int64_t>{0, most}(random);

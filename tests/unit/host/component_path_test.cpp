@@ -44,7 +44,7 @@ TEST_F(ComponentPath, RejectsAFileOrFolderThatEverybodyMayWriteTo) {
   EXPECT_THAT(problem(), HasSubstr("everybody may write to " + folder_.string() + "; run chmod o-w"));
 }
 
-TEST_F(ComponentPath, AppliesAnAdditionalCheck) {
+TEST_F(ComponentPath, RejectsFilesThatTheCallersCheckRejects) {
   require_of_components([](const std::string& path) -> Result<void> { return fail("no " + path); });
   EXPECT_THAT(problem(), HasSubstr("no " + file_));
   require_of_components([](const std::string&) -> Result<void> {

@@ -1,4 +1,4 @@
-// A client and its links to a service, made as the host makes them.
+// Connects a client to a service with the same kind of links as the host creates.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace takt {
 
-/// The memory of a link, and its values if it is typed.
+/// The memory of a link and, if samples are passed as objects, of its values.
 class TestLink {
  public:
   TestLink(PortBase& from, PortBase& to, bool as_objects, std::uint32_t depth = 8,
@@ -25,7 +25,8 @@ class TestLink {
     channel::Link::format(start, options);
     link = channel::Link{start};
     void* values = as_objects ? from.make_values(link.buffers()) : nullptr;
-    // Values are never freed, like the host's. This list lets the leak checker reach them.
+    // As in the host, values are never freed. This list keeps them reachable, so that the leak checker does
+    // not report them.
     static auto& kept = *new std::vector<void*>;
     kept.push_back(values);
     from.connect(link, values);

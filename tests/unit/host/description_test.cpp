@@ -22,7 +22,7 @@ TEST(Description, RejectsMalformedPropertyLists) {
     EXPECT_FALSE(parse_properties(text)) << text;
 }
 
-TEST(Description, WritesBoundsAsJsonNumbersAndMissingOnesAsNull) {
+TEST(Description, WritesMissingBoundsAsJsonNull) {
   const auto object =
       nlohmann::json::parse(to_json({.name = "n",
                                      .text = "t",
@@ -44,7 +44,7 @@ TEST(Description, WritesBoundsAsJsonNumbersAndMissingOnesAsNull) {
     EXPECT_EQ(object[member], value);
 }
 
-TEST(Description, AcceptsAnyPropertyForACModuleWithoutDeclarations) {
+TEST(Description, AcceptsAnyPropertyIfACComponentDeclaresNone) {
   EXPECT_FALSE((Description{.interface = "c++"}.takes_any_property()));
   EXPECT_TRUE((Description{.interface = "c"}.takes_any_property()));
   EXPECT_FALSE((Description{.interface = "process", .properties = {{.name = "a"}}}.takes_any_property()));

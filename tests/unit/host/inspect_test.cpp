@@ -9,7 +9,7 @@ namespace {
 using testing::ElementsAre;
 using testing::StartsWith;
 
-/// Two modules, and a connection from a port of the first to a port of the second.
+/// Returns a cell of two modules, with a connection from a port of the first to a port of the second.
 model::Cell cell_of(const std::string& first, const std::string& second) {
   model::Cell cell;
   cell.name = "cell";
@@ -40,7 +40,7 @@ std::vector<std::string> problems_of(const model::Cell& cell) {
   return lines;
 }
 
-TEST(CheckComponents, ReportsNoPortProblemsOfARejectedComponent) {
+TEST(CheckComponents, ReportsNoPortProblemsForARejectedComponent) {
   EXPECT_THAT(problems_of(cell_of(TAKT_OBJECT_WITHOUT_RUN, "no_such_file.so")),
               ElementsAre(StartsWith("cell.xml:3: error: module first: " TAKT_OBJECT_WITHOUT_RUN
                                      " has no function run()"),

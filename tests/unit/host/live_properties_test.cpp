@@ -1,4 +1,4 @@
-// Setting properties of a component while it runs.
+// Tests that the properties of a component can be set while it runs.
 #include <takt/host/live_properties.hpp>
 
 #include <takt/component.hpp>
@@ -26,7 +26,7 @@ struct Drive : Component {
   void run(const Cycle&) noexcept override {}
 };
 
-class LivePropertiesTest : public testing::Test {
+class PropertiesOfARunningModule : public testing::Test {
  protected:
   void SetUp() override { live.serve(drive.properties(), "Drive"); }
   std::string reason(const LiveProperties::Values& values) {
@@ -39,7 +39,7 @@ class LivePropertiesTest : public testing::Test {
   LiveProperties live;
 };
 
-TEST_F(LivePropertiesTest, TakeEffectAtTheNextCallAndNotBefore) {
+TEST_F(PropertiesOfARunningModule, TakeEffectOnlyAtTheNextCall) {
   ASSERT_EQ(reason({{"gain", "2.5"}}), "");
   EXPECT_EQ(drive.gain, 1.5) << "a call may be in progress";
   EXPECT_EQ(value_of("gain"), "2.5");
@@ -50,7 +50,7 @@ TEST_F(LivePropertiesTest, TakeEffectAtTheNextCallAndNotBefore) {
   EXPECT_EQ(drive.gain, 2.5) << "a value is taken over only once";
 }
 
-TEST_F(LivePropertiesTest, TakeEffectTogetherWithTheLastValueOfEach) {
+TEST_F(PropertiesOfARunningModule, TakeEffectTogetherAtTheNextCall) {
   ASSERT_EQ(reason({{"gain", "2"}}), "");
   ASSERT_EQ(reason({{"label", "first"}}), "");
   ASSERT_EQ(reason({{"label", "second"}, {"low", "-4"}}), "");
@@ -60,7 +60,7 @@ TEST_F(LivePropertiesTest, TakeEffectTogetherWithTheLastValueOfEach) {
   EXPECT_EQ(drive.low, -4);
 }
 
-TEST_F(LivePropertiesTest, RejectAValueOutOfRangeAndKeepTheWaitingOne) {
+TEST_F(PropertiesOfARunningModule, KeepTheWaitingValueWhenTheyRejectAnother) {
   ASSERT_EQ(reason({{"gain", "2"}}), "");
   EXPECT_EQ(reason({{"gain", "100.5"}}),
             "error: property 'gain' cannot be '100.5'; it takes a number, 0 to 100, in 1/s");
@@ -69,17 +69,17 @@ TEST_F(LivePropertiesTest, RejectAValueOutOfRangeAndKeepTheWaitingOne) {
   EXPECT_EQ(drive.gain, 2);
 }
 
-TEST_F(LivePropertiesTest, AreSetAllOrNoneForOneRequest) {
+TEST_F(PropertiesOfARunningModule, AreSetAllOrNoneByOneRequest) {
   EXPECT_EQ(reason({{"gain", "3"}, {"high", "0"}, {"speed", "1"}, {"low", "7"}}),
             "error: property 'high' cannot be '0'; it takes a whole number, at least 1\n"
-            "error: component Drive has no property 'speed'; it can be low, high, gain or label");
+            "error: component Drive has no property 'speed'; use low, high, gain or label");
   live.take_over();
   EXPECT_EQ(drive.gain, 1.5);
   EXPECT_EQ(drive.low, 0);
   EXPECT_EQ(value_of("gain"), "1.5");
 }
 
-TEST_F(LivePropertiesTest, AreReadByNameAndRejectAnUnknownName) {
+TEST_F(PropertiesOfARunningModule, CanBeReadByName) {
   EXPECT_EQ(value_of("low"), "0");
   const auto none = live.get("Gain\n");
   ASSERT_FALSE(none);
@@ -87,7 +87,7 @@ TEST_F(LivePropertiesTest, AreReadByNameAndRejectAnUnknownName) {
             R"(error: component Drive has no property 'Gain\n'; did you mean gain?)");
 }
 
-TEST_F(LivePropertiesTest, DropWaitingValuesWhenTheComponentIsReloaded) {
+TEST_F(PropertiesOfARunningModule, DropWaitingValuesWhenTheComponentIsReloaded) {
   ASSERT_EQ(reason({{"gain", "9"}}), "");
   Drive fresh;
   live.serve(fresh.properties(), "Drive");
@@ -96,15 +96,17 @@ TEST_F(LivePropertiesTest, DropWaitingValuesWhenTheComponentIsReloaded) {
   EXPECT_EQ(drive.gain, 1.5);
 }
 
-// One thread sets as fast as it can, sometimes before the last values are taken over. The other thread calls.
-TEST_F(LivePropertiesTest, NeverChangeDuringACallAndAlwaysChangeTogether) {
-  std::vector<std::unique_ptr<Property<std::string>>> more;  // so that a takeover takes a while
+// One thread sets properties as fast as it can, sometimes before the previous values have taken effect. The
+// other thread calls the component.
+TEST_F(PropertiesOfARunningModule, NeverChangeDuringACall) {
+  // Many properties, so that a takeover takes some time.
+  std::vector<std::unique_ptr<Property<std::string>>> more;
   for (int i = 0; i < 30; ++i)
     more.push_back(std::make_unique<Property<std::string>>(drive, "more" + std::to_string(i), "0"));
   live.serve(drive.properties(), "Drive");
   const std::int64_t requests = full_form() && !kSanitized ? 20'000 : 2'000;
   const auto text_of = [](std::int64_t n) {
-    std::string text(static_cast<std::size_t>(n % 60), 'x');  // the long ones are on the heap
+    std::string text(static_cast<std::size_t>(n % 60), 'x');  // long strings are on the heap
     return text + std::to_string(n);
   };
   std::atomic<bool> end{false};
@@ -133,7 +135,7 @@ TEST_F(LivePropertiesTest, NeverChangeDuringACallAndAlwaysChangeTogether) {
         {"low", std::to_string(n)}, {"high", std::to_string(n + 1)}, {"label", text_of(n)}};
     for (const auto& each : more) values.emplace_back(each->name(), text_of(n));
     ASSERT_TRUE(live.set(values).ok());
-    // This may happen in the middle of the previous takeover.
+    // This request may arrive in the middle of the previous takeover.
     if (random() % 2 == 0) {
       ASSERT_TRUE(live.set({{"gain", std::to_string(n % 100)}}).ok());
     }

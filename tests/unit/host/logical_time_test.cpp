@@ -1,5 +1,5 @@
-// timing="let" on virtual time: the results of modules depend neither on when they run within their periods,
-// nor on how many of them run at once.
+// Tests timing="let" on virtual time: the results of the modules depend neither on when they run within their
+// periods, nor on how many run at the same time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,8 +70,8 @@ struct Mixer {
 constexpr std::int64_t kUnit = 1'000'000;
 constexpr std::int64_t kStart = 1'000'000'000;
 
-/// The states of all modules after 300 units of time. `cell` selects the connections, `times` the times at
-/// which modules run within their periods.
+/// Returns the states of all modules after 300 units of time. `cell` selects the connections; `times` selects
+/// when each module runs within its periods.
 std::vector<std::uint64_t> run(std::uint64_t cell, std::uint64_t times, bool logical) {
   std::mt19937_64 draw{cell};
   std::vector<std::unique_ptr<Mixer>> modules;
@@ -130,7 +130,7 @@ TEST(LogicalTime, MakesResultsIndependentOfRunTimes) {
   EXPECT_GT(others, 25) << "without logical time the results depend on run times";
 }
 
-TEST(LogicalTime, ShowsASampleOnlyAtTheEndOfThePeriod) {
+TEST(LogicalTime, ShowsASampleOnlyAtTheEndOfTheWritersPeriod) {
   OutPort<Count> out{"out"};
   InPort<Count> in{"in"};
   PortContext writer;

@@ -1,4 +1,4 @@
-// The ports of one instance take over from those of another, and hand back.
+// Tests that the ports of one instance can take over from those of another instance, and hand back.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,8 +17,8 @@ namespace {
 
 using Sample = samples::Count;
 
-/// Two outputs and two inputs of one link; the second of each stands by. The parameter says
-/// whether samples are passed as objects.
+/// A link with two outputs and two inputs. The second output and the second input are spare ports, which can
+/// take over. The parameter says whether samples are passed as objects.
 class PortTakeOver : public testing::TestWithParam<bool> {
  protected:
   void connect(std::uint32_t depth, bool safe = false) {
@@ -28,7 +28,7 @@ class PortTakeOver : public testing::TestWithParam<bool> {
     memory.resize(channel::Link::layout(options).size() / sizeof(Line));
     channel::Link::format(memory[0].data(), options);
     void* values = GetParam() ? out[0].make_values(link().buffers()) : nullptr;
-    // Values are never freed. This list lets the leak checker reach them.
+    // Values are never freed. This list keeps them reachable, so that the leak checker does not report them.
     static auto& kept = *new std::vector<void*>;
     kept.push_back(values);
     out[1].stand_by();
@@ -62,7 +62,7 @@ class PortTakeOver : public testing::TestWithParam<bool> {
   std::uint64_t written = 0;
 };
 
-TEST_P(PortTakeOver, KeepsWaitingSamplesAndTheLastValue) {
+TEST_P(PortTakeOver, KeepsTheLastValueAndAllUnreadSamples) {
   connect(4);
   for (int i = 0; i < 3; ++i) write(0);
   EXPECT_EQ(read(0), 1U);
@@ -83,7 +83,7 @@ TEST_P(PortTakeOver, KeepsWaitingSamplesAndTheLastValue) {
   EXPECT_EQ(read(0), 0U);
 }
 
-TEST_P(PortTakeOver, KeepsALatestValueThatWasSentOnce) {
+TEST_P(PortTakeOver, KeepsALatestValueThatIsNotSentAgain) {
   connect(1);
   write(0);
   EXPECT_EQ(read(0), 1U);
@@ -93,7 +93,7 @@ TEST_P(PortTakeOver, KeepsALatestValueThatWasSentOnce) {
   EXPECT_TRUE(is_whole(in[1].value()));
 }
 
-TEST_P(PortTakeOver, HasNoValueBeforeTheFirstSample) {
+TEST_P(PortTakeOver, GivesNoValueBeforeTheFirstSample) {
   connect(1);
   in[1].take_over(in[0]);
   EXPECT_FALSE(in[1].has_value());

@@ -1,5 +1,5 @@
-// A device that runs in real time, with every allocation, lock and system call of its real-time threads
-// counted. The product does not know the traps; a module's run() sets them.
+// A device that runs in real time while the test counts every allocation, lock and system call of its
+// real-time threads. The product contains no code for this: a module's run() sets the traps.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -39,12 +39,12 @@ namespace takt::host {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// Counts of the watched threads (watched.cpp).
+/// What the watched threads have done (counted in watched.cpp).
 extern std::atomic<std::uint64_t> allocations;
 extern std::atomic<std::uint64_t> frees;
 extern std::atomic<std::uint64_t> locks;
 extern std::atomic<std::uint64_t> waits;
-/// Watches the calling thread from now on. Returns false if it was watched already.
+/// Starts counting the calls of the calling thread. Returns false if it was already watched.
 bool watch();
 
 class Script final : public executor::Body {
@@ -61,14 +61,15 @@ class Script final : public executor::Body {
   std::uint64_t asked = 0;
 };
 
-/// A device that runs in real time and records it: three thread modules, a sporadic one, and a program that
-/// sleeps on the wake word after each body.
+/// A device that runs in real time with a flight recorder. It has three thread modules, a sporadic module,
+/// and a program that sleeps on the wake word after each body.
 class RealTimePath : public testing::Test {
  protected:
   static constexpr auto kPeriod = microseconds{500};
   static constexpr std::size_t kSporadic = 3;
   static constexpr std::size_t kProgram = 4;
-  static constexpr std::uint64_t kRecorded = 256;  // fewer than the entries made, so some are overwritten
+  // Capacity of a ring; smaller than the number of entries, so that some are overwritten.
+  static constexpr std::uint64_t kRecorded = 256;
 
   void SetUp() override {
     if (TAKT_SANITIZED != 0)
@@ -117,7 +118,7 @@ class RealTimePath : public testing::Test {
     set_at_first_run(kSporadic, *sporadic_trap);
   }
 
-  /// Watches the module's thread from its first run() on.
+  /// Sets the trap in the first run() of the module, for the thread that calls it.
   void set_at_first_run(std::size_t module, SystemCallTrap& trap) {
     bodies[module].on_run = [this, &trap](const Cycle&) {
       if (!watch()) return;
@@ -125,7 +126,7 @@ class RealTimePath : public testing::Test {
     };
   }
 
-  /// Runs the device for this many cycles, and collects the counts up to then.
+  /// Runs the device for this many cycles, and collects the counts of that time.
   void run(std::uint64_t cycles) {
     std::thread program{[this] { serve(); }};
     Problems problems;
@@ -171,7 +172,7 @@ class RealTimePath : public testing::Test {
   }
 
   std::array<Script, 5> bodies;
-  executor::Body* replaced = nullptr;  // replaces bodies[1] if set
+  executor::Body* replaced = nullptr;  // if set, runs in place of bodies[1]
   std::array<channel::ModuleBlock, 5> blocks{};
   std::unique_ptr<channel::ExecutorBlock> block = std::make_unique<channel::ExecutorBlock>();
   channel::ReleaseSlot slot{};
@@ -180,7 +181,8 @@ class RealTimePath : public testing::Test {
   std::array<channel::FlightWriter, 2> flight;
   std::unique_ptr<SystemCallTrap> row_trap;
   std::unique_ptr<SystemCallTrap> sporadic_trap;
-  std::unique_ptr<ExecutorThreads> threads;  // destroyed before the traps of its threads
+  // Destroyed before the traps, so that the watched threads have ended.
+  std::unique_ptr<ExecutorThreads> threads;
   std::atomic<int> trap_error{0};
   std::vector<SystemCall> row_calls;
   std::vector<SystemCall> sporadic_calls;

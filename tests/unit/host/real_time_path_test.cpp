@@ -1,5 +1,5 @@
-// Checks the promise of the real-time code on its own threads: no lock, no allocation, and no system call
-// except its sleep and one wake-up through the wake word per cycle.
+// Checks that real-time threads keep Takt's promise: they take no lock, allocate no memory, and make no
+// system call except their sleep and one wake-up through the wake word per cycle.
 #include "real_time_path.hpp"
 
 #include <takt/channel/saved_state.hpp>
@@ -51,8 +51,8 @@ TEST_F(RealTimePath, NeverAllocatesOrLocks) {
   EXPECT_GT(blocks[kSporadic].cycles.load(), 200U);
 }
 
-// Texts of all lengths, so that old ones must be freed and new ones allocated.
-TEST_F(RealTimePath, TakesOverPropertiesWithoutAllocatingOrLocking) {
+// The test sets strings of many lengths, so that setting them must free and allocate memory.
+TEST_F(RealTimePath, AppliesPropertiesWithoutAllocatingOrLocking) {
   struct Named : Component {
     Property<std::string> label{*this, "label", "none"};
     Property<double> gain{*this, "gain", 0.0};
@@ -84,7 +84,7 @@ TEST_F(RealTimePath, TakesOverPropertiesWithoutAllocatingOrLocking) {
   EXPECT_GT(changes.load(), 500U);
 }
 
-/// Two ports and the link between them.
+/// An output, an input and the link between them.
 struct Connected {
   Connected(bool as_objects, std::uint32_t wake_bits, bool has_safe_value = false) {
     const std::uint32_t most = PortType<samples::Count>::info.max_size;
@@ -157,7 +157,7 @@ TEST_F(RealTimePath, PortsNeverAllocateOrLockAndWakeOncePerCycle) {
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "wake-ups after cycle " << cycle;
 }
 
-// While samples are written, the node repeatedly switches the reader to the safe value and back to samples.
+// While one thread writes samples, the node repeatedly switches the reader to the safe value and back.
 TEST_F(RealTimePath, SafeValuesNeverAllocateOrLock) {
   Connected objects{true, 0, true};
   Connected bytes{false, 0, true};
@@ -204,7 +204,7 @@ TEST_F(RealTimePath, SafeValuesNeverAllocateOrLock) {
   EXPECT_GT(safe, 50U);
 }
 
-TEST_F(RealTimePath, SavingNeverAllocatesOrLocks) {
+TEST_F(RealTimePath, SavingStateNeverAllocatesOrLocks) {
   const auto place = std::make_unique<channel::SavedState>();
   std::array<std::uint64_t, channel::kMostSaved / sizeof(std::uint64_t)> kept{};
   bodies[1].on_run = [&](const Cycle& cycle) {

@@ -1,4 +1,4 @@
-// Swaps a running instance for another; no real-time thread locks, allocates or waits meanwhile.
+// Tests that no real-time thread locks, allocates or waits while a running instance is swapped.
 #include "real_time_path.hpp"
 
 #include <mutex>
@@ -12,7 +12,8 @@
 namespace takt::host::real_time_swap_test {
 namespace {
 
-/// Real components that replace module 1. Each counts its runs in its saved state and writes the count.
+/// Swaps real components into module 1. Each component counts its runs in its saved state and publishes the
+/// count.
 class RealTimeSwap : public RealTimePath {
  protected:
   static inline const std::string kFolder = std::string{TAKT_BINARY_DIR} + "/tests/components/";
@@ -88,7 +89,8 @@ TEST_F(RealTimeSwap, NeverAllocatesOrLocksAndLosesNoSample) {
   std::string failure;
   std::thread swapper{[&] {
     while (!end && failure.empty()) {
-      const bool other = kept % 3 == 0;  // so that the state is sometimes copied and sometimes translated
+      // Alternates, so that the state is sometimes copied and sometimes translated.
+      const bool other = kept % 3 == 0;
       const Swapped swapped = swap(other ? "ticks_more.so" : "ticks.so");
       if (swapped.kept) {
         ++kept;

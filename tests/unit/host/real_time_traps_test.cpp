@@ -1,4 +1,4 @@
-// Tests the traps themselves: they detect what a module must not do on a real-time thread.
+// Tests that the traps detect what a module must not do on a real-time thread.
 #include "real_time_path.hpp"
 
 #include <unistd.h>
@@ -10,7 +10,7 @@
 namespace takt::host::real_time_traps_test {
 namespace {
 
-/// Calls `action` once: in the hundredth cycle, or in the next one if that row is missed.
+/// Returns a body that calls `action` once: in cycle 100, or in the next cycle if that row was missed.
 std::function<void(const Cycle&)> once(std::function<void()> action) {
   return [action = std::move(action), done = false](const Cycle& cycle) mutable {
     if (done || cycle.number < 100) return;
@@ -19,7 +19,9 @@ std::function<void(const Cycle&)> once(std::function<void()> action) {
   };
 }
 
-TEST_F(RealTimePath, DetectsASystemCallOfAModule) {
+class RealTimeTrap : public RealTimePath {};
+
+TEST_F(RealTimeTrap, DetectsASystemCallOfAModule) {
   bodies[1].on_run = once([] { static_cast<void>(::syscall(SYS_getpid)); });
   run(200);
   const auto others = std::count_if(row_calls.begin(), row_calls.end(),
@@ -30,7 +32,7 @@ TEST_F(RealTimePath, DetectsASystemCallOfAModule) {
             1);
 }
 
-TEST_F(RealTimePath, DetectsASystemCallOfASporadicModule) {
+TEST_F(RealTimeTrap, DetectsASystemCallOfASporadicModule) {
   bodies[kSporadic].on_run = [this, next = bodies[kSporadic].on_run](const Cycle& cycle) {
     next(cycle);
     if (blocks[kSporadic].cycles.load() == 20) static_cast<void>(::syscall(SYS_getpid));
@@ -41,7 +43,7 @@ TEST_F(RealTimePath, DetectsASystemCallOfASporadicModule) {
             1);
 }
 
-TEST_F(RealTimePath, DetectsAnAllocationOfAModule) {
+TEST_F(RealTimeTrap, DetectsAnAllocationOfAModule) {
   bodies[1].on_run = once([] {
     const std::string text(100, 'x');
     asm volatile("" : : "r"(text.data()) : "memory");
@@ -51,14 +53,14 @@ TEST_F(RealTimePath, DetectsAnAllocationOfAModule) {
   EXPECT_EQ(seen["frees"], 1U);
 }
 
-TEST_F(RealTimePath, DetectsALockOfAModule) {
+TEST_F(RealTimeTrap, DetectsALockOfAModule) {
   std::mutex mutex;
   bodies[1].on_run = once([&mutex] { const std::lock_guard lock{mutex}; });
   run(200);
   EXPECT_EQ(seen["locks"], 2U);
 }
 
-TEST_F(RealTimePath, DetectsAConditionVariableWaitOfAModule) {
+TEST_F(RealTimeTrap, DetectsAConditionVariableWaitOfAModule) {
   std::mutex mutex;
   std::condition_variable condition;
   bodies[1].on_run = once([&] {

@@ -37,8 +37,8 @@ struct Handled : Plain {
   Service<Count, Count> answer;
 };
 
-/// Each test runs with values in the host's memory and with bytes.
-class ServiceTest : public testing::TestWithParam<bool> {
+/// Runs each test twice: with samples passed as objects, and with samples passed as bytes.
+class ServiceCall : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
     serve_all(client, at_client);
@@ -56,10 +56,10 @@ class ServiceTest : public testing::TestWithParam<bool> {
   Asking<Count> other;
   Polled server;
 };
-INSTANTIATE_TEST_SUITE_P(Ways, ServiceTest, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Ways, ServiceCall, testing::Bool(),
                          [](const auto& way) { return way.param ? "Objects" : "Bytes"; });
 
-TEST_P(ServiceTest, AnswersARequest) {
+TEST_P(ServiceCall, ReturnsTheReplyOfTheServer) {
   const ConnectedService link{client, server, "answer", GetParam()};
   EXPECT_EQ(client.ask.poll(), CallStatus::idle);
   EXPECT_FALSE(server.answer.take());
@@ -79,7 +79,7 @@ TEST_P(ServiceTest, AnswersARequest) {
   EXPECT_FALSE(server.answer.take());
 }
 
-TEST_P(ServiceTest, EachClientGetsItsOwnReply) {
+TEST_P(ServiceCall, EachClientGetsItsOwnReply) {
   const ConnectedService first{client, server, "answer", GetParam()};
   const ConnectedService second{other, server, "answer", GetParam()};
   for (std::uint64_t i = 1; i <= 100; ++i) {
@@ -98,7 +98,7 @@ TEST_P(ServiceTest, EachClientGetsItsOwnReply) {
   EXPECT_EQ(client.ask.late() + other.ask.late(), 0U);
 }
 
-TEST_P(ServiceTest, ReportsTheReasonOfARejection) {
+TEST_P(ServiceCall, ReportsTheReasonOfARejection) {
   const ConnectedService link{client, server, "answer", GetParam()};
   client.ask.call(count_of(1), 1s);
   ASSERT_TRUE(server.answer.take());
@@ -109,17 +109,17 @@ TEST_P(ServiceTest, ReportsTheReasonOfARejection) {
   EXPECT_STREQ(client.ask.reason(), "");
 }
 
-TEST_P(ServiceTest, ReportsAMissingServerAtOnce) {
+TEST_P(ServiceCall, ReportsAMissingServerAtOnce) {
   EXPECT_EQ(client.ask.call(count_of(1), 1s), CallStatus::nobody);
   const ConnectedService link{client, server, "answer", GetParam()};
-  link.requests.link.block().enabled = 0;  // the node does this while the other device is away
+  link.requests.link.block().enabled = 0;  // the node clears this flag while the other device is lost
   EXPECT_EQ(client.ask.call(count_of(1), 1s), CallStatus::nobody);
   EXPECT_FALSE(client.ask.connected());
   link.requests.link.block().enabled = 1;
   EXPECT_EQ(client.ask.call(count_of(1), 1s), CallStatus::pending);
 }
 
-TEST_P(ServiceTest, TimesOutByCycleTimeAndDropsALateReply) {
+TEST_P(ServiceCall, TimesOutAfterItsLimitInCycleTime) {
   const ConnectedService link{client, server, "answer", GetParam()};
   client.ask.call(count_of(1), 10ms);
   ASSERT_TRUE(server.answer.take());
@@ -131,7 +131,7 @@ TEST_P(ServiceTest, TimesOutByCycleTimeAndDropsALateReply) {
   EXPECT_EQ(client.ask.poll(), CallStatus::timed_out);
   EXPECT_EQ(client.ask.late(), 1U);
   EXPECT_EQ(link.replies.link.block().late.load(), 1U);
-  // A late reply does not answer the next call either.
+  // A late reply must not answer the next call.
   client.ask.call(count_of(3), 10ms);
   ASSERT_TRUE(server.answer.take());
   pass(10ms);
@@ -142,7 +142,7 @@ TEST_P(ServiceTest, TimesOutByCycleTimeAndDropsALateReply) {
   EXPECT_EQ(client.ask.late(), 2U);
 }
 
-TEST_P(ServiceTest, RejectsARequestOlderThanItsTimeout) {
+TEST_P(ServiceCall, IsRejectedIfItsRequestIsOlderThanItsTimeout) {
   const ConnectedService link{client, server, "answer", GetParam()};
   client.ask.call(count_of(1), 10ms);
   at_server.start_ns += 10'000'001;
@@ -153,12 +153,12 @@ TEST_P(ServiceTest, RejectsARequestOlderThanItsTimeout) {
   EXPECT_EQ(link.requests.link.block().late.load(), 1U);
 }
 
-TEST_P(ServiceTest, IgnoresAReplyToAFormerInstanceOfTheClient) {
-  if (GetParam()) return;  // values would need the same memory, which HostLinks provides
+TEST_P(ServiceCall, IgnoresAReplyToAFormerInstanceOfTheClient) {
+  if (GetParam()) return;  // objects would have to stay in the same memory, which only HostLinks ensures
   const ConnectedService link{client, server, "answer", false};
   client.ask.call(count_of(1), 1s);
   ASSERT_TRUE(server.answer.take());
-  Asking<Count> again;  // the module was reloaded
+  Asking<Count> again;  // the client of the reloaded module
   pass(1ms);
   serve_all(again, at_client);
   auto* out = &port_of(again, "ask/request");
@@ -170,7 +170,7 @@ TEST_P(ServiceTest, IgnoresAReplyToAFormerInstanceOfTheClient) {
   EXPECT_EQ(again.ask.poll(), CallStatus::pending) << "both calls have the number 1";
 }
 
-TEST_P(ServiceTest, RejectsARequestOrReplyThatIsTooLarge) {
+TEST_P(ServiceCall, IsRejectedIfItsRequestOrReplyIsTooLarge) {
   const ConnectedService link{client, server, "answer", GetParam()};
   Count large;
   large.few().resize(5);
@@ -182,7 +182,7 @@ TEST_P(ServiceTest, RejectsARequestOrReplyThatIsTooLarge) {
   EXPECT_EQ(client.ask.poll(), CallStatus::refused);
 }
 
-TEST(ServiceHandler, TurnsHandlerFailuresIntoRejections) {
+TEST(ServiceHandler, RejectsTheRequestWhenItFails) {
   Handled server{[](const Count& request) -> Result<Count> {
     if (request.number() == 1) return fail("one", "say two");
     if (request.number() == 2) throw std::runtime_error("two");
@@ -221,8 +221,8 @@ TEST(ServiceHandler, DoesNotWakeASporadicModule) {
   EXPECT_EQ(port_of(polled, "answer/request").direction(), PortDirection::event);
 }
 
-// Programs that were not compiled with a type rely on its description.
-TEST(ServiceType, IsEncodedAsDescribed) {
+// Programs that were compiled without a type use its description instead.
+TEST(ServiceType, IsEncodedAsItsDescriptionSays) {
   const auto check = [](const TypeInfo& info, const std::byte* bytes, std::uint32_t size) {
     const auto type = model::parse_type(info.description);
     ASSERT_TRUE(type.ok()) << to_text(type.problems());
@@ -272,8 +272,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The service thread of one module, made as the host makes it.
-class ServiceThreadTest : public testing::Test {
+/// Starts the service thread of one module in the same way as the host does.
+class HandlerThread : public testing::Test {
  protected:
   void start(std::function<bool()> serve) {
     thread = std::make_unique<ServiceThread>(
@@ -295,7 +295,7 @@ class ServiceThreadTest : public testing::Test {
   std::unique_ptr<ServiceThread> thread;
 };
 
-TEST_F(ServiceThreadTest, ServesWaitingRequestsAndShowsItsActivity) {
+TEST_F(HandlerThread, ShowsItsActivityWhileItServesRequests) {
   std::atomic<std::uint32_t> seen{0};
   start([&] {
     seen = activity.module.load();
@@ -309,7 +309,7 @@ TEST_F(ServiceThreadTest, ServesWaitingRequestsAndShowsItsActivity) {
   until([&] { return activity.module.load() == 0; });
 }
 
-TEST_F(ServiceThreadTest, CallsNoHandlerWhileHandlersAreExcluded) {
+TEST_F(HandlerThread, CallsNoHandlerWhileHandlersAreExcluded) {
   start([&] {
     --waiting;
     ++served;
@@ -324,8 +324,8 @@ TEST_F(ServiceThreadTest, CallsNoHandlerWhileHandlersAreExcluded) {
   until([&] { return served == 1; });
 }
 
-// Two clients run on this thread, the handler on its own thread.
-TEST_F(ServiceThreadTest, AnswersWhileClientsKeepRunning) {
+// Two clients run on the thread of the test, and the handler runs on its own thread.
+TEST_F(HandlerThread, AnswersRequestsWhileItsClientsRun) {
   struct Server : Plain {
     Service<samples::Count, samples::Count> answer{*this, "answer", [](const samples::Count& request) {
                                                      samples::Count reply;
@@ -374,7 +374,7 @@ TEST_F(ServiceThreadTest, AnswersWhileClientsKeepRunning) {
   EXPECT_GE(replied[1], 500U);
 }
 
-TEST_F(ServiceThreadTest, GivesUpAHandlerThatNeverReturns) {
+TEST_F(HandlerThread, GivesUpAHandlerThatNeverReturns) {
   EXPECT_FALSE([&] {
     start([&] {
       --waiting;
@@ -390,7 +390,7 @@ TEST_F(ServiceThreadTest, GivesUpAHandlerThatNeverReturns) {
   EXPECT_EQ(activity.module.load(), 0U);
   thread.reset();  // reset() does not wait for the handler
   EXPECT_EQ(served, 0);
-  activity.begin(6, channel::Doing::serve, 0);  // another thread uses the activity by now
+  activity.begin(6, channel::Doing::serve, 0);  // now another thread uses the same activity record
   let_go = true;
   until([&] { return served == 1; });
   std::this_thread::sleep_for(50ms);

@@ -1,5 +1,5 @@
-// Records every system call of one thread: a seccomp filter passes each call to another thread, which records
-// it and lets it continue.
+// Records every system call of one thread. A seccomp filter notifies another thread of each call, and that
+// thread records the call and lets it continue.
 #pragma once
 
 #include <linux/filter.h>
@@ -26,12 +26,12 @@ namespace takt::host {
 struct SystemCall {
   int number = 0;
   std::array<std::uint64_t, 6> arguments{};
-  std::uint64_t stamp = 0;  ///< the value of the stamp function while the thread was stopped in the call
+  std::uint64_t stamp = 0;  ///< the value that `stamp` returned while the thread was stopped in the call
 };
 
 class SystemCallTrap {
  public:
-  /// The trap's thread calls `stamp` at each system call.
+  /// The recording thread calls `stamp` at each system call.
   explicit SystemCallTrap(std::function<std::uint64_t()> stamp = [] { return std::uint64_t{0}; })
       : calls_(kRoom), stamp_(std::move(stamp)) {
     auto started = os::Thread::start(
@@ -45,8 +45,8 @@ class SystemCallTrap {
     if (const int fd = listener_.load(); fd >= 0) ::close(fd);
   }
 
-  /// Call it on the thread to be watched. It cannot be undone; that thread must end before the trap does.
-  /// Returns 0, or the kernel's error number.
+  /// Starts to record the system calls of the calling thread. This cannot be undone, and the thread must end
+  /// before the trap is destroyed. Returns 0, or the error number from the kernel.
   int arm() noexcept {
     constexpr auto kNumber = static_cast<std::uint32_t>(offsetof(seccomp_data, nr));
     std::array<sock_filter, 5> program{{
@@ -65,7 +65,7 @@ class SystemCallTrap {
     return 0;
   }
 
-  /// The system calls so far.
+  /// Returns the system calls recorded so far.
   [[nodiscard]] std::vector<SystemCall> calls() const {
     return {calls_.begin(),
             calls_.begin() + static_cast<std::ptrdiff_t>(count_.load(std::memory_order_acquire))};
@@ -78,7 +78,7 @@ class SystemCallTrap {
     while (!end_) {
       pollfd wanted{.fd = listener_.load(), .events = POLLIN, .revents = 0};
       if (::poll(&wanted, 1, wanted.fd < 0 ? 1 : 20) <= 0 || (wanted.revents & POLLIN) == 0) {
-        if ((wanted.revents & POLLHUP) != 0) return;  // the thread has ended
+        if ((wanted.revents & POLLHUP) != 0) return;  // the watched thread has ended
         continue;
       }
       seccomp_notif notice{};

@@ -30,7 +30,7 @@ bool watch() { return !std::exchange(watched, true); }
 
 using namespace takt::host;
 
-// These replace the C library's functions. operator new and delete call them too.
+// These functions replace those of the C library. operator new and delete call them, too.
 extern "C" {
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t n, std::size_t size) noexcept;

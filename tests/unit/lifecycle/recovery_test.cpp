@@ -10,7 +10,7 @@ using Step = Recovery::Step;
 
 constexpr Instant at(Nanoseconds t) { return Instant{t}; }
 
-TEST(Recovery, WaitsTheBackoffThenTriesThenGivesUp) {
+TEST(Recovery, WaitsForTheBackoffBeforeEachAttempt) {
   Recovery recovery{{.attempts = 2, .backoff = 100ms}};
   recovery.failed(at(1s));
   EXPECT_EQ(recovery.next(at(1s + 99ms)), Step::wait);
@@ -28,7 +28,7 @@ TEST(Recovery, GivesUpAtOnceIfNoAttemptsAreAllowed) {
   EXPECT_EQ(recovery.next(at(0s)), Step::give_up);
 }
 
-TEST(Recovery, KeepsCountingIfASuccessDoesNotLast) {
+TEST(Recovery, KeepsCountingAttemptsIfASuccessDoesNotLast) {
   Recovery recovery{{.attempts = 3, .backoff = 10ms}};
   Nanoseconds now = 5s;
   for (int i = 0; i < 3; ++i) {
@@ -42,7 +42,7 @@ TEST(Recovery, KeepsCountingIfASuccessDoesNotLast) {
   EXPECT_EQ(recovery.next(at(now + 1h)), Step::give_up);
 }
 
-TEST(Recovery, ClearsTheCountAfterALastingSuccess) {
+TEST(Recovery, ResetsTheAttemptCountAfterALastingSuccess) {
   Recovery recovery{{.attempts = 1, .backoff = 10ms}};
   Nanoseconds now = 5s;
   for (int i = 0; i < 10; ++i) {
@@ -54,7 +54,7 @@ TEST(Recovery, ClearsTheCountAfterALastingSuccess) {
   }
 }
 
-TEST(Recovery, TimeInAHangDoesNotCountAsLastingSuccess) {
+TEST(Recovery, DoesNotCountTimeInAHangAsSuccess) {
   Recovery recovery{{.attempts = 1, .backoff = 10ms}};
   recovery.failed(at(5s));
   ASSERT_EQ(recovery.next(at(6s)), Step::attempt);

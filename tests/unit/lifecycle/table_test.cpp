@@ -11,7 +11,8 @@
 namespace takt::lifecycle::table_test {
 namespace {
 
-// The table of the design, written a second time by hand. Every event that is not listed is rejected.
+// The lifecycle table of the design, written by hand independently of the product. The product must reject
+// every event that this table does not list.
 const std::map<std::tuple<std::string, std::string>, std::string> kExpected{
     {{"IDLE", "initialize"}, "INITIALIZE"},   {{"INITIALIZE", "start"}, "START"},
     {{"START", "run"}, "EXECUTING"},          {{"EXECUTING", "stop"}, "START"},
@@ -64,7 +65,7 @@ TEST(LifecycleMachine, IsInStartAfterRecoveryFromAFailedStart) {
   EXPECT_EQ(machine.state(), State::start);
 }
 
-TEST(LifecycleMachine, RejectsAnEventThatItsStateDoesNotAllowAndChangesNothing) {
+TEST(LifecycleMachine, RejectsAnEventThatItsStateDoesNotAllow) {
   Machine machine;
   const auto rejected = machine.apply(Event::start);
   ASSERT_FALSE(rejected);
@@ -74,7 +75,7 @@ TEST(LifecycleMachine, RejectsAnEventThatItsStateDoesNotAllowAndChangesNothing) 
   EXPECT_EQ(machine.sequence(), 0U);
 }
 
-TEST(LifecycleMachine, CountsItsStepsWithoutGaps) {
+TEST(LifecycleMachine, NumbersItsTransitionsWithoutGaps) {
   Machine machine;
   std::uint64_t expected = 0;
   for (Event event : {Event::initialize, Event::start, Event::run, Event::run, Event::stop, Event::destruct,

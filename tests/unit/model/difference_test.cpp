@@ -22,7 +22,8 @@ Module module(const std::string& name) {
   return module;
 }
 
-/// Devices robot (arm, hand) and line (belt, which writes to robot.arm).
+/// Returns a cell with device robot (modules arm and hand) and device line (module belt, which writes to
+/// robot.arm).
 Cell cell() {
   Cell cell;
   cell.name = "cell";
@@ -46,7 +47,7 @@ Cell cell() {
 
 using Edit = std::function<void(Cell&)>;
 
-/// The differences of the devices robot and line after an edit of the cell.
+/// Applies an edit to the cell; returns the differences of the devices robot and line.
 std::vector<DeviceDifference> after(const Edit& edit) {
   Cell changed = cell();
   edit(changed);
@@ -61,7 +62,7 @@ DeviceDifference robot_after(const Edit& edit) {
 }
 Module& arm(Cell& cell) { return cell.devices[0].modules[0]; }
 
-TEST(Difference, IsNoneBetweenEqualCells) {
+TEST(CellUpdate, IsEmptyBetweenEqualCells) {
   const auto all = after([](Cell&) {});
   ASSERT_THAT(all, SizeIs(2));
   for (const DeviceDifference& one : all) {
@@ -70,7 +71,7 @@ TEST(Difference, IsNoneBetweenEqualCells) {
   }
 }
 
-TEST(Difference, IgnoresFileLinesAndTheOrderOfProperties) {
+TEST(CellUpdate, IgnoresLineNumbersAndTheOrderOfProperties) {
   const auto all = after([](Cell& changed) {
     changed.file = "other.xml";
     changed.line = 7;
@@ -83,7 +84,7 @@ TEST(Difference, IgnoresFileLinesAndTheOrderOfProperties) {
   for (const DeviceDifference& one : all) EXPECT_EQ(one.change, Change::none) << one.device;
 }
 
-TEST(Difference, SetsAPropertyOfAThreadModuleInPlace) {
+TEST(CellUpdate, ChangesAPropertyOfAThreadModuleInPlace) {
   const auto robot = robot_after([](Cell& changed) { arm(changed).properties[0].value = "0.7"; });
   EXPECT_EQ(robot.change, Change::in_place);
   ASSERT_THAT(robot.in_place, SizeIs(1));
@@ -93,18 +94,18 @@ TEST(Difference, SetsAPropertyOfAThreadModuleInPlace) {
   EXPECT_THAT(in_words(robot), ElementsAre("robot.arm: gain: 0.5 -> 0.7"));
 }
 
-TEST(Difference, SetsAnAddedPropertyInPlace) {
+TEST(CellUpdate, SetsAnAddedPropertyInPlace) {
   const auto robot = robot_after([](Cell& changed) { arm(changed).properties.push_back({"limit", "3"}); });
   EXPECT_THAT(in_words(robot), ElementsAre("robot.arm: limit: not set -> 3"));
 }
 
-TEST(Difference, RestartsTheDeviceIfAPropertyIsNoLongerSet) {
+TEST(CellUpdate, RestartsTheDeviceIfAPropertyIsNoLongerSet) {
   const auto robot = robot_after([](Cell& changed) { arm(changed).properties.pop_back(); });
   EXPECT_EQ(robot.change, Change::anew);
   EXPECT_THAT(in_words(robot), ElementsAre("robot is restarted: module arm: label is no longer set"));
 }
 
-TEST(Difference, SetsPropertiesBeforeItSwapsAModuleInPlace) {
+TEST(CellUpdate, SetsPropertiesBeforeItSwapsAModuleInPlace) {
   const auto robot = robot_after([](Cell& changed) {
     arm(changed).filename = "arm2.so";
     arm(changed).properties[1].value = "b";
@@ -118,7 +119,7 @@ TEST(Difference, SetsPropertiesBeforeItSwapsAModuleInPlace) {
                                            "robot.hand: file: hand.so -> hand2.so"));
 }
 
-TEST(Difference, RestartsTheDeviceIfAChangeCannotBeMadeInPlace) {
+TEST(CellUpdate, RestartsTheDeviceIfAChangeCannotBeMadeInPlace) {
   Cell before = cell();
   arm(before).operation = Operation::sporadic;
   arm(before).period.reset();
@@ -140,7 +141,7 @@ TEST(Difference, RestartsTheDeviceIfAChangeCannotBeMadeInPlace) {
               ElementsAre("module arm: gain: 0.5 -> 1", "module arm: file: arm.so -> arm2.so"));
 }
 
-TEST(Difference, CoversEveryMemberOfAModule) {
+TEST(CellUpdate, ReportsAChangeOfAnyElementOfAModule) {
   const std::vector<std::pair<Edit, std::string>> cases{
       {[](Cell& c) { arm(c).type = ModuleType::process; }, "moduletype: thread -> process"},
       {[](Cell& c) { arm(c).operation = Operation::non_real; }, "operationtype: periodic -> non-real"},
@@ -174,7 +175,7 @@ TEST(Difference, CoversEveryMemberOfAModule) {
   }
 }
 
-TEST(Difference, CoversEveryMemberOfAnExecutor) {
+TEST(CellUpdate, ReportsAChangeOfAnyAttributeOfAnExecutor) {
   const auto main = [](Cell& c) -> Executor& { return c.devices[0].executors[0]; };
   const std::vector<std::pair<Edit, std::string>> cases{
       {[&](Cell& c) { main(c).cpu = 1; }, "cpu: none -> 1"},
@@ -191,7 +192,7 @@ TEST(Difference, CoversEveryMemberOfAnExecutor) {
     EXPECT_THAT(robot_after(edit).reasons, ElementsAre("executor main: " + words));
 }
 
-TEST(Difference, ReportsAddedRemovedAndReorderedParts) {
+TEST(CellUpdate, ReportsAddedRemovedAndReorderedElements) {
   EXPECT_THAT(robot_after([](Cell& c) { c.devices[0].modules.push_back(module("eye")); }).reasons,
               ElementsAre("module eye is new"));
   EXPECT_THAT(robot_after([](Cell& c) { c.devices[0].modules.pop_back(); }).reasons,
@@ -203,7 +204,7 @@ TEST(Difference, ReportsAddedRemovedAndReorderedParts) {
               ElementsAre("executor slow is new"));
 }
 
-TEST(Difference, ListsAChangedConnectionForBothDevices) {
+TEST(CellUpdate, ListsAChangedConnectionUnderBothItsDevices) {
   const auto both = [](const Edit& edit, const std::string& reason) {
     for (const DeviceDifference& one : after(edit)) {
       EXPECT_EQ(one.change, Change::anew) << one.device;
@@ -221,11 +222,11 @@ TEST(Difference, ListsAChangedConnectionForBothDevices) {
   both([&](Cell& c) { only(c).topic = "t"; }, ": topic: none -> t");
   both([&](Cell& c) { only(c).domain = 3; }, ": domain: none -> 3");
   both([](Cell& c) { c.connections.clear(); }, " is removed");
-  // A safe value of an output also changes the device that reads it.
+  // A changed safe value of an output also changes the device that reads the output.
   both([](Cell& c) { c.devices[1].modules[0].safe = {{"out", {{"x", "1"}}}}; }, ": safe: none -> out {x: 1}");
 }
 
-TEST(Difference, ReportsAddedAndRemovedDevices) {
+TEST(CellUpdate, ReportsAddedAndRemovedDevices) {
   const auto all = after([](Cell& c) {
     c.devices[1].name = "belt";
     c.connections.clear();
@@ -237,7 +238,7 @@ TEST(Difference, ReportsAddedAndRemovedDevices) {
   EXPECT_THAT(in_words(all[2]), ElementsAre("line is stopped: it is no longer in the cell"));
 }
 
-TEST(Difference, RejectsChangesOfTheWholeCell) {
+TEST(CellUpdate, RejectsChangesThatAffectTheWholeCell) {
   const std::vector<std::pair<Edit, std::string>> cases{
       {[](Cell& c) { c.name = "other"; }, "name: cell -> other"},
       {[](Cell& c) { c.domain_given = true; }, "domain: none -> 0"},
@@ -261,7 +262,7 @@ TEST(Difference, RejectsChangesOfTheWholeCell) {
   }
 }
 
-TEST(Difference, PutsTheReasonForARestartFirst) {
+TEST(CellUpdate, ListsTheReasonForARestartFirst) {
   auto robot = robot_after([](Cell& changed) { arm(changed).properties[0].value = "0.7"; });
   robot.make_anew("module arm reads gain in initialize() alone");
   EXPECT_EQ(robot.change, Change::anew);

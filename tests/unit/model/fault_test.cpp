@@ -46,7 +46,7 @@ TEST(Fault, RejectsJsonThatIsNotAnEvent) {
   EXPECT_EQ(fault_from(value), std::nullopt);
 }
 
-TEST(FaultKind, HasADifferentWordForEachKind) {
+TEST(FaultKind, HasAUniqueName) {
   const auto words = fault_words();
   ASSERT_THAT(words, SizeIs(kFaultKinds));
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -87,30 +87,30 @@ TEST(FaultFilter, SurvivesARoundTripThroughJson) {
   EXPECT_TRUE(filter_from("{}").ok());
 }
 
-TEST(FaultFilter, ReportsTheMistakeInAFilter) {
+TEST(FaultFilter, ReportsWhyItIsInvalid) {
   const auto why = [](const char* text) { return in_words(filter_from(text).problems()); };
   EXPECT_THAT(why("[]"), HasSubstr("not a JSON object"));
   EXPECT_THAT(why(R"({"kind": 1})"), HasSubstr("did you mean kinds"));
   EXPECT_THAT(why(R"({"kinds": ["overun"]})"), HasSubstr("did you mean overrun"));
   EXPECT_THAT(why(R"({"last": "many"})"), HasSubstr("cannot be read"));
   for (const char* number : {"-1", "1.5", "1e300", "-1e300", "18446744073709551616"}) {
-    EXPECT_THAT(why(("{\"last\": " + std::string{number} + "}").c_str()), HasSubstr("not a whole number"))
+    EXPECT_THAT(why(("{\"last\": " + std::string{number} + "}").c_str()), HasSubstr("must be a whole number of at least 0"))
         << number;
-    EXPECT_THAT(why(("{\"after\": " + std::string{number} + "}").c_str()), HasSubstr("not a whole number"))
+    EXPECT_THAT(why(("{\"after\": " + std::string{number} + "}").c_str()), HasSubstr("must be a whole number of at least 0"))
         << number;
   }
-  EXPECT_THAT(why(R"({"since_ns": 1e300})"), HasSubstr("not a whole number"));
-  EXPECT_THAT(why(R"({"since_ns": 9223372036854775808})"), HasSubstr("not a whole number"));
+  EXPECT_THAT(why(R"({"since_ns": 1e300})"), HasSubstr("must be a whole number of at least 0"));
+  EXPECT_THAT(why(R"({"since_ns": 9223372036854775808})"), HasSubstr("must be a whole number of at least 0"));
   EXPECT_EQ(filter_from(R"({"since_ns": -5})")->since_ns, -5);
 }
 
-TEST(FaultFilter, KeepsEachKindOnce) {
+TEST(FaultFilter, IgnoresDuplicateKinds) {
   std::string many = R"({"kinds": ["error")";
   for (int i = 0; i < 1000; ++i) many += R"(, "overrun", "error")";
   EXPECT_THAT(filter_from(many + "]}")->kinds, ElementsAre(FaultKind::error, FaultKind::overrun));
 }
 
-TEST(FaultKinds, ReadsAListOfKinds) {
+TEST(FaultKinds, AreReadFromACommaSeparatedList) {
   EXPECT_THAT(*kinds_from("error,missed-rows"), ElementsAre(FaultKind::error, FaultKind::missed_rows));
   for (const char* text : {"", "error,", ",error", "errors", "error,, overrun"})
     EXPECT_FALSE(kinds_from(text).ok()) << text;

@@ -30,7 +30,7 @@ std::string json(const std::vector<std::string>& words) {
   return result ? *result : "error: " + to_text(result.problems());
 }
 
-TEST(FieldValues, MayOmitTheQuotesOfTextsAndEnumerators) {
+TEST(FieldValues, MayOmitTheQuotesAroundStringsAndEnumerators) {
   EXPECT_EQ(json({}), "{}");
   EXPECT_EQ(json({"force=2.5", "kind=box", "mode=ON", "pose.x=1", "pose.y=-2", "way=[1,2]", "hold=true"}),
             R"({"force":2.5,"kind":"box","mode":"ON","pose":{"x":1,"y":-2},"way":[1,2],"hold":true})");
@@ -42,7 +42,7 @@ TEST(FieldValues, MayOmitTheQuotesOfTextsAndEnumerators) {
   EXPECT_EQ(json({R"(pose={"x":1})"}), R"({"pose":{"x":1}})");
 }
 
-TEST(FieldValues, BecomeTheBytesOfASample) {
+TEST(FieldValues, AreEncodedAsASample) {
   for (const auto& words : {std::vector<std::string>{"force=2.5", "mode=ON", "way=[1,2]"},
                             std::vector<std::string>{R"({"force":2.5,"mode":"ON","way":[1,2]})"}}) {
     const auto bytes = sample_bytes(grip(), json(words));
@@ -53,22 +53,24 @@ TEST(FieldValues, BecomeTheBytesOfASample) {
   }
 }
 
-TEST(FieldValues, KeepAJsonObjectUnchanged) { EXPECT_EQ(json({R"( {"force": 1})"}), R"( {"force": 1})"); }
+TEST(FieldValues, MayBeGivenAsOneJsonObject) { EXPECT_EQ(json({R"( {"force": 1})"}), R"( {"force": 1})"); }
 
 TEST(FieldValues, ReportEachMistakeWithAFix) {
   EXPECT_EQ(json({"forse=1"}), "error: t::Grip: error: has no field 'forse'; did you mean force?");
-  EXPECT_EQ(json({"pose.z=1"}), "error: t::Grip.pose: error: has no field 'z'; it can be x or y");
-  EXPECT_EQ(json({"force"}),
-            "error: t::Grip: error: 'force' is not a field with a value; write field=value, or one object "
-            "{\"field\": value}");
-  EXPECT_EQ(json({"=1"}).find("error: t::Grip: error: '=1' is not a field"), 0U);
+  EXPECT_EQ(json({"pose.z=1"}), "error: t::Grip.pose: error: has no field 'z'; use x or y");
+  EXPECT_EQ(
+      json({"force"}),
+      "error: t::Grip: error: 'force' does not have the form field=value; write field=value, or one object "
+      "{\"field\": value}");
+  EXPECT_EQ(json({"=1"}).find("error: t::Grip: error: '=1' does not have the form field=value"), 0U);
   EXPECT_EQ(json({"force=1", "force=2"}), "error: t::Grip.force: error: is given twice; give it one value");
   EXPECT_EQ(json({"pose=1", "pose.x=2"}),
-            "error: t::Grip.pose: error: is given twice; give it one value, in JSON");
+            "error: t::Grip.pose: error: is given twice; write its value once, as JSON");
   EXPECT_EQ(json({"pose.x=2", "pose=1"}), "error: t::Grip.pose: error: is given twice; give it one value");
   EXPECT_EQ(json({"force.x=1"}),
-            "error: t::Grip.force: error: has no named fields; give it one value, in JSON");
-  EXPECT_EQ(json({"way.x=1"}), "error: t::Grip.way: error: has no named fields; give it one value, in JSON");
+            "error: t::Grip.force: error: has no named fields; write its value once, as JSON");
+  EXPECT_EQ(json({"way.x=1"}),
+            "error: t::Grip.way: error: has no named fields; write its value once, as JSON");
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ Device device_of(std::vector<Executor> executors, std::vector<Module> modules) {
   return device;
 }
 
-TEST(Hosts, ExecutorsWithoutTheirOwnHostShareOne) {
+TEST(Hosts, ExecutorsWithoutTheirOwnHostShareOneHost) {
   const auto hosts =
       hosts_of(device_of({executor("fast"), executor("slow")},
                          {thread("a", "fast"), program("b", "slow"), thread("c", ""), program("d", "")}));

@@ -7,7 +7,7 @@
 namespace takt::model::names_test {
 namespace {
 
-TEST(Name, RejectsInvalidNames) {
+TEST(Name, IsRejectedIfInvalidOrTooLong) {
   for (const char* name :
        {"", "7axis", "-a", "a.b", "a b", " a", "a ", "a/b", "gr\u00f6\u00dfe", "a\n", "a:b", "a+"}) {
     EXPECT_FALSE(is_valid_name(name)) << name;
@@ -16,7 +16,7 @@ TEST(Name, RejectsInvalidNames) {
   EXPECT_FALSE(is_valid_name(std::string_view{"a\0", 2}));
 }
 
-TEST(Name, AcceptsDigitsAndDashesAfterALetterOrUnderscore) {
+TEST(Name, MayHaveDigitsAndDashesAfterItsFirstCharacter) {
   for (const char* name : {"a", "Z", "_", "a7", "_7", "a-b", "trajectory_2", "A-"})
     EXPECT_TRUE(is_valid_name(name)) << name;
   EXPECT_TRUE(is_valid_name(std::string(63, 'a')));
@@ -34,7 +34,7 @@ TEST(FileStem, IsTheFileNameWithoutFolderAndExtension) {
   EXPECT_EQ(file_stem(""), "");
 }
 
-TEST(Topic, IsPrintableAndHasNoSpace) {
+TEST(Topic, MustBePrintableAsciiWithoutSpaces) {
   for (const std::string topic : {"t", "rt/chatter", "takt/x", "~!\"#$%&'()*+,-./:;<=>?@[]^_`{|}", "7"}) {
     EXPECT_TRUE(is_valid_topic(topic)) << topic;
   }
@@ -46,7 +46,7 @@ TEST(Topic, IsPrintableAndHasNoSpace) {
   EXPECT_FALSE(is_valid_topic(std::string(kMaxTopic + 1, 'x')));
 }
 
-TEST(Host, IsAnIPv4AddressOrAHostName) {
+TEST(Host, MustBeAnIPv4AddressOrAHostName) {
   for (const std::string host : {"10.0.0.1", "0.0.0.0", "255.255.255.255", "localhost", "robot-1", "a.b.c",
                                  "3com", "1a.2", "my_host", "10.0.0.1.example"}) {
     EXPECT_TRUE(is_valid_host(host)) << host;
@@ -65,7 +65,7 @@ TEST(Host, IsAnIPv4AddressOrAHostName) {
   EXPECT_FALSE(is_valid_host(longest + "x"));
 }
 
-TEST(Server, IsAHostAndAPort) {
+TEST(Server, MustBeAHostAndAPort) {
   for (const std::string server : {"10.0.0.1:11811", "a:1", "a.b:65535"})
     EXPECT_TRUE(is_valid_server(server)) << server;
   for (const std::string server : {"", ":", "a", "a:", ":1", "a:0", "a:65536", "a:99999", "a:100000", "a:01",
@@ -74,7 +74,7 @@ TEST(Server, IsAHostAndAPort) {
   }
 }
 
-TEST(TopicName, IsGivenByTheConnectionOrNamedAfterItsWriter) {
+TEST(TopicName, DefaultsToThePathOfTheWriter) {
   Cell cell;
   cell.name = "cell";
   Connection connection;

@@ -58,14 +58,14 @@ TEST_F(Connections, AcceptMatchingPorts) {
   EXPECT_EQ(check({"robot", "a", "pick"}, {"robot", "b", "moved"}), Problems{});
 }
 
-TEST_F(Connections, SuggestAPortForAnUnknownOne) {
+TEST_F(Connections, SuggestASimilarPortForAnUnknownName) {
   EXPECT_EQ(text(check({"robot", "a", "sate"}, {"line", "b", "joint"})),
             "cell.xml:12: error: module robot.a has no port 'sate'; did you mean state?");
   EXPECT_EQ(text(check({"robot", "a", "state"}, {"line", "b", "zzz"})),
-            "cell.xml:12: error: module line.b has no port 'zzz'; it can be joint or moved");
+            "cell.xml:12: error: module line.b has no port 'zzz'; use joint or moved");
 }
 
-TEST_F(Connections, ReportBothWrongEnds) {
+TEST_F(Connections, ReportUnknownPortsAtBothEnds) {
   EXPECT_EQ(check({"robot", "a", "x"}, {"line", "b", "y"}).size(), 2U);
 }
 
@@ -82,18 +82,18 @@ TEST_F(Connections, RejectPortsOfDifferentTypes) {
             "motion::Pick; connect ports of the same type");
 }
 
-TEST_F(Connections, NameTheFieldInWhichTwoVersionsOfATypeDiffer) {
+TEST_F(Connections, ReportTheFieldInWhichTwoVersionsOfATypeDiffer) {
   (*ports[1][1])[0].type = joint(7);
   EXPECT_THAT(text(check({"robot", "a", "state"}, {"line", "b", "joint"})),
-              testing::HasSubstr("position is double[6] in the first and double[7] in the second"));
+              testing::HasSubstr("position is double[6] in the first version and double[7] in the second"));
 }
 
-TEST_F(Connections, AreNotCheckedIfThePortsAreNotKnown) {
+TEST_F(Connections, AreNotCheckedIfTheModulesPortsAreUnknown) {
   ports[1][1].reset();
   EXPECT_EQ(check({"robot", "a", "state"}, {"line", "b", "anything"}), Problems{});
 }
 
-TEST_F(Connections, AreCheckedEvenWithASingleEnd) {
+TEST_F(Connections, AreCheckedEvenIfOnlyOneEndIsInTheCell) {
   EXPECT_EQ(check({"robot", "a", "state"}, {}), Problems{});
   EXPECT_EQ(check({}, {"robot", "a", "state"}).size(), 1U);
 }
@@ -108,7 +108,7 @@ TEST_F(Connections, ImmediateDispatchNeedsAConnectedEventPort) {
           "cell.xml:5: error: module a has <dispatch>immediate</dispatch>, but none of its event ports"));
   (*ports[0][0]).erase((*ports[0][0]).begin() + 1);
   EXPECT_THAT(text(check({"robot", "b", "state"}, {"robot", "a", "joint"})),
-              testing::HasSubstr("no event port that releases it"));
+              testing::HasSubstr("no event port that could release it"));
 }
 
 TEST(PortsJson, SurvivesARoundTrip) {
@@ -134,14 +134,15 @@ TEST(TypeDifference, NamesTheFirstDifferingField) {
   EXPECT_EQ(difference(first, first), "");
   Type second = first;
   second.fields.push_back(field("time", Scalar::int64));
-  EXPECT_EQ(difference(first, second), "time is only in the second");
-  EXPECT_EQ(difference(second, first), "time is only in the first");
+  EXPECT_EQ(difference(first, second), "time is only in the second version");
+  EXPECT_EQ(difference(second, first), "time is only in the first version");
   second = first;
   second.fields[0].name = "angle";
-  EXPECT_EQ(difference(first, second), "where the first has position, the second has angle");
+  EXPECT_EQ(difference(first, second), "where the first version has position, the second has angle");
   second = first;
   second.fields[0].scalar = Scalar::float32;
-  EXPECT_EQ(difference(first, second), "position is double[6] in the first and float[6] in the second");
+  EXPECT_EQ(difference(first, second),
+            "position is double[6] in the first version and float[6] in the second");
 }
 
 /// robot.a has the service "grip". Module line.b has a matching client "ask"; the clients of line.a and
@@ -177,24 +178,24 @@ class Services : public Connections {
   }
 };
 
-TEST_F(Services, AcceptMatchingTypes) {
+TEST_F(Services, AcceptAClientWithTheSameTypes) {
   EXPECT_EQ(check_service({"line", "b", "ask"}, {"robot", "a", "grip"}), "");
 }
 
-TEST_F(Services, RejectDifferentTypesAndNameThem) {
+TEST_F(Services, NameTheTypesInWhichAClientDiffers) {
   EXPECT_EQ(check_service({"line", "a", "ask"}, {"robot", "a", "grip"}),
-            "cell.xml:9: error: client line.a.ask has requests of type motion::Joint, but service "
-            "robot.a.grip of type "
-            "motion::Pick; connect a client and a service with the same types");
-  EXPECT_EQ(
-      check_service({"robot", "b", "ask"}, {"robot", "a", "grip"}),
-      "cell.xml:9: error: client robot.b.ask and service robot.a.grip have different versions of type "
-      "motion::Joint: "
-      "position is double[7] in the first and double[6] in the second; build both components from the same "
-      "IDL");
+            "cell.xml:9: error: client line.a.ask has requests of type motion::Joint, but those of service "
+            "robot.a.grip have type "
+            "motion::Pick; connect a client and a service that have the same request and reply types");
+  EXPECT_EQ(check_service({"robot", "b", "ask"}, {"robot", "a", "grip"}),
+            "cell.xml:9: error: client robot.b.ask and service robot.a.grip have different versions of type "
+            "motion::Joint: "
+            "position is double[7] in the first version and double[6] in the second; build both components "
+            "from the same "
+            "IDL");
 }
 
-TEST_F(Services, RejectEndsThatAreNotAServiceOrClient) {
+TEST_F(Services, RejectEndsThatAreNotAClientAndAService) {
   EXPECT_EQ(check_service({"line", "b", "ask"}, {"robot", "a", "gripp"}),
             "cell.xml:9: error: module robot.a has no service 'gripp'; did you mean grip?");
   EXPECT_EQ(
@@ -209,7 +210,7 @@ TEST_F(Services, RejectEndsThatAreNotAServiceOrClient) {
       "and server=\"...\" names the service");
 }
 
-TEST_F(Services, CannotBeConnectedAsPorts) {
+TEST_F(Services, CannotBeUsedAsPortsOfAConnection) {
   EXPECT_EQ(text(check({"robot", "a", "state"}, {"robot", "a", "grip"})),
             "cell.xml:12: error: 'grip' of module robot.a is a service, not a port; connect it with <service "
             "client=\"...\" server=\"...\"/>");

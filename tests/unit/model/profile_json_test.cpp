@@ -24,7 +24,7 @@ Problems problems_of(const std::string& text) {
   return parsed ? Problems{} : parsed.problems();
 }
 
-/// A profile of one module with these entries.
+/// Returns the JSON of a profile with one module that has these entries.
 std::string of_module(const std::string& entries) {
   return "{\"cell\": \"c\", \"modules\": {\n\"d.m\": {" + entries + "}}}";
 }
@@ -46,35 +46,35 @@ TEST(ProfileJson, SurvivesARoundTrip) {
   EXPECT_EQ(read->modules.at("robot.never").runs, 0U);
 }
 
-TEST(ProfileJson, ContainsTheMeasuredMachine) {
+TEST(ProfileJson, DescribesTheMachineOnWhichItWasMeasured) {
   EXPECT_THAT(profile_json(profile(), {{"kernel", "6.1"}}), HasSubstr("\"kernel\": \"6.1\""));
 }
 
-TEST(ProfileJson, RejectsTextThatIsNotJsonWithItsLine) {
+TEST(ProfileJson, ReportsTheLineAtWhichItsTextIsNotJson) {
   EXPECT_THAT(problems_of("{\"cell\": \"c\",\n\n oops"),
               ElementsAre(problem("p.json:3", "not JSON", "takt run --profile")));
   EXPECT_THAT(problems_of(""), ElementsAre(problem("p.json:1", "not JSON", "")));
   EXPECT_THAT(problems_of("[]"), ElementsAre(problem("p.json:1", "not a profile", "")));
 }
 
-TEST(ProfileJson, ReportsMissingCellAndModules) {
+TEST(ProfileJson, ReportsAMissingCellNameAndMissingModules) {
   EXPECT_THAT(problems_of("{}"),
               ElementsAre(problem("p.json:1", "does not name its cell", "\"cell\": \"NAME\""),
-                          problem("p.json:1", "no modules", "")));
+                          problem("p.json:1", "the profile has no \"modules\" object", "")));
 }
 
-TEST(ProfileJson, SuggestsAKeyForAnUnknownOne) {
+TEST(ProfileJson, SuggestsASimilarKeyForAnUnknownKey) {
   EXPECT_THAT(problems_of(R"({"cell": "c", "module": {}, "modules": {}})"),
               ElementsAre(problem("p.json:1", "'module'", "did you mean modules?")));
 }
 
-TEST(ProfileJson, NamesEachMissingTime) {
+TEST(ProfileJson, ReportsEachMissingRunTime) {
   EXPECT_THAT(problems_of(of_module(R"("runs": 1, "min_ns": 1, "p50_ns": 1, "p99_ns": 1)")),
               ElementsAre(problem("p.json:2", "'d.m' has no \"p999_ns\"", ""),
                           problem("p.json:2", "'d.m' has no \"max_ns\"", "")));
 }
 
-TEST(ProfileJson, RejectsValuesThatAreNotTimes) {
+TEST(ProfileJson, RejectsRunTimesThatAreNotWholeNumbers) {
   for (const char* bad : {"-1", "1.5", "\"5\"", "null", "9223372036854775808"}) {
     const std::string entries =
         R"("runs": 1, "min_ns": 0, "p50_ns": 0, "p99_ns": 0, "p999_ns": 0, "max_ns": )" + std::string{bad};
@@ -84,14 +84,14 @@ TEST(ProfileJson, RejectsValuesThatAreNotTimes) {
   }
 }
 
-TEST(ProfileJson, RejectsTimesOutOfOrder) {
+TEST(ProfileJson, RejectsPercentilesThatDecrease) {
   EXPECT_THAT(
       problems_of(
           of_module(R"("runs": 1, "min_ns": 2, "p50_ns": 2, "p99_ns": 9, "p999_ns": 3, "max_ns": 4)")),
       ElementsAre(problem("p.json:2", "\"p99_ns\" of 'd.m' is larger than \"p999_ns\"", "do not decrease")));
 }
 
-TEST(ProfileJson, RejectsNamesThatAreNotDeviceAndModule) {
+TEST(ProfileJson, RejectsModuleNamesNotOfTheFormDeviceDotModule) {
   for (const char* name : {"m", ".m", "d.", "a.b.c"}) {
     const std::string text = R"({"cell": "c", "modules": {")" + std::string{name} + R"(": 1}})";
     EXPECT_THAT(problems_of(text),

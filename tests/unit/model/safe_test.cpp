@@ -6,10 +6,11 @@
 namespace takt::model::safe_test {
 namespace {
 
-/// robot.servo with the output `effort` (torque, mode), and the input `measured`.
-class SafeValueTest : public testing::Test {
+/// A cell with module robot.servo, which has the output `effort` (fields torque and mode) and the input
+/// `measured`.
+class PortSafeValue : public testing::Test {
  protected:
-  SafeValueTest() {
+  PortSafeValue() {
     cell.name = "cell";
     cell.file = "cell.xml";
     Device robot;
@@ -35,20 +36,20 @@ class SafeValueTest : public testing::Test {
   CellPorts ports;
 };
 
-TEST_F(SafeValueTest, IsEmptyIfNothingDefinesIt) {
+TEST_F(PortSafeValue, IsEmptyIfNothingDefinesIt) {
   EXPECT_EQ(value(), "");
   EXPECT_TRUE(safe_bytes(servo(), effort()).empty());
   EXPECT_TRUE(safe_outputs(cell, ports).empty());
 }
 
-TEST_F(SafeValueTest, KeepsTheComponentsValueForFieldsNotInTheDescriptor) {
+TEST_F(PortSafeValue, TakesFieldsNotInTheDescriptorFromTheComponent) {
   effort().safe = R"({"torque":[1.0,2.0],"mode":"HOLD"})";
   EXPECT_EQ(value(), R"({"torque":[1.0,2.0],"mode":"HOLD"})");
   servo().safe = {{"effort", {{"torque", "[3, 4]"}}}};
   EXPECT_EQ(value(), R"({"torque": [3, 4], "mode": "HOLD"})");
 }
 
-TEST_F(SafeValueTest, IsZeroInUndefinedFields) {
+TEST_F(PortSafeValue, IsZeroInUndefinedFields) {
   servo().safe = {{"effort", {}}};
   EXPECT_EQ(value(), R"({"torque": [0, 0], "mode": "OFF"})");
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
@@ -56,7 +57,7 @@ TEST_F(SafeValueTest, IsZeroInUndefinedFields) {
   EXPECT_EQ(problems(), "");
 }
 
-TEST_F(SafeValueTest, ReportsEachMistakeWithItsLine) {
+TEST_F(PortSafeValue, ReportsEachMistakeWithItsLine) {
   servo().safe = {
       {"effort", {{"torqe", "1", 7}, {"torque", "[1]", 8}, {"mode", "hold", 9}, {"mode", "OFF", 10}}, 6},
       {"measured", {}, 11},
@@ -65,19 +66,19 @@ TEST_F(SafeValueTest, ReportsEachMistakeWithItsLine) {
       problems(),
       "cell.xml:7: error: the safe value of port 'effort': motion::Effort has no field 'torqe'; did you "
       "mean torque?\n"
-      "cell.xml:8: error: the safe value of port 'effort': motion::Effort.torque cannot be a list of 1; "
-      "write a "
-      "list of 2\n"
+      "cell.xml:8: error: the safe value of port 'effort': motion::Effort.torque cannot be a list of length "
+      "1; "
+      "write a list of length 2\n"
       "cell.xml:9: error: the safe value of port 'effort': motion::Effort.mode cannot be \"hold\"; did "
       "you mean HOLD?\n"
       "cell.xml:10: error: the safe value of port 'effort': motion::Effort.mode is given twice; give it "
       "one value\n"
-      "cell.xml:11: error: port robot.servo.measured is an input and cannot have a safe value; it must be "
+      "cell.xml:11: error: port robot.servo.measured is an input and cannot have a safe value; use "
       "effort\n"
       "cell.xml:12: error: module robot.servo has no output 'efort'; did you mean effort?");
 }
 
-TEST_F(SafeValueTest, SurvivesARoundTripThroughJson) {
+TEST_F(PortSafeValue, SurvivesARoundTripThroughJson) {
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
   const auto outputs = safe_outputs(cell, ports);
   ASSERT_EQ(outputs.size(), 1U);
@@ -87,7 +88,7 @@ TEST_F(SafeValueTest, SurvivesARoundTripThroughJson) {
   EXPECT_TRUE(parse_safe("[1]")[0].json.empty());
 }
 
-TEST_F(SafeValueTest, IsReadFromHexAndFromJson) {
+TEST_F(PortSafeValue, CanBeReadFromHexAndFromJson) {
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
   std::string hex;
   for (const std::byte byte : safe_bytes(servo(), effort())) {
@@ -104,7 +105,7 @@ TEST_F(SafeValueTest, IsReadFromHexAndFromJson) {
   EXPECT_EQ(read_safe({}, (*again)[0]).json, R"({"torque":[0,0],"mode":"HOLD"})");
 }
 
-TEST_F(SafeValueTest, DoesNotExistForQueuesEventsAndExternalWriters) {
+TEST_F(PortSafeValue, IsNotAllowedForQueuesEventsAndExternalWriters) {
   Connection connection;
   connection.from = {"robot", "servo", "effort"};
   connection.to = {"robot", "servo", "measured"};

@@ -23,7 +23,7 @@ const std::string kPlan =
     R"({"name":"way","type":"double","array":[2,6],"sequence":8,"elements":[3]},)"
     R"({"name":"start","type":"struct","of":"motion::Pose","fields":[{"name":"x","type":"long"}]}]})";
 
-/// The problems of a type with this description.
+/// Returns the problems in this description of a type.
 std::vector<std::string> problems_of(const std::string& text) {
   const auto type = parse_type(text);
   std::vector<std::string> lines;
@@ -38,7 +38,7 @@ Type type_of(const std::string& fields) {
   return parse_type(R"({"name":"T","fields":[)" + fields + "]}").value();
 }
 
-TEST(Type, ReadsADescription) {
+TEST(Type, IsParsedFromItsDescription) {
   const auto type = parse_type(kPlan);
   ASSERT_TRUE(type.ok()) << to_text(type.problems());
   EXPECT_EQ(type->name, "motion::Plan");
@@ -57,7 +57,7 @@ TEST(Type, ReadsADescription) {
   EXPECT_EQ(type->fields[3].fields.at(0).name, "x");
 }
 
-TEST(Type, WritesTheDescriptionUnchanged) { EXPECT_EQ(to_text(*parse_type(kPlan)), kPlan); }
+TEST(Type, IsWrittenBackAsTheSameDescription) { EXPECT_EQ(to_text(*parse_type(kPlan)), kPlan); }
 
 TEST(Type, DiffersIfAnyPartOfTheDescriptionDiffers) {
   const Type plan = *parse_type(kPlan);
@@ -92,7 +92,7 @@ TEST(Type, HasAKeywordForEachScalar) {
   EXPECT_STREQ(to_text(Scalar::structure), "struct");
 }
 
-// Types that no port can have
+// ---- Types that a port cannot have
 
 TEST(Type, RejectsAStringWithoutABound) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"string"})"),
@@ -105,7 +105,7 @@ TEST(Type, RejectsAStringWithoutABound) {
               ElementsAre("T.x is a string without a bound"));
 }
 
-TEST(Type, RejectsASequenceWithoutABound) {
+TEST(Type, RejectsASequenceOrArrayWithoutABound) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","sequence":0})"),
               ElementsAre("T.x is a sequence without a bound"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","sequence":1.5})"),
@@ -127,16 +127,16 @@ TEST(Type, RejectsASequenceWithinASequence) {
               ElementsAre("T.out.in is a sequence within a sequence"));
   EXPECT_THAT(problems_with(around(around(inner, ""), R"("sequence":3,)")),
               ElementsAre("T.out.out.in is a sequence within a sequence"));
-  // One sequence after another is allowed.
+  // A struct may contain two sequences side by side.
   EXPECT_THAT(problems_with(around(R"({"name":"a","type":"long"})", R"("sequence":3,)") + "," + inner),
               ElementsAre());
 }
 
-TEST(Type, RejectsAKey) {
+TEST(Type, RejectsAKeyField) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","key":true})"), ElementsAre("T.x is a key"));
 }
 
-TEST(Type, RejectsUnknownTypesAndMembers) {
+TEST(Type, RejectsUnknownFieldTypesAndJsonMembers) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"wstring"})"), ElementsAre("T.x has no known type"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":7})"), ElementsAre("T.x has no known type"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","bound":7})"),
@@ -184,10 +184,10 @@ TEST(Type, RejectsTextThatIsNotADescription) {
   }
   EXPECT_FALSE(parse_type(std::string(100'000, '[')).ok());
   EXPECT_THAT(problems_of(std::string(kMaxDescription + 1, ' ')),
-              ElementsAre(HasSubstr("its description has 1048577 bytes")));
+              ElementsAre(HasSubstr("the description has 1048577 bytes")));
 }
 
-// Limits of the whole type
+// ---- Limits for a whole type
 
 std::string nested(std::size_t structs) {
   std::string fields = R"({"name":"x","type":"long"})";
@@ -196,7 +196,7 @@ std::string nested(std::size_t structs) {
   return fields;
 }
 
-TEST(Type, LimitsTheNestingOfStructs) {
+TEST(Type, LimitsTheDepthOfNestedStructs) {
   EXPECT_THAT(problems_with(nested(kMaxNesting)), ElementsAre());
   EXPECT_THAT(problems_with(nested(kMaxNesting + 1)),
               ElementsAre(HasSubstr("is a struct that is nested too deep")));
@@ -208,8 +208,7 @@ TEST(Type, LimitsTheNumberOfFields) {
   for (std::size_t i = 0; i < kMaxFields; ++i)
     fields += R"({"name":"f)" + std::to_string(i) + R"(","type":"octet"},)";
   EXPECT_THAT(problems_with(fields.substr(0, fields.size() - 1)), ElementsAre());
-  EXPECT_THAT(problems_with(fields + R"({"name":"x","type":"octet"})"),
-              ElementsAre("T has too many fields for one type"));
+  EXPECT_THAT(problems_with(fields + R"({"name":"x","type":"octet"})"), ElementsAre("T has too many fields"));
 }
 
 TEST(Type, LimitsTheSizeOfASample) {
@@ -221,7 +220,7 @@ TEST(Type, LimitsTheSizeOfASample) {
               ElementsAre("T a sample has more than 67108864 bytes"));
 }
 
-// Sizes: 4 bytes of encapsulation, then the fields, padded to whole words.
+// ---- Maximum sizes: 4 bytes of encapsulation and the fields, rounded up to a multiple of 4
 
 TEST(MaxSize, IncludesPadding) {
   EXPECT_EQ(max_size(type_of(R"({"name":"a","type":"octet"})")), 8U);
@@ -234,8 +233,8 @@ TEST(MaxSize, IncludesPadding) {
   EXPECT_EQ(max_size(type_of(R"({"name":"a","type":"double","array":[2],"sequence":2})")), 4 + 2 * (8 + 16U));
 }
 
-TEST(MaxSize, OfAnArrayEqualsThatOfItsElements) {
-  // Each element has an odd size, so the padding differs from element to element.
+TEST(MaxSize, OfAnArrayEqualsThatOfTheSameElementsInSequence) {
+  // The size of an element is not a multiple of its alignment, so the padding differs between elements.
   const std::string odd = R"({"name":"n","type":"long"},{"name":"o","type":"string","bound":2})";
   for (std::size_t n = 1; n < 40; ++n) {
     std::string each;
@@ -249,8 +248,8 @@ TEST(MaxSize, OfAnArrayEqualsThatOfItsElements) {
   }
 }
 
-// Samples of {octet kind; string<3> label; sequence<Mode, 2> modes}: 8 bytes of encapsulation and kind, then
-// the length of label at byte 8
+// ---- Samples of {octet kind; string<3> label; sequence<Mode, 2> modes}. The encapsulation and `kind` take 8
+// bytes; the length of `label` is at byte 8.
 
 class Sample : public testing::Test {
  protected:
@@ -269,7 +268,7 @@ class Sample : public testing::Test {
   }
 };
 
-TEST_F(Sample, MustBeCompleteAndWithinItsBounds) {
+TEST_F(Sample, IsInvalidIfTruncatedOrOutOfBounds) {
   ASSERT_TRUE(is(right));
   EXPECT_FALSE(is({}));
   for (std::size_t size = 0; size < right.size(); ++size)
@@ -278,14 +277,14 @@ TEST_F(Sample, MustBeCompleteAndWithinItsBounds) {
   EXPECT_FALSE(with(1, 3));
   EXPECT_TRUE(with(3, 1));     // options
   EXPECT_TRUE(with(5, 0xEE));  // padding
-  EXPECT_FALSE(with(8, 0));    // length of label
+  EXPECT_FALSE(with(8, 0));    // the length of `label`
   EXPECT_FALSE(with(8, 2));
   EXPECT_FALSE(with(8, 5));
   EXPECT_FALSE(with(11, 0x80));
-  EXPECT_FALSE(with(13, 0));  // a zero before its end
+  EXPECT_FALSE(with(13, 0));  // a zero before the end of `label`
   EXPECT_FALSE(with(14, 'c'));
-  EXPECT_FALSE(with(16, 3));  // length of modes
-  EXPECT_FALSE(with(16, 1));  // leaves a whole mode behind the sequence
+  EXPECT_FALSE(with(16, 3));  // the length of `modes`
+  EXPECT_FALSE(with(16, 1));  // a complete mode would follow the sequence
   EXPECT_FALSE(with(20, 2));  // a mode
   EXPECT_FALSE(with(27, 1));
 }
@@ -295,7 +294,7 @@ TEST_F(Sample, MayBeBigEndian) {
   EXPECT_FALSE(is({0, 0, 0, 0, 7, 0, 0, 0, 3, 0, 0, 0, 'a', 'b', 0, 0, 0, 0, 0, 1, 0, 0, 0, 1}));
 }
 
-TEST_F(Sample, IsPrintedFieldByField) {
+TEST_F(Sample, IsPrintedAsJson) {
   EXPECT_EQ(sample_json(type, reinterpret_cast<const std::byte*>(right.data()), right.size()),
             R"({"kind": 7, "label": "ab", "modes": ["ON", "OFF"]})");
 }
@@ -307,7 +306,7 @@ TEST_F(Sample, IsBuiltFromJson) {
                          [](std::byte a, std::uint8_t b) { return a == std::byte{b}; }));
 }
 
-TEST_F(Sample, HasZeroForMissingFields) {
+TEST_F(Sample, HasZeroInFieldsMissingFromItsJson) {
   for (const auto* text : {"{}", "null", R"({"label": null})"}) {
     const auto bytes = sample_bytes(type, text);
     ASSERT_TRUE(bytes.ok());
@@ -316,7 +315,7 @@ TEST_F(Sample, HasZeroForMissingFields) {
   }
 }
 
-/// Builds a sample with one field from this JSON and prints it again; returns the value, or the first
+/// Builds a sample with one field from this JSON value and prints it. Returns the printed value, or the first
 /// problem.
 std::string through(const std::string& field, const std::string& json) {
   const Type type = type_of(R"({"name":"x",)" + field + "}");
@@ -328,7 +327,7 @@ std::string through(const std::string& field, const std::string& json) {
   return text.substr(6, text.size() - 7);
 }
 
-TEST(SampleJson, KeepsEveryNumber) {
+TEST(SampleJson, KeepsNumbersExactly) {
   EXPECT_EQ(through(R"("type":"unsigned long long")", "18446744073709551615"), "18446744073709551615");
   EXPECT_EQ(through(R"("type":"long long")", "-9223372036854775808"), "-9223372036854775808");
   EXPECT_EQ(through(R"("type":"int8")", "-128"), "-128");
@@ -343,7 +342,7 @@ TEST(SampleJson, KeepsEveryNumber) {
   EXPECT_EQ(through(R"("type":"boolean")", "true"), "true");
 }
 
-TEST(SampleJson, KeepsEveryCharacter) {
+TEST(SampleJson, KeepsCharactersAndStringsExactly) {
   for (int c = 0; c < 256; ++c) {
     const Type type = type_of(R"({"name":"x","type":"char"})");
     const std::array<std::byte, 5> bytes{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0},
@@ -362,7 +361,7 @@ TEST(SampleJson, ReplacesInvalidUtf8) {
             "{\"x\": \"a\xEF\xBF\xBD\"}");
 }
 
-TEST(SampleJson, HasAListForEachDimension) {
+TEST(SampleJson, NestsOneListPerArrayDimension) {
   EXPECT_EQ(through(R"("type":"long","array":[2,3])", "[[1,2,3],[4,5,6]]"), "[[1, 2, 3], [4, 5, 6]]");
   EXPECT_EQ(through(R"("type":"long","array":[2],"sequence":3,"elements":[1])", "[[[1],[2]],[]]"),
             "[[[1], [2]], []]");
@@ -371,7 +370,7 @@ TEST(SampleJson, HasAListForEachDimension) {
             R"([{"y": 1}, {"y": 0}])");
 }
 
-TEST(SampleBytes, NameTheFieldThatDoesNotFit) {
+TEST(SampleBytes, ReportTheFieldWhoseValueDoesNotFit) {
   EXPECT_EQ(through(R"("type":"octet")", "256"), "T.x cannot be 256; write a whole number from 0 to 255");
   EXPECT_EQ(through(R"("type":"octet")", "-1"), "T.x cannot be -1; write a whole number from 0 to 255");
   EXPECT_EQ(through(R"("type":"long")", "1.5"),
@@ -387,27 +386,28 @@ TEST(SampleBytes, NameTheFieldThatDoesNotFit) {
             "T.x cannot be \"much\"; write a number that a double can hold, or \"NaN\"");
   EXPECT_EQ(through(R"("type":"boolean")", "1"), "T.x cannot be 1; write true or false");
   EXPECT_EQ(through(R"("type":"char")", "\"ab\""),
-            "T.x cannot be \"ab\"; write one character of Latin-1 in a string");
+            "T.x cannot be \"ab\"; write a string of one Latin-1 character");
   EXPECT_EQ(through(R"("type":"string","bound":2)", "\"abc\""),
-            "T.x cannot be \"abc\"; write a string of at most 2 bytes without a zero byte");
+            "T.x cannot be \"abc\"; write a string of at most 2 bytes that contains no zero byte");
   EXPECT_EQ(through(R"("type":"string","bound":2)", "\"\\u0000\""),
-            "T.x cannot be \"\\u0000\"; write a string of at most 2 bytes without a zero byte");
+            "T.x cannot be \"\\u0000\"; write a string of at most 2 bytes that contains no zero byte");
   EXPECT_EQ(through(R"("type":"enum","of":"E","enumerators":["OFF","ON"])", "\"On\""),
             "T.x cannot be \"On\"; did you mean ON?");
   EXPECT_EQ(through(R"("type":"enum","of":"E","enumerators":["OFF","ON"])", "1"),
-            "T.x cannot be 1; it can be OFF or ON");
-  EXPECT_EQ(through(R"("type":"long","array":[2])", "[1]"), "T.x cannot be a list of 1; write a list of 2");
+            "T.x cannot be 1; use OFF or ON");
+  EXPECT_EQ(through(R"("type":"long","array":[2])", "[1]"),
+            "T.x cannot be a list of length 1; write a list of length 2");
   EXPECT_EQ(through(R"("type":"long","array":[2])", "[1,\"\"]"),
             "T.x[1] cannot be \"\"; write a whole number from -2147483648 to 2147483647");
   EXPECT_EQ(through(R"("type":"long","sequence":2)", "[1,2,3]"),
-            "T.x cannot be a list of 3; write a list of at most 2");
+            "T.x cannot be a list of length 3; write a list of length at most 2");
   EXPECT_EQ(through(R"("type":"struct","of":"S","fields":[{"name":"y","type":"octet"}])", R"({"z":1})"),
-            "T.x has no field 'z'; it must be y");
+            "T.x has no field 'z'; use y");
   EXPECT_EQ(through(R"("type":"struct","of":"S","fields":[{"name":"y","type":"octet"}])", "3"),
             "T.x cannot be 3; write an object, {\"field\": value}");
 }
 
-TEST(SampleBytes, ReportAllFieldsThatDoNotFit) {
+TEST(SampleBytes, ReportEveryFieldWhoseValueDoesNotFit) {
   const Type type = type_of(R"({"name":"a","type":"octet"},{"name":"b","type":"octet","array":[3]})");
   const auto bytes = sample_bytes(type, R"({"a": 300, "b": [1, -1, true], "c": 0})");
   ASSERT_FALSE(bytes.ok());
@@ -424,7 +424,7 @@ TEST(SampleBytes, CannotBeBuiltFromTextThatIsNotJson) {
     ASSERT_FALSE(bytes.ok());
     EXPECT_THAT(bytes.problems()[0].what, StartsWith("the sample is not JSON"));
   }
-  // Deeply nested, but valid JSON.
+  // This JSON is deeply nested, but valid.
   EXPECT_FALSE(sample_bytes(type, std::string(100'000, '[') + std::string(100'000, ']')).ok());
 }
 

@@ -1,5 +1,5 @@
-// Tests the rules for cells that a program builds. The files in tests/unit/descriptor/cases test those for
-// descriptors.
+// Tests validate() on cells that a program builds. The files in tests/unit/descriptor/cases test the same
+// rules on descriptors.
 #include <takt/model/validate.hpp>
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ Module servo(const std::string& name, int line) {
   return module;
 }
 
-/// A cell of one device with modules a (line 3) and b (line 5).
+/// Returns a cell of one device with modules a (defined in line 3) and b (in line 5).
 Cell cell() {
   Device device;
   device.name = "robot";
@@ -63,7 +63,7 @@ Problems problems_after(Break change) {
 
 TEST(Validate, AcceptsAValidCell) { EXPECT_THAT(validate(cell()), IsEmpty()); }
 
-TEST(Validate, RejectsNumbersOutOfRange) {
+TEST(Validate, RejectsNumbersOutsideTheirRange) {
   const auto device = [](auto change) { return problems_after([&](Cell& c) { change(c.devices[0]); }); };
   EXPECT_THAT(problems_after([](Cell& c) { c.domain = 233; }), ElementsAre(problem("c.xml:1", "domain 233")));
   EXPECT_THAT(problems_after([](Cell& c) { c.domain = -1; }), ElementsAre(problem("c.xml:1", "domain -1")));
@@ -196,10 +196,11 @@ TEST(Validate, RejectsModulesThatWaitForEachOtherForever) {
     });
   };
   EXPECT_THAT(with({stale("a", "b", 8), stale("b", "c", 9), stale("a", "c", 10)}), IsEmpty());
-  EXPECT_THAT(with({stale("a", "b", 8), stale("b", "a", 9)}),
-              ElementsAre(problem("c.xml:8", "modules robot.a, robot.b each wait for a value of the next")));
+  EXPECT_THAT(
+      with({stale("a", "b", 8), stale("b", "a", 9)}),
+      ElementsAre(problem("c.xml:8", "modules robot.a, robot.b wait for each other's values in a cycle")));
   EXPECT_THAT(with({stale("a", "b", 8), stale("b", "c", 9), stale("c", "a", 10), stale("c", "d", 11)}),
-              ElementsAre(problem("c.xml:8", "each wait for a value of the next")));
+              ElementsAre(problem("c.xml:8", "wait for each other's values in a cycle")));
   EXPECT_THAT(with({stale("a", "a", 8)}), ElementsAre(problem("c.xml:8", "that it writes itself")));
   auto holds = stale("b", "a", 9);
   holds.stale = Stale::hold;
@@ -220,29 +221,29 @@ Connection to_topic(const std::string& from, const std::string& topic, int line)
   return outside;
 }
 
-TEST(Validate, AllowsASingleEndOnlyWithATopic) {
+TEST(Validate, AllowsAConnectionWithOneEndOnlyIfItHasATopic) {
   const auto with = [](auto... connections) {
     return problems_after([&](Cell& c) { c.connections = {connections...}; });
   };
   EXPECT_THAT(with(from_topic("t", "in", 8), to_topic("out", "u", 9)), IsEmpty());
-  EXPECT_THAT(with(from_topic("", "in", 8)), ElementsAre(problem("c.xml:8", "has no from")));
-  EXPECT_THAT(with(to_topic("out", "", 8)), ElementsAre(problem("c.xml:8", "has no to")));
+  EXPECT_THAT(with(from_topic("", "in", 8)), ElementsAre(problem("c.xml:8", "has no attribute 'from'")));
+  EXPECT_THAT(with(to_topic("out", "", 8)), ElementsAre(problem("c.xml:8", "has no attribute 'to'")));
   Connection nothing;
   nothing.topic = "t";
   nothing.line = 8;
-  EXPECT_THAT(with(nothing), ElementsAre(problem("c.xml:8", "neither from nor to")));
+  EXPECT_THAT(with(nothing), ElementsAre(problem("c.xml:8", "neither attribute 'from' nor attribute 'to'")));
   Connection stale = to_topic("out", "t", 8);
   stale.deadline = 1ms;
   EXPECT_THAT(with(stale), IsEmpty());
   stale.stale = Stale::error;
-  EXPECT_THAT(with(stale), ElementsAre(problem("c.xml:8", "has stale=\"error\" but no to")));
-  // An incomplete end does not count as an end that was left out.
+  EXPECT_THAT(with(stale), ElementsAre(problem("c.xml:8", "has stale=\"error\" but no attribute 'to'")));
+  // An incomplete end does not count as a missing end.
   Connection half = from_topic("t", "in", 8);
   half.from.port = "out";
-  EXPECT_THAT(with(half), ElementsAre(problem("c.xml:8", "from is not valid: '..out'")));
+  EXPECT_THAT(with(half), ElementsAre(problem("c.xml:8", "attribute 'from' is not valid: '..out'")));
   half = to_topic("out", "t", 8);
   half.to.device = "robot";
-  EXPECT_THAT(with(half), ElementsAre(problem("c.xml:8", "to is not valid: 'robot'")));
+  EXPECT_THAT(with(half), ElementsAre(problem("c.xml:8", "attribute 'to' is not valid: 'robot'")));
 }
 
 TEST(Validate, RejectsInvalidTopics) {
@@ -267,7 +268,7 @@ TEST(Validate, RejectsInvalidTopics) {
   EXPECT_THAT(with("", 3), ElementsAre(problem("c.xml:8", "a domain but no topic")));
 }
 
-TEST(Validate, CountsWritersOutsideTheCell) {
+TEST(Validate, CountsAllWritersOfAPortIncludingThoseOutsideTheCell) {
   const auto with = [](auto... connections) {
     return problems_after([&](Cell& c) { c.connections = {connections...}; });
   };
@@ -279,7 +280,7 @@ TEST(Validate, CountsWritersOutsideTheCell) {
   EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("u", "in", 9)), two(9));
   EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("t", "other", 9)), IsEmpty());
 
-  // Writers are counted by topic, even if the reader's connection names only one of them.
+  // All writers of a topic count, even if the reader's connection names only one of them.
   Connection named = connection("out", "in", 8);
   named.topic = "t";
   Connection other = to_topic("other", "t", 9);
@@ -327,7 +328,8 @@ TEST(Validate, RejectsDuplicateConnections) {
 TEST(Validate, RejectsADefaultTopicThatIsTooLong) {
   const auto of = [](std::size_t length, bool between_devices) {
     return problems_after([&](Cell& c) {
-      c.name = std::string(length - 192 - 5, 'c');  // takt/, and three names of 63 with a / before each
+      // The topic is takt/, the cell's name, and three names of 63 characters, each after a /.
+      c.name = std::string(length - 192 - 5, 'c');
       Device other = c.devices[0];
       for (std::string* name : {&c.devices[0].name, &c.devices[0].modules[0].name})
         *name = std::string(63, 'x');
@@ -342,7 +344,7 @@ TEST(Validate, RejectsADefaultTopicThatIsTooLong) {
   EXPECT_THAT(of(256, false), IsEmpty()) << "a connection within one device has no topic";
 }
 
-TEST(Validate, RejectsElementsOfSporadicModulesOnOthers) {
+TEST(Validate, RejectsElementsForSporadicModulesInOtherModules) {
   const auto of_a = [](auto change) {
     return problems_after([&](Cell& c) { change(c.devices[0].modules[0]); });
   };
@@ -382,7 +384,7 @@ TEST(Validate, RejectsElementsOfSporadicModulesOnOthers) {
                           problem("c.xml:3", "has an <interarrival>")));
 }
 
-TEST(Validate, RejectsInvalidDiscovery) {
+TEST(Validate, RejectsInvalidDiscoverySettings) {
   using Kind = Discovery::Kind;
   const auto with = [](Discovery discovery, const std::string& server_device = "") {
     return problems_after([&](Cell& c) {
@@ -430,13 +432,13 @@ TEST(Validate, LimitsTheNumberOfConnections) {
   EXPECT_THAT(many(kMaxConnections + 1), ElementsAre(problem("c.xml:1", "more than 100000 connections")));
 }
 
-TEST(Validate, NamesTheLineOfTheFirstDuplicate) {
+TEST(Validate, NamesTheLineOfTheFirstOfTwoDuplicates) {
   const Problems problems = problems_after([](Cell& c) { c.devices[0].modules[1].name = "a"; });
   ASSERT_THAT(problems, ElementsAre(problem("c.xml:5", "duplicate module 'a'")));
   EXPECT_THAT(problems[0].fix, HasSubstr("line 3"));
 }
 
-TEST(Validate, FindsModulesOnDevicesWithTheSameName) {
+TEST(Validate, SearchesAllDevicesWithTheSameNameForAModule) {
   const auto problems = [](const std::string& module) {
     return problems_after([&](Cell& c) {
       Device second = c.devices[0];
@@ -451,10 +453,10 @@ TEST(Validate, FindsModulesOnDevicesWithTheSameName) {
   const Problems unknown = problems("xyz");
   ASSERT_THAT(unknown, ElementsAre(problem("c.xml:6", "duplicate device 'robot'"),
                                    problem("c.xml:9", "unknown module 'xyz' of device 'robot'")));
-  EXPECT_EQ(unknown[1].fix, "it can be a, b or gauge");
+  EXPECT_EQ(unknown[1].fix, "use a, b or gauge");
 }
 
-TEST(Validate, DoesNotReportConsequencesOfAnUnreadElement) {
+TEST(Validate, DoesNotReportErrorsCausedByAnElementThatCouldNotBeRead) {
   Cell broken = cell();
   broken.connections = {connection("out", "in", 8)};
   broken.connections[0].to.module = "unread";
@@ -470,7 +472,7 @@ TEST(Validate, DoesNotReportConsequencesOfAnUnreadElement) {
   EXPECT_THAT(validate(broken, {.devices = true, .of_device = {}, .without_ends = {}}), IsEmpty());
 }
 
-TEST(Validate, SortsProblemsByLineAndLimitsTheirNumber) {
+TEST(Validate, ReportsALimitedNumberOfProblemsSortedByLine) {
   Problems problems = problems_after([](Cell& c) {
     c.devices[0].modules[0].line = 7;
     for (Module& module : c.devices[0].modules) module.period.reset();
@@ -482,13 +484,13 @@ TEST(Validate, SortsProblemsByLineAndLimitsTheirNumber) {
   EXPECT_EQ(problems.size(), kMaxProblems);
 }
 
-TEST(Validate, NamesTheCellIfThereIsNoFile) {
+TEST(Validate, NamesTheCellInProblemsIfItHasNoFile) {
   Cell made;
   made.name = "made";
   EXPECT_THAT(validate(made), ElementsAre(problem("cell made", "no device")));
 }
 
-TEST(Validate, AcceptsTheConnectionsOfAService) {
+TEST(Validate, AcceptsServicesAndTheirConnections) {
   Cell cell = validate_test::cell();
   cell.services = {{.client = {"robot", "a", "ask"}, .server = {"robot", "b", "grip"}, .line = 7}};
   EXPECT_THAT(validate(cell), IsEmpty());

@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::Not;
 
-// A machine that is set up for real time.
+// Returns a machine that is fully set up for real time.
 os::Machine good_machine() {
   os::Machine machine;
   machine.kernel = "6.1.0-31-rt-amd64";
@@ -61,14 +61,14 @@ Finding finding(const std::string& name, const os::Machine& machine, const os::T
   return {};
 }
 
-TEST(Diagnosis, FindsNothingOnAGoodMachine) {
+TEST(Diagnosis, FindsNoProblemOnAWellConfiguredMachine) {
   for (const Finding& each : diagnose(good_machine(), good_trial())) {
     EXPECT_EQ(each.severity, Severity::good) << each.name << ": " << each.found;
     EXPECT_EQ(each.cure, "") << each.name;
   }
 }
 
-TEST(Diagnosis, HasATextInEachCheckOfAnUnknownMachine) {
+TEST(Diagnosis, ExplainsEveryCheckEvenIfNothingIsKnownAboutTheMachine) {
   std::set<std::string> names;
   for (const Finding& each : diagnose({}, {})) {
     EXPECT_NE(each.found, "") << each.name;
@@ -78,7 +78,7 @@ TEST(Diagnosis, HasATextInEachCheckOfAnUnknownMachine) {
   EXPECT_EQ(names.size(), 19U);
 }
 
-TEST(Diagnosis, HasACureForEveryProblem) {
+TEST(Diagnosis, SuggestsAFixForEveryProblem) {
   os::Machine machine = good_machine();
   machine.preemption = os::Preemption::none;
   machine.throttling = os::Throttling{.kept = milliseconds{50}};
@@ -121,7 +121,7 @@ TEST(Diagnosis, RatesTheKernelByItsPreemptionMode) {
       << "an unknown mode does not count as a problem";
 }
 
-TEST(Diagnosis, RatesDeniedPriorityAndMemoryAsSpoiling) {
+TEST(Diagnosis, SaysThatDeniedPriorityOrMemoryLockingSpoilsRealTime) {
   os::Trial trial = good_trial();
   trial.priority = fail("SCHED_FIFO 1 is denied: Operation not permitted");
   trial.locking = fail("mlockall is denied beyond 64 KiB");
@@ -133,7 +133,7 @@ TEST(Diagnosis, RatesDeniedPriorityAndMemoryAsSpoiling) {
   EXPECT_THAT(finding("memory", machine, trial).cure, HasSubstr("memlock"));
 }
 
-TEST(Diagnosis, RatesSwapAsSpoilingOnlyWithoutLockedMemory) {
+TEST(Diagnosis, SaysThatSwapSpoilsRealTimeOnlyIfMemoryCannotBeLocked) {
   os::Machine machine = good_machine();
   machine.swap_bytes = 1 << 30;
   EXPECT_EQ(finding("swap", machine).severity, Severity::note);
@@ -142,7 +142,7 @@ TEST(Diagnosis, RatesSwapAsSpoilingOnlyWithoutLockedMemory) {
   EXPECT_EQ(finding("swap", machine, trial).severity, Severity::spoils);
 }
 
-TEST(Diagnosis, GivesTheCureForTheKernelsKindOfThrottling) {
+TEST(Diagnosis, SuggestsTheThrottlingFixThatTheKernelSupports) {
   os::Machine machine = good_machine();
   machine.throttling = os::Throttling{.kept = milliseconds{50}};
   EXPECT_THAT(finding("throttling", machine).cure, HasSubstr("kernel.sched_rt_runtime_us=-1"));
@@ -156,7 +156,7 @@ TEST(Diagnosis, ReportsInterruptsOnTheCpusOfExecutors) {
   machine.interrupts[0].cpus = {3};
   EXPECT_THAT(finding("interrupts", machine).found, HasSubstr("16 (eth0)"));
   EXPECT_THAT(finding("interrupts", machine).cure, HasSubstr("echo 0-2 >"));
-  machine.isolated.clear();  // executors then get the highest CPU
+  machine.isolated.clear();  // without isolated CPUs, executors get the highest CPU
   EXPECT_EQ(finding("interrupts", machine).severity, Severity::note);
   machine.interrupts[0].cpus = {2};
   EXPECT_EQ(finding("interrupts", machine).severity, Severity::good);
@@ -164,7 +164,7 @@ TEST(Diagnosis, ReportsInterruptsOnTheCpusOfExecutors) {
   EXPECT_THAT(finding("interrupts", machine).cure, HasSubstr("irqbalance"));
 }
 
-TEST(Diagnosis, AcceptsIdleStatesThatTaktPrevents) {
+TEST(Diagnosis, AcceptsDeepIdleStatesThatTaktCanPrevent) {
   os::Machine machine = good_machine();
   machine.processors[0].idle_states.push_back({"C6", microseconds{133}});
   EXPECT_EQ(finding("idle states", machine).severity, Severity::good);
@@ -197,7 +197,7 @@ TEST(Diagnosis, RatesWakeUpsByTheirDelay) {
   EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::spoils);
 }
 
-TEST(Diagnosis, NamesTheMachineOutsideASealedContainer) {
+TEST(Diagnosis, SaysWhichFixesMustBeMadeOutsideASealedContainer) {
   os::Machine machine = good_machine();
   machine.huge_pages = "always";
   machine.container = "/.dockerenv";

@@ -37,7 +37,7 @@ std::vector<std::uint64_t> numbers(const std::vector<Fault>& events) {
   return numbers;
 }
 
-/// Limits the size of this process's files, like a full disk.
+/// Simulates a full disk: limits the size of the files that this process writes.
 class ShortFiles {
  public:
   explicit ShortFiles(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -57,7 +57,7 @@ class ShortFiles {
   rlimit before_{};
 };
 
-class FaultRecordTest : public testing::Test {
+class RecordOfFaults : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = testing::TempDir() + "/faults-" + testing::UnitTest::GetInstance()->current_test_info()->name();
@@ -87,7 +87,7 @@ class FaultRecordTest : public testing::Test {
   int appended_ = 0;
 };
 
-TEST_F(FaultRecordTest, WritesAnEventToItsFile) {
+TEST_F(RecordOfFaults, WritesAnEventToItsFile) {
   FaultRecord record = open();
   EXPECT_THAT(record.problems(), IsEmpty());
   EXPECT_EQ(record.file(), path_);
@@ -101,7 +101,7 @@ TEST_F(FaultRecordTest, WritesAnEventToItsFile) {
   EXPECT_EQ(read->damaged + read->overwritten, 0U);
 }
 
-TEST_F(FaultRecordTest, KeepsTheNewestEventsWhenItIsFull) {
+TEST_F(RecordOfFaults, KeepsTheNewestEventsWhenItIsFull) {
   FaultRecord record = open();
   append(record, kSlots);
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
@@ -118,7 +118,7 @@ TEST_F(FaultRecordTest, KeepsTheNewestEventsWhenItIsFull) {
   EXPECT_EQ(read->overwritten, 10U);
 }
 
-TEST_F(FaultRecordTest, ContinuesTheNumbersAfterARestart) {
+TEST_F(RecordOfFaults, ContinuesTheEventNumbersAfterARestart) {
   for (int restart = 0; restart < 4; ++restart) {
     FaultRecord record = open();
     append(record, 3);
@@ -127,7 +127,7 @@ TEST_F(FaultRecordTest, ContinuesTheNumbersAfterARestart) {
   EXPECT_EQ(open().overwritten(), 8U);
 }
 
-TEST_F(FaultRecordTest, CreatesTheFileWithItsFullSize) {
+TEST_F(RecordOfFaults, CreatesTheFileWithItsFullSize) {
   open();
   const std::string at_first = content();
   EXPECT_EQ(at_first.size(), 4096 + kSlots * kSlotBytes);
@@ -136,7 +136,7 @@ TEST_F(FaultRecordTest, CreatesTheFileWithItsFullSize) {
   EXPECT_EQ(content().size(), at_first.size());
 }
 
-TEST_F(FaultRecordTest, RejectsASlotWithAnyDamagedByte) {
+TEST_F(RecordOfFaults, RejectsASlotWithAnyDamagedByte) {
   Fault fault = event("run() threw");
   fault.sequence = 5;
   const std::string slot = encode_slot(fault);
@@ -150,7 +150,7 @@ TEST_F(FaultRecordTest, RejectsASlotWithAnyDamagedByte) {
   }
 }
 
-TEST_F(FaultRecordTest, IgnoresAForgedLastNumber) {
+TEST_F(RecordOfFaults, IgnoresAnEventWithAForgedHugeNumber) {
   {
     FaultRecord record = open();
     append(record, 2);
@@ -165,7 +165,7 @@ TEST_F(FaultRecordTest, IgnoresAForgedLastNumber) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
 }
 
-TEST_F(FaultRecordTest, DropsEventsOlderThanAFullRecordBeforeTheNewest) {
+TEST_F(RecordOfFaults, DropsEventsThatAreOlderThanItsCapacityAllows) {
   {
     FaultRecord record = open();
     append(record, 3);
@@ -180,7 +180,7 @@ TEST_F(FaultRecordTest, DropsEventsOlderThanAFullRecordBeforeTheNewest) {
   EXPECT_EQ(read_record_file(path_)->events, record.events());
 }
 
-TEST_F(FaultRecordTest, LosesOnlyTheEventOfAnInterruptedWrite) {
+TEST_F(RecordOfFaults, LosesOnlyTheEventWhoseWriteWasInterrupted) {
   {
     FaultRecord record = open();
     append(record, 3);
@@ -214,7 +214,7 @@ TEST_F(FaultRecordTest, LosesOnlyTheEventOfAnInterruptedWrite) {
   }
 }
 
-TEST_F(FaultRecordTest, DoesNotReuseTheNumberOfADamagedEvent) {
+TEST_F(RecordOfFaults, DoesNotReuseTheNumberOfADamagedEvent) {
   {
     FaultRecord record = open();
     append(record, 2);
@@ -228,7 +228,7 @@ TEST_F(FaultRecordTest, DoesNotReuseTheNumberOfADamagedEvent) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 4));
 }
 
-TEST_F(FaultRecordTest, ReadsATruncatedFile) {
+TEST_F(RecordOfFaults, ReadsTheIntactEventsOfATruncatedFile) {
   {
     FaultRecord record = open();
     append(record, 4);
@@ -246,7 +246,7 @@ TEST_F(FaultRecordTest, ReadsATruncatedFile) {
   EXPECT_EQ(content().size(), whole.size());
 }
 
-TEST_F(FaultRecordTest, RenamesARecordOfAnotherVersion) {
+TEST_F(RecordOfFaults, RenamesAFileOfAnotherVersion) {
   open();
   std::string other = content();
   other[0] = static_cast<char>(other[0] + 1);
@@ -261,8 +261,8 @@ TEST_F(FaultRecordTest, RenamesARecordOfAnotherVersion) {
   EXPECT_TRUE(std::filesystem::exists(path_ + ".damaged"));
 }
 
-TEST_F(FaultRecordTest, RecordsInMemoryWithoutAFile) {
-  std::filesystem::create_directories(path_);  // a folder is where the file should be
+TEST_F(RecordOfFaults, RecordsInMemoryIfTheFileCannotBeOpened) {
+  std::filesystem::create_directories(path_);  // the file cannot be created, because a folder has its name
   FaultRecord record = open();
   EXPECT_EQ(record.problems().size(), 1U);
   EXPECT_EQ(record.file(), "");
@@ -273,7 +273,7 @@ TEST_F(FaultRecordTest, RecordsInMemoryWithoutAFile) {
   EXPECT_THAT(numbers(in_memory.events()), ElementsAre(2, 3));
 }
 
-TEST_F(FaultRecordTest, WritesEventsFromMemoryWhenTheFileCanBeOpened) {
+TEST_F(RecordOfFaults, WritesTheEventsInMemoryOnceTheFileCanBeOpened) {
   std::ofstream{folder_} << "a file where a folder should be";
   FaultRecord record = open();
   append(record, 6);
@@ -289,7 +289,7 @@ TEST_F(FaultRecordTest, WritesEventsFromMemoryWhenTheFileCanBeOpened) {
   EXPECT_EQ(record.overwritten(), 3U);
 }
 
-TEST_F(FaultRecordTest, AppendsUnwrittenEventsWhenTheFileCanBeWritten) {
+TEST_F(RecordOfFaults, AppendsUnwrittenEventsOnceTheFileCanBeWrittenAgain) {
   FaultRecord record = open();
   append(record, 2);
   {
@@ -308,7 +308,7 @@ TEST_F(FaultRecordTest, AppendsUnwrittenEventsWhenTheFileCanBeWritten) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 4, 5));
 }
 
-TEST_F(FaultRecordTest, RenumbersEventsFromMemoryAfterThoseOfAnotherRecord) {
+TEST_F(RecordOfFaults, RenumbersItsUnwrittenEventsToFollowThoseInTheFile) {
   auto first = std::make_unique<FaultRecord>(open());
   append(*first, 2);
   FaultRecord second = open();
@@ -321,14 +321,14 @@ TEST_F(FaultRecordTest, RenumbersEventsFromMemoryAfterThoseOfAnotherRecord) {
   EXPECT_EQ(read_record_file(path_)->events, second.events());
 }
 
-TEST_F(FaultRecordTest, LeavesNoPartialFileOnAFullDisk) {
+TEST_F(RecordOfFaults, LeavesNoPartialFileOnAFullDisk) {
   const ShortFiles limit{4096 + kSlotBytes};
   FaultRecord record = open();
   EXPECT_EQ(record.problems().size(), 1U);
   EXPECT_EQ(content(), "");
 }
 
-TEST_F(FaultRecordTest, RejectsAFileThatAnotherRecordHasOpen) {
+TEST_F(RecordOfFaults, RejectsAFileThatAnotherRecordHasOpen) {
   FaultRecord first = open();
   FaultRecord second = open();
   EXPECT_THAT(to_text(second.problems()), HasSubstr("in use"));
@@ -337,7 +337,7 @@ TEST_F(FaultRecordTest, RejectsAFileThatAnotherRecordHasOpen) {
   EXPECT_EQ(read_record_file(path_)->events.size(), 1U);
 }
 
-TEST_F(FaultRecordTest, CutsATextThatIsTooLong) {
+TEST_F(RecordOfFaults, ShortensACauseThatIsTooLong) {
   FaultRecord record = open();
   Fault fault = event(std::string(2000, 'x'));
   record.append(fault);
@@ -345,7 +345,7 @@ TEST_F(FaultRecordTest, CutsATextThatIsTooLong) {
   EXPECT_EQ(read_record_file(path_)->events, record.events());
 }
 
-TEST(ReadRecord, RejectsContentThatIsNotARecord) {
+TEST(ReadRecord, RejectsContentThatIsNotAFaultRecord) {
   for (const std::string& content : {std::string{}, std::string(10, 'x'), std::string(5000, '\0')})
     EXPECT_FALSE(read_record(content).ok());
   EXPECT_THAT(to_text(read_record_file("/nowhere/robot.0.faults").problems()),

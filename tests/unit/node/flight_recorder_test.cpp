@@ -18,9 +18,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The worker shares locks with the node's thread, such as those of the heap. If a background thread held one,
-// the node would wait for as long as other threads use the CPUs.
-TEST(FlightRecorder, WritesTracesOnAThreadWithTheNodesPriority) {
+// The thread that writes traces shares locks with the node's main thread, such as those of the heap. If it
+// held a lock at a low priority, other threads could preempt it and so block the node.
+TEST(FlightRecorder, WritesTracesOnAThreadWithTheSamePriorityAsTheNode) {
   model::Device device;
   device.executors.emplace_back();
   const auto plan = schedule::plan(model::Cell{}, device);
@@ -41,8 +41,8 @@ TEST(FlightRecorder, WritesTracesOnAThreadWithTheNodesPriority) {
   }
 }
 
-// Traces named after a later time were written before the clock was set back.
-TEST(FlightRecorder, KeepsANewTraceBesideTracesOfALaterTime) {
+// If the clock was set back, older traces have names with later times.
+TEST(FlightRecorder, KeepsANewTraceEvenIfOlderTracesHaveLaterTimes) {
   namespace fs = std::filesystem;
   const fs::path folder = testing::TempDir() + "takt-traces-" + std::to_string(os::process_id());
   fs::create_directories(folder);

@@ -35,7 +35,7 @@ DeviceStatus status(const std::string& path) {
 
 constexpr Instant kStart = from_ns(1'000'000'000);
 
-TEST(Heartbeat, PublishesNothingWithoutAStatus) {
+TEST(Heartbeat, PublishesNothingBeforeItHasAStatus) {
   Heartbeat heartbeat;
   FakeSink sink;
   heartbeat.beat(sink, kStart, 1);
@@ -43,7 +43,7 @@ TEST(Heartbeat, PublishesNothingWithoutAStatus) {
   EXPECT_TRUE(sink.written.empty());
 }
 
-TEST(Heartbeat, RepeatsTheStatusWithANewNumberAndTime) {
+TEST(Heartbeat, RepeatsTheStatusWithANewSequenceNumberAndTime) {
   Heartbeat heartbeat;
   FakeSink sink;
   heartbeat.kick(kStart);
@@ -55,7 +55,7 @@ TEST(Heartbeat, RepeatsTheStatusWithANewNumberAndTime) {
   EXPECT_EQ(sink.last.time_ns(), 20);
 }
 
-TEST(Heartbeat, WithdrawsTheOldKeyAfterPublishingTheNewOne) {
+TEST(Heartbeat, DisposesTheOldKeyOnlyAfterPublishingTheNewKey) {
   Heartbeat heartbeat;
   FakeSink sink;
   heartbeat.set(status("-/robot"));
@@ -69,7 +69,7 @@ TEST(Heartbeat, WithdrawsTheOldKeyAfterPublishingTheNewOne) {
               ElementsAre("-/robot", "cell/robot", "no -/robot", "cell/robot", "no cell/robot"));
 }
 
-TEST(Heartbeat, ReportsAMainLoopThatHangs) {
+TEST(Heartbeat, ReportsDegradedHealthIfTheMainLoopHangs) {
   Heartbeat heartbeat;
   FakeSink sink;
   heartbeat.kick(kStart);
@@ -85,7 +85,7 @@ TEST(Heartbeat, ReportsAMainLoopThatHangs) {
   EXPECT_EQ(sink.last.text().to_string(), "");
 }
 
-TEST(Heartbeat, KeepsTheFailedHealthOfADeviceThatHangs) {
+TEST(Heartbeat, DoesNotReplaceFailedHealthWhenTheMainLoopHangs) {
   Heartbeat heartbeat;
   FakeSink sink;
   DeviceStatus failed = status("cell/robot");
@@ -96,13 +96,13 @@ TEST(Heartbeat, KeepsTheFailedHealthOfADeviceThatHangs) {
   EXPECT_EQ(sink.last.health(), HEALTH_FAILED);
 }
 
-TEST(Heartbeat, PublishesAChangeAtOnce) {
+TEST(Heartbeat, PublishesAChangedStatusAtOnce) {
   Heartbeat heartbeat;
   FakeSink sink;
   heartbeat.set(status("-/robot"));
   heartbeat.serve(sink);
   EXPECT_THAT(sink.written, ElementsAre("-/robot"));
-  heartbeat.serve(sink);  // the next beat
+  heartbeat.serve(sink);  // this call publishes the next regular status
   EXPECT_THAT(sink.written, ElementsAre("-/robot", "-/robot"));
 }
 

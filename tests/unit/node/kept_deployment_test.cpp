@@ -16,7 +16,7 @@ namespace {
 using namespace std::string_literals;
 using testing::HasSubstr;
 
-class KeptDeploymentTest : public testing::Test {
+class StoredDeployment : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
@@ -38,14 +38,14 @@ class KeptDeploymentTest : public testing::Test {
                                     .t0_monotonic_ns = 123'456'789};
 };
 
-TEST_F(KeptDeploymentTest, HasNoDeploymentAtFirst) {
+TEST_F(StoredDeployment, IsAbsentAtFirst) {
   const auto kept = file_.kept();
   ASSERT_TRUE(kept.ok());
   EXPECT_FALSE(kept->has_value());
   EXPECT_TRUE(file_.forget().ok());
 }
 
-TEST_F(KeptDeploymentTest, ReadsBackADeploymentUntilItIsForgotten) {
+TEST_F(StoredDeployment, CanBeReadBackUntilItIsForgotten) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_EQ(**file_.kept(), deployment_);
   deployment_.id = "a2";
@@ -55,7 +55,7 @@ TEST_F(KeptDeploymentTest, ReadsBackADeploymentUntilItIsForgotten) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(KeptDeploymentTest, DetectsATruncatedFile) {
+TEST_F(StoredDeployment, IsRejectedIfItsFileIsTruncated) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   const std::string whole = content();
   for (std::size_t length = 0; length < whole.size(); ++length) {
@@ -66,7 +66,7 @@ TEST_F(KeptDeploymentTest, DetectsATruncatedFile) {
   }
 }
 
-TEST_F(KeptDeploymentTest, DetectsAnyChangedByte) {
+TEST_F(StoredDeployment, IsRejectedIfAnyByteChanged) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   const std::string whole = content();
   for (std::size_t at = 0; at < whole.size(); ++at) {
@@ -77,7 +77,7 @@ TEST_F(KeptDeploymentTest, DetectsAnyChangedByte) {
   }
 }
 
-TEST_F(KeptDeploymentTest, RejectsAnInvalidTime) {
+TEST_F(StoredDeployment, IsRejectedIfItsTimeIsInvalid) {
   for (const char* other : {"-1", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
     const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":)";
     for (const std::string& rest : {other + R"(,"boot":"3f1c","t0_monotonic_ns":1,"safe":""})"s,
@@ -92,7 +92,7 @@ TEST_F(KeptDeploymentTest, RejectsAnInvalidTime) {
   }
 }
 
-TEST_F(KeptDeploymentTest, ReadsAFileWithoutAMonotonicTime) {
+TEST_F(StoredDeployment, NeedsNoMonotonicTimeInItsFile) {
   const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":7,"safe":""})";
   ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
   const auto kept = file_.kept();
@@ -101,20 +101,20 @@ TEST_F(KeptDeploymentTest, ReadsAFileWithoutAMonotonicTime) {
   EXPECT_EQ((*kept)->boot, "");
 }
 
-TEST_F(KeptDeploymentTest, UsesOneFilePerDeviceAndDomain) {
+TEST_F(StoredDeployment, HasItsOwnFilePerDeviceAndDomain) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_FALSE((DeploymentFile{folder_, "robot", 8}).kept()->has_value());
   EXPECT_FALSE((DeploymentFile{folder_, "line", 7}).kept()->has_value());
 }
 
-TEST_F(KeptDeploymentTest, ReportsAFolderThatCannotBeWritten) {
+TEST_F(StoredDeployment, CannotBeStoredInAnUnwritableFolder) {
   const DeploymentFile nowhere{"/proc/takt", "robot", 0};
   const auto kept = nowhere.keep(deployment_);
   ASSERT_FALSE(kept.ok());
   EXPECT_THAT(to_text(kept.problems()), HasSubstr("/proc/takt"));
 }
 
-TEST(StateFolder, IsTheFolderThatTheEnvironmentNames) {
+TEST(StateFolder, CanBeSetByAnEnvironmentVariable) {
   ::setenv("TAKT_STATE_DIR", "/somewhere", 1);
   EXPECT_EQ(default_state_folder(), "/somewhere");
   ::unsetenv("TAKT_STATE_DIR");

@@ -45,7 +45,7 @@ TEST(Outbox, SendsNothingWhenItIsEmpty) {
   EXPECT_TRUE(sink.written.empty());
 }
 
-TEST(Outbox, SendsStatesOfDifferentModulesInOrderWithoutWaiting) {
+TEST(Outbox, SendsStatesOfDifferentModulesWithoutWaitingForAcknowledgement) {
   Outbox outbox;
   FakeSink sink;
   for (const char* path : {"b", "a", "c"}) outbox.put(status(path, 1));
@@ -54,7 +54,7 @@ TEST(Outbox, SendsStatesOfDifferentModulesInOrderWithoutWaiting) {
   EXPECT_THAT(sink.written, ElementsAre("b1", "a1", "c1"));
 }
 
-TEST(Outbox, SendsASecondStateOfAModuleAfterTheFirstIsAcknowledged) {
+TEST(Outbox, SendsAModulesNextStateOnlyAfterThePreviousIsAcknowledged) {
   Outbox outbox;
   FakeSink sink;
   outbox.put(status("a", 1));
@@ -67,7 +67,7 @@ TEST(Outbox, SendsASecondStateOfAModuleAfterTheFirstIsAcknowledged) {
   EXPECT_THAT(sink.written, ElementsAre("a1", "b1", kPatientWait, "a2", "b2", kPatientWait, "no a"));
 }
 
-TEST(Outbox, WaitsOnlyBrieflyForAReaderThatIsGone) {
+TEST(Outbox, WaitsOnlyBrieflyAfterAMissingAcknowledgement) {
   Outbox outbox;
   FakeSink sink;
   sink.acknowledges = false;

@@ -43,7 +43,7 @@ class RetainedState : public testing::Test {
   std::unique_ptr<channel::SavedState> state = std::make_unique<channel::SavedState>();
 };
 
-TEST_F(RetainedState, IsWrittenWithItsVersion) {
+TEST_F(RetainedState, IsReadBackWithItsVersion) {
   const std::string bytes{"\0\xff\x10 end", 7};
   save(bytes, 42);
   ASSERT_TRUE(file_.write(*state->saved()).ok());
@@ -54,7 +54,7 @@ TEST_F(RetainedState, IsWrittenWithItsVersion) {
   EXPECT_EQ(other->saved()->version, 42U);
 }
 
-TEST_F(RetainedState, IsEmptyWithoutAFile) { EXPECT_EQ(read_back(), "nothing"); }
+TEST_F(RetainedState, IsEmptyIfItHasNoFile) { EXPECT_EQ(read_back(), "nothing"); }
 
 TEST_F(RetainedState, IsRejectedIfAnyByteIsDamaged) {
   save("some state");
@@ -79,7 +79,7 @@ TEST_F(RetainedState, IsRejectedIfItsVersionIsInvalid) {
   }
 }
 
-TEST_F(RetainedState, IsWrittenAtTheEndAndRemovedWhenCleared) {
+TEST_F(RetainedState, IsBroughtUpToDateOnDiskWhenItsWriterStops) {
   {
     auto retained = Retained::start({{.file = file_, .state = state.get()}}, [](const std::string&) {});
     ASSERT_TRUE(retained.ok());
@@ -95,7 +95,7 @@ TEST_F(RetainedState, IsWrittenAtTheEndAndRemovedWhenCleared) {
   EXPECT_EQ(read_back(), "nothing");
 }
 
-TEST_F(RetainedState, ReportsAFailedWriteAndItsRecoveryOnce) {
+TEST_F(RetainedState, ReportsAFailedWriteAndTheRecoveryOnceEach) {
   std::ofstream{folder_} << "a file where a folder should be";
   std::mutex mutex;
   std::vector<std::string> reports;
@@ -121,7 +121,7 @@ TEST_F(RetainedState, ReportsAFailedWriteAndItsRecoveryOnce) {
     while (!has_reports(2)) std::this_thread::yield();
   }
   ASSERT_EQ(reports.size(), 2U);
-  EXPECT_THAT(reports[0], HasSubstr("not on disk: " + folder_));
+  EXPECT_THAT(reports[0], HasSubstr("cannot write the state that modules retain to disk: " + folder_));
   EXPECT_THAT(reports[1], HasSubstr("on disk again: " + file_.path()));
   EXPECT_EQ(read_back(), "more");
 }

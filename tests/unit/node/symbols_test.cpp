@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-// A function whose name and line the test looks up.
+// The test looks up the name and line of this function.
 extern "C" [[gnu::noinline]] int takt_symbols_test_function(int x) { return x + std::rand(); }
 
 namespace takt::node::symbols_test {
@@ -22,7 +22,7 @@ std::uint64_t address_in_file(const void* address) {
   return reinterpret_cast<std::uintptr_t>(address) - reinterpret_cast<std::uintptr_t>(info.dli_fbase);
 }
 
-TEST(Symbols, NamesFunctionLineAndObject) {
+TEST(Symbols, DescribesAnAddressByFunctionLineAndObjectFile) {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe");
   Symbols symbols;
   const std::uint64_t address = address_in_file(reinterpret_cast<const void*>(&takt_symbols_test_function));
@@ -33,7 +33,7 @@ TEST(Symbols, NamesFunctionLineAndObject) {
   }
 }
 
-TEST(Symbols, NamesAnUnknownPlaceByItsAddress) {
+TEST(Symbols, ShowsTheBareAddressIfItsFunctionIsUnknown) {
   Symbols symbols;
   EXPECT_EQ(symbols.name("", 0x1234), "0x1234");
   EXPECT_EQ(symbols.name("/nowhere/module.so", 0x1234), "0x1234 in module.so");

@@ -5,7 +5,7 @@
 namespace takt::node::violations_test {
 namespace {
 
-TEST(Violations, NamesTheModulesOwnCalls) {
+TEST(ViolationText, LeavesOutTheCallsWithinSystemLibraries) {
   const SeenViolation write{
       .module = 0,
       .hook = "run()",
@@ -15,7 +15,7 @@ TEST(Violations, NamesTheModulesOwnCalls) {
   EXPECT_EQ(sentence_of(write), "write, a system call, in show at x.cpp:3 in x.so");
 }
 
-TEST(Violations, NamesOnlyTheInnermostCalls) {
+TEST(ViolationText, NamesOnlyTheFourInnermostCalls) {
   const SeenViolation deep{.hook = "run()",
                            .kind = "allocation",
                            .what = "malloc",
@@ -25,7 +25,7 @@ TEST(Violations, NamesOnlyTheInnermostCalls) {
             "x.so, ...");
 }
 
-TEST(Violations, DescribesAViolationWithoutAPlace) {
+TEST(ViolationText, IsOnlyTheKindIfNothingElseIsKnown) {
   EXPECT_EQ(sentence_of({.hook = "run()", .kind = "page fault", .what = ""}), "a page fault");
 }
 

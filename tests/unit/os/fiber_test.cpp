@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kStack = 64 * 1024;
 
-TEST(Fiber, ContinuesWhereItYielded) {
+TEST(Fiber, ContinuesWhereItHandedOverControl) {
   std::string said;
   Fiber main;
   Fiber* self = nullptr;

@@ -26,15 +26,15 @@ class FileAccess : public testing::Test {
   std::string folder_;
 };
 
-TEST_F(FileAccess, FindsNoContentInAMissingFile) {
+TEST_F(FileAccess, ReturnsNoContentForAMissingFile) {
   const auto read = read_file(folder_ + "/file", 100);
   ASSERT_TRUE(read.ok());
   EXPECT_FALSE(read->has_value());
   EXPECT_TRUE(remove_file(folder_ + "/file").ok());
 }
 
-// The descriptor stays open after the thread has ended; reading it then fails.
-TEST_F(FileAccess, ReadsNoTextFromTheFileOfAnEndedThread) {
+// The file descriptor stays open after the thread has ended, but reading from it then fails.
+TEST_F(FileAccess, ReturnsNoTextIfReadingFails) {
   std::promise<int> opened;
   std::promise<void> end;
   std::thread thread{[&] {
@@ -50,13 +50,13 @@ TEST_F(FileAccess, ReadsNoTextFromTheFileOfAnEndedThread) {
   ::close(file);
 }
 
-TEST_F(FileAccess, OmitsTheLastLineFeedOfAText) {
+TEST_F(FileAccess, OmitsTheLineFeedAtTheEndOfAText) {
   ASSERT_TRUE(replace_file(folder_ + "/file", "one\ntwo\n").ok());
   EXPECT_EQ(text_of(folder_ + "/file"), "one\ntwo");
   EXPECT_EQ(text_of(folder_ + "/no_such"), "");
 }
 
-TEST_F(FileAccess, ReportsTheRightsOfOtherUsers) {
+TEST_F(FileAccess, ReportsTheAccessRightsOfOtherUsers) {
   EXPECT_FALSE(rights_of(folder_ + "/file").has_value());
   ASSERT_TRUE(replace_file(folder_ + "/file", "mine").ok());
   const Rights mine = rights_of(folder_ + "/file").value();
@@ -85,7 +85,7 @@ TEST_F(FileAccess, OnlyTheOwnerMayEnterAPrivateFolder) {
   EXPECT_FALSE(make_private_folder(folder_ + "/file").ok());
 }
 
-TEST_F(FileAccess, CreatesTheFolderOfAFileThatItReplaces) {
+TEST_F(FileAccess, CreatesTheMissingFolderOfAFileThatItWrites) {
   const std::string path = folder_ + "/deeper/file";
   ASSERT_TRUE(replace_file(path, "a long first content").ok());
   ASSERT_TRUE(replace_file(path, std::string{"second\0", 7}).ok());
@@ -131,7 +131,7 @@ TEST_F(FileAccess, ReadsASectionOfAProgramByName) {
   EXPECT_FALSE(read_section(self, ".bss")) << "it has no content in the file";
 }
 
-TEST_F(FileAccess, FindsNoSectionInATruncatedOrOtherFile) {
+TEST_F(FileAccess, FindsNoSectionInAFileThatIsTruncatedOrNoProgram) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   std::filesystem::create_directories(folder_);
   EXPECT_FALSE(read_section(folder_, "takt_test"));

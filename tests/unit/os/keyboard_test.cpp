@@ -24,11 +24,11 @@ TEST(Keyboard, ReturnsKeysOneByOne) {
   EXPECT_THAT(keys_of("\b\x7f"), ElementsAre(Keyboard::kBackspace, Keyboard::kBackspace));
 }
 
-TEST(Keyboard, ReturnsTheBytesOfACharacterUnchanged) { EXPECT_THAT(keys_of("ö"), ElementsAre(0xc3, 0xb6)); }
+TEST(Keyboard, ReturnsEachByteOfAUtf8Character) { EXPECT_THAT(keys_of("ö"), ElementsAre(0xc3, 0xb6)); }
 
 TEST(Keyboard, SkipsUnknownKeys) { EXPECT_THAT(keys_of("\033[15~\033[1;5C\033OPq"), ElementsAre('q')); }
 
-TEST(Keyboard, ALoneEscapeIsAKeyOnlyIfNothingFollows) {
+TEST(Keyboard, TreatsEscapeAsAKeyOnlyIfNoSequenceFollows) {
   std::string typed = "\033";
   EXPECT_EQ(take_key(typed, false), std::nullopt);
   EXPECT_EQ(typed, "\033");
@@ -37,7 +37,7 @@ TEST(Keyboard, ALoneEscapeIsAKeyOnlyIfNothingFollows) {
   EXPECT_THAT(keys_of("\033q"), ElementsAre(Keyboard::kEscape, 'q'));
 }
 
-TEST(Keyboard, WaitsForTheRestOfASequence) {
+TEST(Keyboard, WaitsForTheRestOfAnEscapeSequence) {
   std::string typed = "\033[";
   EXPECT_EQ(take_key(typed, false), std::nullopt);
   typed += "1;5";

@@ -27,14 +27,14 @@ TEST(Library, DoesNotFindFunctionsOfTheCLibrary) {
   EXPECT_EQ(library->own_symbol("malloc"), nullptr);
 }
 
-TEST(Library, SharedLoadsGiveOneObject) {
+TEST(Library, HasTheSameGlobalsInEverySharedLoad) {
   const auto first = Library::open(kPlain, Library::Globals::shared);
   const auto second = Library::open(kPlain, Library::Globals::shared);
   const int before = count_up(*first);
   EXPECT_EQ(count_up(*second), before + 1);
 }
 
-TEST(Library, OwnLoadsHaveSeparateGlobals) {
+TEST(Library, HasSeparateGlobalsInEachPrivateLoad) {
   const auto shared = Library::open(kPlain, Library::Globals::shared);
   const auto first = Library::open(kPlain, Library::Globals::own);
   const auto second = Library::open(kPlain, Library::Globals::own);
@@ -46,7 +46,7 @@ TEST(Library, OwnLoadsHaveSeparateGlobals) {
   EXPECT_EQ(second->own_symbol("error"), nullptr);
 }
 
-TEST(Library, EachOwnLoadStartsWithFreshGlobals) {
+TEST(Library, HasFreshGlobalsInEachPrivateLoad) {
   for (int i = 0; i < 20; ++i) {
     auto library = Library::open(kPlain, Library::Globals::own);
     ASSERT_TRUE(library.ok()) << to_text(library.problems());
@@ -55,7 +55,7 @@ TEST(Library, EachOwnLoadStartsWithFreshGlobals) {
   }
 }
 
-TEST(Library, RejectsAnOwnLoadIfTheLoaderWouldShareVariables) {
+TEST(Library, RejectsAPrivateLoadIfTheLoaderWouldShareVariables) {
 #if defined(__clang__)
   GTEST_SKIP() << "this compiler creates no unique symbols";
 #endif
@@ -66,7 +66,7 @@ TEST(Library, RejectsAnOwnLoadIfTheLoaderWouldShareVariables) {
   EXPECT_THAT(copy.problems()[0].fix, HasSubstr("-fno-gnu-unique"));
 }
 
-TEST(Library, RejectsAMissingFileAndNamesIt) {
+TEST(Library, NamesTheFileThatIsMissing) {
   for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
     const auto library = Library::open("/nowhere/at.so", globals);
     ASSERT_FALSE(library.ok());
@@ -74,7 +74,7 @@ TEST(Library, RejectsAMissingFileAndNamesIt) {
   }
 }
 
-TEST(Library, RejectsATextFileAndNamesIt) {
+TEST(Library, NamesTheFileThatIsNotALibrary) {
   for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
     const auto library = Library::open(TAKT_SOURCE_DIR "/CMakeLists.txt", globals);
     ASSERT_FALSE(library.ok());

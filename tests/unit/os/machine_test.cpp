@@ -1,4 +1,4 @@
-// Uses artificial trees of /proc and /sys, so that the test can present any machine.
+// Tests with artificial /proc and /sys trees, which can represent any machine.
 #include <takt/os/machine.hpp>
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-class MachineTree : public testing::Test {
+class MachineInspection : public testing::Test {
  protected:
   void SetUp() override {
     root_ = testing::TempDir() + "takt-machine-" + std::to_string(::getpid());
@@ -41,7 +41,7 @@ class MachineTree : public testing::Test {
   std::string root_;
 };
 
-TEST_F(MachineTree, GivesNoValuesIfItIsEmpty) {
+TEST_F(MachineInspection, GivesNoValuesIfProcAndSysAreEmpty) {
   const Machine machine = read();
   EXPECT_FALSE(machine.preemption.has_value());
   EXPECT_FALSE(machine.throttling.has_value());
@@ -55,7 +55,7 @@ TEST_F(MachineTree, GivesNoValuesIfItIsEmpty) {
   EXPECT_EQ(machine.container, "");
 }
 
-TEST_F(MachineTree, ReadsThePreemptionOfEachKindOfKernel) {
+TEST_F(MachineInspection, ReadsThePreemptionOfEachKindOfKernel) {
   kernel("6.1.0-31-rt-amd64", "#1 SMP PREEMPT_RT Debian 6.1.128-1");
   EXPECT_EQ(read().preemption, Preemption::real_time);
   kernel("6.1.0", "#1 SMP PREEMPT Wed");
@@ -66,13 +66,13 @@ TEST_F(MachineTree, ReadsThePreemptionOfEachKindOfKernel) {
   EXPECT_EQ(read().preemption, Preemption::voluntary);
 }
 
-TEST_F(MachineTree, RecognizesAPatchedRealTimeKernel) {
+TEST_F(MachineInspection, RecognizesAPatchedRealTimeKernel) {
   kernel("5.4.0", "#1 SMP PREEMPT");
   put("sys/kernel/realtime", "1");
   EXPECT_EQ(read().preemption, Preemption::real_time);
 }
 
-TEST_F(MachineTree, ReadsTheDynamicPreemptionModeChosenLast) {
+TEST_F(MachineInspection, ReadsTheDynamicPreemptionModeChosenLast) {
   kernel("6.1.0-31-amd64", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.128-1");
   EXPECT_FALSE(read().preemption.has_value());
   put("boot/config-6.1.0-31-amd64",
@@ -84,7 +84,7 @@ TEST_F(MachineTree, ReadsTheDynamicPreemptionModeChosenLast) {
   EXPECT_EQ(read().preemption, Preemption::none);
 }
 
-TEST_F(MachineTree, ReadsTheThrottledTimeAsPeriodMinusRuntime) {
+TEST_F(MachineInspection, ComputesTheThrottledTimeAsPeriodMinusRuntime) {
   kernel("6.1.0", "");
   put("proc/sys/kernel/sched_rt_period_us", "1000000");
   put("proc/sys/kernel/sched_rt_runtime_us", "950000");
@@ -98,7 +98,7 @@ TEST_F(MachineTree, ReadsTheThrottledTimeAsPeriodMinusRuntime) {
   EXPECT_FALSE(read_throttling(root_)->on());
 }
 
-TEST_F(MachineTree, ReadsTheFairServerSinceLinux612) {
+TEST_F(MachineInspection, ReadsTheFairServerSinceLinux612) {
   kernel("6.11.9", "");
   put("proc/sys/kernel/sched_rt_period_us", "1000000");
   put("proc/sys/kernel/sched_rt_runtime_us", "-1");
@@ -122,7 +122,7 @@ TEST_F(MachineTree, ReadsTheFairServerSinceLinux612) {
   EXPECT_TRUE(read_throttling(root_)->fair_server);
 }
 
-TEST_F(MachineTree, ReadsNumericAndUnlimitedLimits) {
+TEST_F(MachineInspection, ReadsNumericAndUnlimitedLimits) {
   put("proc/self/limits",
       "Limit                     Soft Limit           Hard Limit           Units     \n"
       "Max open files            1024                 524288               files     \n"
@@ -137,7 +137,7 @@ TEST_F(MachineTree, ReadsNumericAndUnlimitedLimits) {
   EXPECT_EQ(machine.priority->hard, 98U);
 }
 
-TEST_F(MachineTree, ReadsGovernorsIdleStatesAndSiblingsOfCpus) {
+TEST_F(MachineInspection, ReadsGovernorsIdleStatesAndSiblingsOfCpus) {
   const std::string cpus = "sys/devices/system/cpu/";
   put(cpus + "online", "0-1");
   put(cpus + "isolated", "1");
@@ -163,7 +163,7 @@ TEST_F(MachineTree, ReadsGovernorsIdleStatesAndSiblingsOfCpus) {
   EXPECT_THAT(second.siblings, ElementsAre(0, 1));
 }
 
-TEST_F(MachineTree, ListsOnlyInterruptsWithAHandler) {
+TEST_F(MachineInspection, ListsOnlyInterruptsWithAHandler) {
   put("proc/irq/7/smp_affinity_list", "0-3");
   put("proc/irq/16/eth0/spurious", "");
   put("proc/irq/16/smp_affinity_list", "0-3");
@@ -177,7 +177,7 @@ TEST_F(MachineTree, ListsOnlyInterruptsWithAHandler) {
   EXPECT_THAT(machine.interrupts[1].cpus, ElementsAre(0, 2));
 }
 
-TEST_F(MachineTree, ReadsProgramsClocksPagesSwapAndBuffers) {
+TEST_F(MachineInspection, ReadsTheOtherSettingsOfTheKernel) {
   put("proc/812/comm", "irqbalance");
   put("sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet");
   put("sys/devices/system/clocksource/clocksource0/available_clocksource", "tsc hpet acpi_pm ");
@@ -200,12 +200,12 @@ TEST_F(MachineTree, ReadsProgramsClocksPagesSwapAndBuffers) {
   EXPECT_EQ(machine.swap_bytes, 3072U * 1024);
 }
 
-TEST_F(MachineTree, ReadsZeroBytesOfSwapIfThereIsNone) {
+TEST_F(MachineInspection, ReadsZeroBytesOfSwapIfThereIsNone) {
   put("proc/swaps", "Filename Type Size Used Priority");
   EXPECT_EQ(read().swap_bytes, 0U);
 }
 
-TEST_F(MachineTree, DetectsVirtualMachinesAndContainers) {
+TEST_F(MachineInspection, DetectsVirtualMachinesAndContainers) {
   put("proc/cpuinfo", "processor : 0\nflags\t\t: fpu vme hypervisor lm\n");
   EXPECT_EQ(read().hypervisor, "a hypervisor");
   put("sys/class/dmi/id/sys_vendor", "QEMU");
@@ -217,7 +217,7 @@ TEST_F(MachineTree, DetectsVirtualMachinesAndContainers) {
   EXPECT_EQ(read().container, "/.dockerenv");
 }
 
-TEST_F(MachineTree, RelatesStolenTimeToTheTimeOfAllCpus) {
+TEST_F(MachineInspection, GivesStolenTimeAsAShareOfTheTimeOfAllCpus) {
   put("proc/stat", "cpu  100 0 100 700 50 10 10 30 40 0\ncpu0 1 2 3 4 5 6 7 8 9 0");
   const auto before = read_processor_time(root_);
   ASSERT_TRUE(before.has_value());
@@ -230,7 +230,7 @@ TEST_F(MachineTree, RelatesStolenTimeToTheTimeOfAllCpus) {
   EXPECT_FALSE(read_processor_time(root_).has_value());
 }
 
-TEST_F(MachineTree, GivesNoValueForInvalidText) {
+TEST_F(MachineInspection, GivesNoValueForInvalidText) {
   kernel("nonsense", "");
   put("proc/sys/kernel/sched_rt_period_us", "0");
   put("proc/sys/kernel/sched_rt_runtime_us", "x");
@@ -242,7 +242,7 @@ TEST_F(MachineTree, GivesNoValueForInvalidText) {
   EXPECT_FALSE(machine.files.has_value());
 }
 
-TEST(Machine, ReadsAndWritesListsOfCpus) {
+TEST(CpuList, CanBeParsedAndFormatted) {
   EXPECT_THAT(parse_cpus(""), IsEmpty());
   EXPECT_THAT(parse_cpus("3"), ElementsAre(3));
   EXPECT_THAT(parse_cpus("0-2,5"), ElementsAre(0, 1, 2, 5));
@@ -258,7 +258,7 @@ TEST(Machine, ReadsTheKernelAndCpusOfThisMachine) {
   EXPECT_TRUE(machine.time.has_value());
 }
 
-TEST(KernelNews, ContainsOnlyTheTextOfAMessage) {
+TEST(KernelNews, ContainsOnlyTheTextOfEachMessage) {
   EXPECT_EQ(kernel_text("4,812,5123456,-;sched: RT throttling activated\n SUBSYSTEM=cpu\n"),
             "sched: RT throttling activated");
   EXPECT_EQ(kernel_text("no record"), "");
@@ -266,7 +266,7 @@ TEST(KernelNews, ContainsOnlyTheTextOfAMessage) {
 
 TEST(KernelNews, OmitsMessagesFromBeforeItsCreation) {
   KernelNews news;
-  // The kernel logs its version first, so that message is never new.
+  // The kernel logs its version at boot, so that message is always from before the creation.
   while (const auto text = news.next()) EXPECT_THAT(*text, testing::Not(testing::HasSubstr("Linux version")));
 }
 

@@ -14,9 +14,9 @@
 namespace takt::os::message_socket_test {
 namespace {
 
-class MessageSocketTest : public testing::Test {
+class SocketPair : public testing::Test {
  protected:
-  MessageSocketTest() {
+  SocketPair() {
     auto ends = std::move(MessageSocket::pair().value());
     mine = std::move(ends.first);
     theirs = std::move(ends.second);
@@ -25,7 +25,7 @@ class MessageSocketTest : public testing::Test {
   MessageSocket theirs;
 };
 
-TEST_F(MessageSocketTest, PassesWholeMessagesInOrder) {
+TEST_F(SocketPair, PassesWholeMessagesInOrder) {
   EXPECT_TRUE(mine.send("first"));
   EXPECT_TRUE(mine.send(""));
   EXPECT_TRUE(mine.send(std::string{"\0\n\xff", 3}));
@@ -36,7 +36,7 @@ TEST_F(MessageSocketTest, PassesWholeMessagesInOrder) {
   EXPECT_FALSE(theirs.closed());
 }
 
-TEST_F(MessageSocketTest, PassesAMessageLargerThanTheKernelsBuffer) {
+TEST_F(SocketPair, PassesAMessageLargerThanTheKernelsBuffer) {
   std::string large(20'000'000, ' ');
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>(i * 31 >> 3);
   std::thread sender{[&] {
@@ -49,8 +49,8 @@ TEST_F(MessageSocketTest, PassesAMessageLargerThanTheKernelsBuffer) {
   sender.join();
 }
 
-TEST_F(MessageSocketTest, NeverBlocksIfBothEndsSend) {
-  // One thread sends more than the kernel buffers, in both directions at once.
+TEST_F(SocketPair, NeverBlocksEvenIfBothEndsSend) {
+  // This one thread sends more than the kernel can buffer, in both directions at once.
   const std::string large(2'000'000, 'x');
   EXPECT_TRUE(mine.send(large));
   EXPECT_TRUE(theirs.send(large));
@@ -65,7 +65,7 @@ TEST_F(MessageSocketTest, NeverBlocksIfBothEndsSend) {
   EXPECT_TRUE(*here == large && *there == large);
 }
 
-TEST_F(MessageSocketTest, DeliversMessagesSentBeforeTheOtherEndClosed) {
+TEST_F(SocketPair, DeliversMessagesSentBeforeTheOtherEndClosed) {
   mine.send("last words");
   mine.close();
   EXPECT_EQ(theirs.receive_wait(), "last words");
@@ -75,14 +75,14 @@ TEST_F(MessageSocketTest, DeliversMessagesSentBeforeTheOtherEndClosed) {
   EXPECT_EQ(theirs.receive(), std::nullopt);
 }
 
-TEST_F(MessageSocketTest, ReportsThatTheOtherEndIsGone) {
+TEST_F(SocketPair, ReportsThatTheOtherEndIsGone) {
   theirs.close();
   EXPECT_FALSE(mine.send("hello"));
   EXPECT_EQ(mine.receive(), std::nullopt);
   EXPECT_TRUE(mine.closed());
 }
 
-TEST_F(MessageSocketTest, DiscardsAnIncompleteMessage) {
+TEST_F(SocketPair, DiscardsAnIncompleteMessage) {
   const std::uint32_t length = 100;
   ::send(mine.fd().get(), &length, sizeof length, 0);
   ::send(mine.fd().get(), "half", 4, 0);
@@ -93,7 +93,7 @@ TEST_F(MessageSocketTest, DiscardsAnIncompleteMessage) {
   EXPECT_TRUE(theirs.closed());
 }
 
-TEST_F(MessageSocketTest, ClosesAfterAnImpossibleLength) {
+TEST_F(SocketPair, ClosesAfterAMessageWithAnImpossibleLength) {
   const std::uint32_t length = ~0U;
   ::send(mine.fd().get(), &length, sizeof length, 0);
   EXPECT_EQ(theirs.receive_wait(), std::nullopt);

@@ -22,7 +22,7 @@ TEST(Notice, IsReceivedOnceEvenIfGivenTwice) {
   EXPECT_FALSE(wait_readable({&notice->fd()}, 0));
 }
 
-TEST(Notice, EndsTheWaitOfAnotherThread) {
+TEST(Notice, WakesAWaitingThread) {
   auto notice = Notice::create();
   ASSERT_TRUE(notice.ok());
   std::thread other{[&] { notice->give(); }};

@@ -53,7 +53,7 @@ TEST(Child, ReportsTheSignalThatKilledIt) {
   EXPECT_EQ(end.text(), "was killed by SIGSEGV (Segmentation fault)");
 }
 
-TEST(Child, ReportsItsEndOnce) {
+TEST(Child, ReportsItsEndOnlyOnce) {
   auto child = Child::spawn({.program = "/bin/sleep", .arguments = {"100"}});
   EXPECT_EQ(child->poll(), std::nullopt);
   EXPECT_TRUE(child->running());
@@ -68,7 +68,7 @@ TEST(Child, ReportsItsEndOnce) {
   EXPECT_FALSE(child->running());
 }
 
-TEST(Child, RejectsAProgramThatCannotBeExecutedWithTheReason) {
+TEST(Child, ReportsWhyAProgramCannotBeExecuted) {
   const auto missing = Child::spawn({.program = "/nowhere/program"});
   ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.problems()[0].what, "/nowhere/program: No such file or directory");
@@ -80,7 +80,7 @@ TEST(Child, RejectsAProgramThatCannotBeExecutedWithTheReason) {
   EXPECT_EQ(errno, ECHILD);
 }
 
-TEST(Child, OutputIsReadThroughPipes) {
+TEST(Child, CanHaveItsOutputCaptured) {
   SpawnOptions options = shell("echo out; echo err >&2; cat; echo \"$TAKT_TEST\"");
   options.capture_output = true;
   options.environment = {{"TAKT_TEST", "told"}};
@@ -91,7 +91,7 @@ TEST(Child, OutputIsReadThroughPipes) {
   EXPECT_EQ(child->wait().code, 0);
 }
 
-TEST(Child, InheritsOnlyTheGivenDescriptors) {
+TEST(Child, InheritsOnlyTheGivenFileDescriptors) {
   const auto handed = SharedMemory::create("handed", 4096);
   const auto kept = SharedMemory::create("kept", 4096);
   SpawnOptions options = shell("test -e /proc/self/fd/" + std::to_string(handed->fd().get()) +
@@ -123,7 +123,7 @@ TEST(Child, DiesWithItsParent) {
   const int pid = std::stoi(ends->first.receive_wait().value());
   ::kill(parent, SIGKILL);
   ::waitpid(parent, nullptr, 0);
-  // The process that adopts the child may reap it late; a zombie counts as dead.
+  // The process that adopts the child may reap it late, so a zombie counts as dead.
   const auto dead = [pid] {
     if (::kill(pid, 0) != 0) return true;
     std::string path = "/proc/" + std::to_string(pid) + "/stat";
@@ -154,7 +154,7 @@ TEST(WorkInChild, ReturnsItsResult) {
             "");
 }
 
-TEST(WorkInChild, CrashesOnlyTheChild) {
+TEST(WorkInChild, CanCrashWithoutEndingTheParent) {
   const auto result = in_child(
       "loading it",
       []() -> std::string {
@@ -178,7 +178,7 @@ TEST(WorkInChild, IsKilledIfItHangs) {
   EXPECT_EQ(result.problems()[0].what, "loading it did not end within 50 ms");
 }
 
-TEST(WorkInChild, HasNoResultIfItExits) {
+TEST(WorkInChild, HasNoResultIfItExitsBeforeItReturns) {
   const auto result = in_child(
       "loading it", []() -> std::string { ::_exit(0); }, seconds{30});
   EXPECT_TRUE(!result.ok() || result->empty());

@@ -22,7 +22,7 @@ TEST(SharedMemory, IsZeroWhenCreated) {
                           [](std::byte b) { return b == std::byte{0}; }));
 }
 
-TEST(SharedMemory, IsSeenByAnotherProcess) {
+TEST(SharedMemory, IsSharedWithAnotherProcess) {
   const auto memory = SharedMemory::create("test", 4096);
   auto* word = new (memory->data()) std::atomic<int>{1};
   const int child = ::fork();
@@ -35,7 +35,7 @@ TEST(SharedMemory, IsSeenByAnotherProcess) {
   EXPECT_EQ(word->load(), 42);
 }
 
-TEST(SharedMemory, CannotBeShrunkUnderAReader) {
+TEST(SharedMemory, CannotBeResized) {
   const auto memory = SharedMemory::create("test", 8192);
   EXPECT_NE(::ftruncate(memory->fd().get(), 0), 0);
   EXPECT_NE(::ftruncate(memory->fd().get(), 1 << 20), 0);
@@ -46,7 +46,7 @@ TEST(SharedMemory, IsNotInheritedUnlessPassed) {
   EXPECT_NE(::fcntl(memory->fd().get(), F_GETFD) & FD_CLOEXEC, 0);
 }
 
-TEST(SharedMemory, MovesWithItsMapping) {
+TEST(SharedMemory, KeepsItsAddressWhenMoved) {
   auto first = SharedMemory::create("test", 4096);
   std::byte* data = first->data();
   SharedMemory second{std::move(*first)};

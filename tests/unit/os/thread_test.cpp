@@ -14,7 +14,7 @@
 namespace takt::os::thread_test {
 namespace {
 
-TEST(Thread, CutsItsNameToTheLimitOfLinux) {
+TEST(Thread, ShortensItsNameToTheLinuxLimit) {
   std::array<char, 16> name{};
   auto thread = Thread::start(
       {.name = "a name of more than fifteen"},
@@ -40,7 +40,8 @@ TEST(Thread, HasTheRequestedStackSize) {
   EXPECT_GE(size, 2U * 1024 * 1024) << "the C library may reuse a larger stack of an ended thread";
 }
 
-// glibc places thread-local variables on the stack. These leave less than half of a small stack.
+// glibc places thread-local variables on the stack of the thread. This array leaves less than half of a small
+// stack free.
 thread_local std::array<char, 300 * 1024> large{};
 
 TEST(Thread, RunsEvenIfThreadLocalVariablesFillMostOfItsStack) {
@@ -70,7 +71,7 @@ TEST(Thread, RunsOnTheGivenCpu) {
   EXPECT_TRUE(CPU_ISSET(static_cast<unsigned>(cpu), &set));
 }
 
-TEST(Thread, ReportsAMissingCpuAndRunsWithoutIt) {
+TEST(Thread, RunsEvenIfItsCpuIsMissing) {
   Problems refused;
   std::atomic<bool> ran{false};
   auto thread = Thread::start(
@@ -83,7 +84,7 @@ TEST(Thread, ReportsAMissingCpuAndRunsWithoutIt) {
   EXPECT_TRUE(ran);
 }
 
-TEST(Thread, ReportsADeniedPriorityAndRunsWithoutIt) {
+TEST(Thread, RunsEvenIfItsPriorityIsDenied) {
   Problems refused;
   int policy = -1;
   auto thread = Thread::start(
@@ -114,7 +115,7 @@ TEST(Thread, HasItsPriorityIfTheSystemAllowsIt) {
   EXPECT_EQ(parameter.sched_priority, 7);
 }
 
-TEST(Thread, IsJoinedByItsLastOwner) {
+TEST(Thread, IsJoinedWhenItsLastOwnerIsDestroyed) {
   std::atomic<int> ran{0};
   {
     auto first = Thread::start(
@@ -124,7 +125,7 @@ TEST(Thread, IsJoinedByItsLastOwner) {
     EXPECT_FALSE(first->running());
     auto third = Thread::start(
         {.name = "t"}, [&ran] { ++ran; }, nullptr);
-    second = std::move(*third);  // joins the first
+    second = std::move(*third);  // this assignment joins the thread that `second` owned before
     EXPECT_GE(ran, 1);
   }
   EXPECT_EQ(ran, 2);

@@ -12,13 +12,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ThreadUseTest : public testing::Test {
+class ThreadStatistics : public testing::Test {
  protected:
-  ThreadUseTest() {
+  ThreadStatistics() {
     char path[] = "/tmp/takt-thread-XXXXXX";
     root = ::mkdtemp(path);
   }
-  ~ThreadUseTest() override { fs::remove_all(root); }
+  ~ThreadStatistics() override { fs::remove_all(root); }
   void write(const std::string& path, const std::string& text) {
     fs::create_directories(fs::path{root + path}.parent_path());
     std::ofstream{root + path} << text;
@@ -32,7 +32,7 @@ std::string stat_line(const std::string& name, const std::string& state) {
   return line + "\n";
 }
 
-TEST_F(ThreadUseTest, ReadsTheFilesOfTheKernel) {
+TEST_F(ThreadStatistics, AreReadFromTheFilesOfTheKernel) {
   write("/proc/7/task/7/stat", stat_line("odd) name (", "S"));
   write("/proc/7/task/7/schedstat", "123456 7890 12\n");
   write("/proc/7/task/7/status", "Name:\tx\nvoluntary_ctxt_switches:\t5\nnonvoluntary_ctxt_switches:\t11\n");
@@ -46,25 +46,25 @@ TEST_F(ThreadUseTest, ReadsTheFilesOfTheKernel) {
   EXPECT_FALSE(use->stopped);
 }
 
-TEST_F(ThreadUseTest, DetectsAStoppedThread) {
+TEST_F(ThreadStatistics, ShowWhetherAThreadIsStopped) {
   for (const char* state : {"T", "t", "S", "R"}) {
     write("/proc/7/task/7/stat", stat_line("x", state));
     EXPECT_EQ(read_thread_use(7, root)->stopped, *state == 'T' || *state == 't') << state;
   }
 }
 
-TEST_F(ThreadUseTest, IsNoneIfThereIsNoSuchThread) {
+TEST_F(ThreadStatistics, AreMissingIfThereIsNoSuchThread) {
   EXPECT_FALSE(read_thread_use(7, root));
   write("/proc/7/task/7/stat", "");
   EXPECT_FALSE(read_thread_use(7, root));
 }
 
-TEST_F(ThreadUseTest, WaitIsZeroWithoutScheduleStatistics) {
+TEST_F(ThreadStatistics, ReportNoWaitTimeWithoutSchedulerStatistics) {
   write("/proc/7/task/7/stat", stat_line("x", "R"));
   EXPECT_EQ(read_thread_use(7, root)->waited, Nanoseconds{0});
 }
 
-TEST(ThreadUse, CountsPageFaultsOfThisThread) {
+TEST(ThreadUse, CountsThePageFaultsOfThisThread) {
   const auto before = read_thread_use(thread_id());
   ASSERT_TRUE(before);
   constexpr std::size_t kPages = 500;
@@ -77,7 +77,7 @@ TEST(ThreadUse, CountsPageFaultsOfThisThread) {
   EXPECT_GE(after->cpu, 0);
 }
 
-TEST_F(ThreadUseTest, ReadsTheStolenTimeOfEachCpu) {
+TEST_F(ThreadStatistics, ContainTheStolenTimeOfEachCpu) {
   write("/proc/stat",
         "cpu  1 2 3 4 5 6 7 80 9 10\ncpu0 1 2 3 4 5 6 7 30 9 10\ncpu2 1 2 3 4 5 6 7 50 9 10\nintr 5\n");
   const auto stolen = read_stolen(root);

@@ -10,12 +10,12 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-TEST(WakeUps, AreZeroWithoutDelays) {
+TEST(WakeUpStatistics, AreZeroWithoutMeasurements) {
   EXPECT_EQ(wake_ups_of({}).count, 0U);
   EXPECT_EQ(wake_ups_of({}).max, Nanoseconds{0});
 }
 
-TEST(WakeUps, AllQuantilesOfOneDelayAreEqual) {
+TEST(WakeUpStatistics, GiveEqualQuantilesForASingleDelay) {
   const WakeUps one = wake_ups_of({microseconds{7}});
   EXPECT_EQ(one.count, 1U);
   EXPECT_EQ(one.p50, microseconds{7});
@@ -23,7 +23,7 @@ TEST(WakeUps, AllQuantilesOfOneDelayAreEqual) {
   EXPECT_EQ(one.max, microseconds{7});
 }
 
-TEST(WakeUps, QuantilesDoNotDependOnTheOrder) {
+TEST(WakeUpStatistics, DoNotDependOnTheOrderOfTheDelays) {
   std::vector<Nanoseconds> delays;
   for (int i = 1000; i >= 0; --i) delays.push_back(microseconds{i});
   const WakeUps wake_ups = wake_ups_of(delays);
@@ -32,14 +32,14 @@ TEST(WakeUps, QuantilesDoNotDependOnTheOrder) {
   EXPECT_EQ(wake_ups.max, microseconds{1000});
 }
 
-TEST(Trial, WakesNoThreadEarly) {
+TEST(Trial, MeasuresNoNegativeDelay) {
   const WakeUps wake_ups = try_wake_ups(5, microseconds{200});
   EXPECT_EQ(wake_ups.count, 5U);
   EXPECT_GE(wake_ups.p50, Nanoseconds{0});
   EXPECT_LE(wake_ups.p50, wake_ups.max);
 }
 
-TEST(Trial, LeavesThisThreadUnchanged) {
+TEST(Trial, RestoresTheSettingsOfTheCallingThread) {
   const bool real_time = is_real_time();
   const std::vector<int> cpus = allowed_cpus();
   const Trial trial = try_machine(milliseconds{3});

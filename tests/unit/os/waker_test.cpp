@@ -41,9 +41,9 @@ TEST(WakeMargin, IsZeroIfTheCapIsZero) {
   EXPECT_EQ(margin.value(), Nanoseconds{0});
 }
 
-TEST(WakeMargin, SettlesAtThe99thPercentile) {
+TEST(WakeMargin, SettlesAtThe99thPercentileOfTheDelays) {
   std::mt19937_64 random{5};
-  std::lognormal_distribution<double> delay{std::log(8'000.0), 0.5};  // median 8 us
+  std::lognormal_distribution<double> delay{std::log(8'000.0), 0.5};  // the median delay is 8 us
   WakeMargin margin{microseconds{100}};
   for (int i = 0; i < 200'000; ++i) margin.observe(Nanoseconds{static_cast<std::int64_t>(delay(random))});
   int beyond = 0;
@@ -87,7 +87,7 @@ TEST_P(EachWaker, NeverReturnsEarly) {
   }
 }
 
-TEST_P(EachWaker, ReturnsAtOnceWhenTheReleaseHasPassed) {
+TEST_P(EachWaker, ReturnsAtOnceIfTheReleaseTimeHasPassed) {
   const Instant before = now();
   const Instant woke = waker.wait_until(before - seconds{100});
   EXPECT_GE(woke, before);
@@ -106,7 +106,7 @@ TEST_P(EachWaker, ReturnsEarlyWhenStopped) {
   EXPECT_LT(waker.wait_until(release), release - seconds{50}) << "a stopped waker does not wait again";
 }
 
-TEST_P(EachWaker, ContinuesToWaitAfterASpuriousWakeUp) {
+TEST_P(EachWaker, ContinuesToSleepAfterASpuriousWakeUp) {
   const Instant release = now() + milliseconds{20};
   std::atomic<bool> end{false};
   std::thread waking{[&] {

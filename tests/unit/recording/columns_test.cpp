@@ -44,7 +44,7 @@ std::vector<std::string> texts(const Columns& columns, const model::Type& type, 
   return texts;
 }
 
-TEST(Columns, HaveANameForEveryElement) {
+TEST(Columns, HaveANameForEveryElementOfASample) {
   const Columns columns{type_of(kAll)};
   EXPECT_THAT(names(columns), ElementsAre("mode", "label", "grid[0][0]", "grid[0][1]", "grid[1][0]",
                                           "grid[1][1]", "way[0]", "way[1]", "way[2]", "poses[0].x",
@@ -53,7 +53,7 @@ TEST(Columns, HaveANameForEveryElement) {
   EXPECT_TRUE(Columns{type_of(R"({"name":"a","type":"double","array":[2]})")}.fixed());
 }
 
-TEST(Columns, HoldEachValueInItsPlace) {
+TEST(Columns, ContainTheTextOfEachValueInOrder) {
   const auto type = type_of(kAll);
   const Columns columns{type};
   EXPECT_THAT(texts(columns, type,
@@ -74,7 +74,7 @@ TEST(Columns, AreFoundByFieldSubfieldAndElement) {
   EXPECT_EQ(14U, columns.named("").size());
 }
 
-TEST(Columns, GiveNumbersForACurve) {
+TEST(Columns, ConvertValuesToNumbersForACurve) {
   const auto type = type_of(kAll);
   const Columns columns{type};
   const auto bytes = model::sample_bytes(type, R"({"mode":"ON","grid":[[0.5,0],[0,0]],"label":"x"})");
@@ -96,7 +96,7 @@ TEST(Columns, AreLimitedInNumber) {
   EXPECT_EQ("7", texts(columns, type, R"({"picture":[1,7],"b":9})")[1]);
 }
 
-TEST(Csv, QuotesFieldsThatWouldBreakTheLine) {
+TEST(Csv, QuotesFieldsWithCommasQuotesOrLineBreaks) {
   EXPECT_EQ("a", csv_field("a"));
   EXPECT_EQ("\"a,b\"", csv_field("a,b"));
   EXPECT_EQ("\"say \"\"no\"\"\"", csv_field("say \"no\""));
@@ -104,7 +104,7 @@ TEST(Csv, QuotesFieldsThatWouldBreakTheLine) {
   EXPECT_EQ("a,,\"b,c\"\r\n", csv_line({"a", "", "b,c"}));
 }
 
-TEST(Patterns, AStarMatchesAnything) {
+TEST(Patterns, AnAsteriskMatchesAnyText) {
   EXPECT_TRUE(client::matches("line.*", "line.conveyor.state"));
   EXPECT_TRUE(client::matches("*.state", "line.conveyor.state"));
   EXPECT_TRUE(client::matches("l*e.*.s*", "line.conveyor.state"));
@@ -118,7 +118,7 @@ TEST(Patterns, AStarMatchesAnything) {
   EXPECT_FALSE(client::may_match("r*", "line"));
 }
 
-TEST(Patterns, APortHasThreeParts) {
+TEST(Patterns, APortNameConsistsOfDeviceModuleAndPort) {
   ASSERT_TRUE(client::parse_port("a.b.c"));
   EXPECT_EQ("b", client::parse_port("a.b.c")->module);
   for (const char* wrong : {"", "a", "a.b", "a.b.", ".b.c", "a..c", "a.b.c.d"})

@@ -20,7 +20,7 @@ std::size_t points(const Series& series) {
 TEST(Series, ReducesAMillionSamplesWithoutLosingAPeak) {
   constexpr std::int64_t kSamples = 1'000'000;
   Series series{{0, kSamples - 1}, 900, kNever};
-  // Two single samples are peaks, one up and one down.
+  // Two samples are peaks: one up and one down.
   for (std::int64_t i = 0; i < kSamples; ++i)
     series.add(i, i == 123'457 ? 1000 : i == 765'433 ? -1000 : std::sin(static_cast<double>(i)));
   EXPECT_EQ(static_cast<std::uint64_t>(kSamples), series.count());
@@ -44,7 +44,7 @@ TEST(Series, KeepsEverySampleOfASmallSet) {
   EXPECT_EQ(5, series.mean());
 }
 
-TEST(Series, BeginsANewCurveAfterAPause) {
+TEST(Series, BeginsANewCurveAfterALongPause) {
   Series series{{0, 1000}, 10, 50};
   for (const std::int64_t time : {0, 20, 40, 91, 110, 600}) series.add(time, 1);
   const auto curves = series.curves();
@@ -54,7 +54,7 @@ TEST(Series, BeginsANewCurveAfterAPause) {
   EXPECT_EQ(1U, curves[2].size());
 }
 
-TEST(Series, IgnoresEarlierSamplesAndValuesThatAreNotFinite) {
+TEST(Series, IgnoresSamplesThatAreOutOfOrderOrNotFinite) {
   Series series{{0, 100}, 100, kNever};
   series.add(10, 1);
   series.add(20, std::nan(""));
@@ -65,7 +65,7 @@ TEST(Series, IgnoresEarlierSamplesAndValuesThatAreNotFinite) {
   EXPECT_EQ(3, series.largest());
 }
 
-TEST(Series, ALongPauseIsTenTimesTheMedian) {
+TEST(Series, TreatsTenTimesTheMedianIntervalAsAPause) {
   EXPECT_EQ(100, longest_pause({0, 10, 20, 30, 400, 410, 420}, 0));
   EXPECT_EQ(5000, longest_pause({0, 10, 20, 30, 400, 410, 420}, 5000));
   EXPECT_GT(longest_pause({0, 1'000'000'000}, 0), 1'000'000'000'000);

@@ -1,4 +1,4 @@
-// Cells for the tests of reports, built by hand.
+// Cells for the tests of reports.
 #pragma once
 
 #include <string>
@@ -67,7 +67,7 @@ inline model::Cell cell(std::string name, std::vector<model::Device> devices) {
   return result;
 }
 
-/// Figure 1 of the paper.
+/// Returns the paper's Figure 1 as a cell.
 inline model::Cell figure1() {
   return cell("module",
               {device("module", {periodic("controller1", 600us, 3), periodic("control2", 100us, 2),
@@ -76,7 +76,7 @@ inline model::Cell figure1() {
                                  process(non_real("monitoring"))})});
 }
 
-/// Three devices and thirty modules, of every kind.
+/// Returns a cell of three devices and thirty modules, with modules of every kind.
 inline model::Cell palletizing() {
   std::vector<model::Module> line;
   for (int i = 0; i < 12; ++i) {
@@ -117,7 +117,7 @@ inline model::Module not_before(model::Module module, Nanoseconds interarrival) 
   return module;
 }
 
-/// The endpoint "device.module.port"; "" is no endpoint.
+/// Parses "device.module.port"; "" gives an empty endpoint.
 inline model::Endpoint end(const std::string& text) {
   if (text.empty()) return {};
   const std::size_t first = text.find('.');

@@ -37,7 +37,7 @@ std::size_t widest(const std::string& text) {
 
 std::string long_name(char letter) { return std::string(63, letter); }
 
-/// A cell in which everything is long: names, times, priorities, tables, lists.
+/// Returns a cell in which names, times, priorities, tables and lists are as long as possible.
 model::Cell widest_cell() {
   const Nanoseconds odd{6'000'000'000'000'000'001};
   std::vector<model::Module> modules{process(periodic(long_name('p'), odd, -2'147'483'647)),
@@ -62,9 +62,9 @@ model::Cell widest_cell() {
   return all;
 }
 
-// ---- as text
+// ---- Text
 
-TEST(CheckText, ShowsFigure3WithEqualRowsOnOneLine) {
+TEST(CheckText, ShowsThePapersFigure3WithEqualRowsOnOneLine) {
   EXPECT_THAT(text(figure1()), HasSubstr(R"(
     basic period 100 us, macro period 600 us, 6 rows, 15 entries
 
@@ -81,7 +81,7 @@ TEST(CheckText, DoesNotMergeRowsWithDifferentModules) {
               HasSubstr("    2    2 ms    a\n    3    3 ms    b\n    4    4 ms    a\n    5    5 ms    -\n"));
 }
 
-TEST(CheckText, ShowsFigure4WithDeadlines) {
+TEST(CheckText, ShowsThePapersFigure4WithDeadlines) {
   EXPECT_THAT(text(figure1()), HasSubstr(R"(
     sporadic   type     deadline  priority  budget
     emergency  thread   100 us    1         -
@@ -89,7 +89,7 @@ TEST(CheckText, ShowsFigure4WithDeadlines) {
 )"));
 }
 
-TEST(CheckText, NamesExecutorsAndNonRealTimeModules) {
+TEST(CheckText, ListsExecutorsAndNonRealTimeModules) {
   EXPECT_THAT(text(figure1()), AllOf(HasSubstr("cell module: 1 device, 7 modules"),
                                      HasSubstr("executor main: any cpu, priority 80, wakeup hybrid"),
                                      HasSubstr("not real-time: monitoring (process)")));
@@ -98,10 +98,10 @@ TEST(CheckText, NamesExecutorsAndNonRealTimeModules) {
 TEST(CheckText, PredictsTheLoadFromBudgets) {
   const std::string all = text(cell(
       "c", {device("d", {with_budget(periodic("a", 1ms), 300us), with_budget(periodic("b", 2ms), 200us)})}));
-  EXPECT_THAT(
-      all, AllOf(HasSubstr("row 0 is the fullest with 500 us of 1 ms (50 %); 40.0 % over the macro period"),
-                 HasSubstr("0    0 ns    50 %  a, b\n"), HasSubstr("1    1 ms    30 %  a\n"),
-                 Not(HasSubstr("without a budget"))));
+  EXPECT_THAT(all,
+              AllOf(HasSubstr("row 0 is the fullest with 500 us of 1 ms (50 %); 40.0 % of the macro period"),
+                    HasSubstr("0    0 ns    50 %  a, b\n"), HasSubstr("1    1 ms    30 %  a\n"),
+                    Not(HasSubstr("without a budget"))));
 }
 
 TEST(CheckText, ShowsEachRowWithAndWithoutOffsets) {
@@ -125,21 +125,21 @@ TEST(CheckText, ShowsEachRowWithAndWithoutOffsets) {
                     HasSubstr("row  offset  load  before  modules"), HasSubstr("155 %"), HasSubstr("5 %")));
 }
 
-TEST(CheckText, NamesModulesWithoutABudget) {
+TEST(CheckText, ListsModulesWithoutABudget) {
   const std::string some = text(cell("c", {device("d", {with_budget(periodic("a", 1ms), 300us),
                                                         periodic("b", 2ms), process(periodic("p", 1ms))})}));
   EXPECT_THAT(some, AllOf(HasSubstr("predicted load, at least:"), HasSubstr(">= 30 %"),
-                          HasSubstr("without a budget: b\n")));
+                          HasSubstr("modules without a budget: b\n")));
   const std::string none = text(cell("c", {device("d", {periodic("a", 1ms)})}));
-  EXPECT_THAT(none, AllOf(HasSubstr("load not predicted, without a budget: a\n"), Not(HasSubstr(" % "))));
+  EXPECT_THAT(none,
+              AllOf(HasSubstr("load not predicted; modules without a budget: a\n"), Not(HasSubstr(" % "))));
 }
 
 TEST(CheckText, WarnsOfADeadlineShorterThanTheBasicPeriod) {
   const std::string late = text(cell("c", {device("d", {periodic("a", 10ms), sporadic("alarm", 1ms)})}));
   EXPECT_THAT(
-      late,
-      HasSubstr("late by design, because their conditions are checked only every 10 ms:\n      alarm\n"));
-  EXPECT_THAT(text(figure1()), Not(HasSubstr("late by design")));
+      late, HasSubstr("may miss deadlines, because conditions are checked only every 10 ms:\n      alarm\n"));
+  EXPECT_THAT(text(figure1()), Not(HasSubstr("may miss deadlines")));
 }
 
 TEST(CheckText, ShowsTheReleaseSettingsOfSporadicModules) {
@@ -157,11 +157,12 @@ TEST(CheckText, ShowsTheReleaseSettingsOfSporadicModules) {
 
 TEST(CheckText, DoesNotWarnOfTheDeadlineOfAnImmediateModule) {
   EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 10ms), at_once(sporadic("alarm", 1ms))})})),
-              Not(HasSubstr("late by design")));
+              Not(HasSubstr("may miss deadlines")));
 }
 
-TEST(CheckText, PredictsTheBoundedLoadOfSporadicThreads) {
-  // A row releases a module at most once, so an interarrival time of 1.5 rows means every second row.
+TEST(CheckText, PredictsTheMaximumLoadOfSporadicThreadModules) {
+  // A row releases a module at most once. So with an interarrival time of 1.5 rows, only every second row can
+  // release the module.
   const auto of = [](std::vector<model::Module> modules) {
     modules.push_back(with_budget(periodic("a", 1ms), 300us));
     return text(cell("c", {device("d", modules)}));
@@ -186,16 +187,16 @@ TEST(CheckText, PredictsTheBoundedLoadOfSporadicThreads) {
                 {device("d", {at_once(with_budget(not_before(sporadic("s", 1000000h), 1ns), 1000000h))})}),
            {.width = 80}),
       HasSubstr("at most 3.6e+20 %: s every 1 ns\n"));
-  // Programs run on other CPUs.
+  // Programs run on other CPUs, so they do not add to this load.
   EXPECT_THAT(of({process(with_budget(sporadic("s", 5ms), 100us))}), Not(HasSubstr("sporadic load")));
 }
 
-TEST(CheckText, NamesSporadicThreadsWithUnboundedLoad) {
+TEST(CheckText, ListsSporadicModulesWithUnboundedLoad) {
   const std::string some =
       text(cell("c", {device("d", {periodic("a", 1ms), with_budget(sporadic("s", 5ms), 100us),
                                    sporadic("t", 5ms), at_once(with_budget(sporadic("u", 5ms), 100us))})}));
-  EXPECT_THAT(some, AllOf(HasSubstr("    sporadic without a budget: t\n"),
-                          HasSubstr("    sporadic, immediate and without interarrival: u\n")));
+  EXPECT_THAT(some, AllOf(HasSubstr("    sporadic modules without a budget: t\n"),
+                          HasSubstr("    sporadic modules, immediate, without interarrival: u\n")));
   EXPECT_THAT(text(figure1()), Not(HasSubstr("sporadic without")));
 }
 
@@ -206,10 +207,10 @@ TEST(CheckText, WarnsIfTheTotalLoadExceedsOneCpu) {
   };
   EXPECT_THAT(together(500us), Not(HasSubstr("more than")));
   EXPECT_THAT(together(501us),
-              HasSubstr("more than one CPU can do if all events occur as often as allowed: 100.1 %\n"));
+              HasSubstr("overload of one CPU if all events occur as often as allowed: 100.1 %\n"));
 }
 
-TEST(CheckText, PredictsNoLoadForProgramsOnly) {
+TEST(CheckText, PredictsNoLoadIfAllModulesArePrograms) {
   EXPECT_THAT(text(cell("c", {device("d", {process(periodic("p", 1ms))})})),
               AllOf(testing::EndsWith("    0    0 ns    p (process)\n"), Not(HasSubstr("load"))));
 }
@@ -253,33 +254,33 @@ connections
     )" + std::string(70, 't') + "\n"));
 }
 
-TEST(CheckText, ShowsTheFirstOfManyConnections) {
+TEST(CheckText, ShowsOnlyTheFirstOfManyConnections) {
   std::vector<model::Connection> many;
   for (int i = 0; i < 150; ++i) many.push_back(latest("robot.arm.out", "line.belt.in" + std::to_string(i)));
   EXPECT_THAT(text(robot_and_line(many)),
               AllOf(HasSubstr("line.belt.in99 "), Not(HasSubstr("line.belt.in100")),
-                    HasSubstr("  ... and 50 more; takt graph --json has them all\n")));
+                    HasSubstr("  ... and 50 more; takt graph --json lists them all\n")));
 }
 
-// The belt writes every 100 ms. The arm runs every 1 ms, so its last run before a write reads a value that is
-// 99 ms old.
+// The belt writes every 100 ms and the arm runs every 1 ms. So the arm's last run before a write reads a
+// value that is 99 ms old.
 TEST(CheckText, WarnsOfAConnectionThatBecomesStaleBetweenTwoWrites) {
   const auto of = [](Nanoseconds deadline) {
     return text(robot_and_line({stale_after(latest("line.belt.out", "robot.arm.in"), deadline)}));
   };
-  EXPECT_THAT(of(98ms), HasSubstr("  stale by design, because the value gets too old between two writes:\n"
-                                  "    robot.arm.in, which is written only every 100 ms\n"));
-  EXPECT_THAT(of(99ms), Not(HasSubstr("stale by design")));
+  EXPECT_THAT(of(98ms), HasSubstr("  goes stale between two writes, because the deadline is too short:\n"
+                                  "    robot.arm.in, whose writer runs only every 100 ms\n"));
+  EXPECT_THAT(of(99ms), Not(HasSubstr("goes stale between")));
   EXPECT_THAT(text(robot_and_line({stale_after(queue("line.belt.out", "robot.arm.in", 4), 98ms)})),
-              HasSubstr("stale by design"))
+              HasSubstr("goes stale between"))
       << "the newest sample of a queue is as old";
-  // A reader as slow as the writer may always see a fresh value. For a sporadic reader nothing can be
+  // A reader as slow as the writer may see a new value in each run. For a sporadic reader, nothing can be
   // predicted.
   EXPECT_THAT(text(robot_and_line({stale_after(latest("robot.arm.out", "line.belt.in"), 1us)})),
-              Not(HasSubstr("stale by design")));
+              Not(HasSubstr("goes stale between")));
   const auto by_events = cell("c", {device("d", {periodic("a", 100ms), sporadic("s", 1ms)})});
   EXPECT_THAT(text(connected(by_events, {stale_after(latest("d.a.out", "d.s.in"), 1us)})),
-              Not(HasSubstr("stale by design")));
+              Not(HasSubstr("goes stale between")));
 }
 
 TEST(CheckText, ShowsHowNodesDiscoverEachOther) {
@@ -297,20 +298,20 @@ TEST(CheckText, ShowsHowNodesDiscoverEachOther) {
   EXPECT_THAT(text(figure1()), Not(HasSubstr("discovery")));
 }
 
-TEST(CheckText, ShowsExecutorsWithoutPeriodicModulesAndEmptyOnes) {
+TEST(CheckText, ShowsExecutorsWithoutPeriodicModules) {
   EXPECT_THAT(text(palletizing()),
               AllOf(HasSubstr("basic period 4 ms, half the shortest deadline"),
                     HasSubstr("executor spare: any cpu, priority 80, wakeup hybrid\n    no modules\n")));
 }
 
-TEST(CheckText, ShowsTheBeginOfALongTableAndCountsTheRest) {
-  // No two consecutive rows are equal: modules of 2 ms and 3 ms among 7919 rows.
+TEST(CheckText, ShowsTheStartOfALongTableAndCountsTheRest) {
+  // No two consecutive rows are equal, so the report cannot merge them.
   const std::string all = text(cell("c", {device("d", {periodic("a", 2ms), periodic("b", 7919ms)})}));
   EXPECT_THAT(all, AllOf(HasSubstr("39   39 ms"), Not(HasSubstr("\n    40 ")),
-                         HasSubstr("... and 15798 rows more; --json has them all")));
+                         HasSubstr("... and 15798 rows more; --json lists them all")));
 }
 
-TEST(CheckText, NamesTheFirstOfVeryManyModules) {
+TEST(CheckText, NamesOnlyTheFirstOfManyModules) {
   std::vector<model::Module> modules;
   for (int i = 0; i < 1000; ++i) modules.push_back(periodic("m" + std::to_string(i), 1ms));
   for (int i = 0; i < 100; ++i) modules.push_back(sporadic("s" + std::to_string(i), 1ms));
@@ -319,7 +320,7 @@ TEST(CheckText, NamesTheFirstOfVeryManyModules) {
                          HasSubstr("... and 60 more")));
 }
 
-TEST(CheckText, KeepsToTheWidth) {
+TEST(CheckText, NeverExceedsTheWidthOfTheTerminal) {
   for (const model::Cell& cell : {figure1(), palletizing(), widest_cell()}) {
     EXPECT_LE(widest(text(cell, {.width = 100})), 100U) << text(cell);
     EXPECT_LE(widest(text(cell, {.width = 80})), 80U) << text(cell, {.width = 80});
@@ -328,7 +329,7 @@ TEST(CheckText, KeepsToTheWidth) {
   }
 }
 
-TEST(CheckText, UsesEscapesOnlyForColour) {
+TEST(CheckText, UsesEscapeSequencesOnlyForColour) {
   const std::string plain = text(palletizing());
   std::string coloured = text(palletizing(), {.colour = true});
   EXPECT_EQ(plain.find('\x1b'), std::string::npos);
@@ -346,9 +347,9 @@ TEST(CheckText, HasNoTrailingSpaces) {
   }
 }
 
-// ---- as JSON
+// ---- JSON
 
-TEST(CheckJson, HasTheExpectedObjectForFigure1) {
+TEST(CheckJson, IsTheExpectedObjectForThePapersFigure1) {
   const auto expected = nlohmann::ordered_json::parse(R"({
     "cell": "module", "devices": [{"name": "module",
       "executors": [{"name": "main", "basic_period_ns": 100000, "macro_period_ns": 600000,
@@ -360,8 +361,9 @@ TEST(CheckJson, HasTheExpectedObjectForFigure1) {
   EXPECT_EQ(check_json(cell, plans(cell)).dump(), expected.dump());
 }
 
-// Programs rely on this object. Connections and services are only in `takt graph --json`.
-TEST(CheckJson, HasTheSameMembersForACellWithConnections) {
+// Other programs rely on the members of this object. Only `takt graph --json` contains connections and
+// services.
+TEST(CheckJson, OmitsConnections) {
   auto module = at_once(not_before(sporadic("s", 10ms), 1ms));
   module.miss = model::Miss::error;
   const model::Cell cell = connected(cells::cell("c", {device("d", {periodic("a", 1ms), module})}),
@@ -394,11 +396,11 @@ Proof proof_of(const model::Cell& cell, const std::vector<std::optional<Nanoseco
   return proof;
 }
 
-TEST(CheckText, ShowsTheWorstCaseOfEachModule) {
+TEST(CheckText, ShowsTheWorstResponseTimeOfEachModule) {
   const model::Cell cell =
       cells::cell("c", {device("d", {periodic("a", 1ms), sporadic("s", 1ms), non_real("n")})});
   EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, {300us, 400us, std::nullopt})), HasSubstr(R"(
-  worst case, by the budgets, on 2 CPUs:
+  worst-case response times, computed from the budgets, on 2 CPUs:
     module  cpu  longest run  response  deadline  slack
     a       1    300 us       300 us    1 ms      700 us  kept
     s       1    400 us       800 us    1 ms      200 us  kept
@@ -408,19 +410,19 @@ TEST(CheckText, ShowsTheWorstCaseOfEachModule) {
 )"));
 }
 
-TEST(CheckText, ALongListNeverLeavesOutAMissedDeadline) {
+TEST(CheckText, ShowsMissedDeadlinesEvenInAShortenedList) {
   std::vector<model::Module> modules;
   for (std::size_t i = 0; i < kTextRows + 10; ++i) modules.push_back(periodic("m" + std::to_string(i), 1ms));
   const model::Cell cell = cells::cell("c", {device("d", modules)});
   const std::vector<std::optional<Nanoseconds>> short_runs(modules.size(), 1us);
   EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, short_runs)),
-              HasSubstr("... and 10 more, all kept; --json has them all"));
+              HasSubstr("... and 10 more, all kept; --json lists them all"));
   auto runs = short_runs;
   runs.back() = 990us;
   EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, runs)), HasSubstr("m49 "));
 }
 
-TEST(CheckJson, HasTheWorstCaseOfEachModule) {
+TEST(CheckJson, ContainsTheWorstResponseTimeOfEachModule) {
   const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1ms), at_once(sporadic("s", 1ms))})});
   auto proof = proof_of(cell, {300us, 700us});
   proof.of_profile = true;
@@ -433,12 +435,12 @@ TEST(CheckJson, HasTheWorstCaseOfEachModule) {
             R"("slack_ns":null,"kept":false,"why":"the minimum time between its releases is not known"}]})");
 }
 
-TEST(CheckJson, HasEveryRowOfALongTable) {
+TEST(CheckJson, ContainsEveryRowOfALongTable) {
   const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1us), periodic("b", 100ms)})});
   EXPECT_EQ(check_json(cell, plans(cell))["devices"][0]["executors"][0]["rows"].size(), 100'000U);
 }
 
-// ---- as a drawing
+// ---- Drawing
 
 std::string svg(const model::Cell& cell) { return check_svg(cell, plans(cell)); }
 
@@ -474,13 +476,13 @@ class DrawnCell : public testing::TestWithParam<int> {
   }
 };
 
-TEST_P(DrawnCell, IsWellFormed) { EXPECT_TRUE(is_well_formed(svg(drawn()))); }
+TEST_P(DrawnCell, IsWellFormedXml) { EXPECT_TRUE(is_well_formed(svg(drawn()))); }
 
 TEST_P(DrawnCell, HasNoClippedOrOverlappingText) { expect_readable(svg(drawn())); }
 
 INSTANTIATE_TEST_SUITE_P(CheckSvg, DrawnCell, testing::Range(0, 6));
 
-TEST(CheckSvg, NumbersReleasesByTheirPlaceInTheRow) {
+TEST(CheckSvg, NumbersReleasesInTheOrderOfTheirRow) {
   const std::string drawing = svg(figure1());
   EXPECT_EQ(occurrences(drawing, R"(class="on">1</text>)"), 6U + 1);  // plus one in the legend
   EXPECT_EQ(occurrences(drawing, R"(class="on">2</text>)"), 6U + 1);
@@ -495,13 +497,13 @@ TEST(CheckSvg, ShowsPeriodsModulesAndDeadlines) {
           HasSubstr("basic period 100 us, macro period 600 us, 6 rows; any cpu, priority 80, wakeup hybrid"),
           HasSubstr(">controller1<"), HasSubstr("thread, every 600 us, priority 3"),
           HasSubstr("process, deadline 10 ms, priority 2"), HasSubstr(">600 us<"),
-          HasSubstr("not real-time: monitoring (process)"), HasSubstr("no budgets are given"),
+          HasSubstr("not real-time: monitoring (process)"), HasSubstr("no thread has a budget"),
           HasSubstr("prefers-color-scheme: dark")));
 }
 
 TEST(CheckSvg, DrawsBudgetsToScale) {
-  // One row is 240 wide. The second thread begins when the first has used its budget, the process at the
-  // release.
+  // One row is 240 pixels wide. The second thread module begins when the first has used its budget; the
+  // process module begins at the release.
   const std::string drawing = svg(cell(
       "c", {device("d", {with_budget(periodic("a", 1ms, 1), 250us), with_budget(periodic("b", 1ms, 2), 500us),
                          process(with_budget(periodic("p", 1ms, 3), 750us))})}));
@@ -520,7 +522,7 @@ TEST(CheckSvg, DrawsBudgetsToScale) {
   EXPECT_THAT(drawing, HasSubstr(">75%<"));
 }
 
-TEST(CheckSvg, DrawsAScaleIfThereIsNoRoomForTheLoadNumbers) {
+TEST(CheckSvg, DrawsAScaleIfTheLoadNumbersDoNotFit) {
   const std::string wide = svg(cell("c", {device("d", {with_budget(periodic("a", 1ms), 250us)})}));
   EXPECT_THAT(wide, AllOf(HasSubstr(">25%<"), Not(HasSubstr(">100%<"))));
   const std::string narrow =
@@ -529,19 +531,19 @@ TEST(CheckSvg, DrawsAScaleIfThereIsNoRoomForTheLoadNumbers) {
   expect_readable(narrow);
 }
 
-TEST(CheckSvg, ExplainsOnlyWhatIsDrawn) {
+TEST(CheckSvg, HasALegendOnlyForWhatIsDrawn) {
   const std::string plain = svg(cell("c", {device("d", {periodic("a", 1ms)})}));
   EXPECT_THAT(plain, HasSubstr("release of a thread module"));
-  for (const char* other :
-       {"release of a process module", "budget, to scale", "after the row", "deadline of", "load of a row"})
+  for (const char* other : {"release of a process module", "budget, to scale",
+                            "end of the row: ", "deadline of", "load of a row"})
     EXPECT_THAT(plain, Not(HasSubstr(other)));
-  EXPECT_THAT(svg(figure1()), AllOf(HasSubstr("release of a process module"), HasSubstr("after the row"),
+  EXPECT_THAT(svg(figure1()), AllOf(HasSubstr("release of a process module"), HasSubstr("end of the row: "),
                                     HasSubstr("deadline of"), Not(HasSubstr("budget, to scale"))));
   EXPECT_THAT(svg(cell("c", {device("d", {with_budget(periodic("a", 1ms), 250us)})})),
               AllOf(HasSubstr("budget, to scale"), HasSubstr("load of a row: up to 70%, up to 90%")));
 }
 
-TEST(CheckSvg, SaysWhatIsNotDrawn) {
+TEST(CheckSvg, SaysWhichRowsAndModulesAreNotDrawn) {
   EXPECT_THAT(svg(cell("long", {device("d", {periodic("a", 2ms), periodic("b", 7919ms)})})),
               HasSubstr("only rows 0 to 63 of 15838 are drawn"));
   EXPECT_THAT(svg(crowded_cell()),
@@ -549,7 +551,7 @@ TEST(CheckSvg, SaysWhatIsNotDrawn) {
   EXPECT_THAT(svg(figure1()), Not(HasSubstr("are drawn")));
 }
 
-TEST(CheckSvg, EscapesNames) {
+TEST(CheckSvg, EscapesSpecialCharactersInNames) {
   EXPECT_THAT(svg(cell("a<b>&\"c\"", {})),
               AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("a<b>"))));
 }

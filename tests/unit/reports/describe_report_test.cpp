@@ -70,7 +70,7 @@ TEST(DescribeReport, ShowsAllPartsOfAComponent) {
             "           unsigned long number, double[3] at\n");
 }
 
-TEST(DescribeReport, ListsEnumeratorsOnce) {
+TEST(DescribeReport, ListsTheEnumeratorsOfATypeOnlyOnce) {
   Described described = belt();
   const model::Field mode{.name = "mode",
                           .scalar = model::Scalar::enumeration,
@@ -82,7 +82,7 @@ TEST(DescribeReport, ListsEnumeratorsOnce) {
   EXPECT_THAT(describe_text(described, {}), Not(HasSubstr("RUNS\n           line::Mode:")));
 }
 
-TEST(DescribeReport, WrapsLongSentencesToTheWidth) {
+TEST(DescribeReport, WrapsLongSentencesToTheWidthOfTheTerminal) {
   Described described = belt();
   for (int i = 0; i < 30; ++i) described.component.properties[0].text += "word and word ";
   described.component.ports[0].text = described.component.properties[0].text;
@@ -93,16 +93,16 @@ TEST(DescribeReport, WrapsLongSentencesToTheWidth) {
   EXPECT_THAT(text, HasSubstr("\n                                          and word word"));
 }
 
-TEST(DescribeReport, ShowsTheValuesThatADescriptorGives) {
+TEST(DescribeReport, ShowsThePropertyValuesOfTheDescriptor) {
   const std::string text = describe_text(in_a_cell(), {});
   EXPECT_THAT(text, AllOf(HasSubstr("line.first: Moves"), HasSubstr("default  given  range"),
                           HasSubstr("0.5      1.25   0 to 2"), HasSubstr("sporadic")));
 }
 
-TEST(DescribeReport, AProgramWithoutPropertiesAcceptsAny) {
+TEST(DescribeReport, SaysThatAProgramWithoutDeclaredPropertiesAcceptsAny) {
   Described described{"/c/p.exe", {.name = "p", .interface = "process"}};
   EXPECT_THAT(describe_text(described, {}),
-              AllOf(HasSubstr("any; each is an argument"), HasSubstr("ports       none")));
+              AllOf(HasSubstr("any name; each becomes an argument"), HasSubstr("ports       none")));
   described.component.properties.push_back(speed());
   EXPECT_THAT(describe_text(described, {}), Not(HasSubstr("any;")));
 }
@@ -118,7 +118,7 @@ TEST(DescribeReport, PrintsOneJsonObjectPerLine) {
   EXPECT_EQ(object["ports"][1]["direction"], "out");
 }
 
-TEST(DescribeReport, ProposesTheOperationThatAProgramUses) {
+TEST(DescribeReport, ProposesTheOperationTypeThatAProgramUses) {
   Described described{"/c/p.exe", {.name = "p", .text = "A -- b --- c", .interface = "process"}};
   EXPECT_THAT(describe_xml(described),
               AllOf(HasSubstr("<operationtype>periodic<"), HasSubstr("<!-- A - b - c -->")));
@@ -130,7 +130,7 @@ TEST(DescribeReport, ProposesTheOperationThatAProgramUses) {
                                              Not(HasSubstr("<period>")), Not(HasSubstr("<priority>"))));
 }
 
-TEST(Iso22166Profile, HasOnlyKnownElements) {
+TEST(Iso22166Profile, IsTheExpectedXmlForAComponent) {
   EXPECT_EQ(iso22166_profile(belt(), std::nullopt),
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
             "<module>\n"
@@ -169,7 +169,7 @@ TEST(Iso22166Profile, HasOnlyKnownElements) {
             "</module>\n");
 }
 
-TEST(Iso22166Profile, TakesValuesAndReleaseFromTheDescriptor) {
+TEST(Iso22166Profile, TakesPropertyValuesAndExecutionTypeFromTheDescriptor) {
   const Described described = in_a_cell();
   EXPECT_THAT(iso22166_profile(described, operation_of(described)),
               AllOf(HasSubstr("<exeType>EVENTDRIVEN</exeType>"), HasSubstr("<value>1.25</value>")));

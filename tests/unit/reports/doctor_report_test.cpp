@@ -41,14 +41,14 @@ TEST(DoctorReport, ListsProblemsFirstAndGoodChecksLast) {
   const std::string text = doctor_text(report(), {});
   EXPECT_LT(text.find("priority"), text.find("frequency"));
   EXPECT_LT(text.find("stolen"), text.find("clock"));
-  EXPECT_THAT(text, HasSubstr("machine cell7: one thing spoils real time, 2 notes\n"));
+  EXPECT_THAT(text, HasSubstr("machine cell7: 1 finding spoils real-time behaviour, 2 notes\n"));
 }
 
-TEST(DoctorReport, DoesNotWrapACommand) {
+TEST(DoctorReport, NeverWrapsACommandLine) {
   EXPECT_THAT(doctor_text(report(), {.width = 80}), HasSubstr("cure: " + kCommand + "\n"));
 }
 
-TEST(DoctorReport, WrapsEverythingElseToTheWidth) {
+TEST(DoctorReport, WrapsOtherTextToTheWidthOfTheTerminal) {
   std::istringstream lines{doctor_text(report(), {.width = 80})};
   for (std::string line; std::getline(lines, line);) {
     const bool is_cure = line.find("cure: ") != std::string::npos;
@@ -56,23 +56,24 @@ TEST(DoctorReport, WrapsEverythingElseToTheWidth) {
   }
 }
 
-TEST(DoctorReport, NamesTheMachineOnWhichACureMustBeApplied) {
-  EXPECT_THAT(doctor_text(report(), {}), HasSubstr("cure: not possible from here; on the host: pin it\n"));
+TEST(DoctorReport, NamesTheMachineOnWhichAFixMustBeApplied) {
+  EXPECT_THAT(doctor_text(report(), {}),
+              HasSubstr("cure: not possible on this machine; on the host: pin it\n"));
 }
 
-TEST(DoctorReport, UsesColourOnlyIfAskedTo) {
+TEST(DoctorReport, UsesColourOnlyOnRequest) {
   EXPECT_THAT(doctor_text(report(), {}), Not(HasSubstr("\x1b")));
   EXPECT_THAT(doctor_text(report(), {.colour = true}), HasSubstr("\x1b["));
 }
 
 TEST(DoctorReport, SaysIfItWasNotRunAsRoot) {
   json of = report();
-  EXPECT_THAT(doctor_text(of, {}), Not(HasSubstr("Not run as root")));
+  EXPECT_THAT(doctor_text(of, {}), Not(HasSubstr("takt doctor did not run as root")));
   of["root"] = false;
   of["spoils"] = 0;
   of["notes"] = 0;
-  EXPECT_THAT(doctor_text(of, {}),
-              AllOf(HasSubstr("Not run as root"), HasSubstr("nothing spoils real time\n")));
+  EXPECT_THAT(doctor_text(of, {}), AllOf(HasSubstr("takt doctor did not run as root"),
+                                         HasSubstr("nothing found that spoils real-time behaviour\n")));
 }
 
 }  // namespace

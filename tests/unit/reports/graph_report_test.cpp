@@ -23,7 +23,7 @@ using testing::Not;
 
 std::string long_name(char letter) { return std::string(63, letter); }
 
-/// A robot, a line and a station, and a program outside Takt.
+/// Returns a cell of a robot, a line and a station, with connections to a program outside Takt.
 model::Cell three() {
   auto dispatcher = at_once(not_before(sporadic("dispatcher", 10ms), 1ms));
   auto result = connected(
@@ -60,7 +60,7 @@ std::string text(const model::Cell& cell, const CellHealth& health = {}, Style s
   return graph_text(cell, health, style);
 }
 
-// ---- as text
+// ---- Text
 
 nlohmann::ordered_json port(const char* name, int connections, int matched) {
   return {{"name", name},       {"direction", "in"}, {"type", "t::T"},    {"connections", connections},
@@ -68,8 +68,8 @@ nlohmann::ordered_json port(const char* name, int connections, int matched) {
           {"refused", 0},       {"late", 0},         {"age_us", nullptr}, {"incompatible", nullptr}};
 }
 
-/// The object of `takt status --json` for three(): the station is lost, and the line has no connection to the
-/// robot.
+/// Returns the object of `takt status --json` for three(). The station is lost, and the line is not connected
+/// to the robot.
 nlohmann::ordered_json status_of_three() {
   auto setpoint = port("setpoint", 1, 1);
   setpoint["age_us"] = 30000.5;
@@ -97,7 +97,7 @@ nlohmann::ordered_json status_of_three() {
                 {{"name", "stranger"}, {"alive", true}, {"modules", List::array()}}})}};
 }
 
-TEST(CellHealthOfStatus, TakesTheHealthFromTheReader) {
+TEST(CellHealth, TakesConnectionHealthFromTheReadingDevice) {
   const CellHealth health = health_of(three(), status_of_three());
   EXPECT_EQ(health.devices.size(), 3U);
   EXPECT_FALSE(health.devices.at("station").alive);
@@ -115,7 +115,7 @@ TEST(CellHealthOfStatus, TakesTheHealthFromTheReader) {
   EXPECT_FALSE(health.connections.contains(5));
 }
 
-TEST(CellHealthOfStatus, ConnectionsOfALostDeviceAreNotMatched) {
+TEST(CellHealth, ShowsConnectionsOfALostDeviceAsUnmatched) {
   for (const char* lost : {"robot", "line"}) {
     auto status = status_of_three();
     for (auto& device : status["devices"]) {
@@ -128,7 +128,7 @@ TEST(CellHealthOfStatus, ConnectionsOfALostDeviceAreNotMatched) {
   }
 }
 
-TEST(CellHealthOfStatus, IsEmptyIfTheCellDoesNotRun) {
+TEST(CellHealth, IsEmptyIfTheCellDoesNotRun) {
   auto status = status_of_three();
   status["cell"] = "palletizing2, other";
   EXPECT_TRUE(health_of(three(), status).devices.empty());
@@ -189,7 +189,7 @@ TEST(GraphText, ShowsTheHealthOfARunningCell) {
                                                 "  a.m.y  b.m.y  latest  best-effort  no value yet\n"));
 }
 
-TEST(GraphText, KeepsToTheWidthAndUsesEscapesOnlyForColour) {
+TEST(GraphText, NeverExceedsTheWidthOfTheTerminal) {
   const auto wide = connected(
       cell(long_name('c'), {device(long_name('d'), {on(long_name('e'), periodic(long_name('m'), 1ms))})}),
       {on_topic(latest(long_name('d') + "." + long_name('m') + "." + long_name('p'), ""),
@@ -214,16 +214,17 @@ TEST(GraphText, KeepsToTheWidthAndUsesEscapesOnlyForColour) {
   }
 }
 
-TEST(GraphText, ShowsTheFirstOfManyModules) {
+TEST(GraphText, ShowsOnlyTheFirstOfManyModules) {
   std::vector<model::Module> many;
   for (int i = 0; i < 130; ++i) many.push_back(periodic("m" + std::to_string(i), 1ms));
-  EXPECT_THAT(text(cell("c", {device("d", many)})), AllOf(HasSubstr("\n  m99 "), Not(HasSubstr("\n  m100")),
-                                                          HasSubstr("... and 30 more; --json has them all")));
+  EXPECT_THAT(text(cell("c", {device("d", many)})),
+              AllOf(HasSubstr("\n  m99 "), Not(HasSubstr("\n  m100")),
+                    HasSubstr("... and 30 more; --json lists them all")));
 }
 
-// ---- as JSON
+// ---- JSON
 
-TEST(GraphJson, HasAllDataOfTheDescriptor) {
+TEST(GraphJson, ContainsAllDataOfTheDescriptor) {
   auto module = at_once(not_before(with_budget(sporadic("s", 10ms, 2), 1ms), 4ms));
   module.miss = model::Miss::error;
   auto connection = on_topic(stale_after(queue("d.a.out", "d.s.in", 8), 20ms, model::Stale::error), "rt/x");
@@ -249,7 +250,7 @@ TEST(GraphJson, HasAllDataOfTheDescriptor) {
                                             .dump());
 }
 
-TEST(GraphJson, HasTheKnownHealth) {
+TEST(GraphJson, ContainsTheHealthOfARunningCell) {
   const auto json = graph_json(three(), running());
   EXPECT_EQ(json["devices"][0]["alive"], true);
   EXPECT_EQ(json["devices"][2]["alive"], false);
@@ -263,7 +264,7 @@ TEST(GraphJson, HasTheKnownHealth) {
   EXPECT_FALSE(graph_json(three(), {}).dump().find("alive") != std::string::npos);
 }
 
-// ---- as a drawing
+// ---- Drawing
 
 TEST(GraphSvg, ShowsDevicesModulesAndPorts) {
   const std::string drawing = graph_svg(three(), {});
@@ -279,7 +280,8 @@ TEST(GraphSvg, ShowsDevicesModulesAndPorts) {
   EXPECT_EQ(occurrences(drawing, R"(class="wire)"), 6U + 2) << "six connections, and two kinds in the legend";
 }
 
-// A state is a word and, for a connection, also a line style. Only these elements are coloured.
+// The drawing shows a state as a word and, for a connection, also as a line style. Only these elements are
+// coloured.
 TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
   const std::string drawing = graph_svg(three(), running());
   EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="bad-word state">LOST<)"),
@@ -295,12 +297,11 @@ TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
   EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="wire good")"), HasSubstr(R"(class="wire queue poor")"),
                              HasSubstr(R"(class="wire bad")"), HasSubstr(R"(class="wire queue broken")")));
   EXPECT_EQ(occurrences(drawing, "stroke-dasharray"), 3U) << "other programs, stale, not matched";
-  EXPECT_THAT(drawing, AllOf(HasSubstr(">stale: the value"), HasSubstr(">not matched: the other end")));
-  EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: the value")))
-      << "the legend explains only what is drawn";
+  EXPECT_THAT(drawing, AllOf(HasSubstr(">stale: the newest value"), HasSubstr(">not matched: the writer")));
+  EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: "))) << "the legend explains only what is drawn";
 }
 
-TEST(GraphSvg, LinksAWireToItsPortNameOnTheOtherSide) {
+TEST(GraphSvg, DrawsAGuideLineIfAWireLeavesOppositeItsPortName) {
   const auto drawing = [](std::vector<model::Connection> connections) {
     return graph_svg(
         connected(cell("c", {device("a", {periodic("m", 1ms)}), device("b", {periodic("n", 1ms)}),
@@ -313,7 +314,7 @@ TEST(GraphSvg, LinksAWireToItsPortNameOnTheOtherSide) {
   EXPECT_EQ(occurrences(drawing({to_right, latest("b.n.out", "a.m.in")}), "class=\"grid\""), 1U);
 }
 
-TEST(GraphSvg, MarksTheElementsThatAPageLooksUp) {
+TEST(GraphSvg, MarksDevicesModulesAndConnectionsForTheWebPage) {
   const std::string drawing = graph_svg(three(), {});
   for (const char* mark :
        {R"(data-device="station")", R"(data-module="line.belt")", R"(data-connection="5")"})
@@ -367,7 +368,8 @@ CellHealth health_of(const model::Cell& cell, unsigned seed) {
   return health;
 }
 
-/// Cells of every shape: empty, a module without ports, one device, many devices.
+/// Returns cells of many shapes: without modules, with a module without ports, with one device, and with many
+/// devices.
 std::vector<std::pair<model::Cell, CellHealth>> drawn() {
   std::vector<std::pair<model::Cell, CellHealth>> all{
       {cell("none", {}), {}},
@@ -419,7 +421,7 @@ std::vector<Piece> pieces_of(const graph::Layout& layout) {
   return pieces;
 }
 
-TEST(GraphLayout, LinesDoNotOverlap) {
+TEST(GraphLayout, HasNoOverlappingLines) {
   for (const auto& [cell, health] : drawn()) {
     SCOPED_TRACE(cell.name + " of " + std::to_string(cell.connections.size()));
     const auto layout = graph::lay_out(cell, health);
@@ -436,7 +438,7 @@ TEST(GraphLayout, LinesDoNotOverlap) {
   }
 }
 
-TEST(GraphLayout, WiresGoFromBoxToBoxAndCrossNone) {
+TEST(GraphLayout, RoutesWiresAroundBoxes) {
   for (const auto& [cell, health] : drawn()) {
     SCOPED_TRACE(cell.name + " of " + std::to_string(cell.connections.size()));
     const auto layout = graph::lay_out(cell, health);
@@ -460,7 +462,8 @@ TEST(GraphLayout, WiresGoFromBoxToBoxAndCrossNone) {
     }
     for (const Piece& piece : pieces_of(layout)) {
       for (const graph::Column& column : layout.columns) {
-        // Only the first and the last segment are inside a column, between its frame and a box.
+        // Only the first and the last segment of a wire are inside a column, between the frame of the column
+        // and a box.
         const double left = column.left + graph::kInside;
         const double right = column.right() - graph::kInside;
         const auto [x1, x2] = std::minmax(piece.from.x, piece.to.x);
@@ -474,7 +477,7 @@ TEST(GraphLayout, WiresGoFromBoxToBoxAndCrossNone) {
   }
 }
 
-TEST(GraphSvg, SaysWhatIsNotDrawn) {
+TEST(GraphSvg, SaysHowManyElementsAreNotDrawn) {
   EXPECT_THAT(graph_svg(crowd(60, 1, 0, 1), {}), HasSubstr("only 50 of 60 devices are drawn"));
   EXPECT_THAT(graph_svg(crowd(1, 120, 0, 1), {}), HasSubstr(">and 20 modules more<"));
   EXPECT_THAT(graph_svg(crowd(2, 2, 600, 1), {}), HasSubstr(">100 of 600 connections are not drawn"));
@@ -483,7 +486,7 @@ TEST(GraphSvg, SaysWhatIsNotDrawn) {
   EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr("drawn")));
 }
 
-TEST(GraphSvg, EscapesNamesAndHasNoExternalReferences) {
+TEST(GraphSvg, ContainsNoUnescapedNamesOrExternalReferences) {
   auto odd = cell("a<b>&\"c\"", {device("d", {periodic("m", 1ms)})});
   odd.connections = {on_topic(latest("d.m.o", ""), "<&\">")};
   CellHealth health;

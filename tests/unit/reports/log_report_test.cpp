@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kNow = 1'772'368'205'250'000'000;  // 2026-03-01 12:30:05.250 UTC
 
-class LogReportTest : public testing::Test {
+class LogText : public testing::Test {
  protected:
   void SetUp() override {
     ::setenv("TZ", "UTC", 1);
@@ -37,14 +37,14 @@ class LogReportTest : public testing::Test {
   }
 };
 
-TEST_F(LogReportTest, PrintsOneLinePerEvent) {
+TEST_F(LogText, PrintsOneLinePerEvent) {
   Fault brief = overrun();
   brief.count = 1;
   brief.cycle = 0;
   EXPECT_EQ(text({brief}), "2026-03-01\n12:30:05.250 ! robot.servo      overrun         it was not done\n");
 }
 
-TEST_F(LogReportTest, PrintsALongCauseBelowTheEvent) {
+TEST_F(LogText, PrintsALongCauseBelowTheEvent) {
   EXPECT_EQ(text({overrun()}),
             "2026-03-01\n"
             "12:30:05.250 ! robot.servo      overrun\n"
@@ -59,7 +59,7 @@ TEST_F(LogReportTest, PrintsALongCauseBelowTheEvent) {
   EXPECT_THAT(text({crash}), HasSubstr("one line\\nonly (3 times) [cycle 1200]; see /var/core.1\n"));
 }
 
-TEST_F(LogReportTest, PrintsTheDayOnce) {
+TEST_F(LogText, PrintsEachDayOnlyOnce) {
   std::string day;
   const Style style{.colour = false, .width = 80};
   EXPECT_THAT(log_text({overrun(), overrun()}, day, style), testing::StartsWith("2026-03-01\n12"));
@@ -69,7 +69,7 @@ TEST_F(LogReportTest, PrintsTheDayOnce) {
   EXPECT_THAT(log_text({next}, day, style), testing::StartsWith("2026-03-02\n12"));
 }
 
-TEST_F(LogReportTest, MarksTheSeverityWithoutColourToo) {
+TEST_F(LogText, MarksTheSeverityEvenWithoutColour) {
   std::string plain = text({overrun()}, true);
   EXPECT_THAT(plain, HasSubstr("\033[33moverrun\033[0m"));
   for (const char* escape : {"\033[33m", "\033[0m"})
@@ -77,7 +77,7 @@ TEST_F(LogReportTest, MarksTheSeverityWithoutColourToo) {
   EXPECT_EQ(plain, text({overrun()}));
 }
 
-TEST_F(LogReportTest, PrintsOneJsonObjectPerLine) {
+TEST_F(LogText, PrintsOneJsonObjectPerLine) {
   EXPECT_EQ(
       log_json({overrun()}),
       R"({"sequence":7,"time_ns":1772368205250000000,"cell":"cell","device":"robot","module":"servo",)"
@@ -86,7 +86,7 @@ TEST_F(LogReportTest, PrintsOneJsonObjectPerLine) {
       "\n");
 }
 
-TEST_F(LogReportTest, ReadsADurationOrAPointInTime) {
+TEST_F(LogText, CanBeginAtADurationAgoOrAPointInTime) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   EXPECT_EQ(*since_from("90s", kNow), kNow - 90 * kSecond);
   EXPECT_EQ(*since_from("10m", kNow), kNow - 600 * kSecond);

@@ -1,4 +1,4 @@
-// Helpers for tests of drawings: read and check their SVG.
+// Functions that read and check the SVG of drawings.
 #pragma once
 
 #include <unistd.h>
@@ -29,7 +29,7 @@ inline bool is_well_formed(const std::string& drawing) {
   return right;
 }
 
-/// A text of a drawing: its position, and its extent in a wide font.
+/// A text in a drawing, with its position and its size in a wide font.
 struct Label {
   double left = 0;
   double right = 0;

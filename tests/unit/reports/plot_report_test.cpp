@@ -20,7 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(Plot, HasMarksAtRoundNumbers) {
+TEST(Plot, HasAxisMarksAtRoundNumbers) {
   EXPECT_THAT(ticks(0, 10, 5),
               ElementsAre(DoubleEq(0), DoubleEq(2), DoubleEq(4), DoubleEq(6), DoubleEq(8), DoubleEq(10)));
   EXPECT_THAT(ticks(-0.11, 0.26, 4),
@@ -39,7 +39,7 @@ TEST(Plot, ChoosesAUnitForTheTimeAxis) {
   EXPECT_STREQ("h", unit_of_time(86400).name);
 }
 
-TEST(Plot, DrawsCurvesGapsAndNames) {
+TEST(Plot, LeavesAGapInACurveWhereSamplesAreMissing) {
   Plot plot{.title = "cell", .subtitle = "x", .from = 0, .to = 10};
   plot.panels.push_back({.title = "speed",
                          .series = {{.name = "a.b.c.speed & <more>",
@@ -67,7 +67,7 @@ Plot plot_of(std::vector<PlotPoint> points) {
   return plot;
 }
 
-/// The labels at the marks of the value axis, from the lowest.
+/// Returns the labels at the marks of the value axis, from bottom to top.
 std::vector<std::string> value_marks(const std::string& svg) {
   static const std::regex kMark{R"re(text-anchor="end" class="faint">([^<]*)<)re"};
   std::vector<std::string> found;
@@ -76,7 +76,7 @@ std::vector<std::string> value_marks(const std::string& svg) {
   return found;
 }
 
-TEST(Plot, HasDistinctMarksForLargeNumbers) {
+TEST(Plot, LabelsLargeNumbersDistinctly) {
   for (const auto& [low, high] : {std::pair{-1234568.0, -1234566.5}, {1e6, 1e6 + 2e-3}, {1e-9, 4e-9}}) {
     const std::string svg = plot_svg(plot_of({{0, low}, {10, high}}));
     const auto marks = value_marks(svg);
@@ -96,7 +96,7 @@ TEST(Plot, ShowsTheTimeOfASingleSample) {
   EXPECT_THAT(svg, HasSubstr(">3<"));
 }
 
-TEST(Plot, HasNoMarksBetweenWholeNumbers) {
+TEST(Plot, MarksOnlyWholeNumbersIfAllValuesAreWhole) {
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2}, {10, 3}}))), ElementsAre("1", "2", "3"));
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 7}, {10, 7}}))), ElementsAre("7"));
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2.5}}))), testing::Contains("1.5"));
@@ -108,14 +108,15 @@ std::size_t shapes(const Plot& plot) {
   return drawings::occurrences(svg, "<circle") + drawings::occurrences(svg, "z\" class=\"d");
 }
 
-TEST(Plot, DistinguishesCurvesByShapeToo) {
+TEST(Plot, MarksEachOfSeveralCurvesWithItsOwnShape) {
   Plot plot = plot_of({{0, 1}, {10, 2}});
   EXPECT_EQ(shapes(plot), 0U) << "a single curve needs no shape";
   PlotSeries same = plot.panels[0].series[0];
   same.name = "t";
   same.curves.push_back({{10, 1}});
   plot.panels[0].series.insert(plot.panels[0].series.end(), {same, same});
-  // Circles, squares and triangles: on curves, on single samples, and in the legend.
+  // The shapes are circles, squares and triangles. They appear on curves, on single samples and in the
+  // legend.
   const std::string svg = plot_svg(plot);
   EXPECT_EQ(drawings::occurrences(svg, "<circle"), 10U + 1U);
   EXPECT_EQ(drawings::occurrences(svg, "z\" class=\"d2\""), 10U + 1U + 1U);

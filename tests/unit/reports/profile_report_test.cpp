@@ -13,7 +13,7 @@ json module(const char* name, int cycles, double max) {
           {"run_us", {{"min", 0.1}, {"p50", 0.2}, {"p99", 1.001}, {"p999", max}, {"max", max}}}};
 }
 
-TEST(ProfileReport, TakesTheRunTimesOfEveryModule) {
+TEST(ProfileReport, ContainsTheRunTimesOfEveryModule) {
   const json status{{"cell", "cell"},
                     {"devices",
                      {{{"name", "robot"}, {"modules", {module("servo", 7, 886.123)}}},

@@ -9,7 +9,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-TEST(ShareText, ShowsABarAndANumber) {
+TEST(ShareText, ShowsAProgressBarAndAPercentage) {
   EXPECT_EQ(share_text(0, "none", {}), "[....................]   0 %  none");
   EXPECT_EQ(share_text(0.42, "4.2 of 10 s", {}), "[########............]  42 %  4.2 of 10 s");
   EXPECT_EQ(share_text(1, "all", {}), "[####################] 100 %  all");
@@ -17,7 +17,7 @@ TEST(ShareText, ShowsABarAndANumber) {
   EXPECT_EQ(share_text(-1, "less", {}), "[....................]   0 %  less");
 }
 
-TEST(BringUp, ReportsEachStateOnce) {
+TEST(BringUp, ReportsEachStateOnlyOnce) {
   BringUp bring_up{2};
   std::vector<BroughtUp> devices{{.device = "robot", .state = "waiting", .modules = {}}};
   EXPECT_THAT(bring_up.news(devices), IsEmpty());
@@ -32,7 +32,7 @@ TEST(BringUp, ReportsEachStateOnce) {
               UnorderedElementsAre("robot: running", "robot.arm: EXECUTING", "robot.servo: EXECUTING"));
 }
 
-TEST(BringUp, ShowsHowManyAreReadyAndWhichIsMissing) {
+TEST(BringUp, ShowsHowManyModulesAreReadyAndWhichIsNot) {
   const BringUp bring_up{3};
   EXPECT_EQ(bring_up.text({}, {}), "[....................]   0 %  0 of 3 modules ready");
   EXPECT_EQ(

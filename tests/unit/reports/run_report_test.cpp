@@ -43,7 +43,7 @@ json cell() {
                                     {"modules", json::array({arm})}}})}};
 }
 
-TEST(RunText, HasALineForEachModuleAndEachConnectedPort) {
+TEST(RunText, ShowsALineForEachModuleAndConnectedPort) {
   const std::string text = run_text(cell());
   EXPECT_THAT(text, ContainsRegex("main +999 +1 +-1.50 +0.25 +12.3 +1450 +17.5"));
   EXPECT_THAT(text, ContainsRegex("arm +EXECUTING +1000 +-1.50 +0.25 +12.3 +0.25 +1450 +2 +3"));
@@ -51,7 +51,7 @@ TEST(RunText, HasALineForEachModuleAndEachConnectedPort) {
   EXPECT_THAT(text, Not(HasSubstr("unused")));
 }
 
-TEST(RunJson, LeavesOutTheMarginsOfExecutors) {
+TEST(RunJson, OmitsTheWakeMarginsOfExecutors) {
   const json report = json::parse(run_json(cell()));
   std::vector<std::string> keys;
   for (const auto& entry : report["devices"][0]["executors"][0].items()) keys.push_back(entry.key());
@@ -59,7 +59,7 @@ TEST(RunJson, LeavesOutTheMarginsOfExecutors) {
   EXPECT_EQ(report["devices"][0]["modules"], cell()["devices"][0]["modules"]);
 }
 
-TEST(RunText, NamesTheQosPolicyThatPreventsMatching) {
+TEST(RunText, NamesTheQosPolicyThatPreventsAConnection) {
   json status = cell();
   status["devices"][0]["modules"][0]["ports"][0]["incompatible"] = "reliability";
   status["devices"][0]["modules"][0]["ports"][0]["age_us"] = nullptr;
@@ -75,7 +75,7 @@ TEST(RunText, ShowsTheLastKnownStatesOfALostDevice) {
   EXPECT_THAT(text, Not(HasSubstr("arm.setpoint")));
 }
 
-TEST(RunText, ShowsTheReasonForABadState) {
+TEST(RunText, ShowsWhyAModuleOrDeviceIsInABadState) {
   json status = cell();
   status["devices"][0]["state"] = "running";
   status["devices"][0]["modules"][0]["state"] = "RECOVER";
@@ -86,7 +86,7 @@ TEST(RunText, ShowsTheReasonForABadState) {
   EXPECT_THAT(run_text(status), HasSubstr("device robot  ended: module arm was given up\n"));
 }
 
-TEST(RunText, HasNoTablesForAWaitingDevice) {
+TEST(RunText, HasNoTablesForADeviceWithoutADeployment) {
   json status = cell();
   status["devices"][0] = {{"name", "robot"},          {"alive", true},
                           {"real_time", true},        {"executors", json::array()},
@@ -94,7 +94,7 @@ TEST(RunText, HasNoTablesForAWaitingDevice) {
   EXPECT_THAT(run_text(status), AllOf(HasSubstr("device robot  waiting\n"), Not(HasSubstr("  executor"))));
 }
 
-TEST(RunText, MarksADeviceWithoutRealTime) {
+TEST(RunText, MarksADeviceThatDoesNotRunInRealTime) {
   json status = cell();
   status["devices"][0]["real_time"] = false;
   EXPECT_THAT(run_text(status), HasSubstr("device robot  NOT REAL-TIME"));

@@ -31,7 +31,7 @@ TEST(Scaffold, WritesAllFilesOfAComponent) {
   EXPECT_THAT(text_of(*files, "belt_drive.cpp"), HasSubstr("class BeltDrive : public takt::Component"));
   EXPECT_THAT(text_of(*files, "belt_drive.xml"), HasSubstr("<period>"));
 }
-TEST(Scaffold, LeavesNoPlaceholder) {
+TEST(Scaffold, LeavesNoPlaceholderInTheFiles) {
   for (const auto type : {model::ModuleType::thread, model::ModuleType::process}) {
     for (const auto operation : {model::Operation::periodic, model::Operation::sporadic}) {
       for (const bool in_c : {false, true}) {
@@ -49,7 +49,7 @@ TEST(Scaffold, LeavesNoPlaceholder) {
   ASSERT_TRUE(cell);
   for (const NewFile& file : *cell) EXPECT_THAT(file.text, Not(ContainsRegex("@[A-Za-z]+@"))) << file.name;
 }
-TEST(Scaffold, FillsInTheKindOfModule) {
+TEST(Scaffold, WritesFilesForTheRequestedModuleAndOperationType) {
   const auto files = new_component({"pump", model::ModuleType::process, model::Operation::sporadic, true});
   ASSERT_TRUE(files);
   EXPECT_THAT(text_of(*files, "CMakeLists.txt"), HasSubstr("takt_add_process(pump pump.c TYPES pump_types)"));
@@ -57,7 +57,7 @@ TEST(Scaffold, FillsInTheKindOfModule) {
   EXPECT_THAT(text_of(*files, "pump.xml"), HasSubstr("<deadline>"));
   EXPECT_THAT(text_of(*files, "pump.c"), HasSubstr("waitSporadic()"));
 }
-TEST(Scaffold, RejectsNamesThatWouldNotBuild) {
+TEST(Scaffold, RejectsComponentNamesThatWouldNotCompile) {
   for (const char* name :
        {"", "2nd", "Pump", "belt-drive", "a b", "a__b", "a_", "../a", "test", "takt", "p\xc3\xbcmpe"})
     EXPECT_FALSE(new_component({.name = name})) << name;

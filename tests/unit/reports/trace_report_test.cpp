@@ -22,7 +22,7 @@ using json = nlohmann::ordered_json;
 json trace() {
   json late = {{"release_us", 1000.0},   {"late_us", 640.0},
                {"due_us", 1000.0},       {"begins_late_us", 640.0},
-               {"cause", "own overrun"}, {"why", "m0 ran 1.54 ms in the row before"}};
+               {"cause", "own overrun"}, {"why", "m0 ran 1.54 ms in the previous row"}};
   return {
       {"traceEvents",
        {{{"ph", "M"}, {"pid", 1}, {"tid", 10}, {"name", "thread_name"}, {"args", {{"name", "executor plc"}}}},
@@ -81,7 +81,7 @@ json trace() {
            {"late_beyond_us", 20.0}}}}}}};
 }
 
-TEST(TraceReport, ListsTheWorstStartsFirst) {
+TEST(TraceReport, ListsTheMostDelayedStartsFirst) {
   const auto summary = summary_of(trace());
   ASSERT_TRUE(summary.ok()) << to_text(summary.problems());
   ASSERT_EQ(summary->late.size(), 2U);
@@ -93,16 +93,16 @@ TEST(TraceReport, ListsTheWorstStartsFirst) {
   EXPECT_EQ(summary->changes.at("m0: START -> EXECUTING"), 1U);
 }
 
-TEST(TraceReport, ShowsTheNumbersOfEachCause) {
+TEST(TraceReport, CountsTheLateStartsOfEachCause) {
   const json report = trace_json_report(*summary_of(trace()));
   EXPECT_EQ(report["late_starts"], 2);
   EXPECT_EQ(report["causes"].size(), 2U);
   EXPECT_EQ(report["causes"]["own overrun"]["count"], 1);
   EXPECT_EQ(report["causes"]["own overrun"]["max_us"], 640.0);
-  EXPECT_EQ(report["worst"][0]["why"], "m0 ran 1.54 ms in the row before");
+  EXPECT_EQ(report["worst"][0]["why"], "m0 ran 1.54 ms in the previous row");
 }
 
-TEST(TraceReport, KeepsToTheWidth) {
+TEST(TraceReport, NeverExceedsTheWidthOfTheTerminal) {
   auto summary = *summary_of(trace());
   for (int i = 0; i < 30; ++i)
     summary.late.push_back(
@@ -117,10 +117,10 @@ TEST(TraceReport, KeepsToTheWidth) {
   EXPECT_NE(text.find("own overrun"), std::string::npos);
 }
 
-TEST(TraceReport, SaysThatNothingWasLate) {
+TEST(TraceReport, SaysIfNothingWasLate) {
   auto summary = *summary_of(trace());
   summary.late.clear();
-  EXPECT_NE(trace_report(summary, {}).find("Nothing began late."), std::string::npos);
+  EXPECT_NE(trace_report(summary, {}).find("No row and no module began late."), std::string::npos);
 }
 
 TEST(TraceReport, RejectsAFileThatIsNotATrace) {
@@ -132,7 +132,7 @@ TEST(TraceReport, RejectsAFileThatIsNotATrace) {
   }
 }
 
-// Whichever member is missing or has the wrong type, the trace is rejected with a reason.
+// The report rejects a trace in which any member is missing or has the wrong type, and gives the reason.
 TEST(TraceReport, RejectsADamagedTrace) {
   const json whole = trace();
   for (const auto& [key, value] : whole["otherData"].items()) {
@@ -155,7 +155,7 @@ json of_thread(int thread, const char* category, const std::string& name, double
   return {{"ph", "X"}, {"tid", thread}, {"ts", at_us}, {"dur", took_us}, {"cat", category}, {"name", name}};
 }
 
-/// The left edge and the width of each bar of a class.
+/// Returns the left edge and the width of each bar with this class.
 std::vector<std::pair<double, double>> bars(const std::string& drawing, const std::string& look) {
   std::vector<std::pair<double, double>> found;
   const std::regex bar{R"re(<rect x="([0-9.]+)" y="[0-9.]+" width="([0-9.]+)"[^>]* class=")re" + look + "\""};
@@ -189,7 +189,7 @@ TEST(TraceSvg, MarksLateStartsWithTheirReason) {
   const auto drawing = trace_svg(trace());
   ASSERT_TRUE(drawing);
   EXPECT_THAT(*drawing,
-              testing::HasSubstr("<title>rows: 640 us late: m0 ran 1.54 ms in the row before</title>"));
+              testing::HasSubstr("<title>rows: 640 us late: m0 ran 1.54 ms in the previous row</title>"));
   EXPECT_THAT(*drawing, testing::HasSubstr("began late: 2 starts"));
   EXPECT_THAT(*drawing, testing::HasSubstr("plc.m1, 40 us late: wake-up; woken late"));
   json quiet = trace();
@@ -199,7 +199,7 @@ TEST(TraceSvg, MarksLateStartsWithTheirReason) {
   }
   const auto none = trace_svg(quiet);
   ASSERT_TRUE(none);
-  EXPECT_THAT(*none, testing::HasSubstr("Nothing began late."));
+  EXPECT_THAT(*none, testing::HasSubstr("No row and no module began late."));
 }
 
 TEST(TraceSvg, DrawsNoLineThroughATitle) {
@@ -218,12 +218,12 @@ TEST(TraceSvg, DrawsNoLineThroughATitle) {
   EXPECT_GT(lines, 0U);
 }
 
-TEST(TraceSvg, SaysThatNothingRan) {
+TEST(TraceSvg, SaysIfNothingRan) {
   json whole = trace();
   whole["traceEvents"] = json::array();
   const auto drawing = trace_svg(whole);
   ASSERT_TRUE(drawing);
-  EXPECT_THAT(*drawing, testing::HasSubstr(">nothing ran in this time<"));
+  EXPECT_THAT(*drawing, testing::HasSubstr(">no module ran in this time<"));
   drawings::expect_readable(*drawing);
 }
 
@@ -233,7 +233,7 @@ TEST(TraceSvg, ShowsTheNewestPartOfALongTrace) {
     whole["traceEvents"].push_back(of_thread(10, "run", "m2", 4e6 + static_cast<double>(i) * 200, 50));
   const auto drawing = trace_svg(whole);
   ASSERT_TRUE(drawing);
-  EXPECT_THAT(*drawing, testing::HasSubstr("1 s, the last of 5 s"));
+  EXPECT_THAT(*drawing, testing::HasSubstr("1 s, the end of a trace of 5 s"));
   EXPECT_THAT(*drawing, testing::HasSubstr("at 1 ms (not drawn): plc, 640 us late"));
   EXPECT_EQ(bars(*drawing, "thread").size(), kTraceBars);
   EXPECT_TRUE(bars(*drawing, "row").empty()) << "the rows are older";

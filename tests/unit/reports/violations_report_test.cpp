@@ -14,12 +14,12 @@ TEST(ViolationsReport, IsEmptyIfNothingWasChecked) {
   EXPECT_EQ(violations_text({{"devices", json::array({{{"name", "d"}}})}}), "");
 }
 
-TEST(ViolationsReport, SaysIfThereAreNone) {
+TEST(ViolationsReport, SaysIfNoViolationWasFound) {
   EXPECT_EQ(violations_text({{"devices", json::array({device(json::array())})}}),
             "\nno real-time violations\n");
 }
 
-TEST(ViolationsReport, ListsModulesAndExecutorsWithTheirCalls) {
+TEST(ViolationsReport, ListsViolationsByModuleAndExecutor) {
   const json list = json::array({{{"module", "m"},
                                   {"hook", "run()"},
                                   {"kind", "allocation"},

@@ -1,4 +1,4 @@
-// Snapshots of cells for tests, and the screen as text.
+// Functions that make snapshots of cells for tests, and that draw a screen as text.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,8 @@ inline Device device(const std::string& name, std::vector<Module> modules = {}) 
           .modules = std::move(modules)};
 }
 
-/// Two devices: "line" with one module that is in RECOVER, "robot" with `modules` named m0, m1, ...
+/// Returns a snapshot of two devices: "line" has one module, which is in RECOVER; "robot" has `modules`
+/// modules, named m0, m1 and so on.
 inline Snapshot cell(std::size_t modules) {
   std::vector<Module> many;
   for (std::size_t i = 0; i < modules; ++i) many.push_back(module("m" + std::to_string(i)));

@@ -51,7 +51,7 @@ TEST(WatchList, SortsWorstStatesFirst) {
               ElementsAre("robot.m0", "robot.m1", "robot.m2", "line.belt", "idle"));
 }
 
-TEST(WatchList, SortsByTheValueOfTheColumn) {
+TEST(WatchList, CanBeSortedByEachNumericColumn) {
   Snapshot snapshot = cell(2);
   snapshot.devices.erase(snapshot.devices.begin());
   Module& less = snapshot.devices[0].modules[0];
@@ -80,7 +80,7 @@ TEST(WatchList, FiltersByNameStateAndReason) {
   EXPECT_THAT(targets(three(), {.filter = "m1 m2"}), ElementsAre());
 }
 
-TEST(WatchList, ShowsTheImportantColumnsAtEightyColumns) {
+TEST(WatchList, ShowsTheMostImportantColumnsOnANarrowScreen) {
   const std::string heading = list_heading({}, 80, {}).shown(80, {});
   for (const char* column :
        {"^device, module", "state", "p50 us", "p99 us", "last minute", "budget", "over", "err"})
@@ -92,7 +92,7 @@ TEST(WatchList, ShowsTheImportantColumnsAtEightyColumns) {
               HasSubstr("^p99 us"));
 }
 
-TEST(WatchList, TheReasonReplacesTheNumbersOnANarrowScreen) {
+TEST(WatchList, ReplacesNumbersByTheReasonOnANarrowScreen) {
   const Snapshot snapshot = cell(1);
   const Row belt = rows_of(snapshot, {})[1];
   const std::string narrow = list_line(belt, false, 80, {}).shown(80, {});
@@ -119,13 +119,13 @@ TEST(WatchList, ShowsThe99thPercentileAsAShareOfTheBudget) {
   EXPECT_THAT(line(), Not(HasSubstr("%")));
 }
 
-TEST(WatchSparkline, HasAStepForEachFactorOfThree) {
+TEST(WatchSparkline, RisesOneStepWhenTheValueTriples) {
   const std::vector<double> values{0, 0.9, 1, 3, 10, 30, 100, 300, 1000, 1e9};
   EXPECT_EQ(sparkline(values, 10, {.unicode = true}), "▁▁▂▃▄▅▆▇██");
   EXPECT_EQ(sparkline(values, 10, {}), "__.,-=+*##");
 }
 
-TEST(WatchSparkline, ShowsTheNewestAndLeavesGaps) {
+TEST(WatchSparkline, ShowsTheNewestValuesWithGapsForMissingOnes) {
   const double none = std::nan("");
   EXPECT_EQ(sparkline({1000, 0, none, 1}, 3, {}), "_ .");
   EXPECT_EQ(sparkline({1}, 3, {}), "  .");
@@ -140,7 +140,7 @@ TEST(WatchChart, IsScaledFromZeroToTheLargestValue) {
   EXPECT_THAT(chart({0}, 1, 1, {.unicode = true}), ElementsAre("▁"));
 }
 
-TEST(WatchBar, IsFullFromAShareOfOne) {
+TEST(WatchBar, IsFullAtOneHundredPercentOrMore) {
   EXPECT_EQ(bar(0, 4, {}), "....");
   EXPECT_EQ(bar(0.5, 4, {}), "##..");
   EXPECT_EQ(bar(1, 4, {}), "####");
@@ -148,7 +148,7 @@ TEST(WatchBar, IsFullFromAShareOfOne) {
   EXPECT_EQ(bar(0.375, 2, {.unicode = true}), "▊·");
 }
 
-TEST(WatchState, ConnectionStatesNameTheProblem) {
+TEST(WatchState, NamesTheProblemOfAConnection) {
   const auto of = [](const CellHealth::Connection& health) {
     return state_of(Connection{.from = "", .to = "", .kind = "", .health = health}, {});
   };

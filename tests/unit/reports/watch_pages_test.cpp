@@ -73,11 +73,13 @@ TEST(WatchDetails, ShowAllDataOfAModule) {
 TEST(WatchDetails, SayWhichDataOfAModuleIsMissing) {
   Snapshot snapshot = cell(1);
   Module& m = snapshot.devices[1].modules[0];
-  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})), HasSubstr("last minute  did not run"));
+  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})),
+              HasSubstr("last minute  the module did not run"));
   m.planned = Planned{.words = "thread"};
-  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})), HasSubstr("no budget is given"));
+  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})),
+              HasSubstr("the descriptor gives no budget"));
   m.measured.reset();
-  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})), HasSubstr("no data yet"));
+  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})), HasSubstr("no measurements yet"));
   snapshot.devices[1].alive = false;
   const std::string lost = text_of(details_page(snapshot, "robot.m0", 80, {}));
   EXPECT_THAT(lost, HasSubstr("X LOST"));
@@ -111,9 +113,9 @@ TEST(WatchDetails, ShowHealthAndExecutorsOfADevice) {
                       .margin_us = 98.75,
                       .jitter_us = {.p50 = 1, .p99 = 2, .max = 3}}};
   const std::string page = text_of(details_page(snapshot, "robot", 80, {}));
-  for (const char* part :
-       {"! running", "degraded", "module m1 is in RECOVER", "pc7", "process 321", "process 654",
-        "restarted 2 times", "NO: the system denies it", "2, 2 EXECUTING", "motion", "999", "98.8", "max us"})
+  for (const char* part : {"! running", "degraded", "module m1 is in RECOVER", "pc7", "process 321",
+                           "process 654", "restarted 2 times", "NO: the system denies real-time scheduling",
+                           "2, 2 EXECUTING", "motion", "999", "98.8", "max us"})
     EXPECT_THAT(page, HasSubstr(part));
 }
 
@@ -137,7 +139,7 @@ TEST(WatchConnections, ListFaultyConnectionsFirst) {
               HasSubstr("no connections match the filter"));
 }
 
-TEST(WatchConnections, ShortenNamesBeforeTheHealth) {
+TEST(WatchConnections, ShortenNamesRatherThanTheHealth) {
   Snapshot snapshot;
   snapshot.connections_known = true;
   snapshot.connections = {{.from = std::string(60, 'a'),

@@ -57,7 +57,7 @@ TEST(WatchScreen, AlwaysShowsTheSelectedRow) {
   EXPECT_THAT(shown.targets, SizeIs(103));
 }
 
-TEST(WatchScreen, TitleCountsDevicesAndModulesWithProblems) {
+TEST(WatchScreen, CountsDevicesAndModulesWithProblemsInItsTitle) {
   Snapshot snapshot = cell(3);
   EXPECT_THAT(drawn(snapshot), StartsWith("takt watch  cell  domain 7  2 devices  4 modules  1 RECOVER"));
   snapshot.devices[0].modules[0].state = "EXECUTING";
@@ -67,7 +67,7 @@ TEST(WatchScreen, TitleCountsDevicesAndModulesWithProblems) {
   EXPECT_THAT(draw(snapshot, *std::make_unique<View>(), 80, 24, {}).lines[0], testing::EndsWith("12:34:56"));
 }
 
-TEST(WatchScreen, ShowsLostInsteadOfTheLastState) {
+TEST(WatchScreen, ShowsALostDeviceAsLostInsteadOfItsLastState) {
   Snapshot snapshot = cell(3);
   EXPECT_THAT(drawn(snapshot), HasSubstr("! RECOVER"));
   EXPECT_THAT(drawn(snapshot), HasSubstr("* EXECUTING"));
@@ -77,7 +77,7 @@ TEST(WatchScreen, ShowsLostInsteadOfTheLastState) {
   EXPECT_THAT(drawn(snapshot), Not(HasSubstr("EXECUTING")));
 }
 
-TEST(WatchScreen, ColoursTheStates) {
+TEST(WatchScreen, ShowsGoodAndBadStatesInDifferentColours) {
   const ScreenStyle style{.colour = true, .unicode = true};
   const std::string shown = drawn(cell(3), {.chosen = "robot"}, 80, 24, style);
   EXPECT_THAT(shown, HasSubstr("\033[32m● EXECUTING"));
@@ -120,30 +120,30 @@ TEST(WatchScreen, AsksForConfirmationOfACommand) {
               HasSubstr("destruct robot.m1? y: yes, any other key: no"));
 }
 
-TEST(WatchScreen, ListsCommandsWithoutAnAnswer) {
+TEST(WatchScreen, ListsCommandsThatAreNotYetAnswered) {
   Snapshot snapshot = cell(2);
   snapshot.commands = {"stop of robot.m1, 3 s"};
   EXPECT_THAT(drawn(snapshot), HasSubstr("stop of robot.m1, 3 s ..."));
 }
 
-TEST(WatchScreen, ALongPageSaysHowManyLinesAreBelow) {
+TEST(WatchScreen, SaysHowManyLinesOfALongPageAreBelow) {
   View view{.place = Place::help};
   const Screen screen = draw(cell(2), view, 80, 10, {});
   const std::size_t visible = screen.shown.room - 1;
   EXPECT_THAT(text_of(screen),
-              HasSubstr("... " + std::to_string(screen.shown.length - visible) + " more below"));
+              HasSubstr("... " + std::to_string(screen.shown.length - visible) + " more lines below"));
   view.scroll = 1000;
   EXPECT_THAT(text_of(draw(cell(2), view, 80, 10, {})), Not(HasSubstr("more below")));
   EXPECT_EQ(view.scroll, screen.shown.length - screen.shown.room);
 }
 
-TEST(WatchScreen, SendsOnlyTheLinesThatChanged) {
+TEST(WatchScreen, SendsOnlyChangedLinesToTheTerminal) {
   EXPECT_EQ(changes({"a", "b", "c"}, {"a", "x", "c"}), "\033[2;1H\033[Kx");
   EXPECT_EQ(changes({"a"}, {"a"}), "");
   EXPECT_EQ(changes({}, {"a", "b"}), "\033[H\033[J\033[1;1H\033[Ka\033[2;1H\033[Kb");
 }
 
-TEST(WatchLine, IsCutBetweenCharactersWithAMark) {
+TEST(WatchLine, IsShortenedBetweenCharactersAndMarked) {
   Line line;
   line.add("ä€ö");
   EXPECT_EQ(line.shown(3, {.unicode = true}), "ä€ö");

@@ -9,7 +9,7 @@ namespace {
 
 using Keyboard = os::Keyboard;
 
-/// A user with a list of `rows` rows, of which ten are visible at once.
+/// A user in front of a list of `rows` rows, ten of which are visible at once.
 struct Person {
   View view{};
   Shown shown{};
@@ -29,7 +29,7 @@ struct Person {
   }
 };
 
-TEST(WatchView, ArrowsStayWithinTheList) {
+TEST(WatchView, KeepsTheSelectionWithinTheList) {
   Person person{30};
   EXPECT_EQ(person.view.chosen, "robot.m0");
   person.press(Keyboard::kUp);
@@ -53,7 +53,7 @@ TEST(WatchView, ArrowsStayWithinTheList) {
   EXPECT_EQ(person.view.chosen, "robot.m9");
 }
 
-TEST(WatchView, KeysDoNothingInAnEmptyList) {
+TEST(WatchView, IgnoresKeysInAnEmptyList) {
   Person person{0};
   for (const int key :
        {Keyboard::kUp, Keyboard::kDown, Keyboard::kEnd, Keyboard::kPageDown, int{'\r'}, int{'s'}, int{'D'}}) {
@@ -64,7 +64,7 @@ TEST(WatchView, KeysDoNothingInAnEmptyList) {
   }
 }
 
-TEST(WatchView, TheSelectionFollowsItsRow) {
+TEST(WatchView, KeepsTheSelectionOnItsRowWhenRowsMove) {
   Person person{30};
   person.press(Keyboard::kDown);
   std::reverse(person.shown.targets.begin(), person.shown.targets.end());
@@ -74,7 +74,8 @@ TEST(WatchView, TheSelectionFollowsItsRow) {
   EXPECT_EQ(person.view.first, 19U);
 }
 
-// Devices are found one by one, and the first one found is seldom the first in the list.
+// takt watch discovers devices one by one, and the device that it discovers first is rarely the first in the
+// list.
 TEST(WatchView, SelectsTheFirstRowUntilAKeyIsPressed) {
   Person person{3};
   person.shown.targets.insert(person.shown.targets.begin(), "line");
@@ -94,7 +95,7 @@ TEST(WatchView, SelectsTheRowThatReplacesALostOne) {
   EXPECT_EQ(person.view.chosen, "robot.m1");
 }
 
-TEST(WatchView, ACommandToARowTheUserDidNotSelectNeedsConfirmation) {
+TEST(WatchView, AsksForConfirmationIfTheSelectionMovedByItself) {
   Person person{3};
   person.press(Keyboard::kDown);
   const auto lose_a_row = [&person] {
@@ -110,7 +111,7 @@ TEST(WatchView, ACommandToARowTheUserDidNotSelectNeedsConfirmation) {
   EXPECT_EQ(person.press('t').command, (Command{Verb::stop, "robot.m0"})) << "the user selected this row";
 }
 
-TEST(WatchView, ReachesBothRowsOfTheSameName) {
+TEST(WatchView, CanSelectBothRowsWithTheSameName) {
   Person person{3};
   person.shown.targets = {"robot", "robot", "line"};
   person.press(Keyboard::kDown);
@@ -121,7 +122,7 @@ TEST(WatchView, ReachesBothRowsOfTheSameName) {
   EXPECT_EQ(person.view.chosen, "line");
 }
 
-TEST(WatchView, EachCommandHasAKey) {
+TEST(WatchView, HasAKeyForEachCommand) {
   Person person{3};
   person.press(Keyboard::kDown);
   const std::pair<char, Verb> keys[] = {{'i', Verb::initialize},
@@ -137,7 +138,7 @@ TEST(WatchView, EachCommandHasAKey) {
   EXPECT_FALSE(person.press('t').command) << "not on a page without modules";
 }
 
-TEST(WatchView, DestructNeedsConfirmation) {
+TEST(WatchView, AsksForConfirmationBeforeDestruct) {
   Person person{3};
   EXPECT_FALSE(person.press('D').command);
   EXPECT_EQ(person.view.asked, (Command{Verb::destruct, "robot.m0"}));
@@ -150,7 +151,7 @@ TEST(WatchView, DestructNeedsConfirmation) {
   EXPECT_FALSE(person.press('y').command);
 }
 
-TEST(WatchView, ConfirmsTheOriginalTargetAfterTheListChanged) {
+TEST(WatchView, SendsAConfirmedCommandToItsOriginalTarget) {
   Person person{3};
   person.press('D');
   person.shown.targets.erase(person.shown.targets.begin());
@@ -158,7 +159,7 @@ TEST(WatchView, ConfirmsTheOriginalTargetAfterTheListChanged) {
   EXPECT_EQ(person.press('y').command, (Command{Verb::destruct, "robot.m0"}));
 }
 
-TEST(WatchView, KeysAreTextWhileTypingAFilter) {
+TEST(WatchView, TreatsKeysAsTextWhileAFilterIsTyped) {
   Person person{3};
   person.press('/');
   person.type("stq x");
@@ -178,7 +179,7 @@ TEST(WatchView, KeysAreTextWhileTypingAFilter) {
   EXPECT_FALSE(person.view.typing);
 }
 
-TEST(WatchView, BackspaceRemovesAWholeCharacter) {
+TEST(WatchView, RemovesAWholeCharacterOnBackspace) {
   Person person{1};
   person.type("/aö€");
   EXPECT_EQ(person.view.filter, "aö€");
@@ -204,7 +205,7 @@ TEST(WatchView, CyclesThroughTheSortColumns) {
   EXPECT_FALSE(person.view.reversed);
 }
 
-TEST(WatchView, StepsToTheNextAndPreviousDetails) {
+TEST(WatchView, StepsToTheDetailsOfTheNextOrPreviousRow) {
   Person person{3};
   person.press('\r');
   EXPECT_EQ(person.view.place, Place::details);
@@ -217,7 +218,7 @@ TEST(WatchView, StepsToTheNextAndPreviousDetails) {
   EXPECT_EQ(person.view.place, Place::list);
 }
 
-TEST(WatchView, DetailsStayOnAModuleThatIsGone) {
+TEST(WatchView, KeepsTheDetailsOfAModuleThatIsGone) {
   Person person{3};
   person.press('\r');
   person.shown.targets.erase(person.shown.targets.begin());
@@ -225,7 +226,7 @@ TEST(WatchView, DetailsStayOnAModuleThatIsGone) {
   EXPECT_EQ(person.view.chosen, "robot.m0");
 }
 
-TEST(WatchView, ALongPageScrollsToItsEnd) {
+TEST(WatchView, ScrollsALongPageToItsEnd) {
   Person person{3};
   person.shown.length = 12;
   person.press('?');

@@ -1,5 +1,5 @@
-// Compares the analysis with a simulation: each random device that the analysis accepts is simulated with
-// many phasings, with the longest runs and with shorter ones. It must never miss a deadline.
+// Compares the analysis with a simulation. Each random device that the analysis accepts is simulated with
+// many combinations of start times and with long and short runs. It must never miss a deadline.
 #include <takt/schedule/analysis.hpp>
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ class Draw {
     Device& device = drawn.cell.devices.emplace_back();
     const int executors = one_of({1, 1, 2, 2, 3});
     for (int e = 0; e < executors; ++e) device.executors.push_back(executor(e, drawn.cpus.size()));
-    // The load of the device: from almost none to more than its CPUs can take.
+    // The load of the device: from almost none to more than its CPUs can bear.
     const double fullness = std::uniform_real_distribution<>{0.05, 1.0}(random_);
     const double programs = one_of({1, 3, 8}) / 10.0;
     const int periodic = between(executors, executors + 4);
@@ -84,8 +84,8 @@ class Draw {
     model::Executor executor;
     executor.name = "e" + std::to_string(index);
     if (chance(0.3)) executor.cpu = between(0, static_cast<int>(cpus) - 1);
-    // Priorities are close to each other, so that the programs and sporadic threads of one executor lie
-    // between the rows of others.
+    // Priorities are close to each other, so that some programs and sporadic threads of one executor have
+    // priorities between those of other executors.
     executor.priority = one_of({2, 3, 9, 10, 11, 12, 13, 20});
     executor.wakeup = chance(0.5)   ? model::Wakeup::sleep
                       : chance(0.9) ? model::Wakeup::hybrid
@@ -131,8 +131,8 @@ Tick length_of(const DevicePlan& plan) {
   return std::min(3 * common + 300, kLongest);
 }
 
-/// Phasings in which all worst cases coincide, with shorter runs and spins, and with sporadic modules that
-/// start later or are released only sometimes.
+/// Returns phasings in which all worst cases coincide, and others with shorter runs and spins, or with
+/// sporadic modules that are released later or less often.
 std::vector<Phasing> phasings(Random& random) {
   std::vector<Phasing> all{{}, {.spin = 0}, {.longest = 0.9}, {.longest = 0.5, .spin = 0.5}};
   for (const double ready : {0.02, 0.1, 0.5}) {

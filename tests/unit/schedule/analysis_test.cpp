@@ -24,8 +24,8 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Modules with their longest runs, on executors that only sleep, so that expected values are easy to
-/// compute.
+/// Builds a device whose modules have given longest run times. By default its executors do not spin, so that
+/// expected values are easy to compute.
 class Cells {
  public:
   explicit Cells(int executors = 1) {
@@ -63,7 +63,8 @@ class Cells {
   [[nodiscard]] Problems missed(int number_of_cpus = 2) {
     return missed_deadlines(cell, device(), worst(number_of_cpus));
   }
-  /// The response of each module, in the order of the descriptor; -1 us if it has no bound.
+  /// Returns the worst response time of each module, in the order of the descriptor; -1 us if it has no
+  /// bound.
   [[nodiscard]] std::vector<Nanoseconds> responses(int number_of_cpus = 2) {
     std::vector<Nanoseconds> all;
     for (const WorstCase& one : worst(number_of_cpus)) all.push_back(one.response.value_or(-1us));
@@ -90,9 +91,9 @@ Module& process(Module& module) {
   return module;
 }
 
-// ---- one executor, alone
+// ---- A single executor
 
-TEST(WorstCase, InARowIncludesTheRunsBeforeIt) {
+TEST(ResponseTimeAnalysis, AddsTheEarlierRunsOfTheSameRow) {
   Cells cells;
   cells.periodic("a", 100us, 20us);
   cells.periodic("b", 100us, 30us);
@@ -100,7 +101,7 @@ TEST(WorstCase, InARowIncludesTheRunsBeforeIt) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-TEST(WorstCase, IsExactToTheNanosecond) {
+TEST(ResponseTimeAnalysis, IsExactToTheNanosecond) {
   Cells cells;
   cells.periodic("a", 100us, 50us);
   cells.periodic("b", 100us, 50us);
@@ -109,8 +110,9 @@ TEST(WorstCase, IsExactToTheNanosecond) {
   EXPECT_FALSE(cells.missed().empty());
 }
 
-// Row 0 runs a and b until 150, 50 too late. Row 100 begins at 150 and ends at 180. Row 200 ends at 230 ...
-TEST(WorstCase, IncludesTheDelayByALateRow) {
+// Times in us: the row at 0 runs a and b until 150, which is 50 too late. The row at 100 begins at 150 and
+// ends at 180.
+TEST(ResponseTimeAnalysis, AddsTheDelayCausedByALateRow) {
   Cells cells;
   cells.periodic("a", 100us, 30us);
   cells.periodic("b", 200us, 120us);
@@ -118,8 +120,9 @@ TEST(WorstCase, IncludesTheDelayByALateRow) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-// Row 0 runs a and b until 210. Row 100 would begin after its own end.
-TEST(WorstCase, ReportsASkippedRow) {
+// Times in us: the row at 0 runs a and b until 210. The row at 100 would begin after its own slot, which ends
+// at 200.
+TEST(ResponseTimeAnalysis, ReportsAModuleWhoseRowMayBeSkipped) {
   Cells cells;
   cells.periodic("a", 100us, 10us);
   cells.periodic("b", 1ms, 200us);
@@ -130,9 +133,9 @@ TEST(WorstCase, ReportsASkippedRow) {
                                                         "row may begin")))));
 }
 
-// With periods of 2 and 3, row 1 is empty, so it may be skipped. Row 0 ends at 2, row 2 at 2.5, row 3 at 4.5,
-// row 4 at 5.
-TEST(WorstCase, IsUnaffectedByASkippedEmptyRow) {
+// With periods of 2 and 3 ms, the row at 1 ms is empty, so it may be skipped. The row at 0 ms ends at 2 ms,
+// that at 2 ms ends at 2.5 ms, that at 3 ms at 4.5 ms, and that at 4 ms at 5 ms.
+TEST(ResponseTimeAnalysis, AllowsAnEmptyRowToBeSkipped) {
   Cells cells;
   cells.periodic("a", 2ms, 500us);
   cells.periodic("b", 3ms, 1500us);
@@ -140,7 +143,7 @@ TEST(WorstCase, IsUnaffectedByASkippedEmptyRow) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-TEST(WorstCase, HasNoBoundIfTheWorkExceedsTheTime) {
+TEST(ResponseTimeAnalysis, FindsNoBoundIfTheWorkExceedsTheTime) {
   Cells cells;
   cells.periodic("a", 100us, 60us);
   cells.periodic("b", 200us, 90us);
@@ -148,9 +151,9 @@ TEST(WorstCase, HasNoBoundIfTheWorkExceedsTheTime) {
   EXPECT_THAT(cells.missed()[0].what, HasSubstr("the work does not fit into the available time"));
 }
 
-// ---- executors that share a CPU
+// ---- Executors that share a CPU
 
-TEST(WorstCase, OfALowerExecutorIncludesInterruptingRows) {
+TEST(ResponseTimeAnalysis, AddsInterruptionsByAHigherExecutor) {
   Cells cells{2};
   cells.executor(0).cpu = 1;
   cells.executor(1).cpu = 1;
@@ -159,9 +162,9 @@ TEST(WorstCase, OfALowerExecutorIncludesInterruptingRows) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));  // 30 + 70 + 30 + 30
 }
 
-// Row 0 runs fast, a and b, is interrupted at 100 and 200, and ends at 250. In row 200, a waits until then
-// and for the row of 300, and ends at 380.
-TEST(WorstCase, OfALowerExecutorIncludesItsLateRow) {
+// Times in us: the row of the lower executor at 0 waits for fast, runs a and b, is interrupted at 100 and
+// 200, and ends at 250. So its row at 200 begins at 250, is interrupted at 300, and a ends at 380.
+TEST(ResponseTimeAnalysis, AddsTheDelayByALateRowOfALowerExecutor) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 100us, 30us, 0);
@@ -170,8 +173,8 @@ TEST(WorstCase, OfALowerExecutorIncludesItsLateRow) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 180us, 250us));
 }
 
-// fast runs until 90. Row 0 of slow would begin after its row 50 is due.
-TEST(WorstCase, OfALowerExecutorReportsASkippedRow) {
+// Times in us: fast runs until 90. So the row of slow at 0 would begin after its next row is due, at 50.
+TEST(ResponseTimeAnalysis, ReportsARowThatAHigherExecutorMayDelayTooLong) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 400us, 90us, 0);
@@ -182,8 +185,9 @@ TEST(WorstCase, OfALowerExecutorReportsASkippedRow) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-// The row of slow ends when the next row of fast begins, and only after that is its program woken.
-TEST(WorstCase, OfAProgramIncludesAnInterruptionAtTheEndOfItsRow) {
+// The row of slow ends exactly when the next row of fast begins. So the program of slow is woken only after
+// that row.
+TEST(ResponseTimeAnalysis, AddsAnInterruptionJustBeforeAProgramIsWoken) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 100us, 30us, 0);
@@ -192,7 +196,7 @@ TEST(WorstCase, OfAProgramIncludesAnInterruptionAtTheEndOfItsRow) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 100us, 140us));
 }
 
-TEST(WorstCase, OfAnExecutorIncludesOthersOfEqualPriority) {
+TEST(ResponseTimeAnalysis, AddsTheRowsOfExecutorsWithEqualPriority) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(1).priority = cells.executor(0).priority;
@@ -201,7 +205,7 @@ TEST(WorstCase, OfAnExecutorIncludesOthersOfEqualPriority) {
   EXPECT_THAT(cells.responses(), ElementsAre(50us, 50us));
 }
 
-TEST(WorstCase, OfExecutorsOnDifferentCpusIsIndependent) {
+TEST(ResponseTimeAnalysis, TreatsExecutorsOnDifferentCpusIndependently) {
   Cells cells{2};
   cells.periodic("a", 100us, 30us, 0);
   cells.periodic("b", 100us, 20us, 1);
@@ -209,7 +213,7 @@ TEST(WorstCase, OfExecutorsOnDifferentCpusIsIndependent) {
   EXPECT_THAT(cells.responses(2), ElementsAre(30us, 50us)) << "one CPU is left to the other threads";
 }
 
-TEST(WorstCase, OfALowerExecutorIncludesTheSpinningOfTheHigherOne) {
+TEST(ResponseTimeAnalysis, AddsTheSpinningOfAHigherExecutor) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::hybrid;
@@ -220,7 +224,7 @@ TEST(WorstCase, OfALowerExecutorIncludesTheSpinningOfTheHigherOne) {
               ElementsAre(30us, 90us));  // 20 us of spinning + 30 us of fast + 40 us of slow
 }
 
-TEST(WorstCase, IncludesAtMost100MicrosecondsOfSpinning) {
+TEST(ResponseTimeAnalysis, AddsAtMost100MicrosecondsOfSpinning) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::hybrid;
@@ -229,7 +233,7 @@ TEST(WorstCase, IncludesAtMost100MicrosecondsOfSpinning) {
   EXPECT_THAT(cells.responses(), ElementsAre(1ms, 2100us));
 }
 
-TEST(WorstCase, BelowAnExecutorThatNeverSleepsHasNoBound) {
+TEST(ResponseTimeAnalysis, FindsNoBoundBelowAnExecutorThatNeverSleeps) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::spin;
@@ -242,24 +246,25 @@ TEST(WorstCase, BelowAnExecutorThatNeverSleepsHasNoBound) {
                           Field(&Problem::what, HasSubstr("never sleeps"))));
 }
 
-// ---- sporadic modules
+// ---- Sporadic modules
 
-TEST(WorstCase, OfASporadicModuleIncludesInterruptingRows) {
+TEST(ResponseTimeAnalysis, AddsTheRowsThatInterruptASporadicModule) {
   Cells cells;
   cells.periodic("row", 100us, 30us);
   cells.sporadic("event", 1ms, 100us);
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));
 }
 
-TEST(WorstCase, OfASporadicModuleIncludesTheOneInProgress) {
+TEST(ResponseTimeAnalysis, AddsTheSporadicRunThatIsAlreadyInProgress) {
   Cells cells;
   cells.periodic("row", 1ms, 100us);
   cells.sporadic("urgent", 500us, 100us);
   cells.sporadic("long", 10ms, 200us);
-  EXPECT_THAT(cells.responses(), ElementsAre(100us, 400us, 500us));  // long: 100, urgent twice, 200
+  // Module long waits for the row (100) and for two runs of urgent (200), and then runs for 200.
+  EXPECT_THAT(cells.responses(), ElementsAre(100us, 400us, 500us));
 }
 
-TEST(WorstCase, OfImmediateDispatchWithoutInterarrivalHasNoBound) {
+TEST(ResponseTimeAnalysis, FindsNoBoundForImmediateDispatchWithoutInterarrivalTime) {
   Cells cells;
   cells.sporadic("event", 1ms, 100us).dispatch = Dispatch::immediate;
   EXPECT_THAT(cells.missed(), ElementsAre(Field(&Problem::fix, "add an <interarrival>")));
@@ -267,25 +272,26 @@ TEST(WorstCase, OfImmediateDispatchWithoutInterarrivalHasNoBound) {
   EXPECT_THAT(cells.responses(), ElementsAre(100us));
 }
 
-// ---- programs
+// ---- Programs
 
-TEST(WorstCase, OfAProgramStartsAtTheEndOfItsRow) {
+TEST(ResponseTimeAnalysis, StartsAProgramAtTheEndOfItsRow) {
   Cells cells;
   cells.periodic("row", 100us, 30us);
   process(cells.periodic("program", 300us, 50us));
   EXPECT_THAT(cells.responses(2), ElementsAre(30us, 80us));
 }
 
-TEST(WorstCase, OfAProgramOnTheOnlyCpuIncludesTheRows) {
+TEST(ResponseTimeAnalysis, AddsTheRowsToAProgramOnTheOnlyCpu) {
   Cells cells;
   cells.periodic("row", 100us, 30us);
   process(cells.periodic("program", 300us, 50us));
-  EXPECT_THAT(cells.responses(1), ElementsAre(30us, 110us));  // 30 from its release; 30 + 50
+  // In the worst case: the row (30), the program (50) and the next row (30).
+  EXPECT_THAT(cells.responses(1), ElementsAre(30us, 110us));
 }
 
-// With a period of 300 us, a program spins for at most 100 us; two programs on one CPU spin for half of that.
-// They also spin after the release until the row is over.
-TEST(WorstCase, OfAProgramIncludesOtherProgramsOfItsExecutor) {
+// With a period of 300 us, a program spins for at most 100 us, and two programs on one CPU for at most half
+// of that. A program also spins from its release until the row is over.
+TEST(ResponseTimeAnalysis, AddsTheOtherProgramsOfTheSameExecutor) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.periodic("p", 300us, 20us));
@@ -293,19 +299,19 @@ TEST(WorstCase, OfAProgramIncludesOtherProgramsOfItsExecutor) {
   EXPECT_THAT(cells.responses(2), ElementsAre(10us, 10us + 20us + 40us + 60us, 10us + 40us + 20us + 60us));
 }
 
-TEST(WorstCase, OfAProgramOnSeveralCpusSharesTheWaitingTime) {
+TEST(ResponseTimeAnalysis, DividesTheWaitingTimeOfProgramsAmongTheirCpus) {
   Cells cells;
   cells.periodic("row", 1ms, 10us);
   for (const char* name : {"p", "q"}) process(cells.periodic(name, 1ms, 200us));
   const auto worst = cells.worst(3);
   EXPECT_THAT(worst[1].cpus, ElementsAre(0, 1));
-  // The other program takes at most half of the time in which this one waits.
+  // While one program waits, the other program accounts for at most half of the waiting time.
   EXPECT_LT(*worst[1].response, 10us + 200us + 200us);
   EXPECT_GE(*worst[1].response, 210us);
 }
 
-// Three programs on two CPUs: each may have to wait while the other two occupy both CPUs.
-TEST(WorstCase, OfAProgramOnSeveralCpusIncludesEqualPriorities) {
+// On two CPUs, each of the three programs may have to wait while the other two occupy both CPUs.
+TEST(ResponseTimeAnalysis, AddsProgramsOfEqualPriorityOnSeveralCpus) {
   Cells cells;
   cells.executor().spin_share = 0;
   for (const char* name : {"p", "q", "r"}) process(cells.periodic(name, 1ms, 200us));
@@ -316,15 +322,15 @@ TEST(WorstCase, OfAProgramOnSeveralCpusIncludesEqualPriorities) {
   }
 }
 
-TEST(WorstCase, OfASporadicProgramLongerThanARowIsItsOwnRun) {
+TEST(ResponseTimeAnalysis, CountsOnlyOneRunOfASporadicProgramLongerThanARow) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));
   EXPECT_THAT(cells.responses(2), ElementsAre(10us, 3010us));
 }
 
-// The first program may be released again by a row just when it is done, so it may never sleep.
-TEST(WorstCase, BesideAnEqualProgramThatMayNeverSleepHasNoBound) {
+// A row may release the first program again as soon as it is done, so the program may never sleep.
+TEST(ResponseTimeAnalysis, FindsNoBoundBesideAnEqualProgramThatMayNeverSleep) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));
@@ -332,7 +338,7 @@ TEST(WorstCase, BesideAnEqualProgramThatMayNeverSleepHasNoBound) {
   EXPECT_THAT(cells.responses(2).back(), -1us);
 }
 
-TEST(WorstCase, BelowAProgramThatMayNeverSleepHasNoBound) {
+TEST(ResponseTimeAnalysis, FindsNoBoundBelowAProgramThatMayNeverSleep) {
   Cells cells{2};
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));
@@ -340,9 +346,9 @@ TEST(WorstCase, BelowAProgramThatMayNeverSleepHasNoBound) {
   EXPECT_THAT(cells.responses(3).back(), -1us);
 }
 
-// ---- messages
+// ---- Messages
 
-TEST(MissedDeadlines, NamesTheModuleTheLineAndTheLateness) {
+TEST(MissedDeadlines, AreReportedWithModuleLineAndLateness) {
   Cells cells;
   cells.periodic("row", 100us, 80us);
   cells.sporadic("event", 150us, 20us);
@@ -351,13 +357,13 @@ TEST(MissedDeadlines, NamesTheModuleTheLineAndTheLateness) {
   EXPECT_THAT(
       cells.missed(),
       ElementsAre(Problem{"cell.xml:20",
-                          "'robot.event' cannot keep its deadline, 150 us: it may finish only 200 us after "
-                          "its release, 50 us late",
+                          "'robot.event' cannot keep its deadline, 150 us: it may finish as late as 200 us "
+                          "after its release, 50 us too late",
                           "shorten the runs, lengthen the deadlines or periods, or move modules to another "
                           "executor or CPU"}));
 }
 
-TEST(WorstCase, IsNotComputedForNonRealTimeModules) {
+TEST(ResponseTimeAnalysis, OmitsNonRealTimeModules) {
   Cells cells;
   cells.periodic("row", 100us, 80us);
   cells.device().modules.emplace_back().operation = Operation::non_real;

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Rows with 1, 5 and 2 ns of work; a row begins every 10 ns.
+// The table has rows with 1, 5 and 2 ns of work. A row begins every 10 ns.
 TEST(RowDemand, IsTheSumOfTheFullestConsecutiveRows) {
   const RowDemand rows{{1, 5, 2}, 10ns, 0ns};
   EXPECT_TRUE(rows.in(0) == 0);
@@ -33,16 +33,16 @@ TEST(RowDemand, IsASafeUpperBoundForALongTable) {
   EXPECT_TRUE(rows.in(Wide{100'000}) == 10'010);
 }
 
-TEST(RecurringWork, CountsReleasesInTheWindow) {
+TEST(RecurringWork, IncludesEveryReleaseInTheWindow) {
   const Recurring job{.work = 3, .apart = 10, .jitter = 4, .response = 8};
   EXPECT_TRUE(job.fresh(1) == 3);
   EXPECT_TRUE(job.fresh(6) == 3);
   EXPECT_TRUE(job.fresh(7) == 6) << "a delayed release, and the next on time";
 }
 
-// The first release runs at the latest, so that it ends 8 after its release: 3 at the beginning of the
-// window. The next one starts at 5.
-TEST(RecurringWork, CanCountEarlierReleasesToo) {
+// The first release runs as late as its response time of 8 ns allows, so its 3 ns of work are at the
+// beginning of the window. The work of the next release begins at 5 ns.
+TEST(RecurringWork, CanIncludeReleasesFromBeforeTheWindow) {
   const Recurring job{.work = 3, .apart = 10, .jitter = 0, .response = 8};
   EXPECT_TRUE(job.carried(3) == 3);
   EXPECT_TRUE(job.carried(5) == 3);
@@ -50,7 +50,7 @@ TEST(RecurringWork, CanCountEarlierReleasesToo) {
   EXPECT_TRUE(job.carried(8) == 6);
 }
 
-TEST(Contender, CanCountRowsReleasedBeforeTheWindow) {
+TEST(Contender, CanIncludeRowsReleasedBeforeTheWindow) {
   Contender rows;
   rows.rows = RowDemand{{4}, 10ns, 2ns};
   rows.rows_response = 9;
@@ -58,7 +58,7 @@ TEST(Contender, CanCountRowsReleasedBeforeTheWindow) {
   EXPECT_TRUE(rows.carried(9) == 12) << "released at most 9 before the window, spinning since 11 before";
 }
 
-TEST(Contender, RunsOnceBeforeAnEqualProgramIfItSleeps) {
+TEST(Contender, DelaysAnEqualProgramByOneRunIfItSleeps) {
   Contender program;
   program.kind = Contender::Kind::program;
   program.jobs = {{.work = 3, .apart = 10, .response = 10}};
@@ -67,7 +67,7 @@ TEST(Contender, RunsOnceBeforeAnEqualProgramIfItSleeps) {
   EXPECT_TRUE(program.before_equal(100) == 3);
 }
 
-TEST(RecurringWork, TakesTheWholeWindowInAnOverload) {
+TEST(RecurringWork, FillsTheWholeWindowIfItOverloadsTheCpu) {
   EXPECT_TRUE((Recurring{.work = 30, .apart = 10, .response = 10}.carried(100)) == 100);
   EXPECT_TRUE((Recurring{.work = 1, .apart = 0}.fresh(1)) >= kForever);
 }

@@ -13,7 +13,8 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::Optional;
 
-/// Modules a and b of device robot, on lines 1 and 2, and a non-real-time module.
+/// Returns a cell whose device robot has modules a (defined in line 1), b (in line 2) and a non-real-time
+/// module.
 model::Cell cell() {
   model::Cell cell;
   cell.name = "cell";
@@ -35,7 +36,7 @@ model::Profile profile() {
                       {"robot.b", {}}}};
 }
 
-TEST(LongestRuns, AreMeasuredTimesOrElseBudgets) {
+TEST(LongestRuns, AreTheMeasuredTimesOrOtherwiseTheBudgets) {
   auto all = cell();
   all.devices[0].modules[0].budget = 9us;
   all.devices[0].modules[1].budget = 7us;
@@ -57,7 +58,7 @@ TEST(LongestRuns, AreMultipliedByTheFactorAndRoundedUp) {
   EXPECT_EQ((*runs)[0][1], Nanoseconds::max());
 }
 
-TEST(LongestRuns, ReportAModuleThatNeverRan) {
+TEST(LongestRuns, ReportAModuleWithNeitherAMeasurementNorABudget) {
   const auto measured = profile();
   const auto runs = longest_runs(cell(), &measured, 1);
   ASSERT_FALSE(runs);

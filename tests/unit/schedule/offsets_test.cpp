@@ -16,7 +16,7 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// The weight of the fullest row by definition: tries each row of the macro period with each module.
+/// Returns the weight of the fullest row by definition: checks each module in each row of the macro period.
 std::int64_t fullest(const std::vector<Shiftable>& modules, const std::vector<Nanoseconds>& offsets) {
   std::int64_t basic = 0;
   std::int64_t macro = 1;
@@ -41,7 +41,7 @@ std::vector<Nanoseconds> unshifted(const std::vector<Shiftable>& modules) {
   return offsets;
 }
 
-/// The smallest weight of the fullest row over all combinations of offsets.
+/// Tries all combinations of offsets; returns the smallest weight of the fullest row.
 std::int64_t lightest(const std::vector<Shiftable>& modules, std::vector<Nanoseconds>& offsets, std::size_t i,
                       Nanoseconds basic) {
   if (i == modules.size()) return fullest(modules, offsets);
@@ -55,8 +55,8 @@ std::int64_t lightest(const std::vector<Shiftable>& modules, std::vector<Nanosec
   return least;
 }
 
-TEST(Offsets, ReduceTheFullestRowOfFigure1FromFourToThree) {
-  // controller1 to controller4: 600, 100, 100 and 300 us.
+TEST(Offsets, ReduceTheFullestRowOfThePapersFigure1FromFourRunsToThree) {
+  // Modules controller1 to controller4 have periods of 600, 100, 100 and 300 us.
   const std::vector<Shiftable> modules{
       {.period = 600us}, {.period = 100us}, {.period = 100us}, {.period = 300us}};
   EXPECT_EQ(fullest(modules, unshifted(modules)), 4);
@@ -68,7 +68,7 @@ TEST(Offsets, ReduceTheFullestRowOfFigure1FromFourToThree) {
   }
 }
 
-TEST(Offsets, LeaveFixedOffsetsAlone) {
+TEST(Offsets, KeepTheOffsetsGivenInTheDescriptor) {
   const std::vector<Shiftable> modules{{.period = 4ms, .offset = 3ms, .fixed = true}, {.period = 4ms}};
   const auto offsets = flatten(modules);
   EXPECT_EQ(offsets[0], 3ms);
@@ -76,7 +76,7 @@ TEST(Offsets, LeaveFixedOffsetsAlone) {
   EXPECT_EQ(fullest(modules, offsets), 1);
 }
 
-TEST(Offsets, BalanceTheWeights) {
+TEST(Offsets, BalanceTheWorkOfTheRows) {
   const std::vector<Shiftable> modules{{.period = 2ms, .weight = 90},
                                        {.period = 2ms, .weight = 50},
                                        {.period = 2ms, .weight = 40},
@@ -84,7 +84,7 @@ TEST(Offsets, BalanceTheWeights) {
   EXPECT_EQ(fullest(modules, flatten(modules)), 91) << "50 and 40 share a row, and 90 has its own";
 }
 
-TEST(Offsets, KeepTheBasicPeriod) {
+TEST(Offsets, NeverShortenTheBasicPeriod) {
   const std::vector<Shiftable> modules{{.period = 2ms}, {.period = 2ms}};
   EXPECT_THAT(flatten(modules), Each(0ns))
       << "an offset of half the period would separate them, but double the rows";
@@ -92,7 +92,7 @@ TEST(Offsets, KeepTheBasicPeriod) {
 
 TEST(Offsets, OfNoModulesAreEmpty) { EXPECT_THAT(flatten({}), IsEmpty()); }
 
-TEST(Offsets, AreZeroIfShiftsDoNotHelp) {
+TEST(Offsets, AreZeroIfTheyWouldNotReduceTheFullestRow) {
   const std::vector<Shiftable> modules{{.period = 1ms}, {.period = 1ms}};
   EXPECT_THAT(flatten(modules), Each(0ns));
 }
@@ -121,7 +121,7 @@ TEST(Offsets, AreOptimalForSmallTables) {
   EXPECT_GT(lighter, 50);
 }
 
-TEST(Offsets, OfManyModulesAreFoundQuicklyAndAreNeverWorse) {
+TEST(Offsets, OfManyModulesAtLeastHalveTheFullestRow) {
   std::mt19937 random{12};
   const std::vector<std::int64_t> periods{1, 2, 4, 5, 8, 10, 20, 40, 50, 100};
   for (const std::size_t count : {30U, 300U, 10'000U}) {
@@ -136,14 +136,15 @@ TEST(Offsets, OfManyModulesAreFoundQuicklyAndAreNeverWorse) {
     const auto offsets = flatten(modules);
     const auto took = std::chrono::steady_clock::now() - begin;
     EXPECT_LT(took, 10s) << "the search does not end";
-    if (count == 10'000U) continue;  // comparing with the definition would take too long
+    // For this many modules, a comparison with the definition would take too long.
+    if (count == 10'000U) continue;
     const std::int64_t most = fullest(modules, offsets);
     EXPECT_LT(most, fullest(modules, unshifted(modules)) / 2);
     EXPECT_LE(most, load / 200 + 1000) << count << ": above the mean by at most the weight of one module";
   }
 }
 
-TEST(Offsets, OfTwoHundredThousandModulesDoNotExhaustTheStack) {
+TEST(Offsets, CanBeComputedFor200000ModulesWithoutExhaustingTheStack) {
   std::vector<Shiftable> modules(200'000, {.period = 2ms, .weight = 1});
   modules.push_back({.period = 1ms, .weight = 1});
   EXPECT_EQ(fullest(modules, flatten(modules)), 100'001);

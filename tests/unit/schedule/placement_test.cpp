@@ -35,7 +35,7 @@ TEST(Placement, GivesTheExecutorTheHigherOfTwoCpus) {
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
-TEST(Placement, GivesEachExecutorACpuHighestFirst) {
+TEST(Placement, GivesEachExecutorACpuFromTheHighestDown) {
   const Placement placement = place({executor("a"), executor("b")}, {0, 1, 2, 3});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{3}, Cpus{2}));
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
@@ -60,7 +60,7 @@ TEST(Placement, AllowsTwoExecutorsToRequestTheSameCpu) {
   EXPECT_THAT(placement.background, ElementsAre(0));
 }
 
-TEST(Placement, ReplacesAMissingCpuWithAWarning) {
+TEST(Placement, WarnsAndUsesAnotherCpuIfTheRequestedOneIsMissing) {
   const Placement placement = place({executor("motion", 5)}, {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
   EXPECT_THAT(placement.warnings, ElementsAre(AllOf(HasSubstr("motion"), HasSubstr("CPU 5"))));
@@ -73,13 +73,13 @@ TEST(Placement, UsesOnlyAllowedCpus) {
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
-TEST(Placement, SharesAllCpusIfExecutorsRequestAll) {
+TEST(Placement, LetsOtherThreadsUseAllCpusIfExecutorsRequestAll) {
   const Placement placement = place({executor("a", 0), executor("b", 1)}, {0, 1});
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
-TEST(Placement, WithoutExecutorsLeavesAllCpus) {
+TEST(Placement, LeavesAllCpusToOtherThreadsWithoutExecutors) {
   const Placement placement = place({}, {0, 1});
   EXPECT_THAT(placement.executors, IsEmpty());
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
@@ -88,14 +88,14 @@ TEST(Placement, WithoutExecutorsLeavesAllCpus) {
 model::Device programs(int count) {
   model::Device device;
   for (int i = 0; i < count; ++i) device.modules.emplace_back().type = model::ModuleType::process;
-  device.modules.emplace_back();  // a thread module
+  device.modules.emplace_back();  // a thread module, which is not counted
   model::Module& background = device.modules.emplace_back();
   background.type = model::ModuleType::process;
   background.operation = model::Operation::non_real;
   return device;
 }
 
-TEST(ProgramsPerCpu, AreCountedAndRoundedUp) {
+TEST(ProgramsPerCpu, AreAveragedAndRoundedUp) {
   const Placement two{.executors = {}, .background = {0, 1}, .warnings = {}};
   EXPECT_EQ(programs_on_one(programs(0), two), 1);
   EXPECT_EQ(programs_on_one(programs(2), two), 1);

@@ -53,7 +53,7 @@ Module with_budget(Module module, Nanoseconds budget) {
   return module;
 }
 
-/// The modules are on lines 10, 20, 30 ... of cell.xml.
+/// Returns a cell with these modules, defined in lines 10, 20, 30 and so on of cell.xml.
 Cell cell_of(std::vector<Module> modules) {
   Cell cell;
   cell.name = "cell";
@@ -67,7 +67,7 @@ Cell cell_of(std::vector<Module> modules) {
   return cell;
 }
 
-/// Figure 1 of the paper.
+/// Returns the paper's Figure 1 as a cell.
 Cell figure1() {
   return cell_of({periodic("controller1", 600us, 3), periodic("control2", 100us, 2),
                   periodic("control3", 100us, 1), process(periodic("control4", 300us, 4)),
@@ -86,7 +86,7 @@ Problems problems_of(const Cell& cell) {
   return result ? Problems{} : result.problems();
 }
 
-TEST(Plan, OfFigure1HasTheTablesOfFigures3And4) {
+TEST(Plan, OfThePapersFigure1HasTheTablesOfFigures3And4) {
   const Cell cell = figure1();
   const Device& device = cell.devices.front();
   const auto result = plan(cell, device);
@@ -116,7 +116,7 @@ TEST(Plan, AllowsAnExecutorWithoutModules) {
   EXPECT_EQ(result->executors[0].macro_period, 0ns);
 }
 
-TEST(Plan, WithOnlySporadicModulesChecksTwicePerDeadline) {
+TEST(Plan, WithOnlySporadicModulesChecksConditionsTwicePerDeadline) {
   const Cell cell = cell_of({sporadic("slow", 7ms, 1), sporadic("fast", 5ms, 2)});
   const auto result = plan(cell, cell.devices.front());
   ASSERT_TRUE(result);
@@ -159,7 +159,7 @@ TEST(Plan, GivesEachExecutorItsOwnTables) {
   EXPECT_EQ(result->executors[2].rows(), 0U);
 }
 
-TEST(Plan, OrdersByPriorityThenAsInTheDescriptor) {
+TEST(Plan, OrdersModulesByPriorityThenAsInTheDescriptor) {
   const Cell cell = cell_of({sporadic("a", 1ms, 7), sporadic("b", 1ms, -1), sporadic("c", 1ms, 7),
                              non_real("d", 2), non_real("e", 1), non_real("f", 2)});
   const auto result = plan(cell, cell.devices.front());
@@ -168,7 +168,7 @@ TEST(Plan, OrdersByPriorityThenAsInTheDescriptor) {
   EXPECT_THAT(result->non_realtime, ElementsAre(4U, 3U, 5U));
 }
 
-TEST(Plan, RejectsATableThatIsTooLongAndNamesTwoModules) {
+TEST(Plan, NamesTwoModulesWhosePeriodsMakeTheTableTooLong) {
   const Cell cell = cell_of({periodic("servo", 1ms), periodic("camera", 33'333'333ns), periodic("log", 1s)});
   const Problems problems = problems_of(cell);
   ASSERT_EQ(problems.size(), 1U);
@@ -179,7 +179,7 @@ TEST(Plan, RejectsATableThatIsTooLongAndNamesTwoModules) {
   EXPECT_THAT(problems[0].fix, HasSubstr("multiples of each other"));
 }
 
-TEST(Plan, RejectsPeriodsWhoseMultipleExceeds64Bits) {
+TEST(Plan, RejectsPeriodsWhoseCommonMultipleExceeds64Bits) {
   const Problems problems = problems_of(cell_of({periodic("a", Nanoseconds::max()), periodic("b", 2ns)}));
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_THAT(problems[0].what,
@@ -196,7 +196,7 @@ TEST(Plan, ReportsTheProblemsOfAllExecutorsAndDevices) {
   EXPECT_EQ(problems_of(cell).size(), 4U);
 }
 
-TEST(Plan, NamesTheModuleIfThereIsNoFile) {
+TEST(Plan, NamesTheModuleInAProblemIfThereIsNoFile) {
   Cell cell = cell_of({with_budget(periodic("servo", 1ms), 2ms)});
   cell.file.clear();
   const Problems problems = problems_of(cell);
@@ -204,7 +204,7 @@ TEST(Plan, NamesTheModuleIfThereIsNoFile) {
   EXPECT_EQ(problems[0].where, "module servo");
 }
 
-// ---- budgets
+// ---- Budgets
 
 TEST(Budget, MayFillThePeriodButNotExceedIt) {
   EXPECT_THAT(problems_of(cell_of({process(with_budget(periodic("a", 1ms), 1ms))})), IsEmpty());
@@ -234,7 +234,7 @@ TEST(Budget, OfThreadModulesMayFillTheRowButNotExceedIt) {
   EXPECT_EQ(problems[0].where, "cell.xml:20");
   EXPECT_THAT(problems[0].what,
               AllOf(HasSubstr("row 0"), HasSubstr("executor 'main'"), HasSubstr("a 400 us, b 600.001 us"),
-                    HasSubstr("1000.001 us of 1 ms"), HasSubstr("1 of 2 rows")));
+                    HasSubstr("1000.001 us, but the basic period is 1 ms"), HasSubstr("1 of 2 rows")));
   EXPECT_FALSE(problems[0].fix.empty());
 }
 
@@ -245,17 +245,18 @@ TEST(Budget, OfProcessAndSporadicModulesDoesNotCountInTheRow) {
               IsEmpty());
 }
 
-TEST(Budget, NamesTheFullestRowAndCountsTheOthers) {
-  // a and b are due in every row, c in every second, d in every third: all are due in row 0.
+TEST(BudgetProblem, NamesTheFullestRowAndCountsTheOtherFullRows) {
+  // Modules a and b are due in every row, c in every second row, and d in every third. All four are due in
+  // row 0.
   const Problems problems =
       problems_of(cell_of({with_budget(periodic("a", 1ms), 500us), with_budget(periodic("b", 1ms), 300us),
                            with_budget(periodic("c", 2ms), 300us), with_budget(periodic("d", 3ms), 400us)}));
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_THAT(problems[0].what,
-              AllOf(HasSubstr("row 0"), HasSubstr("1.5 ms of 1 ms"), HasSubstr("4 of 6 rows")));
+              AllOf(HasSubstr("row 0"), HasSubstr("1.5 ms, but the basic period is 1 ms"), HasSubstr("4 of 6 rows")));
 }
 
-TEST(Budget, NamesAtMostTwelveModules) {
+TEST(BudgetProblem, NamesAtMostTwelveModules) {
   std::vector<Module> modules;
   for (int i = 0; i < 100; ++i) modules.push_back(with_budget(periodic("m" + std::to_string(i), 1ms), 11us));
   const Problems problems = problems_of(cell_of(modules));
@@ -268,10 +269,10 @@ TEST(Budget, DoesNotOverflowInSums) {
   const Cell cell = cell_of({with_budget(periodic("a", huge), huge), with_budget(periodic("b", huge), huge)});
   const Problems problems = problems_of(cell);
   ASSERT_EQ(problems.size(), 1U);
-  EXPECT_THAT(problems[0].what, HasSubstr("are more than 10^18 ns of"));
+  EXPECT_THAT(problems[0].what, HasSubstr("add up to more than 10^18 ns"));
 }
 
-TEST(Load, IsIncompleteIfAThreadModuleHasNoBudget) {
+TEST(Load, IsMarkedIncompleteIfAThreadModuleHasNoBudget) {
   const Cell cell =
       cell_of({with_budget(periodic("a", 1ms), 100us), periodic("b", 2ms), process(periodic("c", 1ms))});
   const Device& device = cell.devices.front();
@@ -284,7 +285,7 @@ TEST(Load, IsIncompleteIfAThreadModuleHasNoBudget) {
   EXPECT_TRUE(main.load(device, 1).complete);
 }
 
-TEST(Plan, FlattensTheTableOfFigure1) {
+TEST(Plan, ReducesTheFullestRowOfThePapersFigure1) {
   Cell cell = figure1();
   cell.devices[0].executors[0].offsets = model::Offsets::automatic;
   const auto result = plan(cell, cell.devices[0]);
@@ -298,7 +299,7 @@ TEST(Plan, FlattensTheTableOfFigure1) {
   EXPECT_EQ(main.table.entries(), 15U) << "the same number as without offsets";
 }
 
-TEST(Plan, BalancesBudgetsIfAllThreadModulesHaveOne) {
+TEST(Plan, BalancesTheBudgetsOfTheRowsIfAllThreadModulesHaveOne) {
   Cell cell = cell_of({with_budget(periodic("heavy", 2ms), 900us), with_budget(periodic("a", 2ms), 500us),
                        with_budget(periodic("b", 2ms), 400us), process(periodic("c", 1ms))});
   cell.devices[0].executors[0].offsets = model::Offsets::automatic;
@@ -356,7 +357,7 @@ TEST(Plan, GivesTheShortestPeriodTheHighestPriority) {
   EXPECT_THAT(priorities, ElementsAre(72, 80, 76, 80, 42));
 }
 
-TEST(Plan, AssignsPrioritiesToManyPeriods) {
+TEST(Plan, AssignsPrioritiesTo64DifferentPeriods) {
   std::vector<Module> modules;
   for (int i = 0; i < 64; ++i) modules.push_back(periodic("m" + std::to_string(i), 1ms * (i + 1)));
   Cell cell = cell_of(std::move(modules));

@@ -1,6 +1,5 @@
 // Simulates a device nanosecond by nanosecond: CPUs, SCHED_FIFO threads, rows, sporadic threads and programs.
-// It is slow and simple on purpose, and shares no knowledge of the scheduler with the analysis that it
-// checks.
+// The simulation is deliberately slow and simple, and shares no code with the analysis that it checks.
 #pragma once
 
 #include <algorithm>
@@ -20,17 +19,19 @@ namespace takt::schedule::simulated {
 using Tick = std::int64_t;
 using Random = std::mt19937;
 
-/// The choices of one simulation of a device.
+/// The choices that distinguish one simulation of a device from another.
 struct Phasing {
-  double longest = 1;      ///< share of runs with the longest run time; the others are shorter
-  double ready = 1;        ///< share of occasions at which a sporadic module is released
+  double longest = 1;      ///< fraction of the runs that take the longest run time; the others are shorter
+  double ready = 1;        ///< probability that a sporadic module is released when it may be
   Tick sporadic_from = 0;  ///< the first time at which a sporadic module may be released
-  double spin = 1;         ///< share of wake-ups that spin as long as they may; the others spin shorter
+  /// Fraction of the wake-ups that spin as long as they may; the others spin for a shorter time.
+  double spin = 1;
 };
 
 struct Outcome {
-  std::vector<std::optional<Tick>> response;  ///< the longest response of each module
-  std::vector<bool> missed;  ///< for each module: late, skipped, or still in its body when due
+  std::vector<std::optional<Tick>> response;  ///< the longest response time of each module
+  /// For each module: whether it was late, skipped, or still running when it was due again.
+  std::vector<bool> missed;
   [[nodiscard]] bool any_missed() const {
     return std::find(missed.begin(), missed.end(), true) != missed.end();
   }
@@ -51,7 +52,7 @@ class Thread {
   virtual bool advance() = 0;
   /// Called after the thread has used a nanosecond of a CPU.
   virtual void use() = 0;
-  /// Called in each nanosecond; an external event may wake the thread.
+  /// Called in each nanosecond. Models external events, which may wake the thread.
   virtual void happen() {}
   /// Records deadlines that have passed.
   virtual void judge() const {}
@@ -61,7 +62,7 @@ class Thread {
   const std::vector<int> cpus;
   bool ready = true;
   Tick wake_at = 0;        ///< valid while the thread sleeps
-  std::uint64_t turn = 0;  ///< the order in which it became ready
+  std::uint64_t turn = 0;  ///< the position in the order in which threads became ready
 
  protected:
   bool sleep(Tick until = std::numeric_limits<Tick>::max()) {
@@ -92,7 +93,7 @@ class Machine {
   [[nodiscard]] bool chance(double share) {
     return share >= 1 || std::bernoulli_distribution{share}(random_);
   }
-  /// A random time from `least` to `most`; exactly `most` with the probability `longest`.
+  /// Returns a random time from `least` to `most`. It is exactly `most` with probability `longest`.
   [[nodiscard]] Tick up_to(Tick least, Tick most, double longest) {
     return chance(longest) ? most : std::uniform_int_distribution<Tick>{least, most}(random_);
   }
@@ -135,7 +136,7 @@ inline void Thread::wake() {
   turn = machine_.next_turn();
 }
 
-/// A program with libtakt_process.
+/// A program that uses libtakt_process.
 class Program : public Thread {
  public:
   Program(Machine& machine, int its_priority, std::vector<int> its_cpus, std::uint32_t index, Tick period,
@@ -208,7 +209,7 @@ class Program : public Thread {
   bool on_wake_word_ = false;
 };
 
-/// The thread of the sporadic thread modules of an executor.
+/// The thread that runs the sporadic thread modules of an executor.
 class Sporadics : public Thread {
  public:
   struct One {
@@ -250,7 +251,7 @@ class Sporadics : public Thread {
     one.release = release;
     one.not_before = release + machine_.module(one.index).interarrival.value_or(Nanoseconds{}).count();
   }
-  /// A sample may arrive for a module with immediate dispatch.
+  /// Models a sample that arrives for a module with immediate dispatch.
   void happen() override {
     for (One& one : all) {
       if (machine_.module(one.index).dispatch != model::Dispatch::immediate) continue;
@@ -424,8 +425,8 @@ inline Machine::Machine(const model::Device& device, const DevicePlan& plan, con
   for (auto& thread : threads_) thread->turn = next_turn();
 }
 
-// Assigns threads to CPUs by priority, then in the order in which they became ready. Each gets a free CPU on
-// which it may run.
+// Assigns threads to CPUs in the order of their priority, then in the order in which they became ready. Each
+// thread gets a free CPU that it may use.
 inline void Machine::assign() {
   std::vector<Thread*> ready;
   for (const auto& thread : threads_) {
@@ -441,7 +442,7 @@ inline void Machine::assign() {
       if (on[static_cast<std::size_t>(cpu)] == nullptr) free.push_back(cpu);
     }
     if (free.empty()) continue;
-    // A thread stays on its CPU if that is still free.
+    // A thread stays on its CPU if that CPU is still free.
     int chosen = free.size() == 1
                      ? free[0]
                      : free[std::uniform_int_distribution<std::size_t>{0, free.size() - 1}(random_)];
@@ -460,7 +461,8 @@ inline Outcome Machine::run(Tick length, bool stop_at_miss) {
       if (!thread->ready && thread->wake_at <= now_) thread->wake();
       thread->happen();
     }
-    // An action that takes no time may let other threads continue, or end the turn of a thread.
+    // Some actions take no time, but let other threads continue or make a thread wait. So this loop repeats
+    // until nothing changes.
     bool settled = false;
     while (!settled) {
       settled = true;

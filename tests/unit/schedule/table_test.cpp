@@ -26,7 +26,7 @@ std::vector<Table::Index> row(const Table& table, std::size_t index) {
   return {tasks.begin(), tasks.end()};
 }
 
-/// The only problem of these tasks, or "accepted".
+/// Builds the table of these tasks; returns its only problem, or "accepted".
 std::string problem_of(const std::vector<Task>& tasks) {
   const auto table = Table::build(tasks);
   if (table) return "accepted";
@@ -35,9 +35,9 @@ std::string problem_of(const std::vector<Task>& tasks) {
   return table.problems().front().what;
 }
 
-// ---- the paper's example, and edge cases
+// ---- The paper's example, and edge cases
 
-TEST(Table, OfFigure1EqualsFigure3) {
+TEST(Table, OfThePapersFigure1EqualsItsFigure3) {
   enum : Table::Index { controller1, control2, control3, control4 };
   const std::vector<Task> tasks{{600us, 3}, {100us, 2}, {100us, 1}, {300us, 4}};
   const auto table = Table::build(tasks);
@@ -63,7 +63,7 @@ TEST(Table, RejectsPeriodsThatAreNotPositive) {
   EXPECT_THAT(table.problems()[1].what, HasSubstr("task 2"));
 }
 
-TEST(Table, IsEmptyWithoutTasks) {
+TEST(Table, HasNoRowsWithoutTasks) {
   const auto table = Table::build({});
   ASSERT_TRUE(table);
   EXPECT_EQ(table->rows(), 0U);
@@ -93,7 +93,7 @@ TEST(Table, HasEmptyRowsIfNothingIsDue) {
   EXPECT_THAT(row(*table, 5), IsEmpty());
 }
 
-TEST(Table, OrdersByPriorityThenAsInTheInput) {
+TEST(Table, OrdersTasksByPriorityThenAsInTheInput) {
   const std::vector<Task> tasks{
       {1ms, 5}, {1ms, -3}, {1ms, 5}, {1ms, std::numeric_limits<int>::min()}, {1ms, -3}};
   const auto table = Table::build(tasks);
@@ -101,7 +101,7 @@ TEST(Table, OrdersByPriorityThenAsInTheInput) {
   EXPECT_THAT(row(*table, 0), ElementsAre(3U, 1U, 4U, 0U, 2U));
 }
 
-// ---- the limits
+// ---- Limits
 
 TEST(Table, LimitsTheEntriesOfOneRowToAMillion) {
   std::vector<Task> tasks(kMaxEntries, Task{1ms, 0});
@@ -116,7 +116,7 @@ TEST(Table, LimitsTheEntriesOfOneRowToAMillion) {
 }
 
 TEST(Table, LimitsTheEntriesOfAllRowsToAMillion) {
-  // 999,999 rows with the fast task, and one entry of the slow one.
+  // The table has 999,999 rows with the fast task, and one entry of the slow task.
   std::vector<Task> tasks{{1us, 0, "fast"}, {1us * 999'999, 0, "slow"}};
   const auto full = Table::build(tasks);
   ASSERT_TRUE(full);
@@ -129,8 +129,8 @@ TEST(Table, LimitsTheEntriesOfAllRowsToAMillion) {
 }
 
 TEST(Table, LimitsTheRowsToTenMillion) {
-  // a x b rows, a + b entries.
-  std::vector<Task> tasks{{78125ns, 0}, {128ns, 0}};  // 5^7 and 2^7, rows of 1 ns
+  // The table has 78125 x 128 rows and 78125 + 128 entries.
+  std::vector<Task> tasks{{78125ns, 0}, {128ns, 0}};  // the periods are 5^7 and 2^7 ns, so a row takes 1 ns
   const auto full = Table::build(tasks);
   ASSERT_TRUE(full);
   EXPECT_EQ(full->rows(), kMaxRows);
@@ -140,17 +140,17 @@ TEST(Table, LimitsTheRowsToTenMillion) {
   EXPECT_THAT(problem_of(tasks), AllOf(HasSubstr("10000256 rows"), HasSubstr("'a'"), HasSubstr("'b'")));
 }
 
-TEST(Table, RejectsPeriodsWhoseMultipleExceeds64Bits) {
+TEST(Table, RejectsPeriodsWhoseCommonMultipleExceeds64Bits) {
   EXPECT_THAT(
       problem_of({{kLongest, 0, "a"}, {kLongest - 1ns, 0, "b"}}),
       AllOf(HasSubstr("basic period 1 ns"), HasSubstr("macro period more than 10^18 ns"), HasSubstr("'a'"),
             HasSubstr("'b'"), HasSubstr("coincide only once in more than 10^18 ns")));
-  // Only six rows, but the macro period would exceed the largest period.
+  // The table would have only six rows, but the macro period would exceed 10^18 ns.
   EXPECT_THAT(problem_of({{Nanoseconds{1LL << 62}, 0}, {Nanoseconds{3LL << 61}, 0}}),
               HasSubstr("more than 10^18 ns"));
 }
 
-TEST(Table, RejectsPeriodsThatExceed64BitsOnlyTogether) {
+TEST(Table, RejectsManyPeriodsWhoseCommonMultipleExceeds64Bits) {
   std::vector<Task> tasks;
   for (const int prime : {1009, 1013, 1019, 1021, 1031, 1033, 1039}) tasks.push_back({Nanoseconds{prime}, 0});
   EXPECT_THAT(problem_of(tasks),
@@ -159,26 +159,26 @@ TEST(Table, RejectsPeriodsThatExceed64BitsOnlyTogether) {
 }
 
 TEST(Table, NamesThePairOfPeriodsThatMakesTheTableLong) {
-  // 7.001 ms has little in common with the others, which are multiples of each other.
+  // All periods except 7.001 ms are multiples of each other.
   const std::string what =
       problem_of({{1ms, 0, "servo"}, {4ms, 0, "plan"}, {7001us, 0, "camera"}, {1s, 0, "log"}});
   EXPECT_THAT(what, HasSubstr("'camera' with 7.001 ms and 'log' with 1 s coincide only once in 7001 s"));
 }
 
-TEST(LongestPair, TakesTheShortestPeriodAmongEquals) {
+TEST(LongestPeriodPair, PrefersTheShortestPeriodIfPairsAreEquallyLong) {
   const std::vector<Task> tasks{{2us, 0}, {1us, 0}, {1us, 0}, {10s, 0}, {5s, 0}};
   const PeriodPair pair = longest_pair(tasks);
   EXPECT_EQ(pair.shorter, 1U);
   EXPECT_EQ(pair.longer, 3U);
 }
 
-TEST(LongestPair, IsASingleTaskIfAllPeriodsAreEqual) {
+TEST(LongestPeriodPair, IsASingleTaskIfAllPeriodsAreEqual) {
   const std::vector<Task> tasks{{2us, 0}, {2us, 0}};
   const PeriodPair pair = longest_pair(tasks);
   EXPECT_EQ(pair.shorter, pair.longer);
 }
 
-// ---- comparison with a naive implementation
+// ---- Comparison with a naive implementation
 
 /// The expected result of Table::build(), computed directly from the definition.
 struct Naive {
@@ -209,7 +209,7 @@ struct Naive {
     accepted = entries <= 1'000'000 && macro / basic <= 10'000'000;
   }
 
-  /// The modules due at time `t`, in the order in which they run.
+  /// Returns the modules that are due at time `t`, in the order in which they run.
   static std::vector<Table::Index> due(const std::vector<Task>& tasks, std::int64_t t) {
     std::vector<Table::Index> found;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -226,8 +226,8 @@ struct Naive {
   bool accepted = false;
 };
 
-/// Compares rows with the definition. If all rows need more than `work` steps, compares evenly spaced rows
-/// and the last one.
+/// Compares the rows of a table with the definition. If comparing all rows would take more than `work` steps,
+/// compares only evenly spaced rows and the last row.
 void expect_as_defined(const std::vector<Task>& tasks, std::size_t work) {
   const Naive naive{tasks};
   const auto table = Table::build(tasks);
@@ -246,12 +246,13 @@ void expect_as_defined(const std::vector<Task>& tasks, std::size_t work) {
   ASSERT_EQ(row(*table, rows - 1), Naive::due(tasks, static_cast<std::int64_t>(rows - 1) * naive.basic));
 }
 
-/// Draws module sets of four families: many within the limits, many far outside, and some close to them.
+/// Draws random sets of modules of four kinds. Many are within the limits of a table, many exceed them by
+/// far, and some are close to them.
 class ModuleSets {
  public:
   std::vector<Task> draw() {
     const std::int64_t family = between(0, 3);
-    // Small and large sets, equally often.
+    // Draws small and large sets equally often.
     const std::int64_t count = between(1, between(0, 1) == 0 ? 12 : 1000);
     const std::int64_t unit = between(1, 20) * power_of_ten(between(3, 5));
     std::vector<Task> tasks;
@@ -278,7 +279,7 @@ class ModuleSets {
 
   std::int64_t period(std::int64_t family, std::int64_t unit) {
     switch (family) {
-      case 0: {  // typical periods: 1, 2, 5 x a power of ten
+      case 0: {  // typical periods: 1, 2 or 5 times a power of ten
         constexpr std::array<std::int64_t, 3> kSteps{1, 2, 5};
         return kSteps[static_cast<std::size_t>(between(0, 2))] * power_of_ten(between(5, 8));
       }
@@ -297,7 +298,7 @@ class ModuleSets {
   std::mt19937_64 random_{20240607};
 };
 
-TEST(Table, MatchesTheDefinitionForManyModuleSets) {
+TEST(Table, MatchesItsDefinitionForRandomSetsOfModules) {
   ModuleSets sets;
   int accepted = 0;
   int rejected = 0;
@@ -313,7 +314,7 @@ TEST(Table, MatchesTheDefinitionForManyModuleSets) {
   RecordProperty("rejected", rejected);
 }
 
-TEST(LongestPair, MatchesTheDefinitionForManyModuleSets) {
+TEST(LongestPeriodPair, MatchesItsDefinitionForRandomSetsOfModules) {
   ModuleSets sets;
   for (int i = 0; i < 300; ++i) {
     const auto tasks = sets.draw();

@@ -15,7 +15,8 @@ using testing::Not;
 
 model::Endpoint at(const std::string& device, const std::string& port) { return {device, "m", port}; }
 
-/// robot.out -> line.in, line.out -> a program, and a program on domain 9 -> robot.in.
+/// Returns a cell with three connections: from device robot to device line, from line to an external program,
+/// and from an external program in domain 9 to robot.
 model::Cell cell() {
   model::Cell cell;
   cell.name = "belt";
@@ -49,51 +50,51 @@ std::vector<Access> of(Role role, const std::string& name) {
   return access_of(cell(), 7, {"belt", role, name});
 }
 
-TEST(Access, ADeviceWritesItsOwnTopicsAndThoseOfNodes) {
+TEST(AccessRights, AllowADeviceToWriteItsOwnTopicsAndThoseOfNodes) {
   EXPECT_THAT(on(of(Role::device, "robot"), 7).writes,
               ElementsAre("takt/belt/robot/*", "takt/belt/robot/m/out", "takt/device", "takt/executor",
                           "takt/fault", "takt/lifecycle", "takt/port", "takt/reply", "takt/statistics"));
 }
 
-TEST(Access, ADeviceReadsItsConnectionsAndTheTopicsOfNodes) {
+TEST(AccessRights, AllowADeviceToReadItsConnectionsAndTheTopicsOfNodes) {
   EXPECT_THAT(on(of(Role::device, "line"), 7).reads,
               ElementsAre("takt/belt/line/*", "takt/belt/robot/m/out", "takt/command", "takt/device",
                           "takt/lifecycle", "takt/question"));
 }
 
-TEST(Access, ADeviceWithoutConnectionsGetsNoTopicsOfOthers) {
+TEST(AccessRights, GiveADeviceWithoutConnectionsNoTopicsOfOtherDevices) {
   const Access press = on(of(Role::device, "press"), 7);
   EXPECT_THAT(press.reads, Not(Contains(HasSubstr("robot"))));
   EXPECT_THAT(press.writes, Not(Contains("speed")));
   EXPECT_THAT(on(of(Role::device, "line"), 7).writes, Contains("speed"));
 }
 
-TEST(Access, IncludesTheOtherDomainsOfConnections) {
+TEST(AccessRights, IncludeTheOtherDomainsOfConnections) {
   EXPECT_THAT(on(of(Role::device, "robot"), 9).reads, ElementsAre("rt/goal"));
   EXPECT_THAT(on(of(Role::device, "robot"), 9).writes, IsEmpty());
   EXPECT_THAT(of(Role::device, "line"), testing::SizeIs(1));
   EXPECT_THAT(domains_of(cell(), 7), ElementsAre(7, 9));
 }
 
-TEST(Access, OnlyOperatorsMayCommand) {
+TEST(AccessRights, AllowOnlyOperatorsToSendCommands) {
   EXPECT_THAT(on(of(Role::operator_, "anna"), 7).writes, Contains("takt/command"));
   for (const Role role : {Role::device, Role::observer, Role::program}) {
     for (const Access& each : of(role, "robot")) EXPECT_THAT(each.writes, Not(Contains("takt/command")));
   }
 }
 
-TEST(Access, AnObserverReadsEverythingAndWritesOnlyQuestions) {
+TEST(AccessRights, AllowAnObserverToReadEverythingAndWriteOnlyQuestions) {
   EXPECT_THAT(on(of(Role::observer, "eve"), 7).reads, ElementsAre("*"));
   EXPECT_THAT(on(of(Role::observer, "eve"), 7).writes, ElementsAre("takt/question"));
 }
 
-TEST(Access, AProgramUsesOnlyTheEndsThatNoModuleHas) {
+TEST(AccessRights, AllowAnExternalProgramOnlyTheOpenEndsOfConnections) {
   EXPECT_THAT(on(of(Role::program, "hmi"), 7).reads, ElementsAre("speed"));
   EXPECT_THAT(on(of(Role::program, "hmi"), 7).writes, IsEmpty());
   EXPECT_THAT(on(of(Role::program, "hmi"), 9).writes, ElementsAre("rt/goal"));
 }
 
-TEST(Access, ServicesUseTheTopicsOfTheirClients) {
+TEST(AccessRights, GiveServicesTheTopicsOfTheirClients) {
   model::Cell with = cell();
   model::Service service;
   service.client = at("line", "ask");
@@ -105,13 +106,13 @@ TEST(Access, ServicesUseTheTopicsOfTheirClients) {
   EXPECT_THAT(robot.writes, Contains("takt/belt/line/m/ask/reply"));
 }
 
-TEST(Access, TheGivenDomainReplacesThatOfTheCell) {
+TEST(AccessRights, UseTheGivenDomainInsteadOfTheCellsDomain) {
   const auto robot = access_of(cell(), 40, {"belt", Role::device, "robot"});
   EXPECT_THAT(on(robot, 40).writes, Contains("takt/lifecycle"));
   EXPECT_THAT(on(robot, 7).writes, IsEmpty());
 }
 
-TEST(Access, ReportsWhyACellCannotBeSecured) {
+TEST(SecurityCheck, ReportsWhyACellCannotBeSecured) {
   EXPECT_THAT(obstacles(cell()), IsEmpty());
   model::Cell wrong = cell();
   wrong.discovery.kind = model::Discovery::Kind::server;
@@ -133,7 +134,7 @@ TEST(Subject, SurvivesARoundTrip) {
   }
 }
 
-TEST(PermissionsDocument, NamesTheSubjectAndDeniesEverythingElse) {
+TEST(PermissionsDocument, DeniesEverythingThatItDoesNotAllow) {
   const Subject robot{"belt", Role::device, "robot"};
   const std::string xml = permissions_xml(robot, {{7, {"a<b"}, {}}}, {0, 86400});
   EXPECT_THAT(xml, HasSubstr("<subject_name>CN=robot,OU=device,O=belt</subject_name>"));

@@ -29,10 +29,10 @@ std::string text_of(const fs::path& path) {
 }
 void write(const fs::path& path, const std::string& text) { std::ofstream{path} << text; }
 
-/// A folder with an authority "home" that has issued identities to the device robot and the operator anna.
-class AuthorityTest : public testing::Test {
+/// A folder "home" with an authority that has issued identities for device robot and operator anna.
+class SigningAuthority : public testing::Test {
  protected:
-  AuthorityTest() {
+  SigningAuthority() {
     fs::remove_all(folder_);
     plan_.cell.name = "belt";
     for (const char* name : {"robot", "line"}) {
@@ -44,7 +44,7 @@ class AuthorityTest : public testing::Test {
     EXPECT_TRUE(authority_->issue(robot_, plan_, 100, kNow).ok());
     EXPECT_TRUE(authority_->issue(anna_, plan_, 100, kNow).ok());
   }
-  ~AuthorityTest() override { fs::remove_all(folder_); }
+  ~SigningAuthority() override { fs::remove_all(folder_); }
 
   [[nodiscard]] std::string home() const { return (folder_ / "home").string(); }
   [[nodiscard]] std::string of_robot() const { return home() + "/devices/robot"; }
@@ -62,7 +62,7 @@ class AuthorityTest : public testing::Test {
   std::optional<Authority> authority_;
 };
 
-TEST_F(AuthorityTest, IssuesAValidFolder) {
+TEST_F(SigningAuthority, IssuesAValidIdentityFolder) {
   const auto identity = read_identity(of_robot(), kNow);
   ASSERT_TRUE(identity.ok()) << to_text(identity.problems());
   EXPECT_EQ(identity->subject, robot_);
@@ -75,14 +75,14 @@ bool names_somebody(const std::string& certificate) {
       {reinterpret_cast<const std::uint8_t*>(certificate.data()), certificate.size()});
 }
 
-TEST_F(AuthorityTest, AcceptsOnlyCertificatesWithASubject) {
+TEST_F(SigningAuthority, AcceptsOnlyCertificatesWithASubject) {
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/identity.cert.pem")));
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/ca.cert.pem")));
   EXPECT_FALSE(names_somebody(text_of(of_robot() + "/identity.key.pem")));
   EXPECT_FALSE(names_somebody(""));
   EXPECT_FALSE(names_somebody("-----BEGIN CERTIFICATE-----\n"));
   EXPECT_FALSE(names_somebody(std::string(1 << 20, 'x')));
-  // openssl req -x509 -new -key KEY -subj /
+  // a certificate without a subject, from: openssl req -x509 -new -key KEY -subj /
   EXPECT_FALSE(
       names_somebody("-----BEGIN CERTIFICATE-----\n"
                      "MIIBVjCB/aADAgECAhRwAfNWhBHvEH2j56FxhISaMIDkfjAKBggqhkjOPQQDAjAA\n"
@@ -96,19 +96,19 @@ TEST_F(AuthorityTest, AcceptsOnlyCertificatesWithASubject) {
                      "-----END CERTIFICATE-----\n"));
 }
 
-TEST_F(AuthorityTest, OnlyTheOwnerMayReadItsFiles) {
+TEST_F(SigningAuthority, LetsOnlyTheOwnerReadItsFiles) {
   for (const auto& entry : fs::recursive_directory_iterator{home()}) {
     EXPECT_EQ(entry.status().permissions() & (fs::perms::group_all | fs::perms::others_all), fs::perms::none)
         << entry.path();
   }
 }
 
-TEST_F(AuthorityTest, RejectsAKeyThatOthersMayRead) {
+TEST_F(SigningAuthority, RejectsAKeyThatOthersMayRead) {
   fs::permissions(of_robot() + "/identity.key.pem", fs::perms::group_read, fs::perm_options::add);
   EXPECT_THAT(wrong_with_robot(), HasSubstr("chmod 600 " + of_robot() + "/identity.key.pem"));
 }
 
-TEST_F(AuthorityTest, IsNeverOverwritten) {
+TEST_F(SigningAuthority, IsNeverOverwritten) {
   const std::string key = text_of(home() + "/authority/ca.key.pem");
   const auto again = Authority::create(home(), "belt", kNow);
   ASSERT_FALSE(again.ok());
@@ -117,7 +117,7 @@ TEST_F(AuthorityTest, IsNeverOverwritten) {
   EXPECT_FALSE(authority_->issue(robot_, plan_, 100, kNow).ok()) << "an identity is not overwritten either";
 }
 
-TEST_F(AuthorityTest, CanBeOpenedAgain) {
+TEST_F(SigningAuthority, CanBeOpenedAgain) {
   auto again = Authority::open(home());
   ASSERT_TRUE(again.ok()) << to_text(again.problems());
   EXPECT_EQ(again->cell(), "belt");
@@ -126,26 +126,26 @@ TEST_F(AuthorityTest, CanBeOpenedAgain) {
   EXPECT_THAT(again->members(kNow), SizeIs(3));
 }
 
-TEST_F(AuthorityTest, AnIdentityExpiresAfterItsDays) {
+TEST_F(SigningAuthority, LimitsAnIdentityToItsNumberOfDays) {
   EXPECT_EQ(wrong_with_robot(kNow + 100 * kDay - 60), "");
   EXPECT_THAT(wrong_with_robot(kNow + 100 * kDay + 60), HasSubstr("it has expired"));
   EXPECT_EQ(wrong_with_robot(kNow - 600), "") << "valid before it was issued, because clocks differ";
   EXPECT_THAT(wrong_with_robot(kNow - 2 * kDay), HasSubstr("not valid yet"));
 }
 
-TEST_F(AuthorityTest, NoIdentityOutlivesTheAuthority) {
+TEST_F(SigningAuthority, NeverIssuesAnIdentityThatOutlivesIt) {
   ASSERT_TRUE(authority_->issue({"belt", Role::operator_, "old"}, plan_, 3650, kNow + 3000 * kDay).ok());
   EXPECT_EQ(read_identity(home() + "/operators/old", kNow + 3000 * kDay)->until, kNow + 3650 * kDay);
 }
 
-TEST_F(AuthorityTest, RenewalCreatesANewKey) {
+TEST_F(SigningAuthority, CreatesANewKeyWhenItRenewsAnIdentity) {
   const std::string key = text_of(of_robot() + "/identity.key.pem");
   ASSERT_TRUE(authority_->issue(robot_, plan_, 200, kNow, true).ok());
   EXPECT_NE(text_of(of_robot() + "/identity.key.pem"), key);
   EXPECT_EQ(read_identity(of_robot(), kNow)->until, kNow + 200 * kDay);
 }
 
-TEST_F(AuthorityTest, ARevocationReachesAllFolders) {
+TEST_F(SigningAuthority, WritesARevocationToTheFoldersOfAllIdentities) {
   ASSERT_TRUE(authority_->revoke(robot_, kNow).ok());
   EXPECT_THAT(wrong_with_robot(), HasSubstr("revoked"));
   EXPECT_TRUE(read_identity(of_anna(), kNow).ok());
@@ -157,7 +157,7 @@ TEST_F(AuthorityTest, ARevocationReachesAllFolders) {
   EXPECT_EQ(wrong_with_robot(), "") << "the new certificate is not on the list";
 }
 
-TEST_F(AuthorityTest, NamesAMissingOrInvalidFile) {
+TEST_F(SigningAuthority, NamesAMissingOrInvalidFile) {
   for (const char* file : {"ca.cert.pem", "permissions.cert.pem", "identity.cert.pem", "identity.key.pem",
                            "governance.smime", "permissions.smime", "crl.pem"}) {
     const std::string path = of_robot() + "/" + file;
@@ -173,24 +173,24 @@ TEST_F(AuthorityTest, NamesAMissingOrInvalidFile) {
   EXPECT_FALSE(read_identity(home() + "/devices/nobody", kNow).ok());
 }
 
-TEST_F(AuthorityTest, RejectsTheKeyOfAnotherIdentity) {
+TEST_F(SigningAuthority, RejectsTheKeyOfAnotherIdentity) {
   write(of_robot() + "/identity.key.pem", text_of(of_anna() + "/identity.key.pem"));
-  EXPECT_THAT(wrong_with_robot(), HasSubstr("not the key of identity.cert.pem"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("this key does not belong to identity.cert.pem"));
 }
 
-TEST_F(AuthorityTest, RejectsThePermissionsOfAnotherIdentity) {
+TEST_F(SigningAuthority, RejectsThePermissionsOfAnotherIdentity) {
   write(of_robot() + "/permissions.smime", text_of(of_anna() + "/permissions.smime"));
   EXPECT_THAT(wrong_with_robot(), HasSubstr("not for CN=robot,OU=device,O=belt"));
 }
 
-TEST_F(AuthorityTest, RejectsAChangedDocument) {
+TEST_F(SigningAuthority, RejectsAChangedDocument) {
   std::string text = text_of(of_robot() + "/permissions.smime");
   text.replace(text.find("takt/lifecycle"), 14, "takt/*        ");
   write(of_robot() + "/permissions.smime", text);
   EXPECT_THAT(wrong_with_robot(), HasSubstr("its signature was not made by the authority"));
 }
 
-TEST_F(AuthorityTest, RejectsFilesOfAnotherAuthority) {
+TEST_F(SigningAuthority, RejectsFilesOfAnotherAuthority) {
   auto evil = Authority::create((folder_ / "evil").string(), "belt", kNow);
   ASSERT_TRUE(evil->issue(robot_, plan_, 100, kNow).ok());
   const std::string theirs = (folder_ / "evil/devices/robot/").string();
@@ -203,7 +203,7 @@ TEST_F(AuthorityTest, RejectsFilesOfAnotherAuthority) {
   EXPECT_THAT(wrong_with_robot(), HasSubstr("crl.pem: error: its signature"));
 }
 
-TEST_F(AuthorityTest, UpdatesTheDocumentsOfAllIdentities) {
+TEST_F(SigningAuthority, UpdatesTheDocumentsOfAllIdentities) {
   const std::string before = text_of(of_robot() + "/permissions.smime");
   plan_.domain = 9;
   ASSERT_TRUE(authority_->document(plan_, kNow).ok());
@@ -211,21 +211,21 @@ TEST_F(AuthorityTest, UpdatesTheDocumentsOfAllIdentities) {
   EXPECT_THAT(read_identity(of_anna(), kNow)->domains, testing::ElementsAre(9));
 }
 
-TEST_F(AuthorityTest, KeepsTheDescriptor) {
+TEST_F(SigningAuthority, StoresTheDescriptorAndTheDomain) {
   EXPECT_FALSE(authority_->descriptor().ok());
   ASSERT_TRUE(authority_->keep("<cell/>", 7).ok());
   EXPECT_EQ(*Authority::open(home())->descriptor(), "<cell/>");
   EXPECT_EQ(*Authority::open(home())->domain(), 7);
 }
 
-TEST_F(AuthorityTest, FindsTheFolderOfAnIdentity) {
+TEST_F(SigningAuthority, FindsTheFolderOfAnIdentity) {
   EXPECT_EQ(folder_of(home(), Role::device, "robot"), of_robot());
   EXPECT_EQ(first_of(home(), Role::operator_, kNow).folder, of_anna());
   EXPECT_EQ(folder_of(of_robot(), Role::device, "robot"), of_robot());
   EXPECT_EQ(first_of(of_anna(), Role::operator_, kNow).folder, of_anna());
 }
 
-TEST_F(AuthorityTest, SkipsARevokedOperatorAndReportsIt) {
+TEST_F(SigningAuthority, SkipsARevokedOperatorWhenAnIdentityIsChosen) {
   const Subject bert{"belt", Role::operator_, "bert"};
   ASSERT_TRUE(authority_->issue(bert, plan_, 100, kNow).ok());
   EXPECT_THAT(first_of(home(), Role::operator_, kNow).passed_over, SizeIs(0));
@@ -237,7 +237,7 @@ TEST_F(AuthorityTest, SkipsARevokedOperatorAndReportsIt) {
   EXPECT_EQ(first_of(home(), Role::operator_, kNow).folder, of_anna()) << "no identity is valid";
 }
 
-TEST_F(AuthorityTest, RejectsTheFolderOfAnIdentityAsAnAuthority) {
+TEST_F(SigningAuthority, RejectsTheFolderOfAnIdentityAsAnAuthority) {
   const auto wrong = Authority::open(of_anna());
   ASSERT_FALSE(wrong.ok());
   EXPECT_THAT(to_text(wrong.problems()),

@@ -19,16 +19,16 @@ using testing::HasSubstr;
 constexpr std::int64_t kNow = 1'800'000'000;
 constexpr std::int64_t kYear = std::int64_t{365} * 24 * 3600;
 
-class Signature : public testing::Test {
+class SignatureCheck : public testing::Test {
  protected:
-  Signature() {
+  SignatureCheck() {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     std::ofstream{file_} << "a component";
     auto authority = Authority::create((folder_ / "home").string(), "belt", kNow);
     certificate_ = *authority->sign_components({file_}, kNow);
   }
-  ~Signature() override { fs::remove_all(folder_); }
+  ~SignatureCheck() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string wrong(std::int64_t now = kNow) const {
     const auto checked = check_signature(file_, certificate_, now);
     return checked ? "" : to_text(checked.problems());
@@ -40,14 +40,14 @@ class Signature : public testing::Test {
   std::string certificate_;
 };
 
-TEST_F(Signature, AcceptsTheSignedFile) { EXPECT_EQ(wrong(), ""); }
+TEST_F(SignatureCheck, AcceptsTheSignedFile) { EXPECT_EQ(wrong(), ""); }
 
-TEST_F(Signature, RejectsAChangedFile) {
+TEST_F(SignatureCheck, RejectsAChangedFile) {
   std::ofstream{file_, std::ios::app} << "!";
   EXPECT_THAT(wrong(), HasSubstr("its signature does not match its contents"));
 }
 
-TEST_F(Signature, RejectsTheSignatureOfAnotherFile) {
+TEST_F(SignatureCheck, RejectsTheSignatureOfAnotherFile) {
   std::ofstream{folder_ / "other.so"} << "another";
   auto authority = Authority::open((folder_ / "home").string());
   ASSERT_TRUE(authority->sign_components({(folder_ / "other.so").string()}, kNow).ok());
@@ -55,13 +55,13 @@ TEST_F(Signature, RejectsTheSignatureOfAnotherFile) {
   EXPECT_THAT(wrong(), HasSubstr("its signature does not match its contents"));
 }
 
-TEST_F(Signature, RejectsTheSignatureOfAnotherAuthority) {
+TEST_F(SignatureCheck, RejectsTheSignatureOfAnotherAuthority) {
   auto evil = Authority::create((folder_ / "evil").string(), "belt", kNow);
   ASSERT_TRUE(evil->sign_components({file_}, kNow).ok());
   EXPECT_THAT(wrong(), HasSubstr("or was not made with the key of " + certificate_));
 }
 
-TEST_F(Signature, CheckSignerRequiresAValidCertificate) {
+TEST_F(SignatureCheck, RequiresAValidSignerCertificate) {
   const auto wrong_signer = [](const std::string& file, std::int64_t now = kNow) {
     const auto checked = check_signer(file, now);
     return checked ? "" : to_text(checked.problems());
@@ -73,19 +73,19 @@ TEST_F(Signature, CheckSignerRequiresAValidCertificate) {
   EXPECT_THAT(wrong_signer(certificate_, kNow + 11 * kYear), HasSubstr("it has expired"));
 }
 
-TEST_F(Signature, ReportsAMissingSignature) {
+TEST_F(SignatureCheck, ReportsAMissingSignature) {
   fs::remove(file_ + ".sig");
   EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are accepted here; sign it"));
   std::ofstream{file_ + ".sig"} << "nonsense";
   EXPECT_THAT(wrong(), HasSubstr("its signature does not match"));
 }
 
-TEST_F(Signature, ExpiresWithTheCertificate) {
+TEST_F(SignatureCheck, FailsAfterTheCertificateHasExpired) {
   EXPECT_EQ(wrong(kNow + 9 * kYear), "");
   EXPECT_THAT(wrong(kNow + 11 * kYear), HasSubstr("it has expired"));
 }
 
-TEST_F(Signature, NeedsAFileAndACertificate) {
+TEST_F(SignatureCheck, NeedsTheFileAndTheCertificate) {
   fs::remove(certificate_);
   EXPECT_THAT(wrong(), HasSubstr("there is no such file"));
   EXPECT_FALSE(sign_file((folder_ / "nothing").string(), "").ok());

@@ -54,12 +54,12 @@ std::string error_of(const std::string& line) {
   return faults ? "accepted" : to_text(faults.problems());
 }
 
-TEST(Script, WithoutLinesHasNoFaults) {
+TEST(FaultScript, MayBeEmpty) {
   EXPECT_THAT(read(""), IsEmpty());
   EXPECT_THAT(read("\n  # nothing\n\n"), IsEmpty());
 }
 
-TEST(Script, AcceptsEveryKindOfFault) {
+TEST(FaultScript, AcceptsEveryKindOfFault) {
   EXPECT_THAT(
       read("at 1.5 s robot.arm late 3 ms\n"
            "at 2s line.servo crash   # now\n"
@@ -80,15 +80,16 @@ TEST(Script, AcceptsEveryKindOfFault) {
           Fault{.kind = Fault::Kind::cut, .at = milliseconds{2000}, .place = 1, .by = milliseconds{500}}));
 }
 
-TEST(Script, AppliesAnOutputsFaultToAllConnectionsToOtherDevices) {
+TEST(FaultScript, AppliesAFaultOfAnOutputToAllItsConnectionsToOtherDevices) {
   EXPECT_THAT(read("at 1 ms connection robot.arm.state lose 3"),
               ElementsAre(Fault{.kind = Fault::Kind::lose, .at = milliseconds{1}, .place = 1, .count = 3},
                           Fault{.kind = Fault::Kind::lose, .at = milliseconds{1}, .place = 2, .count = 3}));
 }
 
-TEST(Script, ReportsLineMistakeAndCure) {
+TEST(FaultScript, ReportsEachMistakeWithItsLineAndAFix) {
   EXPECT_THAT(error_of("in 2 s robot crash"),
-              AllOf(HasSubstr("script:2: error: "), HasSubstr("; at 1.5 s robot.servo late 3 ms")));
+              AllOf(HasSubstr("script:2: error: "),
+                    HasSubstr("; write, for example, at 1.5 s robot.servo late 3 ms")));
   for (const char* line : {"at soon robot.arm crash", "at 2 robot.arm crash", "at -1 s robot.arm crash",
                            "at 1e3 s robot.arm crash", "at"})
     EXPECT_THAT(error_of(line), HasSubstr("no time since T0")) << line;
@@ -113,14 +114,14 @@ TEST(Script, ReportsLineMistakeAndCure) {
               HasSubstr("did you mean robot.arm.state?"));
 }
 
-TEST(Script, ReportsEveryMistakeAtOnce) {
+TEST(FaultScript, ReportsEveryMistakeAtOnce) {
   const auto faults = parse_script("at 1 s robot.arm crash\nx\ny\n", "script", cell());
   ASSERT_FALSE(faults.ok());
   EXPECT_THAT(faults.problems(), SizeIs(2));
 }
 
-// A fault that a trace shows can be copied into a script.
-TEST(Faults, ReadBackAsWritten) {
+// So users can copy a fault from a trace into a script.
+TEST(Faults, SurviveWritingToAScriptAndReadingBack) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const model::Cell random = random_cell(seed).cell;
     Draws draws{seed, "test"};
@@ -133,7 +134,7 @@ TEST(Faults, ReadBackAsWritten) {
   }
 }
 
-TEST(Faults, AreDrawnInTheRequestedNumberAndInOrder) {
+TEST(Faults, AreDrawnAtTheRequestedRateInTimeOrder) {
   Draws draws{1, "test"};
   const auto faults = draw_faults(cell(), draws, milliseconds{2000}, 50);
   EXPECT_THAT(faults, SizeIs(100));

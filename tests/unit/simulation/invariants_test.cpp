@@ -1,4 +1,4 @@
-// A correct course of events has no violation. Each further test breaks one rule.
+// The first tests check that a correct run has no violation. Each further test breaks one rule.
 #include "invariants.hpp"
 
 #include <string>
@@ -18,10 +18,10 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr Instant kStart = from_ns(1'000'000'000);
-constexpr std::uint32_t kFast = 0;      // in every row, second place
-constexpr std::uint32_t kSlow = 1;      // in every second row, first place
-constexpr std::uint32_t kProgram = 2;   // in every row, last place
-constexpr std::uint32_t kSporadic = 3;  // deadline 5 ms
+constexpr std::uint32_t kFast = 0;      // due in every row; runs second
+constexpr std::uint32_t kSlow = 1;      // due in every second row; runs first
+constexpr std::uint32_t kProgram = 2;   // due in every row; runs last
+constexpr std::uint32_t kSporadic = 3;  // sporadic, deadline 5 ms
 constexpr std::uint32_t kUrgent = 4;    // sporadic, deadline 1 ms
 
 void connect(model::Cell& cell, model::Endpoint from, model::Endpoint to) {
@@ -63,7 +63,7 @@ model::Cell make_cell() {
   return cell;
 }
 
-class InvariantsTest : public testing::Test {
+class InvariantChecks : public testing::Test {
  protected:
   static Instant at(Nanoseconds since) { return kStart + since; }
   void add(Event event, Nanoseconds since = now_) {
@@ -123,7 +123,7 @@ Totals::OfModule counted(std::uint64_t cycles, std::uint64_t missed = 0) {
   return {.cycles = cycles, .missed = missed, .state = State::start, .steps = 2};
 }
 
-TEST_F(InvariantsTest, FindNothingInACorrectCourse) {
+TEST_F(InvariantChecks, FindNothingInACorrectRun) {
   begin();
   for (std::uint64_t n = 0; n < 4; ++n) row(n);
   checker.close(0, {.executors = {{.cycles = 4, .missed = 0, .next_row = 4}},
@@ -131,10 +131,10 @@ TEST_F(InvariantsTest, FindNothingInACorrectCourse) {
   EXPECT_THAT(violations(), IsEmpty());
 }
 
-TEST_F(InvariantsTest, CountMissedRows) {
+TEST_F(InvariantChecks, AcceptCorrectlyCountedMissedRows) {
   begin();
   row(0);
-  wake(1, milliseconds{2});  // in the slot of row 3
+  wake(1, milliseconds{2});  // the wake-up is late, in the slot of row 3
   run(kFast, 3, due(3));
   release(3, due(3));
   walked(3, 2);
@@ -143,7 +143,7 @@ TEST_F(InvariantsTest, CountMissedRows) {
   EXPECT_THAT(violations(), IsEmpty());
 }
 
-TEST_F(InvariantsTest, FindARowOffTheGrid) {
+TEST_F(InvariantChecks, FindARowOffTheGrid) {
   begin();
   row(0);
   add({.what = What::woke, .executor = 0, .number = 1, .release = at(due(1) + Nanoseconds{1})},
@@ -151,7 +151,7 @@ TEST_F(InvariantsTest, FindARowOffTheGrid) {
   EXPECT_THAT(violations(), ElementsAre(HasSubstr("the row is not on the grid")));
 }
 
-TEST_F(InvariantsTest, FindARowOutsideItsSlot) {
+TEST_F(InvariantChecks, FindARowOutsideItsSlot) {
   begin();
   wake(0, milliseconds{1});
   run(kSlow, 0, due(0));
@@ -161,7 +161,7 @@ TEST_F(InvariantsTest, FindARowOutsideItsSlot) {
   EXPECT_THAT(violations(), ElementsAre(HasSubstr("in the slot of another row")));
 }
 
-TEST_F(InvariantsTest, FindARowThatIsEarlyRepeatedOrLost) {
+TEST_F(InvariantChecks, FindARowThatIsEarlyRepeatedOrLost) {
   begin();
   wake(0, -microseconds{1});
   EXPECT_THAT(violations(), Contains(HasSubstr("woke too early")));
@@ -176,7 +176,7 @@ TEST_F(InvariantsTest, FindARowThatIsEarlyRepeatedOrLost) {
   EXPECT_THAT(violations(), Contains(HasSubstr("rows are lost")));
 }
 
-TEST_F(InvariantsTest, FindARowInTheWrongOrder) {
+TEST_F(InvariantChecks, FindModulesInTheWrongOrderInARow) {
   begin();
   wake(0);
   run(kFast, 0, due(0));
@@ -186,16 +186,16 @@ TEST_F(InvariantsTest, FindARowInTheWrongOrder) {
   EXPECT_THAT(violations(), Contains(HasSubstr("in the wrong place")));
 }
 
-TEST_F(InvariantsTest, FindAModuleThatARowOmits) {
+TEST_F(InvariantChecks, FindAModuleThatARowOmits) {
   begin();
   wake(0);
   run(kSlow, 0, due(0));
   run(kFast, 0, due(0));
   walked(0);
-  EXPECT_THAT(violations(), ElementsAre(HasSubstr("program was not served in its place")));
+  EXPECT_THAT(violations(), ElementsAre(HasSubstr("program was not served at its place in the row")));
 }
 
-TEST_F(InvariantsTest, FindAModuleServedTwiceOrWhenNotDue) {
+TEST_F(InvariantChecks, FindAModuleServedTwiceOrWhenNotDue) {
   begin();
   wake(0);
   run(kSlow, 0, due(0));
@@ -210,7 +210,7 @@ TEST_F(InvariantsTest, FindAModuleServedTwiceOrWhenNotDue) {
   EXPECT_THAT(violations(), Contains(HasSubstr("slow was served in the wrong place")));
 }
 
-TEST_F(InvariantsTest, FindAWrongReleaseTime) {
+TEST_F(InvariantChecks, FindAWrongReleaseTime) {
   begin();
   wake(0);
   run(kSlow, 0, due(0));
@@ -221,7 +221,7 @@ TEST_F(InvariantsTest, FindAWrongReleaseTime) {
               ElementsAre(HasSubstr("fast got a wrong release"), HasSubstr("program got a wrong release")));
 }
 
-TEST_F(InvariantsTest, FindAModuleServedWhileOutOfTheTables) {
+TEST_F(InvariantChecks, FindAModuleServedWhileOutOfTheTables) {
   begin();
   add({.what = What::taken_out, .module = kProgram});
   add({.what = What::taken_out, .module = kSlow});
@@ -231,7 +231,7 @@ TEST_F(InvariantsTest, FindAModuleServedWhileOutOfTheTables) {
                                         HasSubstr("program was served while it was out of the tables")));
 }
 
-TEST_F(InvariantsTest, FindAFailedModuleLeftInTheTables) {
+TEST_F(InvariantChecks, FindAFailedModuleLeftInTheTables) {
   begin();
   wake(0);
   run(kSlow, 0, due(0));
@@ -244,14 +244,14 @@ TEST_F(InvariantsTest, FindAFailedModuleLeftInTheTables) {
       ElementsAre(HasSubstr("d.fast run 1 of +0.001000000: it has failed but is still in the tables")));
 }
 
-TEST_F(InvariantsTest, FindAnErrorThatIsNotHandled) {
+TEST_F(InvariantChecks, FindAnErrorThatIsNotHandled) {
   begin();
   add({.what = What::taken_out, .module = kFast, .error = ErrorType::budget});
   add({.what = What::put_in, .module = kFast});
   EXPECT_THAT(violations(), ElementsAre(HasSubstr("its error was not handled")));
 }
 
-TEST_F(InvariantsTest, FindStepsThatAreMissingOrNotInTheLifecycleTable) {
+TEST_F(InvariantChecks, FindTransitionsThatAreMissingOrNotInTheLifecycleTable) {
   using lifecycle::Event;
   begin();
   step(kFast, Event::initialize, State::start, State::executing, 3);
@@ -262,13 +262,13 @@ TEST_F(InvariantsTest, FindStepsThatAreMissingOrNotInTheLifecycleTable) {
   EXPECT_THAT(violations(), Contains(HasSubstr("its state was START")));
 }
 
-TEST_F(InvariantsTest, FindAModuleOutsideExecutingInTheTables) {
+TEST_F(InvariantChecks, FindAModuleInTheTablesThatIsNotExecuting) {
   begin();
   step(kFast, lifecycle::Event::error, State::start, State::recover, 3);
   EXPECT_THAT(violations(), ElementsAre(HasSubstr("it is in the tables")));
 }
 
-TEST_F(InvariantsTest, FindASporadicRunThatWasNotReady) {
+TEST_F(InvariantChecks, FindASporadicRunThatWasNotReady) {
   begin();
   add({.what = What::ready, .module = kSporadic, .release = kStart, .until = at(milliseconds{5})});
   run(kSporadic, 0, {});
@@ -277,7 +277,7 @@ TEST_F(InvariantsTest, FindASporadicRunThatWasNotReady) {
   EXPECT_THAT(violations(), ElementsAre(HasSubstr("it was not ready")));
 }
 
-TEST_F(InvariantsTest, FindASporadicRunBeforeAnEarlierDeadline) {
+TEST_F(InvariantChecks, FindASporadicRunThatDelaysAnEarlierDeadline) {
   begin();
   add({.what = What::ready, .module = kSporadic, .release = kStart, .until = at(milliseconds{5})});
   add({.what = What::ready, .module = kUrgent, .release = kStart, .until = at(milliseconds{1})});
@@ -285,17 +285,17 @@ TEST_F(InvariantsTest, FindASporadicRunBeforeAnEarlierDeadline) {
   EXPECT_THAT(violations(), ElementsAre(HasSubstr("urgent has an earlier deadline")));
 }
 
-TEST_F(InvariantsTest, FindASporadicReleaseThatIsTooEarlyOrRepeated) {
+TEST_F(InvariantChecks, FindASporadicReleaseThatIsTooEarlyOrRepeated) {
   begin();
   add({.what = What::ready, .module = kUrgent, .release = kStart, .until = at(milliseconds{1})});
   add({.what = What::ready, .module = kUrgent, .release = at(milliseconds{1}), .until = at(milliseconds{2})});
   EXPECT_THAT(violations(), ElementsAre(HasSubstr("checked again before it had run"),
                                         HasSubstr("before its interarrival time had passed")));
   add({.what = What::ready, .module = kSporadic, .release = kStart, .until = at(milliseconds{4})});
-  EXPECT_THAT(violations(), Contains(HasSubstr("this is not its deadline")));
+  EXPECT_THAT(violations(), Contains(HasSubstr("the deadline of this run is wrong")));
 }
 
-TEST_F(InvariantsTest, FindTwoModulesRunningOnOneThread) {
+TEST_F(InvariantChecks, FindTwoModulesRunningOnOneThread) {
   begin();
   wake(0);
   add({.what = What::run, .module = kSlow, .number = 0, .release = kStart});
@@ -305,7 +305,7 @@ TEST_F(InvariantsTest, FindTwoModulesRunningOnOneThread) {
   EXPECT_THAT(violations(), Contains(HasSubstr("it was not running")));
 }
 
-TEST_F(InvariantsTest, FindSamplesThatAreTornRepeatedOrOutOfOrder) {
+TEST_F(InvariantChecks, FindSamplesThatAreTornRepeatedOrOutOfOrder) {
   const auto sample = [this](What what, std::uint64_t number, std::uint64_t torn = 0) {
     add({.what = what, .connection = 0, .number = number, .count = torn});
   };
@@ -322,13 +322,13 @@ TEST_F(InvariantsTest, FindSamplesThatAreTornRepeatedOrOutOfOrder) {
   sample(What::arrived, 2);
   sample(What::arrived, 5);
   EXPECT_THAT(violations(),
-              ElementsAre(HasSubstr("2 was read before"), HasSubstr("2 was read before"),
+              ElementsAre(HasSubstr("2 was read earlier"), HasSubstr("2 was read earlier"),
                           HasSubstr("not written yet"), HasSubstr("bytes are not those of one sample"),
-                          HasSubstr("expected number 3"), HasSubstr("2 arrived before"),
+                          HasSubstr("expected number 3"), HasSubstr("2 arrived earlier"),
                           HasSubstr("not written yet")));
 }
 
-TEST_F(InvariantsTest, FindCountersThatDoNotMatchTheEvents) {
+TEST_F(InvariantChecks, FindCountersThatDoNotMatchTheEvents) {
   begin();
   row(0);
   Totals totals{.executors = {{.cycles = 2, .missed = 0, .next_row = 1}},
@@ -341,7 +341,7 @@ TEST_F(InvariantsTest, FindCountersThatDoNotMatchTheEvents) {
   EXPECT_THAT(
       violations(),
       ElementsAre("d executor main counted 2 rows but there were 1",
-                  "d executor main counted 2 walked or missed rows but there were 1",
+                  "d executor main counted 2 executed or missed rows but there were 1",
                   "d.fast counted 2 releases but there were 1",
                   "d.fast counted 2 releases including missed, busy and omitted ones but there were 1",
                   "d.slow counted 1 missed releases but there were 0",
@@ -353,7 +353,7 @@ TEST_F(InvariantsTest, FindCountersThatDoNotMatchTheEvents) {
                   "but is gone"));
 }
 
-TEST_F(InvariantsTest, CountARowThatACrashCutShortAsMissed) {
+TEST_F(InvariantChecks, CountARowThatACrashCutShortAsMissed) {
   begin();
   row(0);
   wake(1);

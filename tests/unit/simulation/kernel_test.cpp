@@ -13,7 +13,7 @@ using testing::ElementsAre;
 constexpr Instant kBegin = from_ns(1000);
 constexpr Nanoseconds kTen{10};
 
-/// Records what happened, with the time since the start.
+/// Records texts, each with the time since the start.
 class Log {
  public:
   explicit Log(Kernel& kernel) : kernel_(kernel) {}
@@ -26,13 +26,13 @@ class Log {
   Kernel& kernel_;
 };
 
-TEST(Kernel, ReturnsAtTheEndWhenNothingHappens) {
+TEST(SimulatedKernel, ReturnsAtTheEndIfNothingHappens) {
   Kernel kernel{kBegin};
   kernel.run_until(kBegin + kTen);
   EXPECT_EQ(kBegin + kTen, kernel.now());
 }
 
-TEST(Kernel, RunsStrandsOnDifferentCpusInParallel) {
+TEST(SimulatedKernel, RunsThreadsOnDifferentCpusInParallel) {
   Kernel kernel{kBegin};
   Log log{kernel};
   kernel.spawn({}, [&] {
@@ -47,7 +47,7 @@ TEST(Kernel, RunsStrandsOnDifferentCpusInParallel) {
   EXPECT_THAT(log.lines, ElementsAre("a 10", "b 10"));
 }
 
-TEST(Kernel, PreemptsTheLowerPriorityOnOneCpu) {
+TEST(SimulatedKernel, PreemptsAThreadOfLowerPriorityOnTheSameCpu) {
   Kernel kernel{kBegin};
   Log log{kernel};
   Cpu cpu;
@@ -66,7 +66,7 @@ TEST(Kernel, PreemptsTheLowerPriorityOnOneCpu) {
   EXPECT_THAT(log.lines, ElementsAre("low 0", "high 4", "high 7", "low 13"));
 }
 
-TEST(Kernel, DoesNotPreemptAmongEqualPriorities) {
+TEST(SimulatedKernel, DoesNotPreemptAThreadOfEqualPriority) {
   Kernel kernel{kBegin};
   Log log{kernel};
   Cpu cpu;
@@ -85,7 +85,7 @@ TEST(Kernel, DoesNotPreemptAmongEqualPriorities) {
   EXPECT_THAT(log.lines, ElementsAre("first 10", "first 20", "second 20", "second 30"));
 }
 
-TEST(Kernel, MakesAWokenStrandWaitForAHigherPriority) {
+TEST(SimulatedKernel, MakesAWokenThreadWaitForAHigherPriority) {
   Kernel kernel{kBegin};
   Log log{kernel};
   Cpu cpu;
@@ -95,7 +95,7 @@ TEST(Kernel, MakesAWokenStrandWaitForAHigherPriority) {
   EXPECT_THAT(log.lines, ElementsAre("low 10"));
 }
 
-TEST(Kernel, EndsAWaitByAWakeUpOrATimeout) {
+TEST(SimulatedKernel, EndsAWaitAfterAWakeUpOrATimeout) {
   Kernel kernel{kBegin};
   Log log{kernel};
   Strand& sleeper = kernel.spawn({}, [&] {
@@ -106,13 +106,13 @@ TEST(Kernel, EndsAWaitByAWakeUpOrATimeout) {
   });
   kernel.at(kBegin + Nanoseconds{5}, [&] {
     kernel.wake(sleeper, Nanoseconds{1});
-    kernel.wake(sleeper, Nanoseconds{2});  // does nothing: it is already being woken
+    kernel.wake(sleeper, Nanoseconds{2});  // has no effect, because the sleeper is already being woken
   });
   kernel.run_until(kBegin + 10 * kTen);
   EXPECT_THAT(log.lines, ElementsAre("woken 6", "not woken 20", "slept 30"));
 }
 
-TEST(Kernel, OrdersEventsOfOneInstantByTheirCause) {
+TEST(SimulatedKernel, MakesCallsBeforeItWakesThreadsAtTheSameInstant) {
   Kernel kernel{kBegin};
   Log log{kernel};
   kernel.at(kBegin + kTen, [&] { log("call"); });
@@ -124,7 +124,7 @@ TEST(Kernel, OrdersEventsOfOneInstantByTheirCause) {
   EXPECT_THAT(log.lines, ElementsAre("call 10", "strand 10"));
 }
 
-TEST(Kernel, KillsAStrandAndFreesItsCpu) {
+TEST(SimulatedKernel, FreesTheCpuOfAKilledThread) {
   Kernel kernel{kBegin};
   Log log{kernel};
   Cpu cpu;
@@ -144,7 +144,7 @@ TEST(Kernel, KillsAStrandAndFreesItsCpu) {
   EXPECT_TRUE(dies.ended());
 }
 
-TEST(Kernel, StopsAtTheEndAndContinuesFromThere) {
+TEST(SimulatedKernel, CanContinueAfterItsEndTime) {
   Kernel kernel{kBegin};
   Log log{kernel};
   kernel.spawn({}, [&] {

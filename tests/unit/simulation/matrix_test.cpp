@@ -1,5 +1,5 @@
-// Every fault in every place, and every command in every state, against rules that are written here a second
-// time. Seconds of a cell take milliseconds.
+// Simulates every fault at every point, and every command in every state. Compares the results with rules
+// that this test states independently of the product. Seconds of a cell take milliseconds on virtual time.
 #include <map>
 #include <string>
 #include <vector>
@@ -48,8 +48,8 @@ class Sample {
   int tried_ = 0;
 };
 
-/// Module d.m of the kind, and neighbours that must not notice its faults: d.b in the shared host, d.c in its
-/// own, program d.q, and e.x on another device.
+/// Returns a cell with module d.m of this kind, and with neighbours that its faults must not affect: d.b in
+/// the shared host, d.c in its own host, program d.q, and e.x on another device.
 Cell cell_with(Kind kind, const Recovery& recovery = {}) {
   const std::string policy = "<recovery attempts=\"" + std::to_string(recovery.attempts) + "\" backoff=\"" +
                              recovery.backoff + "\" then=\"" + recovery.then + "\"/>";
@@ -75,10 +75,10 @@ int attempts_in(const Outcome& run) {
 
 struct Answer {
   std::string text = "no answer";
-  std::string state;  ///< of the module at that time
+  std::string state;  ///< the state of the module at that time
 };
 
-/// The answer to the last command.
+/// Returns the answer to the last command.
 Answer answer_of(const Outcome& run) {
   Answer last;
   std::string state;
@@ -92,11 +92,11 @@ Answer answer_of(const Outcome& run) {
   return last;
 }
 
-/// Whether a fault in run() costs the module its only instance, so that no recovery can follow: it has ended
-/// the host that it shares with others.
+/// Returns whether no recovery can follow a fault in run(). This is so if the fault ends the host that the
+/// module shares with others.
 bool is_fatal(Kind kind, const std::string& fault) { return kind == Kind::shared && fault != "fail"; }
 
-TEST(RecoveryMatrix, AModuleRecoversWithinItsAttemptsAndIsGivenUpAfterThem) {
+TEST(RecoveryMatrix, AModuleIsGivenUpOnlyAfterAllItsRecoveryAttempts) {
   Sample sample;
   for (const Kind kind : kKinds) {
     for (const std::string fault : {"fail", "crash", "hang"}) {
@@ -118,7 +118,7 @@ TEST(RecoveryMatrix, AModuleRecoversWithinItsAttemptsAndIsGivenUpAfterThem) {
           EXPECT_EQ(is_fatal(kind, fault) ? 0 : std::min(attempts, unmended + 1), attempts_in(run));
           EXPECT_EQ(given_up ? 1U : 0U, run.course.failures.size()) << takt::to_text(run.course.failures);
 
-          // A host takes all its modules with it, and those that did nothing wrong come back.
+          // When a host ends, all its modules end with it. Those without a fault are loaded again.
           if (is_fatal(kind, fault)) {
             EXPECT_THAT(steps_of(run, "d.b"),
                         testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "DESTRUCT", "IDLE",
@@ -136,7 +136,7 @@ TEST(RecoveryMatrix, AModuleRecoversWithinItsAttemptsAndIsGivenUpAfterThem) {
   }
 }
 
-TEST(RecoveryMatrix, GivingAModuleUpStopsWhatThenSays) {
+TEST(RecoveryMatrix, GivingUpAModuleStopsWhatItsThenAttributeSays) {
   Sample sample;
   for (const Kind kind : kKinds) {
     for (const std::string fault : {"fail", "crash", "hang"}) {
@@ -146,7 +146,7 @@ TEST(RecoveryMatrix, GivingAModuleUpStopsWhatThenSays) {
         const Outcome run = cell_with(kind, {.attempts = 0, .then = then})
                                 .run({.length = seconds{5}}, "at 100 ms d.m " + fault);
         const int full = 500;
-        const int stopped = 200;  // a hang is noticed after 1.1 s
+        const int stopped = 200;  // the node detects a hang after 1.1 s
         const auto cycles = [&](const char* module) { return module_of(run, module)["cycles"].get<int>(); };
         EXPECT_EQ("DESTRUCT", steps_of(run, "d.m").back());
         for (const char* neighbour : {"c", "q"}) {
@@ -166,20 +166,20 @@ TEST(RecoveryMatrix, GivingAModuleUpStopsWhatThenSays) {
   }
 }
 
-/// A fault in a hook: after which events the module's hook is called, and what follows in either kind of
-/// host.
+/// A fault in a hook, the script that leads to the call of the hook, and the expected transitions in this
+/// kind of host.
 struct InHook {
   std::string hook;
   std::string before;  ///< the script that leads to the call
   std::string fault;
   Kind kind;
-  std::vector<std::string> after;  ///< the steps that follow EXECUTING
+  std::vector<std::string> after;  ///< the states that follow EXECUTING
 };
 
-TEST(RecoveryMatrix, AFaultInAHookHasTheEffectThatItsHostAllows) {
+TEST(RecoveryMatrix, AModuleRecoversFromAFaultInAHookIfItsInstanceCanBeReplaced) {
   Sample sample;
   const std::string error = "at 100 ms d.m fail\n";
-  // Given up; recovered and shut down at the end.
+  // The module is either given up, or recovers and is shut down at the end.
   const std::vector<std::string> lost{"RECOVER", "DESTRUCT"};
   const std::vector<std::string> recovered{"RECOVER", "EXECUTING", "START", "DESTRUCT"};
   const std::vector<InHook> cases{
@@ -188,12 +188,12 @@ TEST(RecoveryMatrix, AFaultInAHookHasTheEffectThatItsHostAllows) {
       {"error", error, "fail", Kind::own, recovered},
       {"recover", error, "fail", Kind::shared, recovered},
       {"recover", error, "fail", Kind::own, recovered},
-      // A crash costs the instance: in the shared host for good.
+      // A crash destroys the instance. In the shared host, it is not replaced.
       {"error", error, "crash", Kind::shared, lost},
       {"error", error, "crash", Kind::own, recovered},
       {"recover", error, "crash", Kind::shared, lost},
       {"recover", error, "crash", Kind::own, recovered},
-      // A hook that hangs keeps its thread, and nobody can take the instance away from it.
+      // A hook that hangs never returns, so its instance cannot be replaced.
       {"error", error, "hang", Kind::shared, lost},
       {"error", error, "hang", Kind::own, lost},
       {"recover", error, "hang", Kind::shared, lost},
@@ -219,7 +219,8 @@ TEST(RecoveryMatrix, AFaultInAHookHasTheEffectThatItsHostAllows) {
 TEST(RecoveryMatrix, AFaultInAHookOfACommandLeadsToRecoverOrDestruct) {
   Sample sample;
   using Steps = std::vector<std::string>;
-  // After a reset the module has nothing yet that could be recovered; after initialize() it has.
+  // A module can recover only after initialize() has succeeded. After a reset alone there is nothing to
+  // recover.
   const Steps no_reset{};
   const Steps not_initialised{"IDLE", "DESTRUCT"};
   const Steps not_started{"IDLE", "INITIALIZE", "RECOVER", "DESTRUCT"};
@@ -249,8 +250,8 @@ TEST(RecoveryMatrix, AFaultInAHookOfACommandLeadsToRecoverOrDestruct) {
   }
 }
 
-// A module whose destruct() does not end well is gone as well: no recovery brings it back.
-TEST(RecoveryMatrix, AFaultInDestructEndsInDestruct) {
+// A module whose destruct() fails ends in DESTRUCT all the same, without recovery.
+TEST(RecoveryMatrix, AFaultInTheDestructHookStillEndsInDestruct) {
   Sample sample;
   for (const Kind kind : {Kind::shared, Kind::own}) {
     for (const std::string fault : {"fail", "crash", "hang"}) {
@@ -284,7 +285,7 @@ TEST(RecoveryMatrix, ModulesThatCrashOneAfterTheOtherAreRemovedOneByOne) {
   EXPECT_EQ(2U, run.course.failures.size());
 }
 
-/// The commands that bring a module from EXECUTING into a state.
+/// For each state, the commands that bring a module there from EXECUTING.
 const std::map<std::string, std::string> kWayTo{
     {"EXECUTING", ""},
     {"START", "at 100 ms d.m stop\n"},
@@ -294,7 +295,7 @@ const std::map<std::string, std::string> kWayTo{
     {"RECOVER", "at 100 ms d.m crash\n"},
 };
 
-TEST(CommandMatrix, ACommandIsCarriedOutInTheStatesThatAllowIt) {
+TEST(CommandMatrix, ACommandIsExecutedOnlyInTheStatesThatAllowIt) {
   Sample sample;
   const std::map<std::string, std::vector<std::string>> allowed{
       {"initialize", {"IDLE"}}, {"start", {"INITIALIZE", "START"}},
@@ -310,7 +311,7 @@ TEST(CommandMatrix, ACommandIsCarriedOutInTheStatesThatAllowIt) {
         if (sample.leaves_out()) continue;
         SCOPED_TRACE(std::string{to_text(kind)} + ", " + command + " in " + state);
         const bool may = std::find(states.begin(), states.end(), state) != states.end();
-        // The back-off keeps the module in RECOVER until the command comes.
+        // The backoff keeps the module in RECOVER until the command arrives.
         const Cell cell = cell_with(kind, {.backoff = "2000000000"});
         const Outcome run = cell.run({.length = seconds{3}}, way + "at 1 s d.m " + command);
         const Answer answer = answer_of(run);
@@ -325,7 +326,7 @@ TEST(CommandMatrix, ACommandIsCarriedOutInTheStatesThatAllowIt) {
   }
 }
 
-TEST(SwapMatrix, AFaultOfTheNewInstanceLeavesTheOldOne) {
+TEST(SwapMatrix, AFaultOfTheNewInstanceKeepsTheOldOneRunning) {
   Sample sample;
   for (const Kind kind : {Kind::shared, Kind::own}) {
     for (const std::string hook : {"load", "initialize", "start"}) {
@@ -338,7 +339,7 @@ TEST(SwapMatrix, AFaultOfTheNewInstanceLeavesTheOldOne) {
         EXPECT_THAT(run.course.failures, IsEmpty());
         const std::vector<std::string> reloaded{"INITIALIZE", "START", "EXECUTING", "DESTRUCT", "IDLE",
                                                 "INITIALIZE", "START", "EXECUTING", "START",    "DESTRUCT"};
-        // A crash ends the host, and everything in it comes back.
+        // A crash ends the host, and then all its modules are loaded again.
         EXPECT_EQ(fault == "crash" ? reloaded : kUndisturbed, steps_of(run, "d.m"));
         for (const char* neighbour : {"c", "q", "x"})
           EXPECT_EQ(700, module_of(run, neighbour)["cycles"]) << neighbour;

@@ -27,7 +27,7 @@ struct Outcome {
   Course course;
 };
 
-/// A cell from a descriptor, with its plans.
+/// A cell that is read from a descriptor, with the plans of its devices.
 class Cell {
  public:
   static Cell demo() {

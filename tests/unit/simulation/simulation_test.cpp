@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-TEST(Simulation, SameSeedGivesTheSameCourse) {
+TEST(Simulation, TheSameSeedGivesTheSameRun) {
   const Cell cell = Cell::demo();
   const Options options{.seed = 7, .length = milliseconds{200}, .faults_per_second = 50};
   const Outcome first = cell.run(options);
@@ -35,18 +35,18 @@ TEST(Simulation, SameSeedGivesTheSameCourse) {
   EXPECT_EQ(first.course.report, second.course.report);
 }
 
-TEST(Simulation, AnotherSeedGivesAnotherCourse) {
+TEST(Simulation, AnotherSeedGivesAnotherRun) {
   const Cell cell = Cell::demo();
   EXPECT_NE(cell.run({.seed = 1, .length = milliseconds{50}}).lines,
             cell.run({.seed = 2, .length = milliseconds{50}}).lines);
 }
 
-TEST(Simulation, WalksEveryRowOfTheGrid) {
+TEST(Simulation, RunsEveryRowOfTheGrid) {
   const Outcome run = Cell::of("<device name=\"d\">" + thread("a", "1000000") + thread("b", "4000000") +
                                program("p", "2000000") + "</device>")
                           .run({.length = seconds{1}});
   const auto& executor = run.course.report["devices"][0]["executors"][0];
-  // The row at the very end is not walked: the executors halt before they would wake for it.
+  // The row that is due exactly at the end does not run, because the executors stop before it.
   EXPECT_EQ(1000, executor["cycles"]);
   EXPECT_EQ(0, executor["missed"]);
   EXPECT_EQ(1000, module_of(run, "a")["cycles"]);
@@ -68,10 +68,11 @@ TEST(Simulation, ALateModuleCausesMissedRows) {
   EXPECT_EQ(98, module_of(run, "a")["cycles"]);
   EXPECT_EQ(1, module_of(run, "a")["overruns"]);
   EXPECT_EQ(2, run.course.report["devices"][0]["executors"][0]["missed"]);
-  EXPECT_THAT(run.lines, Contains(HasSubstr("walked row 14 of +0.014000000, missed 2 before it")));
+  EXPECT_THAT(run.lines,
+              Contains(HasSubstr("ran row 14, released at +0.014000000, missed rows before it: 2")));
 }
 
-TEST(Simulation, AModuleBeyondItsBudgetRecovers) {
+TEST(Simulation, AModuleThatExceedsItsBudgetRecovers) {
   const Cell cell = Cell::of(
       "<device name=\"d\">" +
       thread("a", "1000000",
@@ -85,7 +86,7 @@ TEST(Simulation, AModuleBeyondItsBudgetRecovers) {
   EXPECT_EQ(1, module_of(run, "a")["errors"]);
 }
 
-TEST(Simulation, AModuleThatCannotRecoverIsGivenUpAndMayStopItsDevice) {
+TEST(Simulation, AModuleThatCannotRecoverIsGivenUp) {
   const auto with = [](const std::string& then) {
     return Cell::of("<device name=\"d\">" +
                     thread("a", "1000000",
@@ -101,7 +102,7 @@ TEST(Simulation, AModuleThatCannotRecoverIsGivenUpAndMayStopItsDevice) {
   EXPECT_LT(module_of(with("stop-device"), "b")["cycles"], 100);
 }
 
-TEST(Simulation, ACrashEndsTheHostAndTheOthersReturnWithoutTheCulprit) {
+TEST(Simulation, AfterACrashTheHostReturnsWithoutTheCrashedModule) {
   const Outcome run = Cell::of("<device name=\"d\">" + thread("a", "1000000") + thread("b", "1000000") +
                                program("p", "1000000") + "</device>")
                           .run({.length = milliseconds{300}}, "at 100 ms d.a crash");
@@ -125,25 +126,25 @@ TEST(Simulation, RestartsAProgramThatCrashes) {
                                                          "EXECUTING", "START", "DESTRUCT"));
 }
 
-TEST(Simulation, EndsARunThatHangs) {
+TEST(Simulation, DetectsARunThatHangs) {
   const Cell cell =
       Cell::of("<device name=\"d\">" + thread("a", "1000000") + program("p", "1000000") + "</device>");
   const Outcome run = cell.run({.length = seconds{3}}, "at 50 ms d.a hang\nat 60 ms d.p hang");
   EXPECT_THAT(steps_of(run, "d.a"),
               testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
   EXPECT_THAT(run.lines, Contains(HasSubstr("hang (run() did not return")));
-  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not come back to waitPeriod()")));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not return to waitPeriod()")));
 }
 
-/// Executor `motion` in a process of its own, executor `main` in the shared one; each runs a thread module
-/// every millisecond.
+/// Returns a cell with executor `motion` in its own host and executor `main` in the shared host. Each runs a
+/// thread module every millisecond.
 Cell two_hosts(const std::string& recovery) {
   return Cell::of(R"(<device name="d"><executor name="main"/><executor name="motion" host="own"/>)" +
                   thread("a", "1000000", "<executor>motion</executor>" + recovery) +
                   thread("b", "1000000", "<executor>main</executor>") + "</device>");
 }
 
-TEST(Simulation, ACrashInAHostOfOneExecutorStopsNothingElse) {
+TEST(Simulation, ACrashInAnExecutorsOwnHostStopsNothingElse) {
   const Outcome run =
       two_hosts("<recovery attempts=\"3\" backoff=\"1000000\" then=\"destruct\"/>")
           .run({.length = milliseconds{300}}, "at 100 ms d.a crash\nat 100 ms d.a unmended 1");
@@ -155,7 +156,7 @@ TEST(Simulation, ACrashInAHostOfOneExecutorStopsNothingElse) {
               testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"));
 }
 
-TEST(Simulation, AModuleThatEndsItsOwnHostAgainAndAgainIsGivenUp) {
+TEST(Simulation, AModuleThatRepeatedlyCrashesItsHostIsGivenUp) {
   std::string crashes;
   for (int ms = 50; ms < 500; ++ms) crashes += "at " + std::to_string(ms) + " ms d.a crash\n";
   const Outcome run = two_hosts("<recovery attempts=\"2\" backoff=\"0\" then=\"destruct\"/>")
@@ -165,7 +166,7 @@ TEST(Simulation, AModuleThatEndsItsOwnHostAgainAndAgainIsGivenUp) {
   EXPECT_EQ(500, module_of(run, "b")["cycles"]);
 }
 
-TEST(Simulation, CarriesOutCommandsAndRejectsThoseThatTheStateForbids) {
+TEST(Simulation, RejectsCommandsThatTheStateDoesNotAllow) {
   const Outcome run =
       Cell::of("<device name=\"d\">" + thread("a", "1000000") + program("p", "1000000") + "</device>")
           .run({.length = milliseconds{400}},
@@ -182,7 +183,8 @@ TEST(Simulation, CarriesOutCommandsAndRejectsThoseThatTheStateForbids) {
                                                          "EXECUTING", "START", "DESTRUCT"));
 }
 
-// The executor has taken the module out of the tables, and its supervision has not seen the error yet.
+// When the command arrives, the executor has already removed the module from the tables, but its supervisor
+// has not yet seen the error.
 TEST(Simulation, AStartCommandDoesNotPutAFailedModuleBackIntoTheTables) {
   const Outcome run =
       Cell::of("<device name=\"d\">" + thread("a", "100000000", "<recovery attempts=\"3\" backoff=\"0\"/>") +
@@ -205,17 +207,18 @@ TEST(Simulation, ReadersGetTheSafeValueWhileTheWriterDoesNotExecute) {
     const Outcome run = with(reader);
     std::vector<std::string> seen;
     for (const std::string& line : run.lines) {
-      if (line.find("safe value") != std::string::npos || line.find("is read again") != std::string::npos)
+      if (line.find("safe value") != std::string::npos ||
+          line.find("gives its reader samples again") != std::string::npos)
         seen.push_back(line.substr(line.find(' ') + 1));
     }
-    const std::string safe = reader + " is replaced by the safe value";
-    const std::string again = reader + " is read again";
+    const std::string safe = reader + " gives its reader the safe value";
+    const std::string again = reader + " gives its reader samples again";
     ASSERT_GE(seen.size(), 2U) << reader;
     EXPECT_THAT(std::vector(seen.end() - 2, seen.end()), testing::ElementsAre(safe, again));
   }
 }
 
-/// Two devices, the second with an input from the first.
+/// Returns a cell of two devices. The second device reads an output of the first.
 Cell pair(const std::string& connection) {
   return Cell::of(
       "<device name=\"a\">" + thread("w", "1000000") + "</device><device name=\"b\">" +
@@ -223,7 +226,7 @@ Cell pair(const std::string& connection) {
       "</device><connection from=\"a.w.out\" to=\"b.r.in\" " + connection + "/>");
 }
 
-TEST(Simulation, ACutLinkMakesAValueStale) {
+TEST(Simulation, ACutBetweenDevicesMakesValuesStale) {
   const Outcome run = pair(R"(kind="latest" deadline="10000000" stale="error")")
                           .run({.length = milliseconds{500}}, "at 100 ms link a b cut for 200 ms");
   EXPECT_THAT(steps_of(run, "b.r"), testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER",
@@ -231,7 +234,7 @@ TEST(Simulation, ACutLinkMakesAValueStale) {
   EXPECT_THAT(run.lines, Contains(HasSubstr("EXECUTING -> RECOVER, step 4, stale")));
 }
 
-TEST(Simulation, ACutDelaysReliableSamplesAndLosesOthers) {
+TEST(Simulation, ACutBetweenDevicesDelaysReliableSamplesAndLosesOthers) {
   const std::string cut = "at 100 ms link a b cut for 20 ms";
   const auto lost = [](const Outcome& run) {
     return std::count_if(run.lines.begin(), run.lines.end(),
@@ -244,7 +247,7 @@ TEST(Simulation, ACutDelaysReliableSamplesAndLosesOthers) {
               testing::AllOf(testing::Ge(19), testing::Le(21)));
 }
 
-TEST(Simulation, LosesAndDelaysSamplesByTheScript) {
+TEST(Simulation, LosesAndDelaysTheSamplesNamedInTheScript) {
   const Outcome run =
       pair(R"(kind="latest")")
           .run({.length = milliseconds{100}},
@@ -262,14 +265,14 @@ TEST(Simulation, LosesAndDelaysSamplesByTheScript) {
   EXPECT_LT(when("b.r.in 48 arrived"), 0.048);
 }
 
-TEST(Simulation, AClockStepAgesValuesButDoesNotMoveTheGrid) {
+TEST(Simulation, AClockStepMakesValuesStaleButDoesNotMoveTheGrid) {
   const Outcome run = pair(R"(kind="latest" deadline="10000000" stale="error")")
                           .run({.length = milliseconds{200}}, "at 100 ms b clock-step 50 ms");
   EXPECT_THAT(run.lines, Contains(HasSubstr("EXECUTING -> RECOVER, step 4, stale")));
   EXPECT_EQ(0, run.course.report["devices"][1]["executors"][0]["missed"]);
 }
 
-TEST(Simulation, TheLowerExecutorWaitsOnASharedCpu) {
+TEST(Simulation, ALowerExecutorWaitsForAHigherOneOnASharedCpu) {
   const std::string modules =
       "<executor name=\"high\" priority=\"80\" cpu=\"0\"/><executor name=\"low\" priority=\"70\" cpu=\"";
   const auto with = [&](const std::string& cpu) {
@@ -281,7 +284,7 @@ TEST(Simulation, TheLowerExecutorWaitsOnASharedCpu) {
   const double apart = module_of(with("1"), "l")["run_us"]["p50"];
   const double shared = module_of(with("0"), "l")["jitter_us"]["p99"];
   EXPECT_LT(apart, 300);
-  EXPECT_GT(shared, 300);  // it sometimes wakes while the other executor is running
+  EXPECT_GT(shared, 300);  // the lower executor is sometimes due while the higher one is running
 }
 
 TEST(Simulation, TakesRunTimesFromTheProfile) {
@@ -297,14 +300,14 @@ TEST(Simulation, TakesRunTimesFromTheProfile) {
   EXPECT_NEAR(450, measured["p50"].get<double>(), 10);
 }
 
-/// Random cells, then the demo, with all kinds of faults: no invariant may be violated.
-constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // with sanitizers each takes fifty times as long
+/// Runs random cells and the demo with all kinds of faults. No run may violate an invariant.
+constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // with sanitizers, each run takes fifty times as long
 constexpr std::uint64_t kParts = 16;
-/// The number of seeds: `full` in tools/test --full, else an eighth.
+/// Returns the number of seeds: `full` in tools/test --full, otherwise an eighth of that.
 std::uint64_t seeds(std::uint64_t full) { return std::max(kParts, full / kSlower / (full_form() ? 1 : 8)); }
-class Seeds : public testing::TestWithParam<std::uint64_t> {};
+class RandomRuns : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(Seeds, OfRandomCellsViolateNoInvariant) {
+TEST_P(RandomRuns, OfRandomCellsViolateNoInvariant) {
   for (std::uint64_t seed = GetParam(); seed < seeds(4000); seed += kParts) {
     const RandomCell random = random_cell(seed);
     const auto course = simulate(random.cell, random.plans, {}, random.options);
@@ -314,7 +317,7 @@ TEST_P(Seeds, OfRandomCellsViolateNoInvariant) {
   }
 }
 
-TEST_P(Seeds, OfTheDemoViolateNoInvariant) {
+TEST_P(RandomRuns, OfTheDemoViolateNoInvariant) {
   auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
   const auto plans = schedule::plan(*cell);
   for (std::uint64_t seed = GetParam(); seed < seeds(320); seed += kParts) {
@@ -328,7 +331,7 @@ TEST_P(Seeds, OfTheDemoViolateNoInvariant) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Simulation, Seeds, testing::Range(std::uint64_t{0}, kParts));
+INSTANTIATE_TEST_SUITE_P(Simulation, RandomRuns, testing::Range(std::uint64_t{0}, kParts));
 
 }  // namespace
 }  // namespace takt::simulation::simulation_test

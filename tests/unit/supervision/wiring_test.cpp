@@ -12,8 +12,8 @@ namespace {
 using model::Direction;
 using std::chrono::milliseconds;
 
-/// Device "here" has modules a (C++), b (C++), c (C) and p (a sporadic program with immediate dispatch).
-/// Device "there" is another device.
+/// A cell with two devices. "here", whose wiring is planned, has modules a (C++), b (C++), c (C) and p (a
+/// sporadic program with immediate dispatch). "there" is another device.
 class PlannedWiring : public testing::Test {
  protected:
   PlannedWiring() {
@@ -65,7 +65,7 @@ class PlannedWiring : public testing::Test {
   std::vector<model::ModulePorts> ports;
 };
 
-TEST_F(PlannedWiring, GivesEveryOutputAFlowForTaps) {
+TEST_F(PlannedWiring, PlansAFlowThatObserversCanTapForEveryOutput) {
   const WiringPlan plan = this->plan();
   ASSERT_EQ(plan.flows.size(), 4U);
   for (const PlannedFlow& flow : plan.flows) {
@@ -78,7 +78,7 @@ TEST_F(PlannedWiring, GivesEveryOutputAFlowForTaps) {
   EXPECT_EQ(flow(plan, "takt/cell/here/a/out").links.size(), 1U);
 }
 
-TEST_F(PlannedWiring, PassesObjectsBetweenCppModulesAndBytesElsewhere) {
+TEST_F(PlannedWiring, PassesSamplesAsObjectsOnlyBetweenCppModules) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "a", "out"), end("here", "c", "in"));
   const auto links = local(plan());
@@ -90,7 +90,7 @@ TEST_F(PlannedWiring, PassesObjectsBetweenCppModulesAndBytesElsewhere) {
   EXPECT_EQ(links[1].to, (LinkEnd{2, "in"}));
 }
 
-TEST_F(PlannedWiring, PassesBytesBetweenHosts) {
+TEST_F(PlannedWiring, PassesSamplesAsBytesBetweenHosts) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   model::Device& device = cell.devices[0];
   model::Executor& alone = device.executors.emplace_back();
@@ -103,7 +103,7 @@ TEST_F(PlannedWiring, PassesBytesBetweenHosts) {
   EXPECT_EQ(link.options.payload, model::max_size((*ports[0])[2].type));
 }
 
-TEST_F(PlannedWiring, PassesBytesWithinAnOwnHost) {
+TEST_F(PlannedWiring, PassesSamplesAsBytesWithinAnExecutorsOwnHost) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   model::Device& device = cell.devices[0];
   model::Executor& alone = device.executors.emplace_back();
@@ -116,7 +116,7 @@ TEST_F(PlannedWiring, PassesBytesWithinAnOwnHost) {
   EXPECT_FALSE(local(plan()).at(0).typed);
 }
 
-TEST_F(PlannedWiring, GivesALinkTheQualityOfItsConnection) {
+TEST_F(PlannedWiring, GivesEachLinkTheQosOfItsConnection) {
   auto& connection = connect(end("here", "a", "out"), end("here", "b", "in"));
   connection.kind = model::ConnectionKind::queue;
   connection.depth = 7;
@@ -129,7 +129,7 @@ TEST_F(PlannedWiring, GivesALinkTheQualityOfItsConnection) {
   EXPECT_EQ(link.stale, model::Stale::error);
 }
 
-TEST_F(PlannedWiring, WakesAModuleOnlyByEventsWithImmediateDispatch) {
+TEST_F(PlannedWiring, WakesAModuleOnlyForEventsWithImmediateDispatch) {
   connect(end("here", "a", "out"), end("here", "p", "event"));
   connect(end("here", "a", "out"), end("here", "p", "in"));
   connect(end("here", "a", "out"), end("here", "b", "event"));
@@ -141,7 +141,7 @@ TEST_F(PlannedWiring, WakesAModuleOnlyByEventsWithImmediateDispatch) {
   EXPECT_EQ(local(plan()).at(2).options.wake_bits, channel::kSporadicBit);
 }
 
-TEST_F(PlannedWiring, ServesAllOtherDevicesByOneFlowOfAnOutput) {
+TEST_F(PlannedWiring, SendsAnOutputToAllOtherDevicesThroughOneFlow) {
   auto& first = connect(end("here", "a", "out"), end("there", "x", "in"));
   first.deadline = milliseconds{30};
   first.lifespan = milliseconds{5};
@@ -181,7 +181,7 @@ TEST_F(PlannedWiring, GivesATappedOutputADeepQueue) {
   EXPECT_EQ(kept().depth, 2U) << "two samples of 8 kB in 16 kB";
 }
 
-TEST_F(PlannedWiring, SharesAFlowBetweenInputsOfOneQuality) {
+TEST_F(PlannedWiring, SharesAFlowBetweenInputsWithTheSameQos) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   connect(end("there", "x", "out"), end("here", "b", "in"));
   connect(end("there", "x", "out"), end("here", "c", "in")).deadline = milliseconds{10};
@@ -222,8 +222,8 @@ TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
       return std::optional{flow};
     });
   };
-  for (const Wiring::Wire& wire : wiring->wires())
-    wire.link.block().enabled.store(1);  // as if the link had a tap
+  // This has the same effect as observers that tap the links.
+  for (const Wiring::Wire& wire : wiring->wires()) wire.link.block().enabled.store(1);
   for (const std::uint32_t readers : {0U, 1U}) {
     EXPECT_EQ(health_of(0, readers).connections, 1U);
     EXPECT_EQ(health_of(0, readers).matched, 1U);
@@ -234,7 +234,7 @@ TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
   }
 }
 
-TEST_F(PlannedWiring, CountsARequestWithoutAServiceAsUnmatched) {
+TEST_F(PlannedWiring, CountsAConnectionToAMissingServiceAsUnmatched) {
   auto wiring = [&] {
     connect(end("here", "a", "out"), end("there", "x", "in")).carries = model::Carries::requests;
     return Wiring::create(plan());
@@ -246,7 +246,7 @@ TEST_F(PlannedWiring, CountsARequestWithoutAServiceAsUnmatched) {
   EXPECT_EQ(health.matched, 0U);
 }
 
-TEST_F(PlannedWiring, DeepensTheLinkOfAWriterThatIsAhead) {
+TEST_F(PlannedWiring, GivesALinkMoreDepthIfLetTimingLetsTheWriterRunAhead) {
   model::Device& here = cell.devices[0];
   here.executors[0].timing = model::Timing::let;
   for (model::Module& module : here.modules) {
@@ -269,8 +269,8 @@ TEST_F(PlannedWiring, DeepensTheLinkOfAWriterThatIsAhead) {
   EXPECT_EQ(links[3].options.depth, 1U) << "a sporadic module never writes ahead";
 }
 
-/// Module a serves with a handler. Its clients are b and device "there".
-TEST_F(PlannedWiring, ConnectsEachClientOfAServiceInTheSameOrder) {
+/// Module a provides a service with a handler. Its clients are module b and device "there".
+TEST_F(PlannedWiring, OrdersRequestAndReplyLinksOfAServiceAlike) {
   const model::Type type{"t::T", {{.name = "x", .scalar = model::Scalar::float64}}};
   const auto add = [&](std::size_t module, Direction request, Direction reply, model::Role role) {
     ports[module]->push_back({"s/request", request, type, "", true, role});
@@ -293,7 +293,8 @@ TEST_F(PlannedWiring, ConnectsEachClientOfAServiceInTheSameOrder) {
     }
     if (link.from == LinkEnd{0, "s/reply"}) answered.push_back(link.to);
   }
-  // The remote client, the local one, and last any caller from outside the cell.
+  // The order is: the client on the other device, the client on this device, and last any caller from outside
+  // the cell.
   ASSERT_EQ(asked.size(), 3U);
   EXPECT_EQ(asked, (std::vector<LinkEnd>{{}, {1, "s/request"}, {}}));
   EXPECT_EQ(answered, (std::vector<LinkEnd>{{}, {1, "s/reply"}, {}}));
@@ -320,7 +321,7 @@ TEST_F(PlannedWiring, PlansNoLinkForUnknownPorts) {
   EXPECT_TRUE(local(plan()).empty());
 }
 
-TEST_F(PlannedWiring, GivesReadersOfTheLatestValueASafeValue) {
+TEST_F(PlannedWiring, GivesASafeValueOnlyToReadersOfTheLatestValue) {
   (*ports[0])[2].safe = R"({"x": 7})";
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "b", "out"), end("here", "c", "in"));
@@ -338,7 +339,7 @@ TEST_F(PlannedWiring, GivesReadersOfTheLatestValueASafeValue) {
   }
 }
 
-TEST_F(PlannedWiring, PrefersTheDescriptorsSafeValueToTheComponents) {
+TEST_F(PlannedWiring, PrefersTheSafeValueOfTheDescriptorToThatOfTheComponent) {
   (*ports[0])[2].safe = R"({"x": 7})";
   cell.devices[0].modules[0].safe = {{"out", {{"x", "2.5"}}}};
   cell.devices[0].modules[1].safe = {{"out", {}}};
@@ -350,7 +351,7 @@ TEST_F(PlannedWiring, PrefersTheDescriptorsSafeValueToTheComponents) {
   EXPECT_EQ(model::sample_json(type, links[1].safe.data(), links[1].safe.size()), R"({"x": 0})");
 }
 
-TEST_F(PlannedWiring, AcceptsTheSafeValueOfAnotherDeviceLater) {
+TEST_F(PlannedWiring, AcceptsTheSafeValueOfAnotherDevicesOutputAfterCreation) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   auto wiring = Wiring::create(plan());
   ASSERT_TRUE(wiring);

@@ -17,7 +17,7 @@ basic::Number number(double value) {
   return result;
 }
 
-TEST(ModuleInC, ReadsAndWritesAndKnowsItsCycle) {
+TEST(ModuleInC, ReadsItsInputsAndWritesItsOutputs) {
   Module module{{.file = C_FORM}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -27,7 +27,7 @@ TEST(ModuleInC, ReadsAndWritesAndKnowsItsCycle) {
   EXPECT_EQ(out.value().value(), 12);
 }
 
-TEST(ModuleInC, ReadsASafeValueOnceWhenItReplacesASample) {
+TEST(ModuleInC, ReadsASafeValueOnlyOnce) {
   Module module{{.file = C_FORM}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -67,7 +67,7 @@ TEST(ModuleInC, StartsWithNewVariablesAfterAReset) {
   ASSERT_TRUE(module.reset());
   ASSERT_TRUE(module.start());
   module.step();
-  EXPECT_EQ(out.value().value(), 1);  // the number of the cycle
+  EXPECT_EQ(out.value().value(), 1);  // the component writes its cycle number
 }
 
 TEST(ModuleInC, ReportsTheReasonOfAFailure) {

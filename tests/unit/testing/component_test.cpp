@@ -84,7 +84,7 @@ TEST(TestedComponent, RunsAMillionCyclesOnItsGrid) {
   EXPECT_EQ(out.count(), 1'000'000U);
 }
 
-TEST(TestedComponent, KnowsItsPeriod) {
+TEST(TestedComponent, GetsTheConfiguredPeriod) {
   Module module{{.period = 250us}};
   ASSERT_TRUE(module.set("how", "period"));
   auto& out = module.out<basic::Number>("out");
@@ -123,7 +123,7 @@ TEST(TestedComponent, SeesTheAgeOfASample) {
   EXPECT_EQ(out.value().value(), 7e6);
 }
 
-TEST(TestedComponent, IsNotConnectedAtPortsThatTheTestDoesNotName) {
+TEST(TestedComponent, IsConnectedOnlyAtPortsThatTheTestNames) {
   for (const bool named : {false, true}) {
     Module module;
     ASSERT_TRUE(module.set("how", "tied"));
@@ -135,7 +135,7 @@ TEST(TestedComponent, IsNotConnectedAtPortsThatTheTestDoesNotName) {
   }
 }
 
-TEST(TestedComponent, ValidatesPropertiesLikeTheDescriptorAndTaktSet) {
+TEST(TestedComponent, HasItsPropertiesValidatedAsInADescriptor) {
   Module module;
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -156,7 +156,7 @@ TEST(TestedComponent, ValidatesPropertiesLikeTheDescriptorAndTaktSet) {
   EXPECT_EQ(out.value().value(), 5);
 }
 
-TEST(TestedComponent, CallsTheHooksInLifecycleOrder) {
+TEST(TestedComponent, GetsItsHooksCalledInLifecycleOrder) {
   Module module;
   auto& out = module.out<basic::Count>("events");
   ASSERT_TRUE(module.initialize());
@@ -306,7 +306,7 @@ TEST(TestedComponent, FailsWhenAnInputIsStale) {
   auto& in = module.in<basic::Number>("in", {.deadline = 10ms, .stale_is_error = true});
   ASSERT_TRUE(module.start());
   in.write(number(1));
-  EXPECT_EQ(module.step(20), 12U);  // the last release did not call run()
+  EXPECT_EQ(module.step(20), 12U);  // the last release found the input stale and did not call run()
   EXPECT_EQ(module.last_error().type, ErrorType::stale);
   EXPECT_EQ(module.last_error().text, "the newest value of input 'in' is older than 10 ms");
   EXPECT_EQ(in.late(), 1U);
@@ -324,7 +324,7 @@ TEST(TestedComponent, CountsAnInvalidOutputValue) {
               HasSubstr("nothing was written to output 'state'"));
 }
 
-TEST(TestedComponent, StepsUntilAConditionHolds) {
+TEST(TestedComponent, CanBeSteppedUntilAConditionHolds) {
   Module module;
   ASSERT_TRUE(module.set("how", "number"));
   auto& out = module.out<basic::Number>("out");
@@ -335,7 +335,7 @@ TEST(TestedComponent, StepsUntilAConditionHolds) {
   EXPECT_EQ(module.runs(), 142U);
 }
 
-TEST(TestedComponent, IsIndependentOfAnotherInstance) {
+TEST(TestedComponent, SharesNoStateWithAnotherInstance) {
   Module one;
   Module other;
   ASSERT_TRUE(one.set("gain", "1"));
@@ -351,7 +351,7 @@ TEST(TestedComponent, IsIndependentOfAnotherInstance) {
   EXPECT_EQ(others.value().value(), 0);
 }
 
-TEST(TestHarness, RejectsWrongUseOfPortsAndSteps) {
+TEST(TestHarness, RejectsUnknownPortsAndInvalidSteps) {
   Module module;
   EXPECT_EQ(
       error_of([&] { module.in<basic::Number>("im"); }),
@@ -376,7 +376,7 @@ TEST(TestHarness, RejectsWrongUseOfPortsAndSteps) {
               HasSubstr("port 'in' is connected already"));
 }
 
-TEST(TestHarness, RejectsWrongFilesAndOptions) {
+TEST(TestHarness, RejectsUnusableFilesAndOptions) {
   EXPECT_THAT(error_of([] { Module{{.file = "not_there.so"}}; }), HasSubstr("not_there.so"));
   EXPECT_THAT(error_of([] { Module{{.file = NOTHING}}; }), HasSubstr("has no function run()"));
   EXPECT_THAT(error_of([] { Module{{.file = "vision.exe"}}; }),
@@ -386,7 +386,7 @@ TEST(TestHarness, RejectsWrongFilesAndOptions) {
   EXPECT_THAT(error_of([] { Module{{.period = 0ms}}; }), HasSubstr("it must be positive"));
 }
 
-// ASSERT_TRUE(module.start()) prints this message.
+// If ASSERT_TRUE(module.start()) fails, Google Test prints this message.
 TEST(FailedCommand, ShowsItsReasonInGoogleTest) {
   Module module;
   ASSERT_TRUE(module.set("how", "initialize"));

@@ -1,4 +1,5 @@
-// A program that works correctly, except for the fault that its first argument selects.
+// A program for the tests of the test harness. It works correctly, except for the fault that its first
+// argument selects.
 #include <takt/process.hpp>
 
 #include <cstdio>
@@ -13,7 +14,7 @@
 namespace {
 takt::InPort<basic::Number> in{"in"};
 takt::OutPort<basic::Count> out{"out"};
-int lives = 0;  // number of starts with this copy of the variables
+int lives = 0;  // how often the program has started with this copy of its variables
 struct Kept {
   std::int64_t bodies = 0;
 };
@@ -29,7 +30,8 @@ void at_end() { write_event(-1); }
 
 int main(int argc, char* argv[]) {
   const std::string_view how = argc > 1 ? std::string_view{argv[1]} : "";
-  std::vector<int> many(1000, ++lives);  // never freed: waitPeriod() does not return at the end
+  // Never freed, because waitPeriod() does not return when the program ends.
+  std::vector<int> many(1000, ++lives);
   if (how == "how=return") return 3;
   if (how == "how=exit") {
     std::fprintf(stderr, "property 'how' cannot be 'exit'\n");

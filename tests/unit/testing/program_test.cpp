@@ -56,7 +56,7 @@ TEST(Program, GoesThroughTheLifecycle) {
   EXPECT_EQ(module.state(), State::executing);
   ASSERT_TRUE(module.destruct());
   EXPECT_EQ(module.state(), State::destruct);
-  EXPECT_EQ(out.value().value(), -1);  // written by atexit()
+  EXPECT_EQ(out.value().value(), -1);  // written by the function that the program registered with atexit()
 }
 
 TEST(Program, StartsEachTimeWithNewVariables) {
@@ -121,7 +121,7 @@ TEST(Program, RestoresItsSavedValueAfterACrash) {
   }
 }
 
-TEST(Program, MayEndInACatchBlock) {
+TEST(Program, CanCallExitInACatchBlock) {
   Module module;
   auto& in = module.in<basic::Number>("in");
   ASSERT_TRUE(module.start());
@@ -131,7 +131,7 @@ TEST(Program, MayEndInACatchBlock) {
   EXPECT_EQ(std::current_exception(), nullptr);
 }
 
-TEST(Program, MayWaitInACatchBlock) {
+TEST(Program, CanWaitForItsPeriodInACatchBlock) {
   Module module;
   ASSERT_TRUE(module.set("how", "waits_in_catch"));
   auto& in = module.in<basic::Number>("in");
@@ -149,7 +149,8 @@ TEST(Program, ReportsWhyItDidNotStart) {
       {"exit", "the program called exit(1) before it called initPeriodExe()"},
       {"throw", "main() threw: no file before it called initPeriodExe()"},
       {"wait", "waitPeriod(): call initPeriodExe() or initSporadicExe() first"},
-      {"sporadic", "initSporadicExe(): the test says periodic; use initPeriodExe() and waitPeriod()"},
+      {"sporadic",
+       "initSporadicExe(): the test declares the module periodic; use initPeriodExe() and waitPeriod()"},
       {"twice", "initPeriodExe(): called twice; call it once, before the first wait"},
       {"attached", "the program called exit(4) before its first release was served"}};
   for (const auto& [how, text] : ways) {
@@ -160,7 +161,7 @@ TEST(Program, ReportsWhyItDidNotStart) {
   }
 }
 
-TEST(Program, HasThePortsOfMainAfterInitialization) {
+TEST(Program, HasThePortsDeclaredInMainAfterInitialization) {
   Module module;
   EXPECT_THROW(module.out<basic::Number>("late"), Error);
   ASSERT_TRUE(module.initialize());

@@ -1,4 +1,4 @@
-// A component with both kinds of services, and a client.
+// A component with a service that a handler answers, a service that run() answers, and a client.
 #include <takt/component.hpp>
 
 #include <chrono>

@@ -46,7 +46,7 @@ std::string error_of(Call&& call) {
   return "nothing was thrown";
 }
 
-TEST(TestedService, AnswersByItsHandlerAfterTheRow) {
+TEST(TestedService, AnswersThroughItsHandlerAfterTheRow) {
   Module module;
   ASSERT_TRUE(module.start());
   const auto answer = call(module, "half", 7);
@@ -69,12 +69,12 @@ TEST(TestedService, RejectsCallsWhileTheModuleIsNotExecuting) {
   ASSERT_TRUE(module.start());
   module.step();
   ASSERT_TRUE(module.stop());
-  EXPECT_EQ(reason(call(module, "half", 7)), "its module is not in EXECUTING");
+  EXPECT_EQ(reason(call(module, "half", 7)), "the module of the service is not in EXECUTING");
   ASSERT_TRUE(module.start());
   EXPECT_TRUE(call(module, "half", 7).ok());
 }
 
-TEST(TestedService, AnswersFromRunAfterSeveralCycles) {
+TEST(TestedService, CanAnswerFromRunAfterSeveralCycles) {
   Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("cycles", "5"));
   ASSERT_TRUE(module.start());
@@ -91,7 +91,7 @@ TEST(TestedService, TimesOutWhenItDoesNotAnswerInTime) {
   EXPECT_EQ(call(module, "slow", 5, 100ms)->value(), 50) << "the late answer belongs to the previous call";
 }
 
-TEST(TestedService, ReportsAnUnknownServiceAndTheKnownOnes) {
+TEST(TestedService, ListsTheKnownServicesForAnUnknownName) {
   Module module;
   ASSERT_TRUE(module.start());
   const std::string all =
@@ -180,7 +180,7 @@ TEST_F(TestedClient, IgnoresALateReplyToAnEarlierCall) {
   EXPECT_FALSE(got.has_value());
 }
 
-TEST_F(TestedClient, ReportsNobodyWithoutAServer) {
+TEST_F(TestedClient, ReportsThatNobodyAnswersWithoutAServer) {
   ASSERT_TRUE(module.start());
   order.write(count(1));
   EXPECT_EQ(after(1), CallStatus::nobody);

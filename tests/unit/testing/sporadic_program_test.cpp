@@ -26,7 +26,8 @@ TEST(SporadicProgram, RunsItsBodyWhenItsConditionIsTrue) {
 
 TEST(SporadicProgram, FailsToStartInAPeriodicTest) {
   Module module;
-  EXPECT_NE(module.start().text().find("initSporadicExe(): the test says periodic"), std::string::npos);
+  EXPECT_NE(module.start().text().find("initSporadicExe(): the test declares the module periodic"),
+            std::string::npos);
 }
 
 }  // namespace

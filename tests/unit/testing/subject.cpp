@@ -1,4 +1,5 @@
-// A component that works correctly, except for the fault that its properties select.
+// A component for the tests of the test harness. It works correctly, except for the fault that its properties
+// select.
 #include <takt/component.hpp>
 
 #include <stdexcept>

@@ -56,7 +56,7 @@ TEST(SporadicComponent, GoesToRecoverWhenItsConditionFails) {
   EXPECT_EQ(module.state(), State::start);
 }
 
-TEST(SafeValue, IsUsedBeforeTheFirstSampleAndWhenTheWriterIsLost) {
+TEST(SafeValue, ReplacesSamplesBeforeTheFirstOneAndAfterTheWriterIsLost) {
   Module module{{.sporadic = true, .file = WATCHER}};
   auto& level = module.in<basic::Number>("level");
   level.safe(number(11));  // the module runs while the level is above 10

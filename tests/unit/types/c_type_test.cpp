@@ -1,4 +1,4 @@
-// A C struct and the C++ class of the same IDL type are encoded to the same bytes.
+// Tests that the C struct and the C++ class of an IDL type are encoded to the same bytes.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -32,7 +32,8 @@ Bytes encoded(const T& value) {
 class CStruct : public testing::Test {
  protected:
   void SetUp() override {
-    // Encoding and decoding must not depend on earlier contents.
+    // The test fills the struct with a pattern first, because encoding and decoding must not depend on
+    // earlier contents.
     std::memset(value.get(), 0xA5, sizeof *value);
     std::memset(other.get(), 0xA5, sizeof *other);
     fill_whole(value.get());
@@ -48,7 +49,7 @@ class CStruct : public testing::Test {
   std::unique_ptr<everything_Whole> other = std::make_unique<everything_Whole>();
 };
 
-TEST_F(CStruct, HasTheTypeInfoOfTheClass) {
+TEST_F(CStruct, HasTheSameTypeInfoAsTheCppClass) {
   const auto& info = PortType<everything::Whole>::info;
   EXPECT_STREQ(everything_Whole_type.name, info.name);
   EXPECT_STREQ(everything_Whole_type.description, info.description);
@@ -58,9 +59,9 @@ TEST_F(CStruct, HasTheTypeInfoOfTheClass) {
   EXPECT_EQ(parts_AXES, 6);
 }
 
-TEST_F(CStruct, IsEncodedLikeTheClass) { EXPECT_EQ(bytes_of(*value), encoded(whole(1))); }
+TEST_F(CStruct, EncodesToTheSameBytesAsTheCppClass) { EXPECT_EQ(bytes_of(*value), encoded(whole(1))); }
 
-TEST_F(CStruct, IsDecodedFromTheBytesOfTheClass) {
+TEST_F(CStruct, DecodesTheBytesThatTheCppClassEncodes) {
   for (const double fill : {1.0, 0.5, 0.0}) {
     const Bytes bytes = encoded(whole(fill));
     ASSERT_EQ(everything_Whole_decode(bytes.data(), static_cast<std::uint32_t>(bytes.size()), other.get()),
@@ -72,7 +73,7 @@ TEST_F(CStruct, IsDecodedFromTheBytesOfTheClass) {
   EXPECT_EQ(other->way.length, 0U);
 }
 
-TEST_F(CStruct, IsDecodedFromBigEndianBytes) {
+TEST_F(CStruct, DecodesBigEndianBytes) {
   // This is part(3) with the bytes of each number reversed.
   const Bytes bytes{0,    0,    0,    0,    3,    0,    0, 0, 0, 0, 0,   0,   0x11, 0x22,
                     0x33, 0x44, 0x55, 0x66, 0x77, 0x8B, 0, 0, 0, 3, 'a', 'b', 0};
@@ -96,7 +97,7 @@ TEST_F(CStruct, CanBeEncodedAndDecodedThroughItsTypeInfo) {
 
 TEST_F(CStruct, IsNotEncodedIfAFieldExceedsItsBound) {
   ASSERT_TRUE(is_encoded());
-  std::memset(value->scalars.name, 'x', sizeof value->scalars.name);  // without a terminating zero
+  std::memset(value->scalars.name, 'x', sizeof value->scalars.name);  // the name has no terminating zero
   EXPECT_FALSE(is_encoded());
   fill_whole(value.get());
   std::memset(value->name_list.items[2], 'x', 7);
@@ -117,7 +118,7 @@ TEST_F(CStruct, IsNotEncodedIfAFieldExceedsItsBound) {
   }
 }
 
-TEST_F(CStruct, AcceptsTheSameBytesAsTheClass) {
+TEST_F(CStruct, DecodesExactlyTheBytesThatTheCppClassDecodes) {
   const Bytes right = encoded(whole(1));
   for (std::size_t at = 0; at < right.size(); ++at) {
     for (const int change : {0x01, 0x80, 0xFF}) {
@@ -136,7 +137,7 @@ TEST_F(CStruct, AcceptsTheSameBytesAsTheClass) {
   }
 }
 
-TEST_F(CStruct, NeverAllocatesMemory) {
+TEST_F(CStruct, IsEncodedAndDecodedWithoutAllocatingMemory) {
   if (!types_test::kHeapIsWatched) GTEST_SKIP() << "the sanitizer has an allocator of its own";
   Bytes bytes(everything_Whole_type.max_size);
   std::uint32_t size = 0;

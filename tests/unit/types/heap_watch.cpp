@@ -22,7 +22,7 @@ std::uint64_t end_heap_watch() {
 }  // namespace takt::types_test
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-// These replace the C library's functions. operator new calls them too.
+// These functions replace those of the C library. operator new calls them, too.
 extern "C" {
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t n, std::size_t size) noexcept;

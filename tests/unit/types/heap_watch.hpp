@@ -1,4 +1,4 @@
-// Counts the memory allocations of a thread, including those of exceptions.
+// Counts the memory allocations of a thread, including the allocations of thrown exceptions.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ inline constexpr bool kHeapIsWatched = false;  ///< the sanitizer has its own al
 inline constexpr bool kHeapIsWatched = true;
 #endif
 
-/// begin_heap_watch() starts the count of this thread at 0. end_heap_watch() returns the allocations since.
+/// begin_heap_watch() starts counting the allocations of this thread. end_heap_watch() returns the number
+/// since then.
 std::uint64_t begin_heap_watch();
 std::uint64_t end_heap_watch();
 

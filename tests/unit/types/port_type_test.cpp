@@ -26,7 +26,7 @@ using types_test::tail;
 using types_test::whole;
 using Bytes = std::vector<std::byte>;
 
-/// The bytes that Fast DDS would send for this value.
+/// Returns the bytes that Fast DDS would send for this value.
 template <class T>
 Bytes by_fast_cdr(const T& value, Cdr::Endianness endianness) {
   Bytes bytes(PortType<T>::info.max_size);
@@ -40,7 +40,7 @@ Bytes by_fast_cdr(const T& value, Cdr::Endianness endianness) {
 
 template <class T>
 Bytes encoded(const T& value) {
-  Bytes bytes(PortType<T>::info.max_size, std::byte{0xEE});  // encode() must set padding to zero
+  Bytes bytes(PortType<T>::info.max_size, std::byte{0xEE});  // encode() must set the padding to zero
   bytes.resize(PortType<T>::encode(value, bytes.data(), PortType<T>::info.max_size));
   return bytes;
 }
@@ -89,7 +89,7 @@ class EveryValue : public testing::Test {};
 using Cases = testing::Types<Full, Half, Empty, New, Nested, OnlyScalars, OfAnotherFile>;
 TYPED_TEST_SUITE(EveryValue, Cases);
 
-TYPED_TEST(EveryValue, IsEncodedLikeByFastCdr) {
+TYPED_TEST(EveryValue, EncodesToTheSameBytesAsFastCdr) {
   const auto value = TypeParam::value();
   EXPECT_EQ(encoded(value), by_fast_cdr(value, Cdr::LITTLE_ENDIANNESS));
 }
@@ -103,7 +103,7 @@ TYPED_TEST(EveryValue, IsDecodedFromEitherByteOrder) {
   }
 }
 
-TYPED_TEST(EveryValue, ReplacesTheOldValueWhenDecoded) {
+TYPED_TEST(EveryValue, ReplacesAllPreviousContentsWhenDecoded) {
   using T = typename TypeParam::Type;
   const T value = TypeParam::value();
   T other = TypeParam::value();
@@ -158,7 +158,7 @@ TYPED_TEST(EveryValue, IsEncodedOnlyIfTheBufferIsLargeEnough) {
   }
 }
 
-TYPED_TEST(EveryValue, IsRejectedIfItsBytesAreCutShort) {
+TYPED_TEST(EveryValue, IsRejectedIfItsBytesAreTruncated) {
   using T = typename TypeParam::Type;
   Bytes bytes = encoded(TypeParam::value());
   while (!bytes.empty()) {
@@ -167,7 +167,7 @@ TYPED_TEST(EveryValue, IsRejectedIfItsBytesAreCutShort) {
   }
 }
 
-TYPED_TEST(EveryValue, MayBeFollowedByThreeBytesOfPadding) {
+TYPED_TEST(EveryValue, MayBeFollowedByUpToThreePaddingBytes) {
   using T = typename TypeParam::Type;
   Bytes bytes = encoded(TypeParam::value());
   for (int i = 0; i < 3; ++i) {
@@ -178,14 +178,14 @@ TYPED_TEST(EveryValue, MayBeFollowedByThreeBytesOfPadding) {
   EXPECT_FALSE(decodes<T>(bytes));
 }
 
-TEST(PortType, KnowsTheMaximumSizeOfItsSamples) {
-  // parts::Part: kind is at 0, number at 8, the length of label at 16, its 7 characters and the zero at 20.
-  // That is 28 bytes, and 4 bytes of encapsulation.
+TEST(PortType, ContainsTheMaximumSizeOfItsSamples) {
+  // parts::Part has `kind` at byte 0, `number` at 8, the length of `label` at 16, and its 7 characters and
+  // terminating zero at 20. These 28 bytes follow 4 bytes of encapsulation.
   EXPECT_EQ(PortType<parts::Part>::info.max_size, 32U);
   EXPECT_STREQ(PortType<parts::Part>::info.name, "parts::Part");
   EXPECT_STREQ(PortType<everything::deep::Bottom>::info.name, "everything::deep::Bottom");
   EXPECT_EQ(PortType<everything::deep::Bottom>::info.max_size, 20U);
-  // whole() fills almost every field to its bound; a few labels are shorter.
+  // whole() fills almost every field up to its bound, but leaves a few labels shorter.
   EXPECT_LE(encoded(whole(1)).size(), PortType<everything::Whole>::info.max_size);
 }
 
@@ -196,7 +196,7 @@ TEST(PortType, DescribesItsFieldsAsJson) {
       R"({"name":"number","type":"unsigned long long"},{"name":"label","type":"string","bound":7}]})");
 }
 
-TEST(PortType, ReservesMemoryForEachSequence) {
+TEST(PortType, ReservesTheMaximumLengthOfEachSequence) {
   everything::Tail value;
   PortType<everything::Tail>::reserve(value);
   EXPECT_EQ(value.end().capacity(), 3U);
@@ -218,7 +218,7 @@ bool is_encoded(F change) {
   return !encoded(value).empty();
 }
 
-TEST(PortType, RejectsASequenceThatIsTooLong) {
+TEST(PortType, RejectsASequenceLongerThanItsBound) {
   EXPECT_TRUE(is_encoded([](auto&) {}));
   EXPECT_FALSE(is_encoded([](auto& v) { v.flag_list().resize(6); }));
   EXPECT_FALSE(is_encoded([](auto& v) { v.byte_list().resize(8); }));
@@ -236,13 +236,13 @@ TEST(PortType, RejectsAnInvalidEnumerator) {
   EXPECT_FALSE(is_encoded([](auto& v) { v.mode_list()[0] = static_cast<parts::Mode>(3); }));
 }
 
-TEST(PortType, EncodesAStringUpToItsFirstZero) {
+TEST(PortType, EncodesAStringUpToItsFirstZeroByte) {
   parts::Part value;
   value.label().assign("ab\0cd", 5);
   parts::Part other;
   ASSERT_TRUE(decodes(encoded(value), other));
   EXPECT_STREQ(other.label().c_str(), "ab");
-  // assign() leaves the old characters behind the new text.
+  // assign() leaves the old characters in memory after the new text.
   value.label("1234567");
   value.label().assign("xy", 2);
   ASSERT_TRUE(decodes(encoded(value), other));
@@ -251,8 +251,8 @@ TEST(PortType, EncodesAStringUpToItsFirstZero) {
 
 // ---- Invalid bytes
 
-/// Changes one byte of a valid sample of parts::Part and decodes it. The sample has 4 bytes of encapsulation,
-/// kind at 4, number at 12, the length of label at 20, and the text of label at 24.
+/// Changes one byte of a valid sample of parts::Part and decodes it. After 4 bytes of encapsulation, the
+/// sample has `kind` at byte 4, `number` at 12, the length of `label` at 20, and the text of `label` at 24.
 class SampleDecoder : public testing::Test {
  protected:
   Bytes bytes = encoded(part(3));
@@ -263,11 +263,11 @@ class SampleDecoder : public testing::Test {
   }
 };
 
-TEST_F(SampleDecoder, RejectsOtherEncapsulations) {
+TEST_F(SampleDecoder, AcceptsOnlyTheEncapsulationOfPlainCdr) {
   EXPECT_FALSE(with(1, 2));  // the encapsulation of a parameter list
   EXPECT_FALSE(with(1, 7));  // the encapsulation of XCDR2
   EXPECT_FALSE(with(0, 1));
-  EXPECT_TRUE(with(2, 0xFF));  // the options are ignored
+  EXPECT_TRUE(with(2, 0xFF));  // the decoder ignores the options in bytes 2 and 3
   EXPECT_TRUE(with(3, 3));     // Cyclone DDS stores the number of padding bytes here
 }
 
@@ -275,15 +275,15 @@ TEST_F(SampleDecoder, RejectsAStringWithoutATerminatingZero) {
   ASSERT_EQ(bytes.size(), 28U);
   EXPECT_TRUE(with(24, 'x'));
   EXPECT_FALSE(with(27, 'x'));  // the last character is not zero
-  EXPECT_FALSE(with(25, 0));    // a zero before the end
-  EXPECT_FALSE(with(20, 0));    // the length must include the zero
-  EXPECT_FALSE(with(20, 5));    // longer than the sample
-  EXPECT_FALSE(with(20, 3));    // the third character is not zero
+  EXPECT_FALSE(with(25, 0));    // a zero before the end of the string
+  EXPECT_FALSE(with(20, 0));    // the length must include the terminating zero
+  EXPECT_FALSE(with(20, 5));    // the string would be longer than the sample
+  EXPECT_FALSE(with(20, 3));    // the string would end at its third character, which is not zero
   EXPECT_FALSE(with(23, 0xFF));
   parts::Part longest = part(7);
   bytes = encoded(longest);
   EXPECT_TRUE(decodes<parts::Part>(bytes));
-  bytes[20] = std::byte{9};  // the sample is long enough, but the bound is 7
+  bytes[20] = std::byte{9};  // 8 characters and a zero fit the sample, but the bound is 7 characters
   bytes.push_back(std::byte{0});
   bytes[31] = std::byte{'x'};
   EXPECT_FALSE(decodes<parts::Part>(bytes));
@@ -297,7 +297,7 @@ TEST(DecodedBoolean, IsRejectedUnlessZeroOrOne) {
   }
 }
 
-TEST(DecodedEnumerator, IsRejectedUnlessTheTypeHasIt) {
+TEST(DecodedEnumerator, IsRejectedIfTheEnumDoesNotDefineIt) {
   Bytes bytes = encoded(scalars());
   const std::size_t mode = bytes.size() - 4;
   for (const std::uint32_t value : {0U, 1U, 2U, 3U, 256U, 0x80000000U, 0xFFFFFFFFU}) {
@@ -306,9 +306,9 @@ TEST(DecodedEnumerator, IsRejectedUnlessTheTypeHasIt) {
   }
 }
 
-TEST(DecodedLength, IsRejectedBeyondTheBoundOfItsSequence) {
+TEST(DecodedSequence, IsRejectedIfItsLengthExceedsItsBound) {
   const Bytes right = encoded(tail());
-  const std::size_t end = right.size() - 7;  // the position of the length of `end`
+  const std::size_t end = right.size() - 7;  // the position of the length of the sequence `end`
   for (const std::uint32_t value : {0U, 2U, 3U, 4U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {
     Bytes bytes = right;
     std::memcpy(&bytes[end], &value, sizeof value);

@@ -1,4 +1,5 @@
-// A type that was parsed from its description agrees with the code generated from the same IDL on every byte.
+// Tests that a type parsed from its description and the code generated from the same IDL accept the same
+// samples and encode them to the same bytes.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -49,7 +50,7 @@ void expect_parsed_type_matches_code() {
   EXPECT_EQ(max_size(*type), PortType<T>::info.max_size);
 }
 
-TEST(Type, MatchesTheGeneratedCode) {
+TEST(ParsedType, MatchesTheGeneratedCode) {
   expect_parsed_type_matches_code<parts::Part>();
   expect_parsed_type_matches_code<everything::deep::Bottom>();
   expect_parsed_type_matches_code<everything::Scalars>();
@@ -57,8 +58,8 @@ TEST(Type, MatchesTheGeneratedCode) {
   expect_parsed_type_matches_code<everything::Tail>();
 }
 
-/// Expects that samples from Fast DDS are valid, and are the same after they were printed as JSON and read
-/// again.
+/// Expects that samples that Fast DDS encoded are valid, and that they do not change when they are printed as
+/// JSON and read back.
 template <class T>
 void expect_through_json(const T& value) {
   const Type type = type_of<T>();
@@ -92,7 +93,7 @@ TEST(Sample, IsPrintedWithTheNamesOfItsFields) {
       R"("name": "12345678", "mode": "HOLD"})");
 }
 
-TEST(Sample, HasDefaultsForFieldsMissingInJson) {
+TEST(Sample, HasTheDefaultValueInEachFieldThatItsJsonOmits) {
   const auto bytes = sample_bytes(type_of<everything::Whole>(), "{}");
   ASSERT_TRUE(bytes.ok());
   EXPECT_EQ(*bytes, by_fast_cdr(everything::Whole{}, Cdr::LITTLE_ENDIANNESS));
@@ -169,7 +170,7 @@ void expect_agreement(const std::vector<T>& values, std::size_t rounds) {
     if (!is) continue;
     ++samples;
     if (samples % 16 == 0) {
-      // A valid sample can be printed, and encoded again.
+      // Every valid sample can be printed and encoded again.
       ASSERT_FALSE(sample_json(type, bytes.data(), bytes.size()).empty());
       Bytes again(PortType<T>::info.max_size);
       ASSERT_GT(PortType<T>::encode(value, again.data(), PortType<T>::info.max_size), 0U);
@@ -178,7 +179,7 @@ void expect_agreement(const std::vector<T>& values, std::size_t rounds) {
   if (types_test::kHeapIsWatched) {
     EXPECT_EQ(allocations, 0U);
   }
-  // Enough of the samples were valid, and enough were not.
+  // The test covers enough valid and enough invalid samples.
   EXPECT_GT(samples, rounds / 10);
   EXPECT_LT(samples, rounds * 9 / 10);
 }

@@ -1,4 +1,4 @@
-// Example values of the types of everything.idl.
+// Example values of the types in everything.idl.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,7 @@ inline everything::Scalars scalars() {
   return value;
 }
 
-/// `fill` is the length of each sequence as a share of its bound: 0 is empty, 1 is full.
+/// `fill` is the length of each sequence as a fraction of its bound: 0 means empty, 1 means full.
 inline everything::Whole whole(double fill = 1) {
   const auto n = [fill](std::size_t bound) {
     return static_cast<std::size_t>(fill * static_cast<double>(bound));

@@ -21,7 +21,7 @@ std::string text() {
   return metrics_text(cell_that_runs(), &press, {.faults = {{"robot", {1, 0, 5}}}, .viewers = 2});
 }
 
-TEST(Metrics, HaveASeriesForEachPossibleState) {
+TEST(Metrics, HaveOneTimeSeriesPerPossibleState) {
   EXPECT_THAT(
       text(),
       AllOf(
@@ -34,7 +34,7 @@ TEST(Metrics, HaveASeriesForEachPossibleState) {
               "takt_module_state{cell=\"press\",device=\"robot\",module=\"slow\",state=\"RECOVER\"} 1\n")));
 }
 
-TEST(Metrics, UseSecondsAndTheSuffixTotalForCounters) {
+TEST(Metrics, MeasureTimesInSeconds) {
   EXPECT_THAT(
       text(),
       AllOf(
@@ -50,8 +50,8 @@ TEST(Metrics, UseSecondsAndTheSuffixTotalForCounters) {
           HasSubstr("takt_web_viewers 2\n")));
 }
 
-// The last known values of a lost device are not current measurements.
-TEST(Metrics, ReportOnlyThatALostDeviceIsLost) {
+// Monitoring would take the last values of a lost device for current measurements.
+TEST(Metrics, OmitTheMeasurementsOfALostDevice) {
   EXPECT_THAT(text(), AllOf(HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"),
                             Not(HasSubstr("module=\"vision\"")),
                             Not(HasSubstr("takt_device_state{cell=\"press\",device=\"line\""))));
@@ -66,8 +66,8 @@ TEST(Metrics, IncludeADeviceLostBeforeTheGatewayStarted) {
   EXPECT_THAT(metrics_text(devices, nullptr, {}), Not(HasSubstr("device=\"line\"")));
 }
 
-// Prometheus rejects duplicate samples.
-TEST(Metrics, OfTwoNodesWithTheSameNameShowTheOneAlive) {
+// Prometheus rejects two samples with the same name and labels.
+TEST(Metrics, ShowOnlyTheLiveNodeOfTwoWithTheSameName) {
   const model::Cell press = cell();
   auto devices = cell_that_runs();
   auto dead = devices.front();
@@ -89,12 +89,12 @@ TEST(Metrics, ShowTheHealthOfEachConnection) {
   EXPECT_THAT(metrics_text(cell_that_runs(), nullptr, {}), Not(HasSubstr("takt_connection")));
 }
 
-TEST(Metrics, HaveNoEmptyFamilies) {
+TEST(Metrics, OmitMetricFamiliesWithoutSamples) {
   EXPECT_EQ(metrics_text({}, nullptr, {}),
             "# HELP takt_web_viewers Open pages.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
 }
 
-TEST(Metrics, ContainAllThatTheDashboardUses) {
+TEST(Metrics, ContainEveryMetricThatTheDashboardUses) {
   std::ifstream file{std::string{TAKT_SOURCE_DIR} + "/config/grafana-takt.json"};
   const std::string dashboard{std::istreambuf_iterator<char>{file}, {}};
   const std::regex name{"takt_[a-z_]+"};

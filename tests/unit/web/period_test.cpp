@@ -12,10 +12,10 @@ namespace {
 
 using namespace seen;
 
-constexpr double kMs = 1000;  // in us, the unit of a trace
+constexpr double kMs = 1000;  // one millisecond in us, the time unit of traces
 
-/// The trace of a robot whose grid of 1 ms began 0.4 ms before the trace. Macro periods of 3 ms
-/// begin at 2.6 ms, 5.6 ms ...
+/// The trace of a robot. Its grid of 1 ms began 0.4 ms before the trace. Its macro periods of 3 ms begin at
+/// 2.6 ms, 5.6 ms and so on.
 class Traced {
  public:
   void row(double release, double late, std::vector<std::pair<std::string, double>> runs,
@@ -57,12 +57,12 @@ Result<Json> period(const Traced& traced, double lasts) {
   return period_json(traced.json(lasts), press, press.devices[0]);
 }
 
-TEST(MacroPeriod, IsTheLastCompleteOne) {
+TEST(MacroPeriod, IsTheLastCompleteOneInTheTrace) {
   Traced traced;
   for (int i = 0; i < 11; ++i) {
     traced.row((i + 0.6) * kMs, 10.5, {{"servo", 20}});
   }
-  const auto json = period(traced, 11 * kMs);  // in the middle of the period that begins at 8.6 ms
+  const auto json = period(traced, 11 * kMs);  // 11 ms is within the period that begins at 8.6 ms
   ASSERT_TRUE(json);
   const Json& main = (*json)["executors"][0];
   EXPECT_EQ(main["name"], "main");
@@ -76,7 +76,7 @@ TEST(MacroPeriod, IsTheLastCompleteOne) {
   EXPECT_EQ(main["rows"][2]["due_ns"], 2'000'000);
 }
 
-TEST(MacroPeriod, LeavesOutMissedRows) {
+TEST(MacroPeriod, OmitsMissedRows) {
   Traced traced;
   traced.row(2.6 * kMs, 5, {});
   traced.row(4.6 * kMs, 5, {});
@@ -88,7 +88,7 @@ TEST(MacroPeriod, LeavesOutMissedRows) {
   EXPECT_EQ(rows[1]["row"], 2);
 }
 
-TEST(MacroPeriod, HasTheCauseOfALateRowOrRun) {
+TEST(MacroPeriod, ShowsWhyARowOrRunIsLate) {
   Traced traced;
   traced.row(2.6 * kMs, 300, {}, {{"why", "the hypervisor had the processor"}});
   traced.add(10, "run", "slow", 2.9 * kMs, 0.5, {{"begins_late_us", 250.0}, {"why", "servo took 250 us"}});
@@ -100,7 +100,7 @@ TEST(MacroPeriod, HasTheCauseOfALateRowOrRun) {
   EXPECT_EQ(row["runs"][0]["cause"], "servo took 250 us");
 }
 
-TEST(MacroPeriod, AddsSporadicRunsToTheRowInWhichTheyBegan) {
+TEST(MacroPeriod, ListsSporadicRunsInTheRowDuringWhichTheyBegan) {
   Traced traced;
   traced.row(2.6 * kMs, 5, {{"servo", 10}});
   traced.row(3.6 * kMs, 5, {{"servo", 10}});
@@ -115,7 +115,7 @@ TEST(MacroPeriod, AddsSporadicRunsToTheRowInWhichTheyBegan) {
             R"({"module":"react","begin_ns":1300000,"end_ns":1350000,"sporadic":true})");
 }
 
-TEST(MacroPeriod, HasTheRunsOfProgramsThatBeganInIt) {
+TEST(MacroPeriod, IncludesProgramRunsThatBeganWithinIt) {
   Traced traced;
   traced.row(2.6 * kMs, 5, {});
   traced.add(100'000, "body", "vision", 3 * kMs, 700);
@@ -131,7 +131,7 @@ TEST(MacroPeriod, IsReportedAsMissingIfNoneIsComplete) {
   auto json = period(traced, 5 * kMs);  // the period that ended at 2.6 ms began before the trace
   ASSERT_TRUE(json);
   EXPECT_TRUE((*json)["executors"][0]["rows"].empty());
-  EXPECT_EQ((*json)["executors"][0]["text"], "no complete macro period is recorded");
+  EXPECT_EQ((*json)["executors"][0]["text"], "the trace has no complete macro period");
   traced.t0_us = 2 * kMs;
   json = period(traced, 4 * kMs);  // no period has ended since T0
   ASSERT_TRUE(json);
@@ -143,10 +143,10 @@ TEST(MacroPeriod, DoesNotExistBeforeTheFirstRow) {
   traced.t0_us.reset();
   const auto json = period(traced, 5 * kMs);
   ASSERT_FALSE(json);
-  EXPECT_EQ(json.problems()[0].what, "device robot has not run a row yet");
+  EXPECT_EQ(json.problems()[0].what, "device robot has not run a row of its table yet");
 }
 
-TEST(MacroPeriod, IsNotReadFromAFileThatIsNotATrace) {
+TEST(MacroPeriod, CannotBeReadFromAFileThatIsNotATrace) {
   const model::Cell press = cell();
   for (const char* text :
        {"{}", "[]", "5", "nonsense", R"({"otherData": {"t0_us": 5}})",
@@ -155,7 +155,7 @@ TEST(MacroPeriod, IsNotReadFromAFileThatIsNotATrace) {
     EXPECT_FALSE(period_json(model::parse_json(text), press, press.devices[0])) << text;
 }
 
-TEST(MacroPeriod, NeedsATraceOfTwoMacroPeriodsOrTenSeconds) {
+TEST(MacroPeriod, NeedsATraceOfTwoMacroPeriodsButAtMostTenSeconds) {
   const model::Cell press = cell();
   EXPECT_EQ(trace_needed(press, press.devices[0]), std::chrono::milliseconds{56});
   model::Cell slow = press;

@@ -10,7 +10,7 @@ namespace {
 using namespace seen;
 using testing::HasSubstr;
 
-TEST(StatusJson, HasStateAndMachineOfADevice) {
+TEST(StatusJson, ContainsTheStateAndMachineOfADevice) {
   const Json json = device_json(cell_that_runs()[0]);
   EXPECT_EQ(json["name"], "line");
   EXPECT_EQ(json["alive"], false);
@@ -19,7 +19,7 @@ TEST(StatusJson, HasStateAndMachineOfADevice) {
   EXPECT_EQ(json["host_restarts"], 2);
 }
 
-TEST(StatusJson, HasStateEventAndReasonOfAModuleStep) {
+TEST(StatusJson, ContainsTheStateEventAndReasonOfATransition) {
   LifecycleStatus s = status("robot", "servo", STATE_RECOVER, 7);
   s.previous_state(STATE_EXECUTING);
   s.event(EVENT_ERROR);
@@ -32,7 +32,7 @@ TEST(StatusJson, HasStateEventAndReasonOfAModuleStep) {
       R"("text":"took \"long\"\n","sequence":7,"time_ms":1.5})");
 }
 
-TEST(StatusJson, HasTablesAndGraphOfTheRunningCell) {
+TEST(StatusJson, ContainsTheTablesAndGraphOfTheRunningCell) {
   const model::Cell press = cell();
   const Json json = cell_json(&press, 7, "d1");
   EXPECT_EQ(json["cell"], "press");
@@ -52,7 +52,7 @@ TEST(StatusJson, HasTablesAndGraphOfTheRunningCell) {
   EXPECT_THAT(json["graph"].get<std::string>(), HasSubstr("data-module=\"line.vision\""));
 }
 
-TEST(StatusJson, HasTheFirstRowsOfALongTable) {
+TEST(StatusJson, ContainsOnlyTheFirstRowsOfALongTable) {
   const model::Cell long_one = descriptor::parse(R"(<root>
         <module><filename>a.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
           <period>1000000</period><priority>1</priority></module>
@@ -65,14 +65,14 @@ TEST(StatusJson, HasTheFirstRowsOfALongTable) {
   EXPECT_EQ(json["devices"][0]["executors"][0]["rows_left_out"], 1000 - kMostRows);
 }
 
-TEST(StatusJson, SaysThatNoCellRuns) {
+TEST(StatusJson, HasNoDevicesIfNoCellRuns) {
   const Json json = cell_json(nullptr, 3, "");
   EXPECT_EQ(json["cell"], nullptr);
   EXPECT_EQ(json["graph"], nullptr);
   EXPECT_TRUE(json["devices"].empty());
 }
 
-TEST(StatusJson, HasAllMeasurementsByName) {
+TEST(StatusJson, ContainsAllMeasurementsByName) {
   const model::Cell press = cell();
   const Json json = measures_json(cell_that_runs(), &press, 2'000'000);
   EXPECT_EQ(json["time_ms"], 2.0);
@@ -89,7 +89,7 @@ TEST(StatusJson, HasAllMeasurementsByName) {
   EXPECT_TRUE(measures_json(cell_that_runs(), nullptr, 0)["connections"].empty()) << "the cell is not known";
 }
 
-TEST(StatusJson, AConnectionToALostDeviceIsNotMatched) {
+TEST(StatusJson, ReportsAConnectionToALostDeviceAsUnmatched) {
   for (const std::size_t lost : {0U, 1U}) {
     auto devices = cell_that_runs();
     devices[0].alive = devices[1].alive = true;
@@ -107,7 +107,7 @@ TEST(StatusJson, IgnoresDevicesOfAnotherCell) {
   EXPECT_FALSE(health.connections.contains(0));
 }
 
-TEST(StatusJson, HasAllMembersOfAFault) {
+TEST(StatusJson, ContainsAllMembersOfAFault) {
   const Json json = fault_json({.sequence = 9,
                                 .time_ns = 3'000'000,
                                 .cell = "press",

@@ -1,4 +1,4 @@
-// Devices as nodes publish them, for the tests of the web page's data.
+// Provides the status of devices as nodes publish it, for the tests of the web page's data.
 #pragma once
 
 #include <string>
@@ -82,7 +82,7 @@ inline PortStatus port(bool matched, std::int64_t age_ns) {
   return s;
 }
 
-/// A robot that runs and has all measurements, and a line that is lost.
+/// Returns two devices: a running robot with all measurements, and a line that is lost.
 inline std::vector<wire::ObservedDevice> cell_that_runs() {
   wire::ObservedDevice robot = device("robot");
   robot.deployment.modules["servo"] = status("robot", "servo", STATE_EXECUTING, 3);

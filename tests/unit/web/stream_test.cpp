@@ -21,7 +21,7 @@ TEST(Stream, ReturnsEachEventOnceAndInOrder) {
   EXPECT_EQ(stream.next(0ms), "");
 }
 
-TEST(Stream, SendWakesAWaitingReader) {
+TEST(Stream, WakesAWaitingReaderWhenAnEventIsSent) {
   Stream stream{"a"};
   std::thread sender{[&stream] { stream.send("now"); }};
   EXPECT_EQ(stream.next(60s), "now");
@@ -42,7 +42,7 @@ TEST(Stream, EndsIfTheReaderIsTooSlow) {
       << "after a gap the browser must reconnect and get the complete state";
 }
 
-TEST(Streams, AllGetTheSameEventsUntilTheyAreClosed) {
+TEST(Streams, AllReceiveTheSameEventsUntilTheyAreClosed) {
   Streams streams;
   const auto one = streams.open();
   const auto other = streams.open();
@@ -83,7 +83,7 @@ TEST(RandomWord, DiffersEachTime) {
   EXPECT_NE(random_word(16), random_word(16));
 }
 
-TEST(OwnName, IsAnAddressOrLocalhostOrTheNameOfTheMachine) {
+TEST(OwnName, MustBeAnIpAddressLocalhostOrTheMachineName) {
   for (const char* own :
        {"127.0.0.1:8080", "10.0.0.7", "localhost", "LOCALHOST:80", "[::1]:8080", "[::1]", "Pc7:8080", "pc7"})
     EXPECT_TRUE(is_own_name(own, "pc7")) << own;

@@ -16,7 +16,7 @@ Command part_of(std::uint32_t part, std::uint32_t parts, std::size_t size = kPar
   return command;
 }
 
-TEST(Assembly, ReturnsASinglePartAtOnce) {
+TEST(Assembly, ReturnsDataInOnePartAtOnce) {
   Commands commands;
   WholeCommand whole;
   EXPECT_TRUE(commands.add(part_of(0, 1, 3), "a", whole));
@@ -25,7 +25,7 @@ TEST(Assembly, ReturnsASinglePartAtOnce) {
   EXPECT_EQ(whole.data, "");
 }
 
-TEST(Assembly, DoesNotMixThePartsOfTwoKeys) {
+TEST(Assembly, DoesNotMixPartsWithDifferentKeys) {
   Commands commands;
   WholeCommand whole;
   EXPECT_FALSE(commands.add(part_of(0, 2), "a", whole));
@@ -37,7 +37,7 @@ TEST(Assembly, DoesNotMixThePartsOfTwoKeys) {
   EXPECT_EQ(commands.bytes(), 0U);
 }
 
-TEST(Assembly, RejectsInvalidParts) {
+TEST(Assembly, RejectsPartsWithAnInvalidNumberOrSize) {
   Commands commands;
   WholeCommand whole;
   EXPECT_FALSE(commands.add(part_of(0, 2, kPart - 1), "a", whole)) << "only the last part may be shorter";
@@ -60,7 +60,7 @@ TEST(Assembly, RejectsAPartOutOfOrder) {
   EXPECT_EQ(whole.data.size(), kPart);
 }
 
-TEST(Assembly, LimitsTheMemoryOfUnfinishedData) {
+TEST(Assembly, LimitsTheMemoryForIncompleteData) {
   Commands commands;
   WholeCommand whole;
   constexpr std::uint32_t kParts = kMaxData / kPart;

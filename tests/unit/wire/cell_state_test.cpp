@@ -43,7 +43,7 @@ TEST(CellState, IsEmptyAtFirst) {
   EXPECT_TRUE(cell_state.devices().empty());
 }
 
-TEST(CellState, KeepsAModuleReceivedBeforeItsDevice) {
+TEST(CellState, KeepsTheStateOfAModuleReceivedBeforeThatOfItsDevice) {
   CellState cell_state;
   cell_state.heard(module("servo", STATE_START));
   EXPECT_TRUE(cell_state.devices().empty());
@@ -67,7 +67,7 @@ TEST(CellState, ShowsAModuleAsExecutingOnlyOnALiveDevice) {
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
 }
 
-TEST(CellState, CountsAReturnedDeviceFromItsSecondStatusOn) {
+TEST(CellState, ShowsModulesOfAReturnedDeviceAsExecutingAfterItsSecondStatus) {
   CellState cell_state;
   DeviceStatus robot = device("cell", "robot", "a");
   robot.sequence_number(5);
@@ -103,7 +103,7 @@ TEST(CellState, ShowsALostDeviceAsAliveAfterANewStatus) {
   EXPECT_TRUE(cell_state.devices("robot")[0].alive);
 }
 
-TEST(CellState, ReplacesALostNodeByANewOneOfTheSameName) {
+TEST(CellState, ReplacesALostNodeWithANewNodeOfTheSameName) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
@@ -113,7 +113,7 @@ TEST(CellState, ReplacesALostNodeByANewOneOfTheSameName) {
   EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
 }
 
-TEST(CellState, GivesANewNodeNoModulesOfALostNode) {
+TEST(CellState, DoesNotAssignTheModulesOfALostNodeToANewNode) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.heard(module("servo", STATE_EXECUTING));
@@ -123,7 +123,7 @@ TEST(CellState, GivesANewNodeNoModulesOfALostNode) {
   EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
 }
 
-TEST(CellState, KeepsModulesReceivedBeforeANodeResumesItsCell) {
+TEST(CellState, KeepsModulesReceivedBeforeTheStatusOfARestartedNode) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
@@ -132,14 +132,14 @@ TEST(CellState, KeepsModulesReceivedBeforeANodeResumesItsCell) {
   EXPECT_EQ(cell_state.devices("robot")[0].deployment.modules.at("servo").state(), STATE_IDLE);
 }
 
-TEST(CellState, ListsTwoLiveNodesOfOneName) {
+TEST(CellState, ListsBothNodesWithTheSameName) {
   CellState cell_state;
   cell_state.heard(device("-", "robot", "a"), 1);
   cell_state.heard(device("-", "robot", "b"), 2);
   EXPECT_EQ(cell_state.devices("robot").size(), 2U);
 }
 
-TEST(CellState, KeepsADeviceThatChangesItsKeyWhenDeployed) {
+TEST(CellState, KeepsADeviceWhoseKeyChangesWhenItIsDeployed) {
   CellState cell_state;
   cell_state.heard(device("-", "robot", "a"), 1);
   cell_state.heard(device("cell", "robot", "a"), 1);
@@ -157,7 +157,7 @@ TEST(CellState, RemovesADeviceThatDisposesOfItsOnlyKey) {
   EXPECT_EQ(cell_state.devices()[0].node(), "b");
 }
 
-TEST(CellState, ForgetsAnUndeployedModuleAndItsPorts) {
+TEST(CellState, RemovesAnUndeployedModuleAndItsPorts) {
   CellState cell_state;
   cell_state.heard(device("cell", "robot", "a"), 1);
   cell_state.heard(module("servo", STATE_DESTRUCT));

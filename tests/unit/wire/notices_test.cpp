@@ -19,14 +19,14 @@ struct Recorder {
   void tell(const std::string& text) { notices.tell(text, now); }
 };
 
-TEST(Notices, AreReportedOnce) {
+TEST(Notices, AreReportedOnlyOnce) {
   Recorder recorder;
   for (int i = 0; i < 100; ++i) recorder.tell("a");
   recorder.tell("b");
   EXPECT_THAT(recorder.texts, ElementsAre("a", "b"));
 }
 
-TEST(Notices, AreAtMostTenPerMinuteAndCountTheRest) {
+TEST(Notices, AreLimitedToTenPerMinute) {
   Recorder recorder;
   for (int i = 0; i < 25; ++i) recorder.tell(std::to_string(i));
   EXPECT_EQ(recorder.texts.size(), 10U);
@@ -37,7 +37,7 @@ TEST(Notices, AreAtMostTenPerMinuteAndCountTheRest) {
   EXPECT_EQ(recorder.texts[11], "later");
 }
 
-TEST(Notices, NeedNoListener) {
+TEST(Notices, CanBeReportedWithoutAListener) {
   Notices notices{nullptr};
   notices.tell("a");
 }

@@ -22,7 +22,7 @@ TEST(RateLimit, AcceptsABurstUpToItsLimit) {
   EXPECT_EQ(taken(rate_limit, kAnna, 100, {}), 5);
 }
 
-TEST(RateLimit, RefillsWithTime) {
+TEST(RateLimit, AllowsMoreCommandsAsTimePasses) {
   RateLimit rate_limit{{10, 5}, {100, 50}};
   const RateLimit::Clock::time_point begin{};
   taken(rate_limit, kAnna, 100, begin);
@@ -45,14 +45,14 @@ TEST(RateLimit, LimitsAllClientsTogether) {
   EXPECT_EQ(all, 50);
 }
 
-TEST(RateLimit, ForgetsOldClients) {
+TEST(RateLimit, AcceptsNewClientsByForgettingOldOnes) {
   RateLimit rate_limit{{10, 5}, {1e9, 1e9}};
   RateLimit::Clock::time_point now{};
   for (std::uint64_t client = 0; client < 10000; ++client)
     EXPECT_EQ(taken(rate_limit, client, 1, now += 1us), 1);
 }
 
-TEST(RateLimit, ToleratesATimeThatGoesBack) {
+TEST(RateLimit, ToleratesAClockThatIsSetBack) {
   RateLimit rate_limit{{10, 5}, {100, 50}};
   const RateLimit::Clock::time_point now = RateLimit::Clock::time_point{} + 1h;
   EXPECT_TRUE(rate_limit.admit(kAnna, now));

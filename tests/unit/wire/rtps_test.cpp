@@ -11,7 +11,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Builds the body of a submessage, little endian.
+/// Builds the body of a submessage in little-endian byte order.
 class Body {
  public:
   Body& u8(std::uint32_t value) { return put(value, 1); }
@@ -64,7 +64,7 @@ Bytes message(std::uint8_t kind, std::uint8_t flags, const Body& body) {
 
 bool is_rtps(const Bytes& bytes) { return !bytes.empty() && readable_rtps(bytes) == bytes.size(); }
 
-/// Expects that the body is valid, and invalid with any shorter length.
+/// Expects that the filter accepts the body, but rejects it if it is any shorter.
 void expect_minimum_length(std::uint8_t kind, std::uint8_t flags, const Body& body) {
   EXPECT_TRUE(is_rtps(message(kind, flags, body))) << "kind " << int{kind};
   for (std::size_t n = 1; n < body.bytes.size(); ++n) {
@@ -93,7 +93,7 @@ Body fragments(std::uint32_t first, std::uint32_t count, std::uint32_t size, std
   return data_head(0x103, 1, to_qos).u32(first).u16(count).u16(size).u32(sample).zeros(content);
 }
 
-TEST(Rtps, BeginsWithItsHeader) {
+TEST(RtpsFilter, RequiresAValidHeader) {
   EXPECT_TRUE(is_rtps(header()));
   EXPECT_FALSE(is_rtps({}));
   Bytes other = header();
@@ -106,7 +106,7 @@ TEST(Rtps, BeginsWithItsHeader) {
   }
 }
 
-TEST(Rtps, RejectsASubmessageThatExceedsTheMessage) {
+TEST(RtpsFilter, RejectsASubmessageThatExceedsTheMessage) {
   Bytes three = header();
   three.insert(three.end(), {0x01, 1, 0});
   EXPECT_FALSE(is_rtps(three));
@@ -118,7 +118,7 @@ TEST(Rtps, RejectsASubmessageThatExceedsTheMessage) {
   EXPECT_FALSE(is_rtps(two));
 }
 
-TEST(Rtps, CutsOffStatisticsAtTheEnd) {
+TEST(RtpsFilter, RemovesStatisticsAtTheEndOfAMessage) {
   const Bytes one = message(0x0e, 0, Body{}.zeros(12));
   const Bytes statistics = message(0x80, 0, Body{}.zeros(56));
   Bytes both = one;
@@ -129,10 +129,12 @@ TEST(Rtps, CutsOffStatisticsAtTheEnd) {
   EXPECT_EQ(readable_rtps(both), 0U) << "Fast DDS aborts if anything follows statistics";
 }
 
-// If a length is not a multiple of four, a reader that continues exactly there sees another submessage.
-TEST(Rtps, ReadsSubmessagesWhereFastDdsReadsThem) {
+// If the length of a submessage is not a multiple of four, the next one begins at the next multiple of four.
+// A reader that continues right after the content sees other submessages.
+TEST(RtpsFilter, LocatesSubmessagesAsFastDdsDoes) {
   Bytes both = message(0x81, 0, Body{}.zeros(5));
-  // Read from here: a vendor submessage of 128 bytes. Read a byte later: statistics that are not at the end.
+  // Read from the first of these bytes, this is a vendor submessage of 128 bytes. Read from the second, it is
+  // a statistics submessage that is not at the end.
   for (const int byte : {0x81, 0, 0, 0x80, 0, 0, 44}) both.push_back(static_cast<std::uint8_t>(byte));
   both.resize(both.size() + 125);
   EXPECT_EQ(readable_rtps(both), 0U);
@@ -143,7 +145,7 @@ TEST(Rtps, ReadsSubmessagesWhereFastDdsReadsThem) {
   EXPECT_TRUE(is_rtps(padded));
 }
 
-TEST(Rtps, ASubmessageWithoutALengthExtendsToTheEnd) {
+TEST(RtpsFilter, LetsASubmessageWithoutALengthExtendToTheEnd) {
   Bytes open = message(0x07, 0, Body{}.zeros(8).number(1).number(1).u32(1));
   open[22] = 0;
   EXPECT_TRUE(is_rtps(open));
@@ -151,7 +153,7 @@ TEST(Rtps, ASubmessageWithoutALengthExtendsToTheEnd) {
   EXPECT_FALSE(is_rtps(open));
 }
 
-TEST(Rtps, RequiresTheFullContentOfEachKind) {
+TEST(RtpsFilter, RequiresTheMinimumLengthOfEachSubmessage) {
   expect_minimum_length(0x06, 0, Body{}.zeros(8).number(0).u32(33).zeros(8).u32(1));
   expect_minimum_length(0x07, 0, Body{}.zeros(8).number(1).number(0).u32(1));
   expect_minimum_length(0x08, 0, Body{}.zeros(8).number(1).number(5).u32(256).zeros(32));
@@ -169,7 +171,7 @@ TEST(Rtps, RequiresTheFullContentOfEachKind) {
   EXPECT_TRUE(is_rtps(message(0x09, 2, Body{}))) << "an invalidated time stamp has no content";
 }
 
-TEST(Rtps, RejectsInvalidNumbers) {
+TEST(RtpsFilter, RejectsInvalidSequenceNumbers) {
   EXPECT_FALSE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(0).number(1).u32(1))));
   EXPECT_FALSE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(5).number(3).u32(1))))
       << "the last number is before the first";
@@ -187,7 +189,7 @@ TEST(Rtps, RejectsInvalidNumbers) {
   EXPECT_FALSE(is_rtps(message(0x0f, 0, Body{}.u32(0xffffffff).zeros(48))));
 }
 
-TEST(Rtps, RejectsAParameterListWithoutAnEnd) {
+TEST(RtpsFilter, RejectsAParameterListWithoutAnEnd) {
   const Body hash = parameter(0x70, Body{}.zeros(16));
   EXPECT_TRUE(is_rtps(message(0x15, 2, data_head().add(hash).add(end_of_list()))));
   EXPECT_FALSE(is_rtps(message(0x15, 2, data_head().add(hash))));
@@ -201,7 +203,7 @@ TEST(Rtps, RejectsAParameterListWithoutAnEnd) {
   EXPECT_TRUE(is_rtps(message(0x15, 4, data_head().u8(0).u8(1).u16(0)))) << "other data is not";
 }
 
-TEST(Rtps, RejectsAParameterThatClaimsMoreThanItHas) {
+TEST(RtpsFilter, RejectsAParameterLongerThanItsMessage) {
   const std::string name = "takt/device";
   for (const std::uint32_t which : {0x05U, 0x07U, 0x62U, 0x4005U}) {
     EXPECT_TRUE(is_discovery(parameter(which, Body{}.text(name))));
@@ -225,8 +227,8 @@ TEST(Rtps, RejectsAParameterThatClaimsMoreThanItHas) {
   EXPECT_FALSE(is_discovery(parameter(0x58, Body{}.zeros(8))));
 }
 
-// Fast DDS allocates or copies the claimed number before it checks how many bytes there are.
-TEST(Rtps, RejectsATokenThatClaimsMoreThanItHas) {
+// Fast DDS allocates or copies the number of bytes that a token claims before it checks how many there are.
+TEST(RtpsFilter, RejectsATokenLongerThanItsMessage) {
   const Body all = Body{}.text("PKI").u32(1).text("name").text("value").u32(1).text("c.id").octets("abcde");
   for (const std::uint32_t which : {0x1001U, 0x1002U}) {
     EXPECT_TRUE(is_discovery(parameter(which, all)));
@@ -267,7 +269,7 @@ Body proof(std::uint32_t tokens, const Body& content, std::uint32_t encapsulatio
       .add(content);
 }
 
-TEST(Rtps, RejectsAnIncompleteAuthenticationMessage) {
+TEST(RtpsFilter, RejectsAnIncompleteAuthenticationMessage) {
   const auto is_proof = [](const Body& body) { return is_rtps(message(0x15, 4, body)); };
   const Body one = token("c.id", "abc");
   EXPECT_TRUE(is_proof(proof(0, Body{})));
@@ -289,7 +291,7 @@ TEST(Rtps, RejectsAnIncompleteAuthenticationMessage) {
   EXPECT_TRUE(is_proof(unpadded)) << "the padding at the end may be missing";
 }
 
-TEST(Rtps, ChecksTheCertificateOfAnAuthenticationMessage) {
+TEST(RtpsFilter, ChecksTheCertificateOfAnAuthenticationMessage) {
   constexpr IsCertificate kIsPem = [](std::span<const std::uint8_t> bytes) noexcept {
     return std::string{bytes.begin(), bytes.end()} == "pem";
   };
@@ -302,14 +304,14 @@ TEST(Rtps, ChecksTheCertificateOfAnAuthenticationMessage) {
   EXPECT_FALSE(readable(token("c.id", "pem").add(token("c.id", "")), 2)) << "each certificate is checked";
 }
 
-TEST(Rtps, RejectsFragmentedDiscoveryAndAuthentication) {
+TEST(RtpsFilter, RejectsFragmentedDiscoveryAndAuthenticationMessages) {
   for (const std::uint32_t writer : {kSpdpWriter, 0x2c2U, 0x3c2U, 0x4c2U, kProofWriter}) {
     const Body body = data_head(writer, 1, 28).u32(1).u16(1).u16(100).u32(250).zeros(100);
     EXPECT_FALSE(is_rtps(message(0x16, 0, body))) << writer;
   }
 }
 
-// ---- Protected by DDS Security
+// ---- Messages that DDS Security protects
 
 void append(Bytes& all, std::uint8_t kind, const Body& body, std::uint8_t flags = 0) {
   const Bytes one = message(kind, flags, body);
@@ -320,7 +322,7 @@ constexpr std::uint8_t kSecBody = 0x30;
 constexpr std::uint8_t kSecPrefix = 0x31;
 constexpr std::uint8_t kSrtpsPrefix = 0x33;
 
-/// An encrypted message or submessage, with an authentication code for each of `readers`.
+/// Returns an encrypted message or submessage, with an authentication code for each of `readers` readers.
 Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {
   Bytes all = header();
   append(all, prefix, Body{}.zeros(20));
@@ -328,7 +330,7 @@ Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {
   append(all, prefix + 1, Body{}.zeros(16).id(readers).zeros(std::size_t{20} * readers));
   return all;
 }
-/// Returns whether the message is readable and protected.
+/// Returns whether the filter accepts the message and finds it protected.
 bool is_protected(const Bytes& bytes) { return is_rtps(bytes) && is_protected_rtps(bytes); }
 bool is_unprotected(const Bytes& bytes) { return is_rtps(bytes) && !is_protected_rtps(bytes); }
 
@@ -363,8 +365,8 @@ TEST(ProtectedRtps, OnlyDiscoveryAndAuthenticationMayBeUnencrypted) {
   EXPECT_TRUE(is_unprotected(message(0x0f, 0, Body{}.u32(0)))) << "it would redirect the replies";
 }
 
-// Fast DDS expects each part where the previous one ends, and its end where its content ends.
-TEST(ProtectedRtps, RequiresCompletePartsInOrder) {
+// Fast DDS expects each part to begin where the previous part ends, and to end where its own content ends.
+TEST(ProtectedRtps, MustHaveAllItsPartsInOrder) {
   const auto parts = [](std::uint8_t prefix, const Body& head, std::uint8_t kind, const Body& body,
                         std::uint8_t postfix, const Body& tail) {
     Bytes all = header();
@@ -394,7 +396,7 @@ TEST(ProtectedRtps, RequiresCompletePartsInOrder) {
     append(cut, kSecBody, body);
     EXPECT_TRUE(is_unprotected(cut));
     Bytes open = parts(prefix, head, kSecBody, body, postfix, tail);
-    open[open.size() - 22] = 0;  // sets the last length to 0
+    open[open.size() - 22] = 0;  // sets the length of the last part to 0
     EXPECT_TRUE(is_unprotected(open));
   }
   Bytes more = encrypted(kSrtpsPrefix);
@@ -413,7 +415,7 @@ Bytes announcement(const Body& parameters, std::uint8_t flags = 4, const Body& i
       0x15, flags,
       data_head(kSpdpWriter).add(inline_qos).u8(0).u8(3).u16(0).add(parameters).add(end_of_list()));
 }
-/// The sender in header() has number 0.
+/// The sender that header() names has participant number 0.
 const Body kSelf = parameter(0x50, Body{}.zeros(12).id(0x1c1));
 const Body kOther = parameter(0x50, Body{}.zeros(11).u8(1).id(0x1c1));
 const Body kLease = parameter(0x02, Body{}.u32(20).u32(0));
@@ -439,8 +441,9 @@ TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
   EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
 }
 
-// Fast DDS takes some of these for live participants, so each message with a participant's data counts.
-TEST(Announcement, CountsLeavingParticipantsToo) {
+// Even some messages of a leaving participant make Fast DDS add a participant, so each message with
+// participant data counts.
+TEST(Announcement, AlsoCountsIfItsParticipantLeaves) {
   for (const std::uint32_t flags : {0U, 3U, 4U}) {
     const Body status = parameter(0x71, Body{}.id(flags)).add(end_of_list());
     EXPECT_EQ(announcement_in(announcement(kSelf, 6, status)).of, Announcement::Of::sender) << flags;
@@ -448,13 +451,13 @@ TEST(Announcement, CountsLeavingParticipantsToo) {
   EXPECT_EQ(announcement_in(announcement(kSelf, 8)).of, Announcement::Of::nobody) << "only a key";
 }
 
-TEST(Announcement, ReadsTheSameParametersAsFastDds) {
+TEST(Announcement, IsReadAsFastDdsReadsIt) {
   const Body other_lease = parameter(0x4002, Body{}.u32(5).u32(0));
   EXPECT_EQ(announcement_in(announcement(Body{kSelf}.add(kLease).add(other_lease))).lease_s, 20U);
   EXPECT_EQ(announcement_in(announcement(parameter(0x4050, Body{}.zeros(16)))).of, Announcement::Of::other);
 }
 
-TEST(Rtps, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
+TEST(RtpsFilter, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
   const auto fits = [](const Body& body) { return is_rtps(message(0x16, 0, body)); };
   EXPECT_TRUE(fits(fragments(1, 1, 100, 250, 100)));
   EXPECT_TRUE(fits(fragments(2, 2, 100, 250, 150)));
@@ -470,7 +473,7 @@ TEST(Rtps, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
   EXPECT_FALSE(fits(fragments(0xffffffff, 0xffff, 0xffff, 0xffffffff, 100)));
 }
 
-TEST(Rtps, ReadsBothByteOrders) {
+TEST(RtpsFilter, ReadsBothByteOrders) {
   Bytes big = header();
   const std::vector<std::uint8_t> heartbeat{0x07, 0, 0, 28, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
                                             0,    0, 0, 1,  0, 0, 0, 0, 0, 0, 0, 9, 0, 0, 0, 1};

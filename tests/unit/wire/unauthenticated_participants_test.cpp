@@ -11,7 +11,7 @@ constexpr std::uint32_t kHere = 1;
 constexpr std::uint32_t kThere = 2;
 constexpr std::uint32_t kLease = 10;  // s
 
-class UnauthenticatedParticipantsTest : public testing::Test {
+class UnauthenticatedPeers : public testing::Test {
  protected:
   static ParticipantNumber number(std::size_t n) {
     return {static_cast<std::uint8_t>(n >> 16U), static_cast<std::uint8_t>(n >> 8U),
@@ -21,7 +21,7 @@ class UnauthenticatedParticipantsTest : public testing::Test {
              Announcement::Of of = Announcement::Of::sender) {
     return unauthenticated_.admit({.of = of, .number = number(n), .lease_s = lease}, address, now_);
   }
-  /// Fills all slots of an address, with participants numbered from `from` on.
+  /// Fills all slots of an address with participants, whose numbers start at `from`.
   void fill(std::uint32_t address, std::size_t from = 0) {
     for (std::size_t n = 0; n < UnauthenticatedParticipants::kOfOneAddress; ++n)
       ASSERT_TRUE(admit(from + n, address)) << n;
@@ -32,7 +32,7 @@ class UnauthenticatedParticipantsTest : public testing::Test {
   UnauthenticatedParticipants::Clock::time_point now_{1h};
 };
 
-TEST_F(UnauthenticatedParticipantsTest, MustAnnounceThemselvesWithALimitedLease) {
+TEST_F(UnauthenticatedPeers, MustAnnounceThemselvesWithALimitedLease) {
   EXPECT_FALSE(admit(1, kHere, kLease, Announcement::Of::other));
   EXPECT_FALSE(admit(1, kHere, UnauthenticatedParticipants::kLongestLease + 1));
   EXPECT_FALSE(admit(1, kHere, 0));
@@ -40,14 +40,14 @@ TEST_F(UnauthenticatedParticipantsTest, MustAnnounceThemselvesWithALimitedLease)
   EXPECT_FALSE(admit(1, kHere, ~0U)) << "also later, when it is known";
 }
 
-TEST_F(UnauthenticatedParticipantsTest, AreLimitedPerAddress) {
+TEST_F(UnauthenticatedPeers, AreLimitedPerAddress) {
   fill(kHere);
   EXPECT_TRUE(admit(0, kHere)) << "a known participant may announce itself again";
   EXPECT_TRUE(admit(0, kThere)) << "from any address";
   EXPECT_TRUE(admit(10'000, kThere)) << "another address has its own slots";
 }
 
-TEST_F(UnauthenticatedParticipantsTest, FreeTheirSlotWhenTheyAuthenticate) {
+TEST_F(UnauthenticatedPeers, FreeTheirSlotWhenTheyAuthenticate) {
   fill(kHere);
   unauthenticated_.authenticated(number(0));
   unauthenticated_.authenticated(number(0));
@@ -61,7 +61,7 @@ TEST_F(UnauthenticatedParticipantsTest, FreeTheirSlotWhenTheyAuthenticate) {
   unauthenticated_.authenticated(number(77'777));
 }
 
-TEST_F(UnauthenticatedParticipantsTest, KeepTheirSlotForAWhileAfterLeaving) {
+TEST_F(UnauthenticatedPeers, KeepTheirSlotForAWhileAfterLeaving) {
   for (std::size_t n = 0; n < UnauthenticatedParticipants::kOfOneAddress; ++n) {
     ASSERT_TRUE(admit(n, kHere, 1)) << n;
     unauthenticated_.left(number(n));
@@ -71,7 +71,7 @@ TEST_F(UnauthenticatedParticipantsTest, KeepTheirSlotForAWhileAfterLeaving) {
   EXPECT_TRUE(admit(10'000, kHere));
 }
 
-TEST_F(UnauthenticatedParticipantsTest, ExpireWithTheirLease) {
+TEST_F(UnauthenticatedPeers, ExpireWithTheirLease) {
   constexpr std::uint32_t kLong = 30;  // s
   for (std::size_t n = 0; n < UnauthenticatedParticipants::kOfOneAddress; ++n)
     ASSERT_TRUE(admit(n, kHere, kLong)) << n;
@@ -86,7 +86,7 @@ TEST_F(UnauthenticatedParticipantsTest, ExpireWithTheirLease) {
   EXPECT_FALSE(admit(20'000, kHere));
 }
 
-TEST_F(UnauthenticatedParticipantsTest, AreLimitedInTotal) {
+TEST_F(UnauthenticatedPeers, AreLimitedInTotal) {
   constexpr std::size_t kAddresses =
       UnauthenticatedParticipants::kInAll / UnauthenticatedParticipants::kOfOneAddress;
   for (std::size_t address = 0; address < kAddresses; ++address)

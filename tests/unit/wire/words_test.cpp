@@ -12,7 +12,7 @@ TEST(CutText, IsUnchangedIfItFits) {
   EXPECT_EQ(cut("12345", 5), "12345");
 }
 
-TEST(CutText, MarksAnOmission) {
+TEST(CutText, EndsWithDotsWhereTextIsMissing) {
   EXPECT_EQ(cut("123456", 5), "12...");
   EXPECT_EQ(cut("123456", 2), "12");
 }
@@ -45,7 +45,7 @@ TEST(Path, ContainsCellDeviceAndModule) {
   EXPECT_EQ(path_of("cell", "robot", "servo"), "cell/robot/servo");
 }
 
-TEST(Enumerator, AlwaysHasAText) {
+TEST(Enumerator, HasATextEvenIfItIsInvalid) {
   EXPECT_STREQ(to_text(STATE_DESTRUCT), "DESTRUCT");
   EXPECT_STREQ(to_text(EVENT_GIVE_UP), "give up");
   EXPECT_STREQ(to_text(ERROR_STALE), "stale");

@@ -21,9 +21,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kSettings = "TAKT_BENCH_WRITER";  // "DOMAIN PERIOD_NS LENGTH_NS"
-constexpr std::size_t kHead = 4;                        // bytes of the encapsulation header before the fields
+constexpr std::size_t kHead = 4;  // size of the encapsulation header before the fields, in bytes
 constexpr std::size_t kBytes = kHead + 64;
-constexpr Nanoseconds kMatchLimit = 10s;  // for writer and reader to match
+constexpr Nanoseconds kMatchLimit = 10s;  // time limit for the matching of writer and reader
 
 dds::Flow flow() {
   return {.topic = "rt/takt_bench",
@@ -63,8 +63,8 @@ Result<std::vector<std::int64_t>> run_bare_dds(const BareDds& settings) {
       });
   if (!tap) return tap.problems();
   const os::ProcessEnd end = writer->wait();
-  if (end.signalled || end.code != 0) return fail("the writer of bare DDS " + end.text());
-  os::sleep_until(os::now() + 50ms);  // so that the last samples arrive
+  if (end.signalled || end.code != 0) return fail("the writer process of the DDS reference " + end.text());
+  os::sleep_until(os::now() + 50ms);  // time for the last samples to arrive
   const std::scoped_lock lock{mutex};
   return ages;
 }
@@ -84,7 +84,7 @@ int serve_as_writer() {
     os::sleep_until(os::now() + 10ms);
   }
   std::array<std::byte, kBytes> bytes{};
-  bytes[1] = std::byte{1};  // CDR, little endian
+  bytes[1] = std::byte{1};  // the encapsulation: CDR, little endian
   loop_on_grid(Grid::from_now(Nanoseconds{period}, Nanoseconds{length}), sleep_to, [&](Instant) {
     const std::int64_t now = to_ns(os::now());
     std::memcpy(bytes.data() + kHead, &now, sizeof now);

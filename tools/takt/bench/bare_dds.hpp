@@ -1,5 +1,5 @@
-// The reference DDS alone: a writer in one process and a reader in another, with the type and the quality of
-// service of a connection, but without Takt.
+// The reference "DDS alone": a writer in one process and a reader in another, without Takt. They have the
+// type and the QoS of a connection.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ struct BareDds {
   Nanoseconds length{};
 };
 
-/// Runs the writer and the reader. Returns the time from write() to the listener of the reader in ns, for
-/// each sample that arrived. Call it only while the process has no other threads.
+/// Runs the writer and the reader. Returns, for each sample that arrived, the time from write() to the call
+/// of the reader's listener, in ns. Call this function only while the process has no other threads.
 Result<std::vector<std::int64_t>> run_bare_dds(const BareDds& settings);
 
-/// The main function of the writer's process. Gets its settings from the environment. Returns the exit
-/// status.
+/// The main function of the writer's process. It reads its settings from the environment, and returns the
+/// exit status.
 int serve_as_writer();
 
 }  // namespace takt::bench

@@ -26,7 +26,7 @@ Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
   const Instant end = grid.first + grid.period * static_cast<std::int64_t>(grid.instants());
   for (Instant release = grid.first; release < end; release += grid.period) {
     const Instant now = wait(release);
-    // Slots that have passed completely count as missed, as for an executor.
+    // Periods that have passed completely count as missed, as for an executor.
     const auto passed = (now - release) / grid.period;
     release += passed * grid.period;
     loop.missed += static_cast<std::uint64_t>(passed);

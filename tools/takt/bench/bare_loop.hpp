@@ -1,6 +1,6 @@
-// The reference for Takt: a thread that sleeps to the next instant of its grid with clock_nanosleep(), as
-// cyclictest does. Only with such a reference can Takt's jitter be separated from that of the machine and its
-// load.
+// The bare loop, which is the reference for Takt: a thread that sleeps until the next instant of its grid
+// with clock_nanosleep(), as cyclictest does. The reference shows which part of the measured jitter comes
+// from the machine and its load, and not from Takt.
 #pragma once
 
 #include <cstdint>
@@ -12,47 +12,48 @@
 
 namespace takt::bench {
 
-/// The CPU and priority of a real-time thread.
+/// The CPU and the priority of a real-time thread.
 struct Place {
   int cpu = 0;
   int priority = 80;  ///< SCHED_FIFO
 };
 
-/// The measurements of a loop on a grid.
+/// The measurements of a loop that runs a cycle at each instant of a grid.
 struct Loop {
-  std::vector<std::int64_t> jitter;  ///< ns, Eq. (1): release minus start, for each cycle in order
-  std::uint64_t missed = 0;          ///< instants of the grid that had passed when the previous cycle ended
+  std::vector<std::int64_t> jitter;  ///< jitter of each cycle in ns, Eq. (1): release minus start
+  std::uint64_t missed = 0;          ///< number of instants that had passed when the previous cycle ended
   Nanoseconds cpu_time{};
-  Problems refused;  ///< a priority or a CPU that the system denied; the loop ran without it
+  Problems refused;  ///< denied requests for a priority or a CPU; the loop ran without them
 
-  /// Adds another part of the same measurement.
+  /// Adds the results of another part of the same measurement.
   void add(const Loop& other);
 };
 
-/// The instants first + n x period, during `length`.
+/// A time grid: the instants first + n x period, for n = 0, 1, ..., within `length`.
 struct Grid {
   Instant first{};
   Nanoseconds period{};
   Nanoseconds length{};
 
-  /// A grid that begins after a short time, in which threads can start.
+  /// A grid that begins shortly after now, so that threads have time to start.
   static Grid from_now(Nanoseconds period, Nanoseconds length);
   [[nodiscard]] std::size_t instants() const noexcept { return static_cast<std::size_t>(length / period); }
 };
 
-/// Runs a cycle at each instant, in the calling thread. `wait` waits for the given instant and returns the
-/// time; then `body` is called with the instant. A late cycle keeps the grid: the instants that have passed
-/// count as missed.
+/// Runs a cycle at each instant of the grid, in the calling thread: `wait` waits for the instant and returns
+/// the current time, then `body` is called with the instant. After a late cycle, the loop keeps its grid: the
+/// instants that have passed count as missed.
 Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
                   const std::function<void(Instant)>& body = {});
 
-/// Waits with clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME), as the bare loop does.
+/// Waits like the bare loop, with clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME). Returns the time after the
+/// wake-up.
 Instant sleep_to(Instant release);
 
-/// Runs a loop in its own thread at this place. Fails only if the thread cannot be created.
+/// Runs a loop in a new thread with this CPU and priority. Fails only if the thread cannot be created.
 Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop);
 
-/// Runs the bare loop at this place.
+/// Runs the bare loop in a new thread with this CPU and priority.
 Result<Loop> run_bare_loop(const Place& place, Nanoseconds period, Nanoseconds length);
 
 }  // namespace takt::bench

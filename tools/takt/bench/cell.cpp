@@ -1,4 +1,4 @@
-// takt bench cell
+// takt bench cell: measures the deployment of a cell and the transfer of samples between devices.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 constexpr double kCellSeconds = 10;
 constexpr Nanoseconds kCellPeriod = 10ms;
-constexpr Nanoseconds kCellFound = 60s;  // maximum time to discover all nodes
+constexpr Nanoseconds kCellFound = 60s;  // time limit for the discovery of all nodes
 
 std::string device_name(int device) { return fmt::format("bench{}", device); }
 std::string recording_name(int device, int pair) { return fmt::format("ages{}_{}", device, pair); }
@@ -58,7 +58,7 @@ std::string descriptor_of(const CellSettings& cell, Nanoseconds period, std::siz
   return text + "</cell>\n";
 }
 
-/// Runs the nodes of a cell on this machine, and runs commands of `takt` for this cell.
+/// Runs the nodes of a cell on this machine, and `takt` commands for this cell.
 class Nodes {
  public:
   Nodes(const CellSettings& cell, int domain, const ScratchFolder& folder, Interruption& interruption)
@@ -79,7 +79,7 @@ class Nodes {
     return {};
   }
 
-  /// Runs a command of `takt` and returns how long it took. `output` gets what it printed.
+  /// Runs a `takt` command and returns how long it took. Its standard output is stored in `output`.
   Result<Nanoseconds> run(std::vector<std::string> command, std::string* output = nullptr) {
     command.emplace_back("--domain");
     command.push_back(domain_);
@@ -96,7 +96,7 @@ class Nodes {
     return model::parse_json(text);
   }
 
-  /// Waits until all nodes are on the network.
+  /// Waits until `takt status` finds all nodes.
   Result<void> wait_for_all() {
     const Instant limit = os::now() + kCellFound;
     while (true) {
@@ -162,17 +162,17 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
                 .columns = {"s"}};
   Nodes nodes{settings.cell, domain, *folder, *interruption};
   Course course{settings, 5};
-  course.next("starting the nodes");
+  course.next("start of the nodes");
   const Instant begin = os::now();
   if (auto started = nodes.start(); !started) return started.problems();
   if (auto all = nodes.wait_for_all(); !all) return all.problems();
-  times.rows.push_back({"nodes started and seen", {seconds(os::now() - begin)}});
+  times.rows.push_back({"start of all nodes, until discovered", {seconds(os::now() - begin)}});
   course.next("takt deploy");
   const auto deployed = nodes.run({"deploy", *file});
   if (!deployed) return deployed.problems();
   times.rows.push_back({"takt deploy", {seconds(*deployed)}});
 
-  course.next("running the cell");
+  course.next("run of the cell");
   for (const Instant end = os::now() + length; os::now() < end && !interruption->ended();)
     os::wait_readable({&interruption->fd()},
                       static_cast<int>(std::max<std::int64_t>(1, (end - os::now()) / 1ms)));
@@ -186,7 +186,7 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   std::set<int> processes = nodes.process_ids();
   for (const json& device : (*status)["devices"]) {
     if (!device["real_time"].get<bool>())
-      add_once(refused, {fail("the threads of the nodes are not real-time", "run as root")});
+      add_once(refused, {fail("the nodes' threads have no real-time scheduling", "run takt bench as root")});
     for (const json& executor : device["executors"]) {
       rows += executor["cycles"].get<std::uint64_t>();
       missed += executor["missed"].get<std::uint64_t>();
@@ -200,8 +200,9 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   if (!undeployed) return undeployed.problems();
   times.rows.push_back({"takt undeploy", {seconds(*undeployed)}});
   nodes.end();
-  times.notes = {fmt::format("{} rows run, {} missed; {:.0f} MB in {} processes (proportional set size)",
-                             rows, missed, static_cast<double>(memory) / 1e6, processes.size())};
+  times.notes = {fmt::format(
+      "{} rows ran and {} were missed; {:.0f} MB of memory in {} processes (proportional set size)", rows,
+      missed, static_cast<double>(memory) / 1e6, processes.size())};
 
   std::vector<std::int64_t> ages;
   for (int device = 0; device < settings.cell.devices; ++device) {
@@ -218,9 +219,9 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   way.columns.emplace_back("samples");
   way.rows = {times_row("from module to module", ages), times_row("DDS alone", *bare)};
   way.notes = {
-      "from module to module: from write() in a run() on one device to read() in a run() on another device, "
-      "which",
-      "the sample releases. DDS alone: from a writer in one process to the listener of a reader in another."};
+      "from module to module: from write() in the sender's run() to read() in the receiver's run(), which "
+      "the",
+      "sample releases. DDS alone: from write() in one process to the reader's listener in another process."};
   return std::vector<Section>{std::move(times), std::move(way)};
 }
 

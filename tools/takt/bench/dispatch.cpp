@@ -1,4 +1,4 @@
-// takt bench dispatch
+// takt bench dispatch: measures the cost of calling modules from a table.
 #include <atomic>
 #include <memory>
 #include <string>
@@ -38,8 +38,8 @@ double chain = 1;
 
 class Module final : public executor::Body {
  public:
-  // Each module uses the result of the previous one, as in a control chain. Otherwise the CPU would overlap
-  // several bare calls, and the work of a module would seem shorter than it is.
+  // Each module uses the result of the previous module, as in a control chain. Otherwise the CPU would
+  // execute several calls at the same time, and the work of one module would seem too short.
   executor::Outcome run(const Cycle&) noexcept override {
     chain = 1 - work_.step(chain);
     return {};
@@ -50,8 +50,8 @@ class Module final : public executor::Body {
   Work work_;
 };
 
-/// N periodic modules of one type in one row, as a host sets them up. Thread modules can also be called
-/// directly, without the table.
+/// An executor with N periodic modules of one type in one row, set up as in a host. The benchmark can also
+/// call thread modules without the executor.
 class Table {
  public:
   explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread,
@@ -86,16 +86,16 @@ class Table {
   }
 
   executor::Executor& executor() { return *executor_; }
-  /// Runs all modules without an executor: one indirect call each.
+  /// Runs all modules without the executor, with one indirect call each.
   void call_all() noexcept {
     for (executor::Body* body : bare_) static_cast<void>(body->run(cycle_));
   }
-  /// Simulates that each program has finished its release.
+  /// Pretends that each process module has finished its release.
   void answer_all() noexcept {
     for (std::size_t i = 0; i < count_; ++i)
       slots_[i].done.store(slots_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
   }
-  /// Whether each module was called or released in each row.
+  /// Whether every row has called or released every module.
   [[nodiscard]] bool all_served() const noexcept {
     for (std::size_t i = 0; i < count_; ++i) {
       if (blocks_[i].cycles.load() != block_.cycles.load()) return false;
@@ -115,10 +115,10 @@ class Table {
   std::unique_ptr<executor::Executor> executor_;
 };
 
-// ---- Rows without pauses
+// ---- Rows that run without pauses between them
 
 Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
-  Section section{.title = "a row of thread modules, rows without pauses: ns",
+  Section section{.title = "rows of thread modules, without pauses between rows: ns",
                   .columns = {"row", "bare calls", "a module", "beyond it"}};
   for (const std::size_t n : {10U, 100U, 1000U}) {
     double row = 0;
@@ -128,8 +128,8 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& co
       Table table{n};
       executor::Executor& executor = table.executor();
       executor.join_grid(os::now(), os::now());
-      // Pass the time of the release, not the clock: a row takes less than its period, so the grid is ahead
-      // of the clock.
+      // Pass the time of the release instead of the current time. The rows run without pauses, so the grid is
+      // ahead of the clock.
       std::vector<double> times = each_by_turns(
           length, {[&] { executor.run_cycle(executor.next_release()); }, [&] { table.call_all(); }});
       TAKT_CHECK(table.all_served());
@@ -162,18 +162,19 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& co
   });
   if (!loop) return loop.problems();
   section.notes.push_back(fmt::format(
-      "The release of a process module with its answer takes {:.1f} ns; reading the clock takes {:.1f} ns.",
+      "To release a process module and handle its answer takes {:.1f} ns. To read the clock takes {:.1f} ns.",
       released, clock));
   section.notes.emplace_back(
-      "bare calls: the same bodies, called indirectly. beyond it: the cost of a module beyond its own work.");
+      "bare calls: the same functions, called without a table. beyond it: the cost of a module besides its "
+      "own work.");
   return section;
 }
 
-/// The cost of recording each run: rows with and without a record, in turns.
+/// Measures the cost of the flight record: runs rows with and without it, in turns.
 Result<Section> recorded(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
-  Section section{.title = "the flight record, always on: ns",
+  Section section{.title = "cost of the flight record, per run of a module: ns",
                   .columns = {"a module, not recorded", "recorded", "a run's entry", "a bare entry"}};
-  constexpr std::uint64_t kEntries = 1U << 18;  // 4 MiB, as for a device with ten modules at 1 ms
+  constexpr std::uint64_t kEntries = 1U << 18;  // 4 MiB, the size for a device with ten modules at 1 ms
   auto memory = channel::FlightRecord::create({kEntries, kEntries});
   if (!memory) return memory.problems();
   for (const std::size_t n : {10U, 100U, 1000U}) {
@@ -203,13 +204,14 @@ Result<Section> recorded(const Place& place, Nanoseconds length, Course& course,
          {times[0] / count, times[1] / count, (times[1] - times[0]) / (count + 2), times[2] / 100}});
   }
   section.notes.emplace_back(
-      "A row has an entry at its begin, one at its end and one for each run. Target: at most 25 ns each.");
+      "A row has an entry at its beginning, one at its end and one for each run. Target: at most 25 ns per "
+      "entry.");
   return section;
 }
 
 // ---- A thousand modules at 1 ms
 
-/// The measurements of one way to run the modules. They include the time of each cycle.
+/// The measurements of one way to run the modules, with the time of each cycle.
 struct SeenCycles {
   Loop loop;
   std::vector<std::int64_t> taken;  ///< ns
@@ -301,7 +303,7 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
       if (!loop) return loop.problems();
       seen->loop.add(*loop);
     }
-    course.next(fmt::format("{} modules: a thread for each", kMany));
+    course.next(fmt::format("{} modules: one thread per module", kMany));
     const auto all = a_thread_for_each(place, length / kDispatchTurns);
     if (!all) return all.problems();
     threads.loop.add(*all);
@@ -312,20 +314,21 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
                            takt::to_text(kDispatchPeriod), place.cpu, place.priority),
       .columns = {"processor", "cycle p50", "cycle p99", "jitter p50", "jitter p99", "jitter max", "missed"}};
   section.rows = {row_of("one table", table, length), row_of("bare calls", bare, length),
-                  row_of("a thread for each", threads, length)};
+                  row_of("one thread per module", threads, length)};
   const Distribution of_table = distribution_of(table.taken);
   const Distribution of_calls = distribution_of(bare.taken);
   const auto ratio = [](Nanoseconds a, Nanoseconds b) {
     return b.count() == 0 ? 0 : static_cast<double>(a.count()) / static_cast<double>(b.count());
   };
   section.notes = {
-      "processor: CPU time per period; that of the table includes the wake-up, which spins. cycle: from the",
-      "start of the first module to the end of the last. jitter: for the table, that of its first module.",
-      fmt::format("The table takes {:.1f} us per cycle beyond the modules' own work (p50), {:.1f} us (p99); "
-                  "target: at most 60 us.",
+      "processor: CPU time per period; for the table, it includes the wake-up, which spins. cycle: from the",
+      "start of the first module to the end of the last one. jitter: for the table, the jitter of its first "
+      "module.",
+      fmt::format("Besides the modules' own work, the table takes {:.1f} us (p50) and {:.1f} us (p99) per "
+                  "cycle; target: at most 60 us.",
                   (of_table.p50 - of_calls.p50) / 1e3, (of_table.p99 - of_calls.p99) / 1e3),
       fmt::format(
-          "A thread for each takes {:.1f} times the CPU time of the table, and misses {} of {} cycles.",
+          "One thread per module takes {:.1f} times the CPU time of the table, and misses {} of {} cycles.",
           ratio(threads.loop.cpu_time, table.loop.cpu_time), threads.loop.missed,
           threads.loop.missed + threads.loop.jitter.size())};
   return section;

@@ -15,7 +15,7 @@ std::vector<std::int64_t> sorted_sizes(const std::vector<std::int64_t>& values) 
 
 std::int64_t percentile(const std::vector<std::int64_t>& ascending, double share) {
   if (ascending.empty()) return 0;
-  // Subtract a little, so that 0.99 of 100 is rank 99, although a double cannot represent 0.99.
+  // Subtract a little, because 0.99 is not exact as a double: 0.99 of 100 values must be rank 99, not 100.
   const double rank = std::ceil(share * static_cast<double>(ascending.size()) - 1e-6);
   const auto place = static_cast<std::size_t>(std::max(1.0, rank)) - 1;
   return ascending[std::min(place, ascending.size() - 1)];
@@ -27,7 +27,7 @@ Distribution distribution_of(const std::vector<std::int64_t>& values_ns) {
   double sum = 0;
   for (const std::int64_t value : values_ns) sum += static_cast<double>(value);
   const double mean = sum / count;
-  // Use a second pass, because the square of the mean may be far larger than the variance.
+  // Compute the variance in a second pass. The difference of two large squares would not be accurate.
   double squares = 0;
   for (const std::int64_t value : values_ns) {
     const double from_mean = static_cast<double>(value) - mean;

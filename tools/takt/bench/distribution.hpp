@@ -1,5 +1,5 @@
-// Exact statistics of a series of measured times. All values are kept, so a percentile is a measured value,
-// not an estimate.
+// Exact statistics of a series of measured times. They are computed from all values, so each percentile is a
+// measured value, not an estimate.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,9 @@
 
 namespace takt::bench {
 
-/// All members are in ns (variance: ns^2). As everywhere in Takt, mean and variance are of the signed values;
-/// the other members are of the absolute values. All are 0 if there are no values.
+/// The statistics of a series, in ns (the variance in ns^2). As everywhere in Takt, mean and variance are
+/// computed from the signed values, and the other members from the absolute values. Without values, all
+/// members are 0.
 struct Distribution {
   std::size_t count = 0;
   double mean = 0;
@@ -22,14 +23,15 @@ struct Distribution {
   double max = 0;
 };
 
-/// Percentiles by the nearest rank: p99 is the smallest value that at least 99 of 100 do not exceed.
+/// Computes the statistics. Percentiles are nearest-rank: p99 is the smallest value that at least 99 % of the
+/// values do not exceed.
 Distribution distribution_of(const std::vector<std::int64_t>& values_ns);
 
-/// The percentile, by the nearest rank, of sorted absolute values. `share` is from 0 to 1. Returns 0 if there
-/// are no values.
+/// The nearest-rank percentile of sorted absolute values. `share` is from 0 to 1; 0.99 gives p99. Returns 0
+/// if there are no values.
 std::int64_t percentile(const std::vector<std::int64_t>& ascending, double share);
 
-/// The absolute values, sorted.
+/// The absolute values in ascending order.
 std::vector<std::int64_t> sorted_sizes(const std::vector<std::int64_t>& values);
 
 }  // namespace takt::bench

@@ -41,11 +41,12 @@ constexpr std::size_t kColumns = 430;
 
 std::int64_t size_of(std::int64_t value) { return value < 0 ? -value : value; }
 
-/// Decades above kLeastSize; smaller values are drawn on the axis.
+/// The position of a value on the logarithmic scale, in decades above kLeastSize. Smaller values are drawn on
+/// the axis.
 double decades(double size) { return std::log10(std::max(size, kLeastSize) / kLeastSize); }
 
-/// The number of decades of a scale up to this value. A scale reaches at least 10 us, so that charts can be
-/// compared.
+/// The number of decades that a scale up to this value needs. Every scale reaches at least 10 us, so that
+/// charts can be compared.
 int scale_for(double largest) { return std::max(3, static_cast<int>(std::ceil(decades(largest)))); }
 
 std::string size_text(int decade) {
@@ -62,11 +63,11 @@ void begin(Canvas& canvas, const std::string& title) {
 
 struct Sample {
   const char* look;
-  bool area;  // false: a line
+  bool area;  // show a filled area, not a line
   const char* text;
 };
 
-/// Drawn right of the title, above the chart.
+/// Draws the legend above the chart, to the right of the title.
 void legend(Canvas& canvas, std::initializer_list<Sample> samples) {
   double x = kLeft + kWidth;
   for (const Sample& sample : samples) x -= tool::width_of(sample.text, kSmall) + 24 + 14;
@@ -104,7 +105,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
     canvas.text_before(kLeft - 6, y + 4, kSmall, "faint", size_text(decade));
   }
   if (served.empty()) {
-    canvas.text(kLeft + 10, kTop + kHeight / 2, kNormal, "faint", "nothing was recorded");
+    canvas.text(kLeft + 10, kTop + kHeight / 2, kNormal, "faint", "no release was recorded");
     return canvas.figure(title);
   }
 
@@ -112,7 +113,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
   const std::int64_t first = served.front().number;
   const auto span = static_cast<double>(served.back().number - first + 1);
   const double seconds = span * std::chrono::duration<double>(period).count();
-  // In a short measurement each release has a column of its own, so that neighbouring releases are joined.
+  // In a short measurement, each release has its own column, so that the line joins neighbouring releases.
   const double columns = std::min(static_cast<double>(kColumns), span);
   const auto column_of = [first, span, columns](const Served& one) {
     return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * columns);
@@ -136,7 +137,8 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
   std::size_t last = 0;
   for (std::size_t begin = 0; begin < served.size();) {
     const std::size_t column = column_of(served[begin]);
-    if (column > last + 1 && !upper.empty()) draw();  // nothing was released in between
+    if (column > last + 1 && !upper.empty())
+      draw();  // end the line, because the columns between have no release
     last = column;
     std::vector<std::int64_t> sizes;
     for (; begin < served.size() && column_of(served[begin]) == column; ++begin)
@@ -181,7 +183,7 @@ std::string jitter_histogram(const std::string& title, const std::vector<Served>
   const int scale = std::max(3, static_cast<int>((most + kClassesOfADecade - 2) / kClassesOfADecade));
   const double width = kWidth / (scale * kClassesOfADecade + 1);
 
-  // The scale reaches from a single release to all releases.
+  // The scale of the shares reaches from one release to all releases.
   const double all = static_cast<double>(std::max<std::size_t>({values.size(), bare.size(), 10}));
   const double shares = std::ceil(std::log10(all));
   const auto y_of = [shares](std::size_t count, std::size_t of) {

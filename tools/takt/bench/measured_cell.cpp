@@ -13,7 +13,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-// An upper bound for the number of releases in this time. It has a margin, because the end is not exact.
+// An upper bound for the number of releases in this time. It has a margin, because the run does not end
+// exactly then.
 std::size_t releases_in(Nanoseconds length, Nanoseconds period) {
   return static_cast<std::size_t>(length / period) * 11 / 10 + 1000;
 }

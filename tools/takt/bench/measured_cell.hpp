@@ -1,4 +1,5 @@
-// Runs a case in a real cell: writes a descriptor, and `takt run` runs it in its own node and host.
+// Runs a case of Table 1 in a real cell: writes a descriptor, which `takt run` then runs in its own node and
+// host.
 #pragma once
 
 #include <optional>
@@ -22,9 +23,9 @@ struct RunSettings {
 };
 
 struct Measured {
-  std::vector<Served> jitter;  ///< of the measured module
-  std::uint64_t cycles = 0;    ///< rows that ran
-  std::uint64_t missed = 0;    ///< rows that were missed
+  std::vector<Served> jitter;  ///< the jitter of the measured module
+  std::uint64_t cycles = 0;    ///< number of rows that ran
+  std::uint64_t missed = 0;    ///< number of rows that were missed
   bool real_time = false;
   Nanoseconds stolen{};
 };
@@ -32,7 +33,7 @@ struct Measured {
 Result<Measured> run_measured(const Table1Case& one, const RunSettings& settings, const ScratchFolder& folder,
                               Interruption& interruption);
 
-/// The values of the entries.
+/// The values of the recorded entries, without their numbers.
 std::vector<std::int64_t> values_of(const std::vector<Served>& served);
 
 }  // namespace takt::bench

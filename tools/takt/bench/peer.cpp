@@ -59,7 +59,7 @@ Result<Peer> Peer::start(WakeBy by, const Place& place, std::size_t most) {
   for (const Instant limit = os::now() + 10s; peer.mailbox().ready.load() == 0;) {
     os::sleep_until(os::now() + 1ms);
     if (os::now() > limit || peer.child_.poll())
-      return fail("the second process of the measurement did not start");
+      return fail("the second process of the measurement did not become ready");
   }
   return peer;
 }

@@ -1,4 +1,4 @@
-// The second process of a measurement: this program, started again with a hidden command.
+// The second process of a measurement, which runs the same program with a hidden command.
 #pragma once
 
 #include <atomic>
@@ -14,36 +14,38 @@
 
 namespace takt::bench {
 
-/// How the peer is woken.
+/// How the first process wakes the peer.
 enum class WakeBy : std::uint32_t { futex, signal };
 
-/// The shared memory of both processes begins with this. The answers follow it.
+/// The beginning of the memory that both processes share. The answers follow it.
 struct Mailbox {
   WakeBy by = WakeBy::futex;
   std::int32_t cpu = 0;
   std::int32_t priority = 0;
-  std::atomic<std::uint32_t> refused{0};    ///< the system denied the priority or the CPU
-  std::atomic<std::uint32_t> ready{0};      ///< the peer waits
-  std::atomic<std::uint32_t> end{0};        ///< the peer must end at the next wake-up
-  std::atomic<std::uint32_t> sent{0};       ///< SYNC: release sent; number of wake-ups, also the futex
-  std::atomic<std::int64_t> release_ns{0};  ///< time of the last release
-  std::atomic<std::uint32_t> answered{0};   ///< SYNC: release answered; number of releases whose body began
+  std::atomic<std::uint32_t> refused{0};  ///< the system denied the peer its priority or CPU
+  std::atomic<std::uint32_t> ready{0};    ///< the peer is waiting for a wake-up
+  std::atomic<std::uint32_t> end{0};      ///< the peer ends at its next wake-up
+  std::atomic<std::uint32_t> sent{
+      0};  ///< SYNC: release sent; number of wake-ups so far, also used as the futex
+  std::atomic<std::int64_t> release_ns{0};  ///< time of the newest release
+  std::atomic<std::uint32_t> answered{
+      0};  ///< SYNC: release answered; number of releases that the peer has answered
 };
 
-/// A process that waits for wake-ups and records when each arrived.
+/// A process that waits for wake-ups and records the time of each.
 class Peer {
  public:
-  /// Starts the process at this place, with room for `most` answers.
+  /// Starts the process with this CPU and priority, and with memory for `most` answers.
   static Result<Peer> start(WakeBy by, const Place& place, std::size_t most);
   Peer(Peer&&) = default;
   Peer& operator=(Peer&&) = delete;
-  /// Ends the process.
+  /// Ends the second process.
   ~Peer();
 
-  /// Wakes the process for this release. Returns false and does not wake it if it has not answered the
-  /// previous release. Real-time, one system call.
+  /// Wakes the process for this release. If it has not answered the previous release, does not wake it and
+  /// returns false. A real-time thread may call this function, which makes one system call.
   bool wake(Instant release) noexcept;
-  /// The jitter of each answer, release minus start in ns, in order. Call it after the last wake().
+  /// The jitter of each answer in order: release minus start, in ns. Call this only after the last wake().
   [[nodiscard]] std::vector<std::int64_t> jitter() const;
   [[nodiscard]] bool refused() const noexcept { return mailbox().refused.load() != 0; }
 
@@ -56,7 +58,7 @@ class Peer {
   os::Child child_;
 };
 
-/// The main function of the second process. Returns the exit status.
+/// The main function of the second process. It returns the exit status.
 int serve_as_peer();
 
 }  // namespace takt::bench

@@ -1,4 +1,4 @@
-// takt bench ports
+// takt bench ports: measures the transfer of a sample from one port to another.
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -22,11 +22,11 @@ using Sample = ::bench::Sample64;
 
 constexpr double kPortSeconds = 3;
 
-/// The writer and the reader of a connection.
+/// A connection, with its writer and its reader.
 class Pair {
  public:
-  /// `as_objects`: samples are objects, as within a host; otherwise bytes in shared memory, as for another
-  /// process.
+  /// If `as_objects`, the samples are objects, as within a host. Otherwise they are bytes in shared memory,
+  /// as between two processes.
   Pair(bool as_objects, std::uint32_t depth, bool safe = false) {
     const channel::Link::Options options{.depth = depth,
                                          .payload = as_objects ? 0 : PortType<Sample>::info.max_size,
@@ -69,7 +69,8 @@ class Pair {
   InPort<Sample> in_{"in"};
 };
 
-/// The reference: copies a sample to a place and back with memcpy, hidden from the optimiser.
+/// The reference: copies a sample to a buffer and back with memcpy. The assembly statements stop the compiler
+/// from removing the copies.
 class Copy {
  public:
   void write_and_read() {
@@ -89,9 +90,9 @@ class Copy {
 }  // namespace
 
 Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) {
-  Section section{.title = "a sample of 64 bytes from port to port, one thread: ns",
+  Section section{.title = "transfer of a sample of 64 bytes between two ports, in one thread: ns",
                   .columns = {"ns", "of memcpy"}};
-  Course{settings, 1}.next("all variants in turns");
+  Course{settings, 1}.next("all variants, in turns");
   const auto loop = run_at({.cpu = cpu_of(settings)}, [&] {
     Copy copy;
     Pair latest{true, 1};
@@ -106,17 +107,18 @@ Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) 
     safe_no_news.write_and_read();
     Pair shared_safe{false, 1, true};
     const std::vector<std::pair<const char*, std::function<void()>>> steps{
-        {"memcpy, there and back", [&] { copy.write_and_read(); }},
+        {"memcpy to a buffer and back", [&] { copy.write_and_read(); }},
         {"in a host, latest: write and read", [&] { latest.write_and_read(); }},
         {"in a host, latest, with a safe value", [&] { safe.write_and_read(); }},
         {"in a host, queue: write and read", [&] { queue.write_and_read(); }},
-        {"in a host, queue: write to a full one", [&] { unread.write(); }},
-        {"in a host: read without news", [&] { TAKT_CHECK(!no_news.read()); }},
-        {"in a host: the same with a safe value", [&] { TAKT_CHECK(!safe_no_news.read()); }},
+        {"in a host, queue: write to a full queue", [&] { unread.write(); }},
+        {"in a host, latest: read without a new sample", [&] { TAKT_CHECK(!no_news.read()); }},
+        {"in a host, latest: read without a new sample, with a safe value",
+         [&] { TAKT_CHECK(!safe_no_news.read()); }},
         {"shared memory, latest: write and read", [&] { shared_latest.write_and_read(); }},
         {"shared memory, latest, with a safe value", [&] { shared_safe.write_and_read(); }},
         {"shared memory, queue: write and read", [&] { shared_queue.write_and_read(); }},
-        {"shared memory, queue: write to a full one", [&] { shared_unread.write(); }}};
+        {"shared memory, queue: write to a full queue", [&] { shared_unread.write(); }}};
     std::vector<std::function<void()>> functions;
     for (const auto& [name, step] : steps) functions.push_back(step);
     const std::vector<double> times = each_by_turns(settings.length(kPortSeconds), functions);
@@ -127,7 +129,7 @@ Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) 
   if (!loop) return loop.problems();
   add_once(refused, loop->refused);
   section.notes.emplace_back(
-      "Between processes, the sample must also move from the caches of one CPU to those of the other.");
+      "Between two processes, the sample must also move from the caches of one CPU to those of another.");
   return std::vector<Section>{std::move(section)};
 }
 

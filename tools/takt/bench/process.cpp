@@ -1,4 +1,4 @@
-// takt bench process
+// takt bench process: measures the time from the release of a process module to the start of its body.
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +30,8 @@ struct SeenWakes {
   std::uint64_t missed = 0;
 };
 
-// Does only the scheduling of the paper: wakes the other process at each release.
+// Measures the reference: a thread that wakes another process at each release, as the paper's scheduler does,
+// without Takt.
 Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanoseconds period,
                               Nanoseconds length, Problems& refused) {
   const Grid now = Grid::from_now(period, length);
@@ -48,7 +49,8 @@ Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nano
   });
   if (!loop) return loop.problems();
   add_once(refused, loop->refused);
-  if (peer->refused()) add_once(refused, {fail("the second process is not real-time", "run as root")});
+  if (peer->refused())
+    add_once(refused, {fail("the second process has no real-time scheduling", "run takt bench as root")});
   seen.missed += loop->missed;
   seen.jitter = peer->jitter();
   return seen;
@@ -59,7 +61,7 @@ Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nano
 Result<std::vector<Section>> process(const Settings& settings, Problems& refused) {
   const Place place{.cpu = cpu_of(settings)};
   const std::vector<int> cpus = os::allowed_cpus();
-  // The CPU to which a node assigns its programs.
+  // The first CPU that the executor does not use, on which a node runs the device's programs.
   const auto other = std::find_if(cpus.begin(), cpus.end(), [&place](int cpu) { return cpu != place.cpu; });
   const int other_cpu = other == cpus.end() ? place.cpu : *other;
   const Nanoseconds period = settings.period.value_or(kProcessPeriod);
@@ -91,7 +93,7 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     if (!measured) return measured.problems();
     add(0, {values_of(measured->jitter), measured->missed});
     if (!measured->real_time)
-      add_once(refused, {fail("the threads of the node are not real-time", "run as root")});
+      add_once(refused, {fail("the node's threads have no real-time scheduling", "run takt bench as root")});
     for (const WakeBy by : {WakeBy::futex, WakeBy::signal}) {
       if (interruption->ended()) return asked_to_end();
       const std::size_t way = by == WakeBy::futex ? 1 : 2;
@@ -102,8 +104,9 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     }
   }
   Section section{
-      .title = fmt::format("from the release to the body in another process, every {}, from CPU {} to CPU {}",
-                           takt::to_text(period), place.cpu, other_cpu),
+      .title = fmt::format(
+          "from the release to the start of the body in another process, every {}, from CPU {} to CPU {}",
+          takt::to_text(period), place.cpu, other_cpu),
       .columns = time_columns()};
   section.columns.emplace_back("cycles");
   section.columns.emplace_back("missed");
@@ -117,9 +120,8 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     medians.push_back(d.p50);
   }
   section.notes = {
-      "A thread that wakes like an executor makes all releases; for the process module, it runs in a host of "
-      "a "
-      "node.",
+      "A thread that wakes up like an executor makes all releases. For the process module, it is the "
+      "executor of a host.",
       fmt::format("p50 of the process module: {:.2f} us (target: at most 1 us; the paper: 5.5 to 6 us)",
                   medians[0] / 1e3)};
   return std::vector<Section>{std::move(section)};

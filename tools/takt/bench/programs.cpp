@@ -34,7 +34,7 @@ bool Interruption::ended() {
   return ended_;
 }
 
-Problem asked_to_end() { return fail("asked to end before everything was measured"); }
+Problem asked_to_end() { return fail("ended by a signal before everything was measured"); }
 
 Result<os::Child> start_beside(const std::string& program, const std::vector<std::string>& arguments,
                                bool capture_output) {
@@ -79,14 +79,15 @@ Result<std::string> run_beside(const std::string& program, const std::vector<std
 Result<Load> Load::start() {
   const std::string program = on_path("stress-ng");
   if (program.empty())
-    return fail("there is no stress-ng, which --load runs", "install it: apt-get install stress-ng");
+    return fail("stress-ng, which --load runs, is not installed",
+                "install it with apt-get install stress-ng");
   auto child = os::Child::spawn({.program = program, .arguments = kStress});
   if (!child) return child.problems();
   return Load{std::move(*child)};
 }
 
 Load::~Load() {
-  // SIGTERM, not SIGKILL, so that stress-ng ends its own children too.
+  // Send SIGTERM, not SIGKILL, so that stress-ng ends its own child processes.
   child_.signal(os::kTerminate);
   if (child_.running()) child_.wait();
 }

@@ -1,4 +1,4 @@
-// Starts programs for a measurement: `takt` and its nodes, as users run them, and a background load.
+// Starts the programs of a measurement: `takt` and its nodes, as users run them, and a background load.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@
 
 namespace takt::bench {
 
-/// Detects that the user asks this program to end (Ctrl-C) while other programs run for it. Create only one
-/// at a time, before any thread is started.
+/// Detects a request to end this program (Ctrl-C), while other programs run for it. Create the object before
+/// any thread, and only one at a time.
 class Interruption {
  public:
   static Result<Interruption> create();
-  /// Whether there has been a request, now or earlier.
+  /// Whether a request to end has arrived, now or earlier.
   [[nodiscard]] bool ended();
   [[nodiscard]] const os::Fd& fd() const noexcept { return signals_.fd(); }
 
@@ -26,28 +26,29 @@ class Interruption {
   bool ended_ = false;
 };
 
-/// The problem to return after an interruption.
+/// The problem that a benchmark returns after such a request.
 Problem asked_to_end();
 
-/// Starts a program from the folder of this program ("takt", "takt-node"). It uses only the loopback
+/// Starts "takt" or "takt-node" from the folder of this program. The program uses only the loopback
 /// interface, unless TAKT_INTERFACE is set.
 Result<os::Child> start_beside(const std::string& program, const std::vector<std::string>& arguments,
                                bool capture_output);
 
-/// Runs such a program to its end and returns its standard output. Fails with its standard error if its
-/// status is not 0. An interruption asks the program to end, and is also a failure.
+/// Runs "takt" or "takt-node" until it ends, and returns its standard output. If its exit status is not 0,
+/// fails with its standard error. A request to end this program also ends the other one, and this function
+/// fails.
 Result<std::string> run_beside(const std::string& program, const std::vector<std::string>& arguments,
                                Interruption& interruption);
 
-/// Runs stress-ng on all CPUs during the lifetime of this object. Fails if stress-ng is not installed, with
-/// the package to install.
+/// Runs stress-ng on all CPUs during the lifetime of this object. If stress-ng is not installed, start()
+/// fails and names the package.
 class Load {
  public:
   static Result<Load> start();
   Load(Load&&) = default;
   Load& operator=(Load&&) = delete;
   ~Load();
-  /// The command line, for the report.
+  /// The command line of stress-ng, for the report.
   static std::string words();
 
  private:

@@ -56,7 +56,7 @@ std::string report_text(const Report& report) {
   std::string text = machine_text(report.machine);
   if (!report.load.empty()) text += fmt::format("{:<13} {}\n", "background", report.load);
   for (const Section& section : report.sections) text += section_text(section);
-  text += fmt::format("\nCPU time taken by other virtual machines meanwhile: {:.0f} ms\n",
+  text += fmt::format("\nCPU time taken by other virtual machines during the benchmark: {:.0f} ms\n",
                       static_cast<double>(report.stolen.count()) / 1e6);
   for (const Problem& problem : report.refused) text += "denied: " + in_words(Problems{problem}) + "\n";
   return text;

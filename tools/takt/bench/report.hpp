@@ -1,4 +1,5 @@
-// The report of a benchmark other than Table 1: tables of numbers, with the references as rows, and notes.
+// The report of a benchmark other than Table 1. It has tables of numbers, in which each reference is a row,
+// and notes.
 #pragma once
 
 #include <cstdint>
@@ -17,36 +18,36 @@ namespace takt::bench {
 
 struct Row {
   std::string name;
-  std::vector<double> values;  ///< one for each column; NaN: no value
+  std::vector<double> values;  ///< one value for each column; NaN if there is no value
 };
 
 struct Section {
   std::string title;
-  std::vector<std::string> columns;  ///< with the unit: "p50 us"
+  std::vector<std::string> columns;  ///< the titles of the columns, with the unit: "p50 us"
   std::vector<Row> rows{};
-  std::vector<std::string> notes{};  ///< one sentence each
+  std::vector<std::string> notes{};  ///< the lines of the notes below the table
 };
 
 struct Report {
   std::string benchmark;
   os::Platform machine{};
-  std::int64_t wall_ns = 0;  ///< begin of the benchmark
-  Nanoseconds stolen{};      ///< CPU time, of all CPUs, that other virtual machines took meanwhile
-  std::string load{};        ///< the load started by the benchmark; empty: none
-  Problems refused{};        ///< requests that the system denied; the benchmark ran without them
+  std::int64_t wall_ns = 0;  ///< when the benchmark began
+  Nanoseconds stolen{};      ///< CPU time, on all CPUs, that other virtual machines took during the benchmark
+  std::string load{};        ///< the command line of the background load, or empty
+  Problems refused{};        ///< requests that the system denied to the benchmark
   std::vector<Section> sections{};
 };
 
 /// Adds the problems of `more` that are not in `all` yet.
 void add_once(Problems& all, const Problems& more);
 
-/// The columns for a distribution of times, and the values for them.
+/// The columns for a distribution of times. in_columns() has the values for them.
 std::vector<std::string> time_columns();
 std::vector<double> in_columns(const Distribution& d);
 
-/// Numbers have three significant digits; "-" for no value.
+/// The report as text. Numbers have three significant digits; "-" stands for a missing value.
 std::string report_text(const Report& report);
-/// A missing value becomes null. The column "p50 us" has the key "p50_us".
+/// The report as JSON. The column "p50 us" has the key "p50_us". A missing value is null.
 nlohmann::ordered_json report_json(const Report& report);
 
 }  // namespace takt::bench

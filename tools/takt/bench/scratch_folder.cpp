@@ -23,7 +23,8 @@ Result<std::string> ScratchFolder::write(const std::string& name, const std::str
   std::ofstream out{path, std::ios::binary};
   out << content;
   out.close();
-  if (!out) return fail(path + " cannot be written", "free disk space, or set TMPDIR to another folder");
+  if (!out)
+    return fail(path + " cannot be written", "free space on the disk, or set TMPDIR to another folder");
   return path;
 }
 

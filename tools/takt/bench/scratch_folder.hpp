@@ -1,4 +1,4 @@
-// A temporary folder for the files of one measurement.
+// A temporary folder for the files of one measurement. The destructor removes it.
 #pragma once
 
 #include <filesystem>

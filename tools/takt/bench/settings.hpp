@@ -9,21 +9,23 @@
 
 namespace takt::bench {
 
-/// Settings of `takt bench cell`.
+/// The additional settings of `takt bench cell`.
 struct CellSettings {
   int devices = 4;
-  int pairs =
-      1;  ///< pairs of modules on each device: one sends to the next device, one receives from the previous
+  int pairs = 1;  ///< number of module pairs on each device: a sender to the next device, and a receiver from
+                  ///< the previous one
 };
 
 struct Settings {
-  std::optional<double> seconds;  ///< length of each measurement; none: the benchmark's default
-  std::optional<int> cpu;         ///< of the real-time threads; none: the last CPU that this program may use
-  std::optional<int> domain;      ///< DDS domain of benchmarks that start nodes; none: as for `takt run`
-  bool load = false;              ///< run stress-ng at the same time
-  std::optional<Nanoseconds> period;  ///< none: the benchmark's default
+  std::optional<double> seconds;  ///< duration of each measurement; by default that of the benchmark
+  std::optional<int>
+      cpu;  ///< CPU of the real-time threads; by default the last one that this program may use
+  std::optional<int> domain;  ///< DDS domain of benchmarks that start nodes; by default that of `takt run`
+  bool load = false;          ///< run stress-ng during the measurements
+  std::optional<Nanoseconds> period;  ///< period of the modules; by default that of the benchmark
   CellSettings cell{};
-  /// Called with the progress and the name of the next measurement; none: no progress is shown. See Course.
+  /// If given, Course calls this before each measurement, with the progress so far and the name of the
+  /// measurement.
   std::function<void(double share, const std::string& what)> progress{};
 
   [[nodiscard]] Nanoseconds length(double otherwise) const {
@@ -32,12 +34,12 @@ struct Settings {
   }
 };
 
-/// Reports the progress of a benchmark: before each measurement, never during one, because drawing the
-/// progress would disturb it.
+/// Reports the progress of a benchmark before each measurement. It reports nothing during a measurement,
+/// because drawing the progress would disturb it.
 class Course {
  public:
-  /// `settings` outlive this object. `measurements` is the number of measurements, which all have about the
-  /// same length.
+  /// `settings` must outlive this object. `measurements` is the number of measurements, which all take about
+  /// the same time.
   Course(const Settings& settings, int measurements)
       : progress_(settings.progress), measurements_(measurements) {}
 
@@ -52,7 +54,7 @@ class Course {
   int done_ = 0;
 };
 
-/// The CPU of the real-time threads.
+/// The CPU on which the real-time threads run.
 int cpu_of(const Settings& settings);
 
 }  // namespace takt::bench

@@ -18,14 +18,14 @@ std::string or_else(const std::string& text, const char* otherwise) {
 std::vector<std::pair<std::string, std::string>> described(const os::Platform& machine) {
   return {{"machine", or_else(machine.name, "unknown")},
           {"CPU", fmt::format("{}, {} online{}", or_else(machine.processor, "unknown"), machine.processors,
-                              machine.hypervisor ? ", a virtual machine" : "")},
+                              machine.hypervisor ? ", in a virtual machine" : "")},
           {"kernel", or_else(machine.kernel, "unknown")},
           {"clock source", or_else(machine.clock_source, "unknown")},
           {"governor", or_else(machine.governor, "none visible")},
           {"isolated", or_else(machine.isolated, "no CPU")},
           {"throttling", machine.throttled == 0
                              ? "off"
-                             : fmt::format("real-time threads may not use {:.0f} % of each second",
+                             : fmt::format("the kernel denies real-time threads {:.0f} % of each second",
                                            100 * machine.throttled)},
           {"load", or_else(machine.load, "unknown")}};
 }

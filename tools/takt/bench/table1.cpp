@@ -36,18 +36,18 @@ class Table1Run {
     measured.one = one;
     measured.loop_real_time = true;
     const std::string name = fmt::format("case {} of {}: ", one.number, kTable1.size());
-    course_.next(name + "the bare loop");
+    course_.next(name + "bare loop, first half");
     if (auto half = run_half(measured); !half) return half.problems();
     course_.next(name + "Takt");
     if (auto done = run_takt(measured); !done) return done.problems();
-    course_.next(name + "the bare loop again");
+    course_.next(name + "bare loop, second half");
     if (auto half = run_half(measured); !half) return half.problems();
     measured.loop = distribution_of(measured.bare);
     return measured;
   }
 
  private:
-  // Runs half of the bare loop in parts of 1 s, so that an interruption takes effect soon.
+  // Runs half of the bare loop's time, in parts of 1 s, so that Ctrl-C takes effect within a second.
   Result<void> run_half(CaseResult& measured) {
     constexpr Nanoseconds kPart = std::chrono::seconds{1};
     for (Nanoseconds left = settings_.length(kTable1Seconds) / 2; left >= result_.period; left -= kPart) {

@@ -72,7 +72,7 @@ std::string facts(const Table1Result& result) {
   };
   row("date", date_text(result.wall_ns));
   for (const auto& [what, how] : described(result.machine)) row(what, how);
-  row("background", result.load.empty() ? "nothing started by the benchmark" : result.load);
+  row("background", result.load.empty() ? "none started by the benchmark" : result.load);
   return "<table class=\"facts\">\n" + rows + "</table>\n";
 }
 
@@ -119,10 +119,10 @@ std::string section(const CaseResult& one, const Table1Result& result) {
              "class=\"{3}\">{4}</span>{5}{6}</p>\n",
              number, modules_text(one.one), type, class_of(judgement.verdict), to_text(judgement.verdict),
              judgement.why.empty() ? "" : ": ", escaped(judgement.why)) +
-         jitter_over_time(fmt::format("Case {}: absolute jitter over time, range and median", number),
+         jitter_over_time(fmt::format("Case {}: absolute jitter over time (range and median)", number),
                           one.jitter, result.period) +
-         jitter_histogram(fmt::format("Case {}: share of releases by absolute jitter", number), one.jitter,
-                          one.bare);
+         jitter_histogram(fmt::format("Case {}: distribution of the releases by absolute jitter", number),
+                          one.jitter, one.bare);
 }
 
 }  // namespace

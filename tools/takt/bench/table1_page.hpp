@@ -1,5 +1,5 @@
-// Table 1 and Figures 12 to 19 of the paper as an HTML page, with the measurements of this machine beside the
-// paper's. The page is self-contained: no network, no script.
+// Makes an HTML page like Table 1 and Figures 12 to 19 of the paper, which compares the measurements of this
+// machine with the paper's results. The page is self-contained: it needs no network and no script.
 #pragma once
 
 #include <string>

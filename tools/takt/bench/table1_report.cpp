@@ -58,12 +58,12 @@ std::string table1_rows(const CaseResult& one, const Table1Result& result) {
 }
 
 std::string table1_foot() {
-  return "\n  Times are in us, variance in us^2. Jitter is release minus start, Eq. (1). Mean and variance "
-         "are\n"
-         "  signed, the others are of the absolute value. s.so, s.exe: sporadic; n-rt: non-real-time.\n"
-         "  bare: a thread with clock_nanosleep() on the same CPU at the same priority, half of it before\n"
-         "  the case and half after. missed: whole periods that passed without a start. stolen: CPU time\n"
-         "  in ms that other machines on the same hardware took meanwhile.\n";
+  return "\n  Times are in us, variance in us^2. Jitter is release minus start, Eq. (1). Mean and variance\n"
+         "  are computed from the signed values, the others from the absolute values. s.so, s.exe:\n"
+         "  sporadic; n-rt: non-real-time. bare: a thread that waits with clock_nanosleep() on the same\n"
+         "  CPU, at the same priority; half of it runs before the case, half after. missed: whole periods\n"
+         "  that passed without a start. stolen: CPU time in ms that other virtual machines took during\n"
+         "  the case.\n";
 }
 
 json table1_json(const Table1Result& result) {

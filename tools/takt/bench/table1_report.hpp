@@ -1,4 +1,5 @@
-// The output of `takt bench table1` as text, case by case, and as JSON. For the page see table1_page.hpp.
+// Makes the output of `takt bench table1`: as text, case by case, and as JSON. table1_page.hpp makes the HTML
+// page.
 #pragma once
 
 #include <string>
@@ -9,14 +10,14 @@
 
 namespace takt::bench {
 
-/// The lines above the rows.
+/// The head of the text: the machine, the title and the names of the columns.
 std::string table1_head(const Table1Result& result);
-/// The rows of a case: the numbers of Takt, of the paper and of the bare loop.
+/// The rows of one case: the numbers for Takt, for the paper and for the bare loop.
 std::string table1_rows(const CaseResult& one, const Table1Result& result);
-/// The explanation of the columns.
+/// The foot of the text, which explains the columns.
 std::string table1_foot();
 
-/// All results, without the single samples.
+/// All results as JSON, without the individual samples.
 nlohmann::ordered_json table1_json(const Table1Result& result);
 
 }  // namespace takt::bench

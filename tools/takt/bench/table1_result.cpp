@@ -9,7 +9,7 @@ namespace takt::bench {
 namespace {
 
 constexpr double kThreadP50 = 100;    // ns
-constexpr double kThreadP99 = 1'000;  // ns, from kSlow on
+constexpr double kThreadP99 = 1'000;  // ns; applies to periods of kSlow and longer
 constexpr double kOfBareP99 = 0.5;
 constexpr double kProcessP50 = 1'000;  // ns
 constexpr Nanoseconds kSlow = std::chrono::milliseconds{1};
@@ -19,7 +19,7 @@ std::string beyond(const char* what, double value, double most, const char* whic
 }
 
 std::string shortfall(const CaseResult& result, Nanoseconds period) {
-  if (result.takt.count == 0) return "nothing was recorded";
+  if (result.takt.count == 0) return "no release was recorded";
   if (!result.real_time) return "the system denied real-time scheduling";
   if (!result.loop_real_time) return "the system denied the bare loop its priority or CPU";
   std::vector<std::string> reasons;
@@ -43,7 +43,8 @@ Judgement judge(const CaseResult& result, Nanoseconds period, int cpus) {
   if (why.empty()) return {};
   const int wanted = result.one.cpus_wanted();
   if (cpus < wanted) {
-    return {Verdict::more_modules, fmt::format("{}; it needs {} CPUs and has {}", why, wanted, cpus)};
+    return {Verdict::more_modules,
+            fmt::format("{}; the case needs {} CPUs and the machine has {}", why, wanted, cpus)};
   }
   return {Verdict::not_held, why};
 }

@@ -1,4 +1,4 @@
-// takt bench wake
+// takt bench wake: measures how punctually an executor wakes up, with each wake-up strategy.
 #include <array>
 #include <cmath>
 
@@ -50,7 +50,7 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
       way.seen.add(*loop);
     }
   }
-  Section section{.title = fmt::format("wake-up every {}, on CPU {} with priority {}: delay",
+  Section section{.title = fmt::format("delay of the wake-up, every {}, on CPU {} with priority {}",
                                        takt::to_text(period), place.cpu, place.priority),
                   .columns = time_columns()};
   for (const char* column : {"cycles", "missed", "processor %"}) section.columns.emplace_back(column);

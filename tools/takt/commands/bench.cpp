@@ -1,4 +1,4 @@
-// takt bench: measures how fast and how punctual Takt is on this machine, each time against a reference.
+// takt bench: measures how fast and how punctual Takt is on this machine, and compares it with a reference.
 #include <algorithm>
 #include <fstream>
 #include <memory>
@@ -36,7 +36,7 @@ struct BenchOptions {
   std::string html;
 };
 
-// The settings, with a callback that shows the progress if there is a terminal.
+// Adds a callback to the settings that shows the progress, if standard error is a terminal.
 bench::Settings with_progress(bench::Settings settings, Progress& progress) {
   if (progress.is_seen()) {
     settings.progress = [&progress](double share, const std::string& what) {
@@ -46,19 +46,19 @@ bench::Settings with_progress(bench::Settings settings, Progress& progress) {
   return settings;
 }
 
-// Locks the memory, because a first page fault would otherwise look like a late wake-up.
+// Locks this process's memory. Otherwise the first page fault would look like a late wake-up.
 Problems lock_memory() {
   const auto locked = os::lock_memory();
   return locked ? Problems{} : locked.problems();
 }
 
 int table1(const BenchOptions& options) {
-  static_cast<void>(lock_memory());  // if this fails, the system also denies real time; the report says so
+  static_cast<void>(lock_memory());  // if this fails, so does real-time scheduling, which the report mentions
   std::ofstream page;
   if (!options.html.empty()) {
-    page.open(options.html);  // opened now, so that this cannot fail after minutes of measuring
+    page.open(options.html);  // open the file now, not after minutes of measuring
     if (!page) {
-      complain({{options.html, "cannot be written", "name a file in a folder that you may write to"}});
+      complain({{options.html, "cannot be written", "choose a file in a folder that you may write to"}});
       return 1;
     }
   }
@@ -79,7 +79,7 @@ int table1(const BenchOptions& options) {
   if (options.html.empty()) return 0;
   page << bench::table1_page(*result);
   if (!page.flush()) {
-    complain({{options.html, "could not be written completely", "free space on its disk"}});
+    complain({{options.html, "could not be written completely", "free space on the disk of this file"}});
     return 1;
   }
   return 0;
@@ -121,21 +121,22 @@ int measure(const char* name, Benchmark benchmark, const BenchOptions& options) 
 }  // namespace
 
 void add_bench(CLI::App& app, Chosen& chosen) {
-  auto* bench = app.add_subcommand("bench", "Measure Takt on this machine, each time against a reference");
+  auto* bench = app.add_subcommand("bench", "Measure Takt on this machine and compare it with a reference");
   bench->require_subcommand(1);
   const auto add = [&](const char* name, const char* what,
                        const std::function<int(const BenchOptions&)>& run) {
     auto options = std::make_shared<BenchOptions>();
     auto* command = bench->add_subcommand(name, what);
-    command->add_option("--for", options->settings.seconds, "how long each measurement takes")
+    command->add_option("--for", options->settings.seconds, "duration of each measurement")
         ->type_name("SECONDS")
         ->check(within(0.01, 86400.0));
     command
         ->add_option("--cpu", options->settings.cpu,
-                     "the CPU of the real-time threads (default: the last one)")
+                     "the CPU on which the real-time threads run (default: the last one)")
         ->type_name("N")
         ->check(CLI::Range(0, 1023).description(""));
-    command->add_flag("--load", options->settings.load, "run stress-ng on all CPUs at the same time");
+    command->add_flag("--load", options->settings.load,
+                      "load all CPUs with stress-ng during the measurement");
     command->add_flag("--json", options->json, "print one JSON object");
     command->callback([options, run, &chosen] {
       chosen = [options, run] {
@@ -153,8 +154,8 @@ void add_bench(CLI::App& app, Chosen& chosen) {
         const std::vector<int> cpus = os::allowed_cpus();
         if (const auto& cpu = options->settings.cpu;
             cpu && std::find(cpus.begin(), cpus.end(), *cpu) == cpus.end()) {
-          complain({{"--cpu", fmt::format("this program may not use CPU {}", *cpu),
-                     fmt::format("use one of {}", fmt::join(cpus, ", "))}});
+          complain({{"--cpu", fmt::format("takt may not run on CPU {}", *cpu),
+                     fmt::format("choose one of the CPUs {}", fmt::join(cpus, ", "))}});
           return 1;
         }
         return run(*options);
@@ -168,14 +169,15 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   };
   const auto with_period = [](const auto& added) {
     added.first
-        ->add_option("--period", added.second->period_us, "use this period instead of the benchmark's own")
+        ->add_option("--period", added.second->period_us,
+                     "use this period instead of the benchmark's default period")
         ->type_name("MICROSECONDS")
         ->check(within(20.0, 1e6));
   };
   const auto with_domain = [](const auto& added) {
     added.first
         ->add_option("--domain", added.second->settings.domain,
-                     "the DDS domain of the nodes that this starts")
+                     "the DDS domain of the nodes that the benchmark starts")
         ->type_name("N")
         ->check(CLI::Range(0, 232).description(""));
   };
@@ -187,22 +189,24 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   with_domain(cases);
   cases.first
       ->add_option("--html", cases.second->html,
-                   "write a page with the table, the jitter over time and histograms")
+                   "write an HTML page with the table, the jitter over time and histograms")
       ->type_name("OUT");
   add_measure("dispatch",
-              "Measure what it costs to call a module from a table; 1000 modules against 1000 threads",
+              "Measure the cost of calling 1000 modules from a table, compared with waking 1000 threads",
               bench::dispatch);
-  with_period(add_measure("wake", "Measure the wake-up of an executor, for each strategy", bench::wake));
-  const auto process = add_measure(
-      "process", "Measure the time from the release of a process module to its body", bench::process);
+  with_period(add_measure("wake", "Measure how punctually an executor wakes up, with each wake-up strategy",
+                          bench::wake));
+  const auto process =
+      add_measure("process", "Measure the time from the release of a process module to the start of its body",
+                  bench::process);
   with_period(process);
   with_domain(process);
-  add_measure("ports", "Measure the transfer of a sample from port to port", bench::ports);
+  add_measure("ports", "Measure the time to transfer a sample from one port to another", bench::ports);
 
-  const auto cell = add_measure(
-      "cell",
-      "Measure a cell of several devices on this machine: its deployment, and samples from device to device",
-      bench::cell);
+  const auto cell = add_measure("cell",
+                                "Measure the deployment of a cell of several devices on this machine, and "
+                                "the transfer of samples between the devices",
+                                bench::cell);
   with_period(cell);
   with_domain(cell);
   cell.first
@@ -213,12 +217,12 @@ void add_bench(CLI::App& app, Chosen& chosen) {
       ->check(CLI::Range(2, 64).description(""));
   cell.first
       ->add_option("--pairs", cell.second->settings.cell.pairs,
-                   "the number of pairs of modules on each device: one sends, one receives")
+                   "the number of module pairs on each device: one module sends, the other receives")
       ->type_name("N")
       ->capture_default_str()
       ->check(CLI::Range(1, 100).description(""));
 
-  // Hidden commands: the second process of some measurements.
+  // Hidden commands: takt bench starts them as the second process of some measurements.
   bench->add_subcommand("peer")->group("")->callback([&chosen] { chosen = bench::serve_as_peer; });
   bench->add_subcommand("writer")->group("")->callback([&chosen] { chosen = bench::serve_as_writer; });
 }

@@ -19,7 +19,7 @@ std::size_t modules_of(const model::Cell& cell) {
 
 constexpr Nanoseconds kLate = std::chrono::seconds{2};
 
-/// Whether every module of the cell has reported that it is ready, or a later state.
+/// Whether every module of the cell has reported the state START or a later one, so it is ready.
 bool are_ready(const std::vector<wire::ObservedDevice>& seen, const model::Cell& cell) {
   const auto is_ready = [&seen](const model::Device& device, const model::Module& module) {
     return std::any_of(seen.begin(), seen.end(), [&](const wire::ObservedDevice& one) {
@@ -46,8 +46,8 @@ void BringUpProgress::print(const std::string& text) {
 
 void BringUpProgress::end(bool went_well) {
   if (progress_.is_seen() && went_well) {
-    // The devices have answered that they are ready. The states of their modules come on another topic and
-    // may arrive later.
+    // The devices have reported that they are ready, but the states of their modules come on another topic
+    // and may arrive later. Wait for them.
     client_.observer->wait([this](const auto& devices) { return are_ready(devices, cell_); }, kLate);
     show();
   }

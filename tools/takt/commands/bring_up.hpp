@@ -1,4 +1,4 @@
-// Shows on the terminal how the devices and modules of a cell become ready, while it happens.
+// Shows on the terminal, during the start of a cell, which devices and modules are ready.
 #pragma once
 
 #include <string>
@@ -12,16 +12,17 @@ namespace takt::tool {
 
 class BringUpProgress {
  public:
-  /// `client` and `cell` outlive this object.
+  /// `client` and `cell` must outlive this object.
   BringUpProgress(const client::Connection& client, const model::Cell& cell);
 
-  /// Prints a line, whether standard error is a terminal or not.
+  /// Prints a permanent line to standard error, even if it is not a terminal.
   void print(const std::string& text);
-  /// Redraws the progress if it is due. Call it often.
+  /// Redraws the progress line if it is due for an update. The caller must call this often.
   void refresh() {
     if (progress_.is_due()) show();
   }
-  /// Removes the progress from the screen. If the start succeeded, shows the remaining modules first.
+  /// Removes the progress line. If the start succeeded, first shows the modules that have become ready since
+  /// the last update.
   void end(bool went_well);
 
  private:

@@ -37,27 +37,27 @@ struct CallOptions {
   client::Network network;
 };
 
-/// This is added to the time for which the node opens the service. The node closes the service by itself
-/// after that time.
+/// The node opens the service for other programs for a limited time. The command asks for this much more than
+/// it needs.
 constexpr auto kMargin = std::chrono::seconds{2};
-/// DDS must match the request topic and the reply topic within this time.
+/// If DDS does not match the request topic and the reply topic within this time, the call fails.
 constexpr auto kServiceFound = std::chrono::seconds{5};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// The type of the user's request or reply, without the envelope that Takt adds.
+/// The type of the request or reply as the user declared it, without the envelope that Takt adds.
 Result<model::Type> inner(const model::Type& type, const char* field) {
   for (const model::Field& each : type.fields) {
     if (each.name == field && each.scalar == model::Scalar::structure)
       return model::Type{each.type_name, each.fields};
   }
-  return fail("the answer of the device is from another version of Takt",
+  return fail("the device's answer is from another version of Takt",
               "install the same version on all machines");
 }
 
-/// Picks the reply to one request out of all replies on the topic.
+/// Waits for the reply to one request, and ignores all other replies on the topic.
 class Answer {
  public:
   Answer(model::Type type, std::uint64_t client) : type_(std::move(type)), client_(client) {}
@@ -69,7 +69,7 @@ class Answer {
     reply_ = std::move(reply);
     arrived_.notify_all();
   }
-  /// Null if no reply came in time.
+  /// Waits until a reply has arrived, at most until `until`. Null if none arrived.
   Json wait_until(Instant until) {
     std::unique_lock lock{mutex_};
     arrived_.wait_until(lock, until, [this] { return !reply_.is_null(); });
@@ -84,7 +84,7 @@ class Answer {
   Json reply_;
 };
 
-/// The topics of a service and their types.
+/// The request topic and the reply topic of a service, with their types.
 struct Place {
   std::string request_topic;
   std::string reply_topic;
@@ -109,7 +109,7 @@ Result<Place> find(client::Connection& client, const CallOptions& options) {
   if (!answer) return answer.problems();
   const auto description = model::parse_json(answer->data);
   if (!description.is_object())
-    return fail("the answer of the device is from another version of Takt",
+    return fail("the device's answer is from another version of Takt",
                 "install the same version on all machines");
   if (!description.contains("reply"))
     return fail(options.service + " is a port, not a service",
@@ -122,7 +122,7 @@ Result<Place> find(client::Connection& client, const CallOptions& options) {
                std::move(*reply)};
 }
 
-/// The bytes of the request. Fails if the typed fields do not match its type.
+/// The serialized request. Fails if the fields that the user typed do not match the request's type.
 Result<std::vector<std::byte>> request_of(const Place& place, const CallOptions& options,
                                           std::uint64_t client) {
   const auto type = inner(place.request, "request");
@@ -155,7 +155,7 @@ int call(const CallOptions& options) {
   Answer answer{place->reply, me};
   const dds::Quality quality{.reliable = true, .depth = 8, .deadline = {}, .lifespan = {}};
   dds::Quality kept = quality;
-  kept.kept = true;  // the service may answer before it has discovered this reader
+  kept.kept = true;  // keep the reply for this reader, which the service may discover only after answering
   const auto replies = dds::Tap::create(
       client->participant, {.topic = place->reply_topic, .type = place->reply, .quality = kept},
       [&answer](const std::byte* bytes, std::size_t size, std::int64_t) { answer.take(bytes, size); });
@@ -167,7 +167,7 @@ int call(const CallOptions& options) {
   while ((*requests)->health().matched == 0 || (*replies)->health().matched == 0) {
     if (os::now() > found)
       return refuse({fail(options.service + " was not found on DDS within 5 s",
-                          "check with takt status that its device still runs")});
+                          "check with takt status that its device is still running")});
     os::sleep_until(os::now() + std::chrono::milliseconds{2});
   }
   const Instant begun = os::now();
@@ -177,9 +177,10 @@ int call(const CallOptions& options) {
   const Json reply = answer.wait_until(begun + limit);
   const double milliseconds = std::chrono::duration<double, std::milli>(os::now() - begun).count();
   if (reply.is_null()) {
-    return refuse({fail(fmt::format("{} did not answer within {} s; it may or may not have acted",
-                                    options.service, options.timeout),
-                        "check the result, or wait longer with --timeout")});
+    return refuse(
+        {fail(fmt::format("{} did not answer within {} s; the service may still have acted on the request",
+                          options.service, options.timeout),
+              "check the result, or wait longer with --timeout")});
   }
   if (reply.value("code", "") != "SERVICE_REPLIED")
     return refuse({fail(options.service + " rejected the request: " + reply.value("reason", ""))});
@@ -200,10 +201,9 @@ void add_call(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand("call", "Send a request to a service and print its reply");
   command->add_option("SERVICE", options->service, "DEVICE.MODULE.SERVICE")->required();
   command
-      ->add_option(
-          "REQUEST", options->request,
-          "FIELD=VALUE ..., OUTER.INNER=VALUE for a field of a field; or one JSON object. A field that is "
-          "left out is zero")
+      ->add_option("REQUEST", options->request,
+                   "FIELD=VALUE ..., with OUTER.INNER=VALUE for a nested field; or one JSON object. Fields "
+                   "that are left out are zero")
       ->type_name("");
   command->add_option("--timeout", options->timeout, "how long to wait for the reply (default 2)")
       ->type_name("SECONDS")

@@ -19,9 +19,9 @@ namespace {
 struct CheckOptions {
   std::string file;
   bool json = false;
-  std::string svg;        ///< where to write the drawing; empty: nowhere
-  bool expanded = false;  ///< print the descriptor without includes and templates instead
-  bool remote = false;    ///< components that are not on this machine are warnings
+  std::string svg;        ///< the file for the drawing, or empty for no drawing
+  bool expanded = false;  ///< only print the descriptor, with includes and templates expanded
+  bool remote = false;    ///< only warn of components that are not on this machine
   ProofOptions proof;
 };
 
@@ -34,7 +34,7 @@ int check(const CheckOptions& options) {
   Problems missing;
   auto loaded = load(options.file, options.remote ? &missing : nullptr);
   for (const Problem& problem : missing) {
-    std::fprintf(stderr, "%s: warning: %s; the node will look for it\n", problem.where.c_str(),
+    std::fprintf(stderr, "%s: warning: %s; the node will search for the component\n", problem.where.c_str(),
                  problem.what.c_str());
   }
   if (!loaded) {
@@ -48,7 +48,7 @@ int check(const CheckOptions& options) {
   }
   loaded->cell.domain = *domain;
   std::optional<Proof> proof;
-  // Prove the deadlines even without these options, if the descriptor has everything that a proof needs.
+  // Prove the deadlines if the user asks for it, or if every module has a budget, which suffices for a proof.
   if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {
     auto proved = prove(loaded->cell, loaded->plans, options.proof);
     if (!proved) {
@@ -63,7 +63,7 @@ int check(const CheckOptions& options) {
     std::ofstream out{options.svg};
     out << check_svg(loaded->cell, loaded->plans);
     if (!out.flush()) {
-      complain({{options.svg, "cannot be written", "name a file in a folder that you may write to"}});
+      complain({{options.svg, "cannot be written", "choose a file in a folder that you may write to"}});
       return 1;
     }
   }
@@ -72,7 +72,7 @@ int check(const CheckOptions& options) {
                                : check_text(loaded->cell, loaded->plans, terminal_style(), proof);
   const bool printed = print(text);
   if (!proof || proof->missed.empty()) return printed ? 0 : 1;
-  std::fflush(stdout);  // the table first, then the problems
+  std::fflush(stdout);  // print the report before the problems
   complain(proof->missed);
   return 1;
 }
@@ -81,14 +81,15 @@ int check(const CheckOptions& options) {
 
 void add_check(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<CheckOptions>();
-  auto* command = app.add_subcommand("check", "Validate a descriptor and print its tables; start nothing");
+  auto* command =
+      app.add_subcommand("check", "Validate a descriptor and print its tables, without starting anything");
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
   command->add_flag("--json", options->json, "print one JSON object");
-  command->add_option("--svg", options->svg, "write the tables as a drawing to this file")->type_name("OUT");
+  command->add_option("--svg", options->svg, "write a drawing of the tables (SVG) to this file")
+      ->type_name("OUT");
   command->add_flag("--expanded", options->expanded,
-                    "print the descriptor with includes and templates expanded, and no tables");
-  command->add_flag("--remote", options->remote,
-                    "warn of a component that is not on this machine instead of rejecting it");
+                    "print the descriptor with includes and templates expanded, instead of the tables");
+  command->add_flag("--remote", options->remote, "only warn of components that are not on this machine");
   command
       ->add_option("--profile", options->proof.profile,
                    "prove each deadline with the run times that takt run --profile wrote")

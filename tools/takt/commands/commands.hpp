@@ -1,5 +1,5 @@
-// The commands of `takt`. Each command, or family of commands, has one file and adds itself to the command
-// line.
+// The commands of `takt`. Each command, or family of commands, has its own source file, which adds it to the
+// command line.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,8 @@ namespace takt::tool {
 /// Runs the chosen command and returns its exit status. 0 means success. 1 means that the command was
 /// rejected or failed; the reason is then on standard error.
 using Chosen = std::function<int()>;
-/// Adds a command, which sets `chosen` when it is parsed. `app` and `chosen` outlive the parsing.
+/// Adds a command to the command line. If the user gives this command, parsing sets `chosen`. `app` and
+/// `chosen` must live until the command line is parsed.
 using AddCommand = void(CLI::App& app, Chosen& chosen);
 
 AddCommand add_check;
@@ -40,7 +41,7 @@ AddCommand add_sign;
 AddCommand add_bench;
 AddCommand add_describe;
 
-/// In the order in which `takt --help` lists them.
+/// All commands, in the order in which `takt --help` lists them.
 inline constexpr AddCommand* kCommands[] = {
     add_check,  add_graph,  add_run,   add_new,     add_simulate,        add_deploy, add_undeploy,
     add_status, add_watch,  add_web,   add_log,     add_module_commands, add_swap,   add_properties,

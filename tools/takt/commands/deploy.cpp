@@ -1,4 +1,4 @@
-// takt deploy and takt undeploy: deploy a cell to the nodes of the network, and take the cell down.
+// takt deploy and takt undeploy: deploy a cell to the nodes on the network, or take it down.
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -51,7 +51,7 @@ int deploy(const DeployOptions& options) {
     return 1;
   }
   const auto signals =
-      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
+      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
   const auto client = client::connect(options.network, &loaded->cell);
   if (!signals || !client) {
     complain(signals ? client.problems() : signals.problems());
@@ -76,11 +76,11 @@ int deploy(const DeployOptions& options) {
   bring_up.end(deployed.ok());
   if (!deployed) {
     complain(deployed.problems());
-    std::fprintf(stderr, "cell %s was not deployed; nothing was changed\n", loaded->cell.name.c_str());
+    std::fprintf(stderr, "cell %s was not deployed; the devices are unchanged\n", loaded->cell.name.c_str());
     return 1;
   }
-  // The cell runs from that instant on. Wait for it, because the operator may send commands as soon as the
-  // output says that the cell runs.
+  // The cell runs from this instant on. Wait for it before the output says that the cell runs, because the
+  // operator may then send commands.
   os::sleep_until(os::instant_of_wall(deployed->t0_ns));
   std::string names;
   for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;
@@ -106,8 +106,9 @@ int undeploy(const UndeployOptions& options) {
   Problems problems;
   std::string names;
   for (const std::string& device : devices->lost) {
-    problems.push_back({"device " + device, "is lost and did not receive the command",
-                        "start its node without --resume, or it resumes the cell"});
+    problems.push_back(
+        {"device " + device, "is lost and did not receive the command",
+         "when you start its node again, leave out --resume; otherwise the device resumes the cell"});
   }
   for (const auto& one : client::undeploy(*client->asker, {.names = devices->names})) {
     problems.insert(problems.end(), one.problems.begin(), one.problems.end());
@@ -125,25 +126,25 @@ int undeploy(const UndeployOptions& options) {
 void add_deploy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DeployOptions>();
   auto* command = app.add_subcommand(
-      "deploy", "Run a cell on the nodes of the network: on all of its devices, or on none");
+      "deploy", "Run a cell on the nodes on the network, either on all of its devices or on none");
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
   auto* require = command->add_flag("--require-realtime", options->require_real_time,
-                                    "fail if the system of a device denies real-time scheduling");
+                                    "fail if a device's system denies real-time scheduling");
   command
       ->add_flag("--update", options->update,
-                 "change a running cell where it differs from FILE, on all of its devices or on none")
+                 "change a running cell to match FILE, either on all of its devices or on none")
       ->excludes(require);
   add_network_options(*command, options->network);
   command->footer(
-      "--update changes running modules where it can: it sets properties and swaps the files of periodic\n"
-      "thread modules. A device on which anything else differs is taken down and brought up again, on the\n"
-      "same time grid. The other devices keep running.");
+      "--update changes modules while they run, where it can: it sets properties and swaps the components\n"
+      "of periodic thread modules. If anything else differs on a device, Takt takes the device down and\n"
+      "brings it up again, on the same time grid. The other devices keep running.");
   command->callback([options, &chosen] { chosen = [options] { return deploy(*options); }; });
 }
 
 void add_undeploy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<UndeployOptions>();
-  auto* command = app.add_subcommand("undeploy", "Take a cell down on all of its devices");
+  auto* command = app.add_subcommand("undeploy", "Take down a cell on all of its devices");
   command->add_option("CELL", options->cell, "the cell's name")->required();
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return undeploy(*options); }; });

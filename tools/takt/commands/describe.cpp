@@ -19,11 +19,11 @@ namespace takt::tool {
 namespace {
 
 struct DescribeOptions {
-  std::vector<std::string> words;  ///< files; modules of a descriptor; "name=value" for a program
+  std::vector<std::string> words;  ///< the arguments: files, module names, and "name=value" for a program
   bool json = false;
   bool xml = false;
   bool iso = false;
-  std::string operation;  ///< for the profile
+  std::string operation;  ///< the operation type in the profile
 };
 
 bool is_property(const std::string& word) {
@@ -35,8 +35,8 @@ int print_component_list(const std::vector<std::string>& folders, const Describe
   if (files.empty()) {
     std::string looked;
     for (const std::string& folder : folders) looked += (looked.empty() ? "" : ", ") + folder;
-    return refuse({fail("there are no components (looked in " + looked + ")",
-                        "build some, or add their folder to TAKT_COMPONENT_PATH")});
+    return refuse({fail("no components found (looked in " + looked + ")",
+                        "build components, or add their folder to TAKT_COMPONENT_PATH")});
   }
   return print(options.json ? component_list_json(files) : component_list_text(files, terminal_style())) ? 0
                                                                                                          : 1;
@@ -57,7 +57,8 @@ Result<Described> describe_module(const model::Cell& cell, const model::Device& 
   return Described{std::move(*path), std::move(*component), cell.name, device.name, module};
 }
 
-/// The modules of a descriptor with these names, DEVICE.MODULE or MODULE; all modules if `names` is empty.
+/// Describes the modules of a descriptor with the given names, each DEVICE.MODULE or MODULE. If `names` is
+/// empty, describes all modules.
 Result<std::vector<Described>> describe_cell(const std::string& file, const std::vector<std::string>& names) {
   auto cell = descriptor::load(file);
   if (!cell) return cell.problems();
@@ -128,15 +129,17 @@ int describe(const DescribeOptions& options) {
   const bool of_cell = files[0].ends_with(".xml");
   if ((of_cell || files.size() > 1) && !properties.empty())
     return refuse({fail(
-        of_cell ? "property " + in_quotes(properties[0]) + " is given with a descriptor"
-                : "property " + in_quotes(properties[0]) + " is given with several components",
-        of_cell ? "leave it out; the descriptor has the properties of its modules" : "name one program")});
+        of_cell ? "property " + in_quotes(properties[0]) + " is not allowed together with a descriptor"
+                : "property " + in_quotes(properties[0]) + " is not allowed together with several components",
+        of_cell ? "leave out the property; the descriptor sets the properties of its modules"
+                : "give only one program")});
   auto all =
       of_cell ? describe_cell(files[0], {files.begin() + 1, files.end()}) : describe_files(files, properties);
   if (!all) return refuse(all.problems());
   if (options.iso && all->size() != 1)
-    return refuse({fail("--iso22166 describes one module, but these are " + std::to_string(all->size()),
-                        of_cell ? "add the DEVICE.MODULE of one after the descriptor" : "name one file")});
+    return refuse({fail(
+        "--iso22166 describes one module, but the number of modules here is " + std::to_string(all->size()),
+        of_cell ? "add DEVICE.MODULE after the descriptor to choose one" : "give only one file")});
   std::string text;
   for (const Described& described : *all) {
     if (options.json)
@@ -161,12 +164,11 @@ void add_describe(CLI::App& app, Chosen& chosen) {
       "Print the ports, services, properties and hooks of a component; without FILE, list all components");
   command->add_option(
       "FILE", options->words,
-      "components (.so or .exe); a folder of them; or a descriptor, and DEVICE.MODULE to select "
-      "some of its modules. NAME=VALUE sets a property of a program, on which its ports may "
-      "depend");
+      "components (.so or .exe), a folder with components, or a descriptor, with DEVICE.MODULE to select "
+      "some of its modules. NAME=VALUE sets a property of a program, because its ports may depend on it");
   auto* json = command->add_flag("--json", options->json, "print one line of JSON for each component");
-  auto* xml = command->add_flag("--xml", options->xml, "print a <module> element to paste into a descriptor")
-                  ->excludes(json);
+  auto* xml =
+      command->add_flag("--xml", options->xml, "print a <module> element for a descriptor")->excludes(json);
   auto* iso =
       command->add_flag("--iso22166", options->iso, "print a module profile with the terms of ISO 22166-202")
           ->excludes(json)

@@ -1,4 +1,4 @@
-// takt doctor: lists what on this machine would spoil real time, and how to correct it.
+// takt doctor: lists everything on this machine that spoils real-time behaviour, and how to correct it.
 #include <filesystem>
 
 #include <CLI/CLI.hpp>
@@ -28,8 +28,8 @@ struct DoctorOptions {
 
 double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
 
-/// Security does not affect real time, but it is as important, because it decides who may command this
-/// machine.
+/// Checks the security of this machine. Security does not affect real time, but it is as important, because
+/// it decides who may command this machine.
 node::Finding security_finding() {
   using node::Severity;
   node::Finding finding{
@@ -39,8 +39,9 @@ node::Finding security_finding() {
   const std::string folder = client::security_of({});
   if (folder.empty()) {
     finding.severity = Severity::note;
-    finding.found = "is off: TAKT_SECURITY names no identity";
-    finding.cure = "run takt secure init CELL.xml DIR, or keep others out of the network (docs/secure.md)";
+    finding.found = "is off, because TAKT_SECURITY is not set";
+    finding.cure =
+        "run takt secure init CELL.xml DIR, or keep unknown machines off the network (docs/secure.md)";
     return finding;
   }
   std::error_code error;
@@ -48,21 +49,22 @@ node::Finding security_finding() {
   if (std::filesystem::is_directory(folder + "/authority", error)) {
     finding.severity = Severity::note;
     finding.found = folder + " contains the authority: anyone who copies it can issue any identity";
-    finding.cure = "keep the authority elsewhere, and copy only the folder of its device to this machine";
+    finding.cure =
+        "keep the authority on another machine, and copy only the folder of this machine's device here";
     return finding;
   }
   const auto identity = security::read_identity(folder, now);
   if (!identity) {
     finding.severity = Severity::note;
     finding.found = "the identity in TAKT_SECURITY is rejected: " + in_words(identity.problems());
-    finding.cure = "run takt secure renew, and copy the folder again";
+    finding.cure = "run takt secure renew, and copy the identity's folder to this machine again";
     return finding;
   }
   finding.found = "is on: " + to_text(identity->subject);
   if (const std::string warning = security::expiry_warning(identity->until, now); !warning.empty()) {
     finding.severity = Severity::note;
     finding.found += "; " + warning;
-    finding.cure = "run takt secure renew, and copy the folder again";
+    finding.cure = "run takt secure renew, and copy the identity's folder to this machine again";
   }
   return finding;
 }
@@ -109,12 +111,13 @@ int doctor(const DoctorOptions& options) {
 
 void add_doctor(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DoctorOptions>();
-  auto* command =
-      app.add_subcommand("doctor", "List what on this machine would spoil real time, and how to correct it");
+  auto* command = app.add_subcommand(
+      "doctor", "List everything on this machine that spoils real-time behaviour, and how to correct it");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(
-      "Changes nothing and takes a second. Without root, it reports which checks need root.\n"
-      "Exit status: 0 nothing spoils real time (there may be notes), 1 something does, 2 wrong usage.");
+      "The command changes nothing and takes a second. Without root, it reports which checks need root.\n"
+      "Exit status: 0 nothing spoils real-time behaviour (there may be notes), 1 something does, 2 wrong "
+      "usage.");
   command->callback([options, &chosen] { chosen = [options] { return doctor(*options); }; });
 }
 

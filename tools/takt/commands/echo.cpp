@@ -34,12 +34,12 @@ constexpr auto kQuiet = std::chrono::seconds{2};
 struct EchoOptions {
   std::string port;
   bool rate = false;
-  std::uint64_t count = 0;  ///< samples; 0: until Ctrl-C
+  std::uint64_t count = 0;  ///< the number of samples to print; 0 means until Ctrl-C
   client::Network network;
 };
 
-/// Samples that have arrived but are not printed yet. Their number is bounded, because a terminal may be
-/// slower than a port.
+/// The samples that have arrived but have not been printed yet. Their number is limited, because a terminal
+/// may be slower than a port.
 class Samples {
  public:
   void add(const std::byte* bytes, std::size_t size) {
@@ -60,16 +60,16 @@ class Samples {
   std::atomic<std::uint64_t> seen_{0};
 };
 
-/// Prints that no samples arrive, and the state of the module as a hint.
+/// Prints that no samples arrive, and the module's state, which may explain it.
 void print_quiet(const client::Connection& client, const client::PortName& name, const std::string& port) {
   std::string state;
   for (const wire::ObservedDevice& seen : client.observer->devices(name.device)) {
     const auto& modules = seen.deployment.modules;
     if (const auto found = modules.find(name.module); found != modules.end())
       state = fmt::format("; {}.{} is in {}{}", name.device, name.module, to_text(found->second.state()),
-                          seen.alive ? "" : ", and its device is lost");
+                          seen.alive ? "" : ", its last known state: the device is lost");
   }
-  std::fprintf(stderr, "no sample from %s for %lld s%s\n", port.c_str(),
+  std::fprintf(stderr, "no sample from %s in the last %lld s%s\n", port.c_str(),
                static_cast<long long>(kQuiet.count()), state.c_str());
 }
 
@@ -147,7 +147,7 @@ void add_echo(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<EchoOptions>();
   auto* command = app.add_subcommand("echo", "Print the samples of a port, one per line, until Ctrl-C");
   command->add_option("PORT", options->port, "DEVICE.MODULE.PORT")->required();
-  command->add_flag("--hz", options->rate, "print the number of samples per second instead");
+  command->add_flag("--hz", options->rate, "print the number of samples per second instead of the samples");
   command->add_option("--count", options->count, "end after this many lines")->type_name("N");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return echo(*options); }; });

@@ -1,4 +1,5 @@
-// takt graph: prints or draws the devices, modules and connections of a cell; with --live, also their state.
+// takt graph: prints or draws the devices, modules and connections of a cell; with --live, also the states of
+// the running cell.
 #include <fstream>
 
 #include <nlohmann/json.hpp>
@@ -20,7 +21,7 @@ namespace {
 
 struct GraphOptions {
   std::string file;
-  std::string svg;  ///< where to write the drawing; empty: print a list instead
+  std::string svg;  ///< the file for the drawing; if empty, print lists instead
   bool json = false;
   bool live = false;
   client::Network network;
@@ -33,16 +34,15 @@ Result<CellHealth> ask(const model::Cell& cell, const client::Network& network) 
   if (!status) return status.problems();
   CellHealth health = health_of(cell, *status);
   if (health.devices.empty()) {
-    return fail("cell " + cell.name + " does not run on domain " + std::to_string(client->domain) +
-                    "; that domain has cell " + status->at("cell").get<std::string>(),
+    return fail("cell " + cell.name + " is not running on domain " + std::to_string(client->domain) +
+                    ", where the running cell is " + status->at("cell").get<std::string>(),
                 "deploy the cell, or leave out --live");
   }
   return health;
 }
 
 int graph(const GraphOptions& options) {
-  // Does not use load(): a drawing needs no components, and a cell whose tables are not valid can be drawn
-  // too.
+  // Do not use load(), because a drawing needs neither the components nor valid tables.
   auto cell = descriptor::load(options.file);
   if (!cell) {
     complain(cell.problems());
@@ -62,7 +62,7 @@ int graph(const GraphOptions& options) {
     std::ofstream out{options.svg};
     out << graph_svg(*cell, health);
     if (!out.flush()) {
-      complain({{options.svg, "cannot be written", "name a file in a folder that you may write to"}});
+      complain({{options.svg, "cannot be written", "choose a file in a folder that you may write to"}});
       return 1;
     }
     if (!options.json) return 0;
@@ -76,10 +76,10 @@ int graph(const GraphOptions& options) {
 
 void add_graph(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<GraphOptions>();
-  auto* command =
-      app.add_subcommand("graph", "Print or draw devices, modules and the connections between their ports");
+  auto* command = app.add_subcommand(
+      "graph", "Print or draw the devices and modules of a cell, and the connections between their ports");
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
-  command->add_option("--svg", options->svg, "write a drawing to this file")->type_name("OUT");
+  command->add_option("--svg", options->svg, "write a drawing (SVG) to this file")->type_name("OUT");
   command->add_flag("--json", options->json, "print one JSON object");
   command->add_flag("--live", options->live,
                     "add the states of the running cell and the health of each connection");

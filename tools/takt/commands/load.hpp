@@ -1,4 +1,4 @@
-// Loads a descriptor. Every command that takes a descriptor begins with this.
+// Loads a descriptor, for the commands that take one.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 namespace takt::tool {
 
 struct Loaded {
-  std::string text;  ///< of the descriptor
+  std::string text;  ///< the text of the descriptor
   model::Cell cell;
   std::vector<schedule::DevicePlan> plans;
   std::vector<host::ComponentPaths> paths;
@@ -20,17 +20,17 @@ struct Loaded {
 };
 
 /// Reads and validates the descriptor, plans its tables and inspects every component. Reports all problems of
-/// the file at once. With `missing`, components that are not on this machine are listed there and are not an
+/// the file at once. If `missing` is given, a component that is not on this machine is added there and is no
 /// error.
 Result<Loaded> load(const std::string& file, Problems* missing = nullptr);
 
-/// Like load(), but does not inspect the components. For a cell whose devices run on other machines. `paths`
-/// and `ports` are empty.
+/// Like load(), but does not inspect the components, which may be on other machines. `paths` and `ports` are
+/// empty.
 Result<Loaded> load_remote(const std::string& file);
 
 /// Prints problems on standard error, one per line: `file:line: error: ...`.
 void complain(const Problems& problems);
-/// Prints problems in the same way and returns the exit status 1.
+/// Prints problems like complain(), and returns 1, the exit status of the command.
 int refuse(const Problems& problems);
 
 }  // namespace takt::tool

@@ -1,4 +1,4 @@
-// takt log: prints what went wrong in a cell, from the fault records of its nodes.
+// takt log: prints the events in the fault records of a cell's nodes.
 #include <algorithm>
 #include <cstdio>
 #include <optional>
@@ -34,7 +34,7 @@ struct LogOptions {
   client::Network network;
 };
 
-/// Prints events as they come.
+/// Prints events as they arrive, and a line for each new day.
 class Printer {
  public:
   explicit Printer(bool json) : json_(json) {}
@@ -48,7 +48,7 @@ class Printer {
   std::string day_;
 };
 
-// Assumes valid options, because they were checked when the command line was parsed.
+// The filter for these options, which are valid, because parsing the command line has checked them.
 model::FaultFilter filter_of(const LogOptions& options) {
   model::FaultFilter filter{.device = options.device, .module = options.module, .last = options.last};
   if (!options.kinds.empty()) filter.kinds = *model::kinds_from(options.kinds);
@@ -76,7 +76,7 @@ int log_of_file(const LogOptions& options) {
   return printed ? 0 : 1;
 }
 
-// The problem that explains why the filter matched nothing: the cell has no such module. None if it has.
+// If the filter matched nothing because the cell has no such module, returns the problem that says so.
 std::optional<Problem> no_such_module(const LogOptions& options, const client::Observer& observer) {
   std::vector<std::string> names;
   for (const wire::ObservedDevice& seen : observer.devices()) {
@@ -87,14 +87,14 @@ std::optional<Problem> no_such_module(const LogOptions& options, const client::O
     return std::nullopt;
   return fail((options.device.empty() ? "no device" : "device " + options.device) + " has " +
                   (options.device.empty() ? "a" : "no") + " module " + in_quotes(options.module) +
-                  ", and the fault record has no event of it",
+                  ", and no fault record has an event of such a module",
               suggestion(options.module, {names.begin(), names.end()}));
 }
 
 int log(const LogOptions& options) {
   if (!options.file.empty()) return log_of_file(options);
   const auto signals =
-      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
+      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
   if (!signals) {
     complain(signals.problems());
     return 1;
@@ -141,7 +141,7 @@ int log(const LogOptions& options) {
   return 0;
 }
 
-// The kinds of events, wrapped to the width of a terminal.
+// The footer of the help: the kinds of events, wrapped to 100 columns.
 std::string footer() {
   constexpr std::size_t kWidth = 100;
   std::string text = "Kinds:";
@@ -160,19 +160,22 @@ std::string footer() {
 void add_log(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<LogOptions>();
   auto* command = app.add_subcommand(
-      "log", "Print what went wrong in a cell: errors, overruns, restarts, rejected commands");
+      "log", "Print the faults of a cell: errors, overruns, restarts, rejected commands and more");
   command->add_option("--device", options->device, "show only events of this device")->type_name("D");
   command->add_option("--module", options->module, "show only events of modules with this name")
       ->type_name("M");
-  command->add_option("--kind", options->kinds, "show only these kinds: error, overrun, host-restart ...")
+  command
+      ->add_option("--kind", options->kinds,
+                   "show only events of these kinds: error, overrun, host-restart ...")
       ->type_name("K,...")
       ->check([](const std::string& text) {
         const auto kinds = model::kinds_from(text);
         return kinds ? std::string{} : in_words(kinds.problems());
       });
   command
-      ->add_option("--since", options->since,
-                   "show only events after this time: 90s, 10m, 2h or 7d ago, or 14:30, or 2026-03-01T14:30")
+      ->add_option(
+          "--since", options->since,
+          "show only events after this time: an age (90s, 10m, 2h, 7d) or a time (14:30, 2026-03-01T14:30)")
       ->type_name("TIME")
       ->check([](const std::string& text) {
         const auto since = since_from(text, os::wall_ns());
@@ -182,11 +185,12 @@ void add_log(CLI::App& app, Chosen& chosen) {
       ->type_name("N")
       ->check(CLI::Range(0, 1000000).description(""));
   auto* follow =
-      command->add_flag("--follow", options->follow, "continue to print events as they come, until Ctrl-C");
+      command->add_flag("--follow", options->follow, "continue to print events as they happen, until Ctrl-C");
   command->add_flag("--json", options->json, "print one JSON object per line");
   command
-      ->add_option("--file", options->file,
-                   "read the fault record from this file, for a node that does not run; needs no network")
+      ->add_option(
+          "--file", options->file,
+          "read the fault record from this file, for example if its node is not running; needs no network")
       ->type_name("FILE")
       ->excludes(follow);
   add_network_options(*command, options->network);

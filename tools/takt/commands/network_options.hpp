@@ -1,4 +1,4 @@
-// The command line options of the network: domain, discovery and identity.
+// The command line options for the network: domain, discovery and identity.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,15 +13,14 @@ inline void add_network_options(CLI::App& app, client::Network& network) {
       ->type_name("N")
       ->check(CLI::Range(0, 232).description(""));
   auto* peers =
-      app.add_option("--peers", network.peers, "discover nodes at these addresses, not by multicast")
+      app.add_option("--peers", network.peers, "discover nodes at these addresses instead of by multicast")
           ->type_name("A,B,...");
-  app.add_option("--server", network.server, "discover nodes through a discovery server")
+  app.add_option("--server", network.server, "discover nodes through this discovery server")
       ->type_name("HOST:PORT")
       ->excludes(peers);
-  app.add_option(
-         "--security", network.security,
-         "the folder of the identity to use in a secured cell, from takt secure (default: TAKT_SECURITY; "
-         "without either, nothing is encrypted)")
+  app.add_option("--security", network.security,
+                 "the folder of this program's identity in a secured cell, created by takt secure (default: "
+                 "TAKT_SECURITY; without either, the network is not encrypted)")
       ->type_name("FOLDER");
 }
 

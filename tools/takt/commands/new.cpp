@@ -1,4 +1,5 @@
-// takt new: writes a component that builds, passes its tests and runs unchanged; or a cell of two devices.
+// takt new: creates the files of a component that builds, passes its tests and runs as it is, or of a cell
+// with two devices.
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -20,24 +21,24 @@ namespace fs = std::filesystem;
 
 struct NewOptions {
   std::string name;
-  std::string folder;  ///< empty: a folder with the name of the component
+  std::string folder;  ///< the folder to create; if empty, it has the name of the component
   std::string type = "thread";
   std::string operation = "periodic";
   std::string language = "c++";
 };
 
-/// Never overwrites a file. If any of the files exists, writes none of them.
+/// Writes the files. If one of them already exists, fails and writes none of them.
 Result<void> write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
   std::error_code error;
   for (const NewFile& file : files) {
     if (fs::exists(folder / file.name, error))
       return fail((folder / file.name).string() + " already exists",
-                  "name another folder, or remove the file");
+                  "choose another folder, or remove the file");
   }
   fs::create_directories(folder, error);
   if (error)
     return fail("cannot create the folder " + folder.string() + ": " + error.message(),
-                "name another folder");
+                "choose another folder");
   for (const NewFile& file : files) {
     std::ofstream stream{folder / file.name, std::ios::binary};
     stream << file.text;
@@ -85,9 +86,9 @@ int make(const NewOptions& options) {
 void add_new(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "new",
-      "Write a new component that builds, passes its tests and runs unchanged; with the name 'cell', a cell");
+      "Create a component that builds, passes its tests and runs as it is; or, with the name 'cell', a cell");
   auto options = std::make_shared<NewOptions>();
-  command->add_option("NAME", options->name, "the name of the component, such as belt_drive; or cell")
+  command->add_option("NAME", options->name, "the name of the component, such as belt_drive; or 'cell'")
       ->required();
   command->add_option("DIR", options->folder, "the folder to write (default: the name of the component)");
   command

@@ -1,5 +1,5 @@
-// The commands of an operator to a module: takt start, stop, recover, reset, destruct and initialize, takt
-// get and set, and takt swap.
+// The commands that an operator sends to a module: takt start, stop, recover, reset, destruct and initialize,
+// takt get and set, and takt swap.
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -26,21 +26,23 @@ struct ModuleCommand {
 
 constexpr std::array kModuleCommands{
     ModuleCommand{COMMAND_INITIALIZE, "initialize", "Initialise a module that is in IDLE"},
-    ModuleCommand{COMMAND_START, "start", "Start a module, so that it is EXECUTING while its device runs"},
-    ModuleCommand{COMMAND_STOP, "stop", "Take a module out of its table; it stays ready in START"},
-    ModuleCommand{COMMAND_RECOVER, "recover", "Try at once to recover a module that is in RECOVER"},
-    ModuleCommand{COMMAND_RESET, "reset", "Load a module in DESTRUCT again; it is then in IDLE"},
+    ModuleCommand{COMMAND_START, "start", "Start a module: it is EXECUTING whenever its device runs"},
+    ModuleCommand{COMMAND_STOP, "stop", "Stop a module: it leaves its table and stays ready, in START"},
+    ModuleCommand{COMMAND_RECOVER, "recover",
+                  "Recover a module in RECOVER now, without waiting for the next automatic attempt"},
+    ModuleCommand{COMMAND_RESET, "reset",
+                  "Load the component of a module in DESTRUCT again; the module is then in IDLE"},
     ModuleCommand{COMMAND_DESTRUCT, "destruct", "End a module; it does not run again until it is reset"},
 };
 
-/// DEVICE or DEVICE.MODULE
+/// The target of a command: DEVICE or DEVICE.MODULE.
 struct Target {
   std::string device;
   std::string module;
 };
 
-/// `then` names the argument that follows a target that must be a module. Null if the target may also be a
-/// device.
+/// Splits the name of a target. If the target must be a module, `then` is the name of the next argument, for
+/// the error message. If the target may be a device, `then` is null.
 Result<Target> target_of(const std::string& text, const char* then = nullptr) {
   const bool module_needed = then != nullptr;
   const std::size_t dot = text.find('.');
@@ -71,7 +73,7 @@ int send(const ModuleCommand& command, const std::string& text, const client::Ne
                                           .limit = std::chrono::seconds{20}});
   if (!answer) return refuse(answer.problems());
 
-  // The answer of a device has an outcome for each of its modules.
+  // If the target is a device, its answer has one outcome for each of its modules.
   const auto outcomes = model::parse_json(answer->data);
   if (target->module.empty() && outcomes.is_array()) {
     std::string lines;
@@ -115,7 +117,7 @@ int swap(const std::string& text, const std::string& file, const client::Network
   };
   const auto target = target_of(text, "file");
   if (!target) return refuse(target.problems());
-  if (file.size() > 255) return refuse({fail("the name of the file is longer than 255 bytes")});
+  if (file.size() > 255) return refuse({fail("the file name is longer than 255 bytes")});
   const auto client = client::connect(network);
   if (!client) return refuse(client.problems());
   const auto answer = client::accepted(client->asker->ask({.kind = COMMAND_SWAP,
@@ -137,7 +139,8 @@ void add_module_commands(CLI::App& app, Chosen& chosen) {
     auto target = std::make_shared<std::string>();
     auto network = std::make_shared<client::Network>();
     auto* command = app.add_subcommand(each.name, each.text);
-    command->add_option("TARGET", *target, "DEVICE.MODULE, or DEVICE for all of its modules")->required();
+    command->add_option("TARGET", *target, "DEVICE.MODULE, or DEVICE for all modules of the device")
+        ->required();
     add_network_options(*command, *network);
     command->callback([&each, target, network, &chosen] {
       chosen = [&each, target, network] { return send(each, *target, *network); };
@@ -150,16 +153,17 @@ void add_swap(CLI::App& app, Chosen& chosen) {
   auto file = std::make_shared<std::string>();
   auto network = std::make_shared<client::Network>();
   auto* command = app.add_subcommand(
-      "swap", "Replace a running periodic thread module by another version, between two rows");
+      "swap",
+      "Replace the component of a running periodic thread module by another version, between two rows");
   command->add_option("TARGET", *target, "DEVICE.MODULE")->required();
-  command->add_option("FILE", *file, "the new .so, on the component path of the device's node")->required();
+  command
+      ->add_option("FILE", *file, "the new .so file, in a folder on the component path of the device's node")
+      ->required();
   add_network_options(*command, *network);
   command->footer(
-      "The new version takes over what the module has saved. If one of its first 10 runs fails, the "
-      "previous\n"
-      "version is put back. The descriptor does not change: the next deployment, and --resume, load the "
-      "file\n"
-      "that it names.");
+      "The new version takes over the state that the old version has saved. If one of its first 10 runs\n"
+      "fails, Takt puts the old version back. The descriptor does not change: the next deployment, and\n"
+      "--resume, load the file that the descriptor names.");
   command->callback([=, &chosen] { chosen = [=] { return swap(*target, *file, *network); }; });
 }
 

@@ -1,4 +1,4 @@
-// takt play: plays a recording back into a cell, with its original timing.
+// takt play: publishes the samples of a recording to a cell again, with their original timing.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -34,9 +34,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Nanoseconds kReadersFound = std::chrono::seconds{3};  // to find readers before the first sample
-constexpr Nanoseconds kDelivered = milliseconds{200};           // to deliver the last samples before the end
-constexpr Nanoseconds kLook = milliseconds{50};                 // between two looks for Ctrl-C
+constexpr Nanoseconds kReadersFound =
+    std::chrono::seconds{3};                           // time to find readers before the first sample
+constexpr Nanoseconds kDelivered = milliseconds{200};  // time to deliver the last samples before the end
+constexpr Nanoseconds kLook = milliseconds{50};        // interval of the checks for Ctrl-C
 constexpr std::uint32_t kDepth = 256;
 
 struct PlayOptions {
@@ -46,7 +47,7 @@ struct PlayOptions {
   std::optional<double> from;
   std::optional<double> to;
   bool loop = false;
-  std::vector<std::string> ports;  ///< PATH[=TOPIC]; empty: all ports
+  std::vector<std::string> ports;  ///< the ports to play, as PATH[=TOPIC]; if empty, all ports
   client::Network network;
 };
 
@@ -76,7 +77,7 @@ int print_recording(const recording::Recording& recording, const std::string& fi
   return print(std::move(page).take()) ? 0 : 1;
 }
 
-/// The ports to play, each with its topic, by the number of the port.
+/// The topic of each port to play, by the port's number in the recording.
 Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Recording& recording,
                                                          const PlayOptions& options,
                                                          const recording::Selection& time) {
@@ -106,9 +107,9 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
     }
     if (!found)
       problems.push_back(fail("has no port " + in_quotes(path),
-                              known.empty() ? "it has no ports" : suggestion(path, known)));
+                              known.empty() ? "the recording has no ports" : suggestion(path, known)));
   }
-  // Each topic must have one type and one source.
+  // Check that each topic has only one type and one port.
   for (auto a = topics.begin(); a != topics.end(); ++a) {
     for (auto b = std::next(a); b != topics.end(); ++b) {
       if (a->second != b->second) continue;
@@ -119,15 +120,16 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
       const recording::PortOfRecording& one = port_of(a->first);
       const recording::PortOfRecording& other = port_of(b->first);
       if (one.path == other.path && one.type == other.type) continue;
-      problems.push_back(one.path == other.path ? fail("port " + one.path + " was recorded with two types",
-                                                       "select one with --from and --to, see --list")
-                                                : fail("ports " + one.path + " and " + other.path +
-                                                           " would both go to topic " + a->second,
-                                                       "give each its own topic with --port PATH=TOPIC"));
+      problems.push_back(one.path == other.path
+                             ? fail("port " + one.path + " has samples of two types in the recording",
+                                    "choose the samples of one type with --from and --to; see --list")
+                             : fail("ports " + one.path + " and " + other.path +
+                                        " would both be played to topic " + a->second,
+                                    "give each port its own topic with --port PATH=TOPIC"));
     }
   }
   if (problems.empty() && topics.empty())
-    problems.push_back(fail("has no samples in that time", "see --list"));
+    problems.push_back(fail("has no samples between --from and --to", "see --list"));
   if (!problems.empty()) {
     for (Problem& problem : problems) problem.where = on_one_line(options.file);
     return problems;
@@ -135,7 +137,7 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
   return topics;
 }
 
-/// Fails if a running module writes one of these topics: the port would then have two writers.
+/// Fails if a running module writes one of the topics, because its readers would get samples of two writers.
 Result<void> check_no_other_writer(const client::Connection& client, const recording::Recording& recording,
                                    const std::map<std::int64_t, std::string>& topics) {
   client.observer->settle(std::chrono::seconds{1});
@@ -150,8 +152,8 @@ Result<void> check_no_other_writer(const client::Connection& client, const recor
             "takt/" + device.status.cell().to_string() + "/" + device.name() + "/" + name + "/";
         if (module.state() != STATE_EXECUTING || topic->second.rfind(of_module, 0) != 0) continue;
         problems.push_back({"port " + port.path,
-                            "is written by " + device.name() + "." + name + ", which runs",
-                            "stop that module, or play to another topic: --port " + port.path + "=TOPIC"});
+                            "is written by " + device.name() + "." + name + ", which is running",
+                            "stop the module, or play to another topic: --port " + port.path + "=TOPIC"});
       }
     }
   }
@@ -162,8 +164,8 @@ Result<void> check_no_other_writer(const client::Connection& client, const recor
 struct Played {
   std::uint64_t samples = 0;
   std::uint64_t rejected = 0;  ///< by DDS
-  std::uint64_t wrong = 0;     ///< damaged in the recording
-  Nanoseconds latest{0};       ///< longest delay of a sample
+  std::uint64_t wrong = 0;     ///< samples that are damaged in the recording
+  Nanoseconds latest{0};       ///< the longest delay of a sample
 };
 
 class Player {
@@ -182,7 +184,7 @@ class Player {
     length_ = static_cast<double>(last - first) / 1e9;
     const Nanoseconds round = std::max<Nanoseconds>(scaled(last - first), milliseconds{1});
     begun_ = os::now() + milliseconds{10};
-    // Every sample is timed from the begin of the round, so that delays do not add up.
+    // Time every sample from the beginning of the round, so that delays do not add up.
     for (Instant begin = begun_;; begin += round) {
       const auto done = recording_.read(
           selection_,
@@ -211,7 +213,7 @@ class Player {
   [[nodiscard]] Nanoseconds scaled(std::int64_t ns) const {
     return Nanoseconds{static_cast<std::int64_t>(std::llround(static_cast<double>(ns) / options_.speed))};
   }
-  /// Waits until `due`, and updates the progress meanwhile. False if playing must end.
+  /// Waits until `due`, and updates the progress line meanwhile. Returns false if the user asked to end.
   bool wait_until(Instant due, std::int64_t at_ns) {
     for (;;) {
       const Instant now = os::now();
@@ -250,8 +252,8 @@ class Player {
   bool ended_ = false;
 };
 
-/// Waits for a reader of each topic, or until the time is over. Topics without readers are played too,
-/// because a reader may come later.
+/// Waits until each topic has a reader, at most kReadersFound. Samples of a topic without a reader are
+/// published too, because a reader may appear later.
 void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& feeds,
                       const std::map<std::int64_t, std::string>& topics, const os::SignalQueue& signals) {
   const auto read = [&](std::int64_t id) { return feeds.at(id)->health().matched > 0; };
@@ -263,7 +265,7 @@ void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& 
     if (read(id)) continue;
     const std::string why = feeds.at(id)->health().incompatible;
     std::fprintf(stderr, "takt play: topic %s has no reader%s\n", topic.c_str(),
-                 why.empty() ? "" : (": its readers ask for another " + why).c_str());
+                 why.empty() ? "" : (": its readers require another " + why).c_str());
   }
 }
 
@@ -300,7 +302,7 @@ int play(const PlayOptions& options) {
     if (topic == topics->end()) continue;
     auto& feed = by_topic[topic->second];
     if (!feed) {
-      // A reliable writer also matches best-effort readers.
+      // The writer is reliable, because a reliable writer matches both reliable and best-effort readers.
       auto made =
           dds::Feed::create(client->participant,
                             {.topic = topic->second,
@@ -316,13 +318,14 @@ int play(const PlayOptions& options) {
   Player player{*recording, options, selection, *signals, feeds};
   const auto done = player.run();
   const Played& played = player.played();
-  std::fprintf(stderr, "takt play: %s\n",
-               fmt::format("{} samples of {} port{}, at most {:.1f} ms late{}{}", played.samples,
-                           topics->size(), topics->size() == 1 ? "" : "s",
-                           std::chrono::duration<double, std::milli>(played.latest).count(),
-                           played.rejected == 0 ? "" : fmt::format("; DDS rejected {}", played.rejected),
-                           played.wrong == 0 ? "" : fmt::format("; left out {} damaged ones", played.wrong))
-                   .c_str());
+  std::fprintf(
+      stderr, "takt play: %s\n",
+      fmt::format("{} samples of {} port{}, at most {:.1f} ms late{}{}", played.samples, topics->size(),
+                  topics->size() == 1 ? "" : "s",
+                  std::chrono::duration<double, std::milli>(played.latest).count(),
+                  played.rejected == 0 ? "" : fmt::format("; DDS rejected {}", played.rejected),
+                  played.wrong == 0 ? "" : fmt::format("; left out {} damaged samples", played.wrong))
+          .c_str());
   if (!done) return refuse(done.problems());
   return played.rejected == 0 && played.wrong == 0 ? 0 : 1;
 }
@@ -331,20 +334,23 @@ int play(const PlayOptions& options) {
 
 void add_play(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<PlayOptions>();
-  auto* command = app.add_subcommand("play", "Play a recording back into a cell, or list its contents");
+  auto* command = app.add_subcommand(
+      "play", "Publish the samples of a recording to a cell again, or list the contents of a recording");
   command->add_option("FILE", options->file, "a recording made by takt record")->required();
-  command->add_flag("--list", options->list, "list its ports with type, samples and times; play nothing");
+  command->add_flag("--list", options->list,
+                    "list the recorded ports with their types, samples and times, and play nothing");
   command->add_option("--speed", options->speed, "play X times as fast as recorded")
       ->type_name("X")
       ->check(within(0.001, 1000))
       ->capture_default_str();
-  command->add_option("--from", options->from, "begin this long after the first sample of the recording")
+  command
+      ->add_option("--from", options->from, "begin this many seconds after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
-  command->add_option("--to", options->to, "end this long after the first sample of the recording")
+  command->add_option("--to", options->to, "end this many seconds after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
-  command->add_flag("--loop", options->loop, "play again and again, until Ctrl-C");
+  command->add_flag("--loop", options->loop, "repeat the recording until Ctrl-C");
   command
       ->add_option("--port", options->ports,
                    "play only this port, to its original topic or to TOPIC; may be repeated")

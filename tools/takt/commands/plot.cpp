@@ -1,4 +1,4 @@
-// takt plot: shows fields of a recording as a drawing, as CSV, or as a few numbers.
+// takt plot: shows the fields of a recording as a drawing, as CSV, or as statistics.
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -42,7 +42,7 @@ struct PlotOptions {
   std::optional<double> to;
 };
 
-/// One column of one port.
+/// A column that the user wants: one field, or one element of a field, of a port.
 struct Wanted {
   const recording::PortOfRecording* port;
   std::size_t column;
@@ -51,12 +51,12 @@ struct Wanted {
 
 struct Source {
   std::shared_ptr<recording::Columns> columns;
-  std::vector<std::size_t> wanted;  ///< indices into Choice::wanted
+  std::vector<std::size_t> wanted;  ///< the indexes of the port's columns in Choice::wanted
 };
 
 struct Choice {
   std::vector<Wanted> wanted;
-  std::map<std::int64_t, Source> sources;  ///< by the number of the port
+  std::map<std::int64_t, Source> sources;  ///< by the port's number in the recording
 };
 
 Result<Choice> choose(const recording::Recording& recording, const PlotOptions& options) {
@@ -90,7 +90,7 @@ Result<Choice> choose(const recording::Recording& recording, const PlotOptions& 
     }
     if (!found)
       problems.push_back(fail("has no port " + in_quotes(path),
-                              paths.empty() ? "it has no ports" : suggestion(path, paths)));
+                              paths.empty() ? "the recording has no ports" : suggestion(path, paths)));
     else if (!fields.empty())
       problems.push_back(fail("port " + path + " has no field " + in_quotes(field),
                               suggestion(field, {fields.begin(), fields.end()})));
@@ -100,7 +100,7 @@ Result<Choice> choose(const recording::Recording& recording, const PlotOptions& 
   return problems;
 }
 
-/// An output file, which is overwritten if it exists; "-" is standard output.
+/// An output file, or standard output for "-". An existing file is overwritten.
 class Output {
  public:
   static Result<Output> open(const std::string& file) {
@@ -117,7 +117,7 @@ class Output {
     whole_ &= std::fflush(to) == 0;
     if (to != stdout) whole_ &= std::fclose(to) == 0;
     if (whole_) return {};
-    return Problem{on_one_line(file_), "could not be written completely", "check whether the disk is full"};
+    return Problem{on_one_line(file_), "was not written completely", "check whether the disk is full"};
   }
 
  private:
@@ -142,7 +142,7 @@ class Plotter {
   }
 
   Result<void> csv() {
-    // Of a sequence, write only the elements that at least one sample has.
+    // Leave out the elements of a sequence that no sample has.
     std::vector<bool> present(chosen_.wanted.size(), true);
     if (std::any_of(chosen_.sources.begin(), chosen_.sources.end(),
                     [](const auto& each) { return !each.second.columns->fixed(); })) {
@@ -157,7 +157,7 @@ class Plotter {
     auto output = Output::open(options_.csv);
     if (!output) return output.problems();
     std::vector<std::string> line{"time_ns", "seconds"};
-    std::vector<std::size_t> place(chosen_.wanted.size(), 0);  // in the line
+    std::vector<std::size_t> place(chosen_.wanted.size(), 0);  // the position of each column in the line
     for (std::size_t i = 0; i < chosen_.wanted.size(); ++i) {
       if (!present[i]) continue;
       place[i] = line.size();
@@ -178,7 +178,7 @@ class Plotter {
     return done ? closed : done;
   }
 
-  /// Reads the curves, for the drawing and for the numbers.
+  /// Reads the curves for the drawing and the statistics.
   Result<void> gather() {
     bool any = false;
     for (const auto& [id, source] : chosen_.sources) {
@@ -196,10 +196,10 @@ class Plotter {
     if (!any) {
       const bool bounded = options_.from || options_.to;
       return Problem{on_one_line(options_.file),
-                     bounded ? "has no samples in that time" : "has no samples of these fields",
+                     bounded ? "has no samples between --from and --to" : "has no samples of these fields",
                      "see takt play --list"};
     }
-    // A pause narrower than a pixel would not be visible.
+    // Break a curve only at pauses longer than a pixel, because a shorter one would not be visible.
     const std::int64_t pixel =
         (range_.last_ns - range_.first_ns) / static_cast<std::int64_t>(kPlotColumns) + 1;
     for (const Wanted& wanted : chosen_.wanted) {
@@ -229,7 +229,7 @@ class Plotter {
       if (++curves > kMostCurves)
         return Problem{on_one_line(options_.file),
                        "a drawing can have at most " + std::to_string(kMostCurves) + " curves",
-                       "name fewer fields, or single elements such as position[0]"};
+                       "choose fewer fields, or single elements such as position[0]"};
       const recording::Column& column = chosen_.sources.at(wanted.port->id).columns->all()[wanted.column];
       auto panel = std::find_if(plot.panels.begin(), plot.panels.end(), [&](const PlotPanel& p) {
         return p.title == column.field && p.labels == column.enumerators;
@@ -245,7 +245,8 @@ class Plotter {
       panel->series.push_back(std::move(series));
     }
     if (plot.panels.empty())
-      return Problem{on_one_line(options_.file), "has no number to draw", "use --csv for text"};
+      return Problem{on_one_line(options_.file), "has no numeric field to draw",
+                     "use --csv for fields that are text"};
     auto output = Output::open(options_.svg);
     if (!output) return output.problems();
     output->write(plot_svg(plot));
@@ -297,8 +298,8 @@ class Plotter {
   Choice chosen_;
   recording::Selection selection_;
   recording::Series::Range range_;
-  std::map<std::int64_t, std::int64_t> pauses_;  // by port, in ns
-  std::vector<recording::Series> series_;        // in the order of Choice::wanted
+  std::map<std::int64_t, std::int64_t> pauses_;  // the pause that breaks a curve, by port, in ns
+  std::vector<recording::Series> series_;        // one for each column, in the order of Choice::wanted
   std::uint64_t wrong_ = 0;
 };
 
@@ -315,7 +316,8 @@ int plot(const PlotOptions& options) {
   if (!chosen) return refuse(chosen.problems());
   Plotter plotter{*recording, options, std::move(*chosen)};
   if (plotter.cut())
-    std::fprintf(stderr, "takt plot: a port has more columns than the limit of %zu; the rest are left out\n",
+    std::fprintf(stderr,
+                 "takt plot: a port has more columns than the limit of %zu; the other columns are left out\n",
                  recording::Columns::kMost);
   if (!options.csv.empty()) {
     if (const auto done = plotter.csv(); !done) return refuse(done.problems());
@@ -339,23 +341,24 @@ int plot(const PlotOptions& options) {
 void add_plot(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<PlotOptions>();
   auto* command = app.add_subcommand("plot",
-                                     "Draw fields of a recording, or write them as CSV; with neither, print "
-                                     "their minimum, mean and maximum");
+                                     "Draw fields of a recording, or write them as CSV; without --svg and "
+                                     "--csv, print minimum, mean and maximum");
   command->add_option("FILE", options->file, "a recording made by takt record")->required();
   command
       ->add_option(
           "FIELD", options->fields,
-          "DEVICE.MODULE.PORT.FIELD; FIELD[0] for one element; without FIELD, all fields of the port")
+          "DEVICE.MODULE.PORT.FIELD; with FIELD[0], one element; without FIELD, all fields of the port")
       ->required();
   command->add_option("--svg", options->svg, "draw the curves to this file")->type_name("OUT");
   command
       ->add_option("--csv", options->csv,
                    "write one line for each sample to this file; - for standard output")
       ->type_name("OUT");
-  command->add_option("--from", options->from, "begin this long after the first sample of the recording")
+  command
+      ->add_option("--from", options->from, "begin this many seconds after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
-  command->add_option("--to", options->to, "end this long after the first sample of the recording")
+  command->add_option("--to", options->to, "end this many seconds after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
   command->callback([options, &chosen] { chosen = [options] { return plot(*options); }; });

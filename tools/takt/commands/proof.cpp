@@ -12,7 +12,7 @@ namespace takt::tool {
 
 namespace {
 
-/// The maximum size of a profile, in bytes. It is enough for more than a million modules.
+/// The maximum size of a profile in bytes, which is enough for more than a million modules.
 constexpr std::size_t kLargestProfile = std::size_t{256} << 20U;
 
 }  // namespace
@@ -20,7 +20,7 @@ constexpr std::size_t kLargestProfile = std::size_t{256} << 20U;
 Result<model::Profile> read_profile(const std::string& file) {
   const auto text = os::read_file(file, kLargestProfile);
   if (!text) return Problem{file, in_words(text.problems()), ""};
-  if (!*text) return Problem{file, "there is no such file", "write one with takt run --profile FILE"};
+  if (!*text) return Problem{file, "there is no such file", "create a profile with takt run --profile FILE"};
   return model::parse_profile(**text, file);
 }
 

@@ -1,4 +1,4 @@
-// Proves whether a cell keeps every deadline, for `takt check`.
+// Proves, for `takt check`, whether a cell keeps every deadline.
 #pragma once
 
 #include <cstddef>
@@ -13,25 +13,27 @@
 
 namespace takt::tool {
 
-/// Fails if the file does not exist or is not a profile; each mistake is reported with its line.
+/// Reads a profile from a file. Fails if the file does not exist or is not a valid profile; each problem
+/// names its line.
 Result<model::Profile> read_profile(const std::string& file);
 
-/// The assumptions of a proof.
+/// The assumptions of a proof, from the command line.
 struct ProofOptions {
-  std::string profile;      ///< the file of a profile; empty: use the modules' budgets
-  double factor = 1;        ///< by which run times or budgets are multiplied; 1 to 1000
-  std::optional<int> cpus;  ///< CPUs of each device, at least 1; none: as many as this program may use
+  std::string profile;  ///< the file of the profile; if empty, the run times are the modules' budgets
+  double factor = 1;    ///< multiplies the run times or budgets; from 1 to 1000
+  std::optional<int>
+      cpus;  ///< the CPUs of each device, at least 1; by default as many as this program may use
 
   [[nodiscard]] bool given() const { return !profile.empty() || factor != 1 || cpus; }
 };
 
 struct Proof {
-  bool of_profile = false;  ///< run times from a profile; else from the budgets
+  bool of_profile = false;  ///< the run times are from a profile, not from the budgets
   double factor = 1;
-  std::size_t cpus = 1;                                   ///< of each device
-  std::vector<std::vector<schedule::WorstCase>> devices;  ///< in the cell's order
-  Problems missed;                                        ///< one for each deadline that is not kept
-  Problems warnings;  ///< requests of the descriptor that a device with so few CPUs cannot meet
+  std::size_t cpus = 1;                                   ///< the CPUs of each device
+  std::vector<std::vector<schedule::WorstCase>> devices;  ///< one for each device, in the order of the cell
+  Problems missed;                                        ///< one problem for each deadline that is not kept
+  Problems warnings;  ///< settings in the descriptor that a device with so few CPUs cannot apply
 };
 
 /// Reads the profile and proves the deadlines. Fails if the profile cannot be read, or if a module has

@@ -1,5 +1,5 @@
-// Checks numbers on the command line. CLI::Range does not suffice: it accepts nan, and reads a negative
-// number as a number near 2^64.
+// Validators for numbers on the command line. CLI::Range is not strict enough: it accepts nan, and reads a
+// negative number as a number near 2^64.
 #pragma once
 
 #include <cctype>
@@ -13,7 +13,7 @@
 
 namespace takt::tool {
 
-/// A number from `from` to `to`.
+/// Accepts a number from `from` to `to`.
 inline CLI::Validator within(double from, double to) {
   return CLI::Validator{[from, to](const std::string& text) -> std::string {
                           char* end = nullptr;
@@ -25,8 +25,8 @@ inline CLI::Validator within(double from, double to) {
                         ""};
 }
 
-/// A number of seconds above 0. CLI::PositiveNumber does not suffice: it accepts inf, and prints its range
-/// with 308 digits.
+/// Accepts a number of seconds above 0. CLI::PositiveNumber is not suitable: it accepts inf, and prints its
+/// range with 308 digits.
 inline CLI::Validator positive_seconds() {
   return CLI::Validator{[](const std::string& text) -> std::string {
                           constexpr double kLongest = 1e9;
@@ -34,12 +34,12 @@ inline CLI::Validator positive_seconds() {
                           const double value = std::strtod(text.c_str(), &end);
                           const bool number = end != text.c_str() && *end == '\0';
                           if (number && value > 0 && value <= kLongest) return "";
-                          return "'" + text + "' is not a number of seconds above 0 and up to 1e9";
+                          return "'" + text + "' is not a number of seconds above 0 and at most 1e9";
                         },
                         ""};
 }
 
-/// A whole number that fits into 64 bits.
+/// Accepts a whole number that fits into 64 bits.
 inline CLI::Validator whole_number() {
   return CLI::Validator{[](const std::string& text) -> std::string {
                           bool digits = !text.empty() && text.size() <= 20;

@@ -24,13 +24,13 @@ void add_record(CLI::App& app, Chosen& chosen) {
   command->add_option("--out", options->record.recording.file, "the file to write")
       ->type_name("FILE")
       ->required();
-  command->add_flag("--append", options->record.recording.append, "continue an existing recording");
-  auto* limit = command->add_option("--for", options->seconds, "end after this long")
+  command->add_flag("--append", options->record.recording.append, "append to an existing recording");
+  auto* limit = command->add_option("--for", options->seconds, "end after this many seconds")
                     ->type_name("SECONDS")
                     ->check(within(0.001, 1e9));
   command
       ->add_option("--max-size", options->megabytes,
-                   "the maximum size on the disk, at least 1 MB; 0: no limit")
+                   "the maximum size of the recording on the disk, at least 1 MB; 0: no limit")
       ->type_name("MB")
       ->check(within(0, 1e9))
       ->capture_default_str();
@@ -42,7 +42,7 @@ void add_record(CLI::App& app, Chosen& chosen) {
           CLI::CheckedTransformer(std::map<std::string, recording::Full>{{"stop", recording::Full::stop},
                                                                          {"oldest", recording::Full::oldest}})
               .description(""));
-  command->add_option("--flush", options->flush, "the maximum time until a sample is on the disk")
+  command->add_option("--flush", options->flush, "the maximum time until a sample is written to the disk")
       ->type_name("SECONDS")
       ->check(within(0.01, 3600))
       ->capture_default_str();

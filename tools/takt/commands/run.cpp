@@ -1,5 +1,5 @@
-// takt run: runs a descriptor on this machine. It starts one takt-node for each device and deploys to these
-// nodes as to any others.
+// takt run: runs a cell on this machine. It starts one takt-node for each device, and deploys the cell to
+// these nodes as `takt deploy` does.
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -40,7 +40,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The time from the moment at which all nodes are ready to the first row. It is short, because all nodes are
+/// The time between the moment when all nodes are ready and the first row. It is short, because all nodes are
 /// on this machine.
 constexpr std::chrono::milliseconds kLead{500};
 constexpr std::chrono::milliseconds kMargin{50};
@@ -48,23 +48,23 @@ constexpr std::chrono::milliseconds kMargin{50};
 struct RunOptions {
   std::string file;
   client::Network network;
-  std::optional<double> seconds;  ///< none: until Ctrl-C
+  std::optional<double> seconds;  ///< how long to run; by default until Ctrl-C
   bool json = false;
   bool require_real_time = false;
-  bool check_real_time = false;  ///< the run fails if a module does what real-time code must not do
+  bool check_real_time = false;  ///< make the run fail if a module breaks the rules of real-time code
   bool quiet = false;
-  std::string state_folder;  ///< where the nodes keep their fault records; empty: in memory
-  std::string profile;       ///< where to write the run times at the end; empty: nowhere
+  std::string state_folder;  ///< the folder of the fault records; if empty, they are in memory
+  std::string profile;       ///< the file for the run times at the end; if empty, they are not written
 };
 
-/// The node of one device, as this program sees it.
+/// What this program knows about the node of one device.
 struct Node {
   std::string device;
   os::Child process;
   int pid = 0;
   os::MessageSocket lifetime;  ///< the node shuts down cleanly when this closes
-  bool ended = false;          ///< the process has ended
-  bool reported = false;       ///< its closing report, or the reason for its end, is known
+  bool ended = false;          ///< the node's process has ended
+  bool reported = false;       ///< the node's closing report, or the reason for its end, is known
   Json report{};
   std::vector<std::string> failures{};
 };
@@ -76,15 +76,15 @@ class Run {
 
   Result<void> start_nodes(int domain);
   Result<void> deploy(const client::Connection& client);
-  /// Returns when the time is over, a signal asks for the end, or every device has ended.
+  /// Lets the cell run until the time is over, a signal asks for the end, or every device has ended.
   void serve(const client::Connection& client);
-  /// Takes down the devices that still run.
+  /// Takes the cell down on the devices that are still running.
   void undeploy(const client::Connection& client);
   void end_nodes();
 
   [[nodiscard]] Json report() const;
   [[nodiscard]] std::vector<std::string> failures() const;
-  /// Whether the nodes agreed on the first row. If they did not, there is nothing to report but the reason.
+  /// Whether the nodes agreed on the time of the first row. If they did not, only the reason can be reported.
   [[nodiscard]] bool started() const noexcept { return started_; }
 
  private:
@@ -117,7 +117,7 @@ Result<void> Run::start_nodes(int domain) {
                            .arguments = {"--device", device.name, "--domain", std::to_string(domain)},
                            .environment = {{node::kLifetimeFd, std::to_string(theirs.fd().get())}},
                            .inherit = {&theirs.fd()},
-                           .dies_with_parent = false};  // it shuts down cleanly when the socket closes
+                           .dies_with_parent = false};  // the node shuts down cleanly when the socket closes
     const auto add = [&spawn](const std::string& option, const std::string& value) {
       spawn.arguments.push_back(option);
       spawn.arguments.push_back(value);
@@ -153,11 +153,12 @@ std::map<std::string, std::int32_t> Run::process_ids() const {
   return ids;
 }
 
-// Handles signals and the ends of the nodes' processes. Called while anything else waits.
+// Handles signals to this program, and nodes whose process has ended. All waiting functions call it
+// repeatedly.
 void Run::watch() {
   while (signals_.next()) {
     if (asked_to_end_) {
-      for (auto& node : nodes_) node->process.signal(os::kKill);  // asked a second time
+      for (auto& node : nodes_) node->process.signal(os::kKill);  // a second signal kills the nodes
     }
     asked_to_end_ = true;
   }
@@ -170,16 +171,16 @@ void Run::watch() {
     // The node ended without a report. Either it rejected the cell and printed the reason, or it was killed.
     node.reported = true;
     if (started_ && !undeploying_ && !options_.quiet)
-      node::log(node.device, "", "its node " + end->text() + "; the other devices run on");
+      node::log(node.device, "", "its node " + end->text() + "; the other devices continue");
     const bool rejected = !end->signalled && end->code != 0 && !started_;
     node.failures.push_back("device " + node.device + ": error: its node " +
-                            (rejected ? "rejected the cell, see above" : end->text()));
+                            (rejected ? "rejected the cell; see the reason above" : end->text()));
   }
 }
 
 Result<void> Run::deploy(const client::Connection& client) {
   std::vector<client::Undeployed> undone;
-  // Without --quiet, the nodes print what they do on the same terminal.
+  // With --quiet, show the progress. Without it, the nodes print on the same terminal what they do.
   std::optional<BringUpProgress> bring_up;
   if (options_.quiet) bring_up.emplace(client, loaded_.cell);
   client::DeployOptions deploy{.lead = kLead,
@@ -202,7 +203,8 @@ Result<void> Run::deploy(const client::Connection& client) {
   if (!deployed) {
     watch();
     for (auto& node : nodes_) node->reported = true;
-    // The user already knows the reason: they asked for the end, or the failure of a node is printed.
+    // Do not print the reason if the user knows it: a signal asked for the end, or the failure of a node was
+    // printed.
     const bool known = asked_to_end_ || std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) {
                          return node->ended && !node->failures.empty();
                        });
@@ -257,7 +259,7 @@ void Run::serve(const client::Connection& client) {
   }
 }
 
-// If a device has ended by itself, fetches its report. Then ends its node, which is no longer needed.
+// If a device has ended by itself, fetches its report and ends its node.
 void Run::ask_one(const client::Connection& client, Node& node) {
   for (const wire::ObservedDevice& seen : client.observer->devices(node.device)) {
     if (!seen.alive || seen.status.process_id() != node.pid || seen.status.state() != DEVICE_ENDED) continue;
@@ -301,7 +303,7 @@ std::vector<std::string> Run::failures() const {
   return all;
 }
 
-/// The properties of this machine on which run times depend.
+/// The properties of this machine that affect run times.
 std::map<std::string, std::string> machine() {
   std::map<std::string, std::string> facts{{"host", os::host_name()},
                                            {"processors", std::to_string(os::allowed_cpus().size())}};
@@ -317,7 +319,7 @@ Result<void> write_profile(const std::string& file, const Json& report) {
   std::ofstream out{file};
   out << model::profile_json(profile_of(report), machine());
   if (!out.flush())
-    return Problem{file, "cannot be written", "name a file in a folder that you may write to"};
+    return Problem{file, "cannot be written", "choose a file in a folder that you may write to"};
   return {};
 }
 
@@ -334,7 +336,7 @@ int run(const RunOptions& options) {
   }
   os::survive_broken_pipes();
   const auto signals =
-      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
+      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
   if (!signals) {
     complain(signals.problems());
     return 1;
@@ -387,19 +389,21 @@ void add_run(CLI::App& app, Chosen& chosen) {
       ->check(positive_seconds());
   command->add_flag("--json", options->json, "print the closing report as one JSON object");
   command->add_flag("--require-realtime", options->require_real_time,
-                    "do not run if the system denies real-time scheduling");
+                    "fail if the system denies real-time scheduling");
   command
       ->add_option("--profile", options->profile,
-                   "at the end, write the run times of each module to this file")
+                   "when the run ends, write the run times of each module to this file")
       ->type_name("OUT");
   command
       ->add_option("--state-dir", options->state_folder,
                    "keep the fault record of each device in this folder (default: in memory, for this run)")
       ->type_name("DIR");
-  command->add_flag("--check-realtime", options->check_real_time,
-                    "report every allocation, lock, system call and page fault in a module's run() or "
-                    "condition(), with the calls that led there; exit with 1 if there were any. Slower");
-  command->add_flag("--quiet", options->quiet, "print only the closing report, no line for each event");
+  command->add_flag(
+      "--check-realtime", options->check_real_time,
+      "report every allocation, lock, system call and page fault in a module's run() or "
+      "condition(), with the calls that led to it; exit with 1 if there were any. The run is slower");
+  command->add_flag("--quiet", options->quiet,
+                    "print only the closing report, without a line for each event");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }

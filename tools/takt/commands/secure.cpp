@@ -1,4 +1,4 @@
-// takt secure: creates and maintains the authority of a cell and the identities that the authority issues.
+// takt secure: creates and maintains the authority of a cell, and the identities that the authority issues.
 // takt sign: signs components.
 #include <algorithm>
 #include <array>
@@ -50,7 +50,7 @@ std::string date(std::int64_t seconds) {
   return {text.data(), length};
 }
 
-/// The cell of a descriptor. Fails if DDS Security cannot grant access to one of its topics.
+/// Loads the cell from a descriptor. Fails if DDS Security cannot grant access to one of the cell's topics.
 Result<Plan> plan_of(const std::string& file, const client::Network& network, std::string& text) {
   auto cell = descriptor::load(file, &text);
   if (!cell) return cell.problems();
@@ -60,7 +60,7 @@ Result<Plan> plan_of(const std::string& file, const client::Network& network, st
   return Plan{std::move(*cell), *domain};
 }
 
-/// The cell that is stored with the authority.
+/// Loads the cell from the descriptor that the authority's folder contains.
 Result<Plan> kept_plan(const Authority& authority) {
   const auto text = authority.descriptor();
   if (!text) return text.problems();
@@ -109,8 +109,9 @@ int init(const SecureOptions& options) {
   for (const auto* names : {&options.operators, &options.observers}) {
     for (const std::string& name : *names) {
       if (!model::is_valid_name(name))
-        return refuse({fail(in_quotes(name) + " is not a valid name",
-                            "use a letter or '_', then letters, digits, '_' and '-', at most 63")});
+        return refuse({fail(
+            in_quotes(name) + " is not a valid name",
+            "start with a letter or '_', then use letters, digits, '_' and '-', at most 63 characters")});
     }
   }
   auto authority = Authority::create(options.folder, plan->cell.name, now_s());
@@ -136,16 +137,18 @@ int add(const SecureOptions& options) {
   const auto plan = kept_plan(*authority);
   if (!plan) return refuse(plan.problems());
   if (!model::is_valid_name(options.name)) {
-    return refuse({fail(in_quotes(options.name) + " is not a valid name",
-                        "use a letter or '_', then letters, digits, '_' and '-', at most 63")});
+    return refuse(
+        {fail(in_quotes(options.name) + " is not a valid name",
+              "start with a letter or '_', then use letters, digits, '_' and '-', at most 63 characters")});
   }
   const auto role = std::find_if(security::kRoles.begin(), security::kRoles.end(),
                                  [&](Role each) { return to_text(each) == options.role; });
   const Subject subject{authority->cell(), *role, options.name};
   if (security::access_of(plan->cell, plan->domain, subject).empty()) {
-    return refuse({fail("cell " + authority->cell() +
-                            " has no topics for a program: each of its connections " + "has two ends",
-                        "leave out from= or to= of a connection, then run takt secure update")});
+    return refuse(
+        {fail("cell " + authority->cell() + " has no topics for programs outside Takt: each connection " +
+                  "has two ends in the cell",
+              "remove from= or to= from a connection, then run takt secure update")});
   }
   if (auto issued = authority->issue(subject, *plan, options.days, now_s()); !issued)
     return refuse(issued.problems());
@@ -163,8 +166,8 @@ int update_authority(const SecureOptions& options) {
   if (plan->cell.name != authority->cell()) {
     return refuse(
         {{options.file,
-          "describes cell " + plan->cell.name + ", but this is the authority of cell " + authority->cell(),
-          "create an authority for each cell with takt secure init"}});
+          "describes cell " + plan->cell.name + ", but the authority belongs to cell " + authority->cell(),
+          "create another authority for this cell with takt secure init"}});
   }
   if (auto kept = authority->keep(text, plan->domain); !kept) return refuse(kept.problems());
   if (auto admitted = admit_devices(*authority, *plan, options.days); !admitted)
@@ -184,7 +187,7 @@ int update_authority(const SecureOptions& options) {
   return show_authority(options.folder);
 }
 
-/// The identities with these names. Fails for a name that does not exist.
+/// Finds the identities with these names. Fails if one of the names does not exist.
 Result<std::vector<Subject>> subjects_named(const Authority& authority,
                                             const std::vector<std::string>& names) {
   std::vector<Subject> subjects;
@@ -209,8 +212,8 @@ int revoke(const SecureOptions& options) {
     if (auto revoked = authority->revoke(subject, now_s()); !revoked) return refuse(revoked.problems());
   }
   std::printf(
-      "copy crl.pem to every machine of the cell; its nodes reject revoked identities from their next start "
-      "on\n");
+      "copy crl.pem to every machine of the cell; each node rejects revoked identities after its next "
+      "start\n");
   return show_authority(options.folder);
 }
 
@@ -237,14 +240,12 @@ int renew(const SecureOptions& options) {
 
 void add_secure(CLI::App& app, Chosen& chosen) {
   auto* secure = app.add_subcommand(
-      "secure", "Issue and renew the identities of a cell whose network is not trusted (DDS Security)");
+      "secure", "Issue and renew the identities of a cell on an untrusted network (DDS Security)");
   secure->require_subcommand(1);
   secure->footer(
-      "Copy each folder DIR/devices/NAME, DIR/operators/NAME or DIR/observers/NAME to the machine that it "
-      "is\n"
-      "for, and name it there with --security or TAKT_SECURITY. Never copy DIR/authority: anyone who has it "
-      "can\n"
-      "issue any identity.");
+      "Copy each folder DIR/devices/NAME, DIR/operators/NAME or DIR/observers/NAME to the machine that\n"
+      "needs this identity, and name the folder there with --security or TAKT_SECURITY.\n"
+      "Never copy DIR/authority: anyone who has it can issue any identity.");
   const auto command = [&](const char* name, const char* text, int (*run)(const SecureOptions&)) {
     auto options = std::make_shared<SecureOptions>();
     auto* made = secure->add_subcommand(name, text);
@@ -252,7 +253,8 @@ void add_secure(CLI::App& app, Chosen& chosen) {
     return std::pair{made, options};
   };
   const auto days = [](CLI::App* made, SecureOptions& options) {
-    made->add_option("--days", options.days, "how long the identities are valid, in days: 1 to 3650")
+    made->add_option("--days", options.days,
+                     "the number of days for which the identities are valid, 1 to 3650")
         ->type_name("N")
         ->check(CLI::Range(1, 3650).description(""))
         ->capture_default_str();
@@ -271,8 +273,9 @@ void add_secure(CLI::App& app, Chosen& chosen) {
         "init", "Create an authority, with an identity for each device of the cell and for operators", init);
     made->add_option("FILE", options->file, "the cell")->required();
     folder(made, *options);
-    made->add_option("--operator", options->operators,
-                     "an operator, who may command (default: one named operator); may be repeated")
+    made->add_option(
+            "--operator", options->operators,
+            "an operator, who may send commands (default: one operator named 'operator'); may be repeated")
         ->type_name("NAME");
     made->add_option("--observer", options->observers, "an observer, who may only read; may be repeated")
         ->type_name("NAME");
@@ -284,9 +287,8 @@ void add_secure(CLI::App& app, Chosen& chosen) {
         command("add", "Issue an identity to another operator, observer, or program outside Takt", add);
     folder(made, *options);
     made->add_option("ROLE", options->role,
-                     "operator, observer, or program; a program may write and read the topics of connections "
-                     "that have "
-                     "only one end")
+                     "operator, observer, or program; a program may use the topics of connections with only "
+                     "one end in the cell")
         ->required()
         ->check(CLI::IsMember({"operator", "observer", "program"}).description(""));
     made->add_option("NAME", options->name, "the name of the new identity")->required();
@@ -294,7 +296,8 @@ void add_secure(CLI::App& app, Chosen& chosen) {
   }
   {
     const auto [made, options] = command(
-        "update", "After the cell has changed: issue new permissions to all, and identities to new devices",
+        "update",
+        "After a change of the cell, issue new permissions to all identities, and identities to new devices",
         update_authority);
     folder(made, *options);
     made->add_option("FILE", options->file, "the cell")->required();
@@ -304,8 +307,7 @@ void add_secure(CLI::App& app, Chosen& chosen) {
         ->check(CLI::Range(0, 232).description(""));
   }
   {
-    const auto [made, options] =
-        command("renew", "Issue new keys and certificates before the old ones expire", renew);
+    const auto [made, options] = command("renew", "Replace keys and certificates before they expire", renew);
     folder(made, *options);
     made->add_option("NAME", options->names, "the identities to renew (default: all)");
     days(made, *options);
@@ -316,7 +318,7 @@ void add_secure(CLI::App& app, Chosen& chosen) {
     made->add_option("NAME", options->names, "the identities to revoke")->required();
   }
   {
-    const auto [made, options] = command("show", "List the identities and how long each is valid",
+    const auto [made, options] = command("show", "List the identities, and how long each of them is valid",
                                          [](const SecureOptions& o) { return show_authority(o.folder); });
     folder(made, *options);
   }
@@ -327,13 +329,13 @@ void add_sign(CLI::App& app, Chosen& chosen) {
   auto folder = std::make_shared<std::string>();
   auto* made = app.add_subcommand("sign", "Sign components: write FILE.sig beside each FILE");
   made->add_option("FILE", *files, "components (.so or .exe)")->required();
-  made->add_option("--key", *folder, "the folder of the authority that signs, from takt secure init")
+  made->add_option("--key", *folder, "the folder of the signing authority, created by takt secure init")
       ->type_name("DIR")
       ->required();
   made->footer(
-      "This prints the name of a certificate. A node accepts only signed components if it has that "
-      "certificate:\n"
-      "named by --signed-by or TAKT_SIGNED_BY, or as components.cert.pem in the folder of its identity.");
+      "The command prints the name of a certificate. To make a node accept only signed components, name\n"
+      "that certificate with --signed-by or TAKT_SIGNED_BY, or copy it as components.cert.pem to the folder\n"
+      "of the node's identity.");
   made->callback([files, folder, &chosen] {
     chosen = [files, folder] {
       auto authority = Authority::open(*folder);

@@ -1,4 +1,4 @@
-// takt simulate: runs a cell on virtual time, in a single process.
+// takt simulate: runs a whole cell on virtual time, in a single process.
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -48,15 +48,15 @@ struct SimulateOptions {
   bool is_random = false;
 };
 
-/// Writes one line for each event.
+/// Writes the trace of a simulation: one line for each event.
 class Trace final : public simulation::Listener {
  public:
-  /// "-": standard output.
+  /// Opens the trace's file, or standard output for "-".
   static Result<std::unique_ptr<Trace>> open(const std::string& file, const model::Cell& cell) {
     std::FILE* to = file == "-" ? stdout : std::fopen(file.c_str(), "w");
     if (to == nullptr)
       return Problem{file, std::string{"cannot be written: "} + std::strerror(errno),
-                     "name another file for the trace"};
+                     "choose another file for the trace"};
     return std::unique_ptr<Trace>(new Trace{to, cell});
   }
   ~Trace() override { close(); }
@@ -68,7 +68,7 @@ class Trace final : public simulation::Listener {
     line_ += '\n';
     written_ &= std::fwrite(line_.data(), 1, line_.size(), to_) == line_.size();
   }
-  /// Ends the trace. Returns whether it was written completely.
+  /// Ends the trace. Returns whether all of it was written.
   bool close() {
     if (to_ == nullptr) return written_;
     written_ &= std::fflush(to_) == 0;
@@ -120,8 +120,7 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
     return 1;
   }
   if (trace && !trace->close()) {
-    complain(
-        {{options.trace, "the trace could not be written completely", "check whether the disk is full"}});
+    complain({{options.trace, "the trace was not written completely", "check whether the disk is full"}});
     return 1;
   }
   const bool printed =
@@ -131,11 +130,11 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
                took.count(), simulated_s / took.count(), static_cast<unsigned long long>(simulated.seed));
   if (!course->failures.empty()) complain(course->failures);
   for (const std::string& violation : course->violations)
-    std::fprintf(stderr, "takt: error: invariant violated: %s\n", violation.c_str());
+    std::fprintf(stderr, "takt: error: the simulation violated an invariant: %s\n", violation.c_str());
   return course->failures.empty() && course->violations.empty() && printed ? 0 : 1;
 }
 
-/// Describes the random cell in words, because it has no descriptor.
+/// Describes a random cell as text, because it has no descriptor.
 std::string words_of(const simulation::RandomCell& random) {
   const model::Cell& cell = random.cell;
   std::string text;
@@ -157,14 +156,14 @@ std::string words_of(const simulation::RandomCell& random) {
     text += fmt::format("# {} to {}: {} of {}{}{}\n", to_text(connection.from), to_text(connection.to),
                         to_text(connection.kind), connection.depth,
                         connection.deadline ? ", deadline " + to_text(*connection.deadline) : "",
-                        connection.stale == model::Stale::error ? ", stale is an error" : "");
+                        connection.stale == model::Stale::error ? ", a stale value is an error" : "");
   }
-  return text + fmt::format("# {} faults a second for {}, {} CPUs per device\n",
+  return text + fmt::format("# {} faults per second for {}, {} CPUs per device\n",
                             random.options.faults_per_second, to_text(random.options.length),
                             random.options.cpus);
 }
 
-/// The names of the scheduled modules that have no budget.
+/// The names of the real-time modules without a budget, as a list.
 std::string without_budget(const model::Cell& cell) {
   std::string names;
   for (const model::Device& device : cell.devices) {
@@ -182,7 +181,7 @@ int simulate(const SimulateOptions& options) {
     if (!options.json && !print(words_of(random))) return 1;
     return show_simulation(options, random.cell, random.plans, {}, random.options);
   }
-  Problems missing;  // not reported: a simulation does not need the components
+  Problems missing;  // ignored, because a simulation does not need the components
   const auto loaded = load(options.file, &missing);
   if (!loaded) {
     complain(loaded.problems());
@@ -199,8 +198,7 @@ int simulate(const SimulateOptions& options) {
       complain(profile.problems());
       return 1;
     }
-    // Reject an incomplete profile, as `takt check` does, because the run times of the other modules would be
-    // guesses.
+    // Reject an incomplete profile, as `takt check` does, instead of guessing the missing run times.
     if (const auto runs = schedule::longest_runs(loaded->cell, &*profile, 1); !runs) {
       complain(runs.problems());
       return 1;
@@ -211,7 +209,7 @@ int simulate(const SimulateOptions& options) {
     const auto text = os::read_file(options.script, kMostScript);
     if (!text || !*text) {
       complain(text ? Problems{{options.script, "there is no such file",
-                                "name a script with one fault per line; see takt simulate --help"}}
+                                "give a script with one fault per line; see takt simulate --help"}}
                     : text.problems());
       return 1;
     }
@@ -225,8 +223,8 @@ int simulate(const SimulateOptions& options) {
   if (const std::string guessed = without_budget(loaded->cell); options.profile.empty() && !guessed.empty()) {
     std::fprintf(
         stderr,
-        "takt: warning: the run times of these modules are not known, so each is assumed to take 5 %% of its "
-        "period or deadline: %s; give them a <budget>, or measure them with takt run --profile\n",
+        "takt: warning: the run times of these modules are not known: %s; each module is assumed to take 5 "
+        "%% of its period or deadline; give them a <budget>, or measure them with takt run --profile\n",
         guessed.c_str());
   }
   return show_simulation(options, loaded->cell, loaded->plans, loaded->ports, std::move(simulated));
@@ -237,9 +235,10 @@ int simulate(const SimulateOptions& options) {
 void add_simulate(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SimulateOptions>();
   auto* command = app.add_subcommand(
-      "simulate", "Run a descriptor on virtual time: the whole cell in one process, faster than real time");
-  auto* file =
-      command->add_option("FILE", options->file, "a cell, or a module.xml; components are not called");
+      "simulate",
+      "Simulate a cell on virtual time: the whole cell runs in one process, faster than real time");
+  auto* file = command->add_option("FILE", options->file,
+                                   "a cell, or a module.xml; the simulation does not call components");
   auto* length =
       command
           ->add_option("--for", options->seconds, "simulated time from the first row to the end (default 10)")
@@ -251,19 +250,23 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
                        "the seed of the random numbers; the same seed gives the same trace (default 1)")
           ->type_name("N")
           ->check(whole_number());
-  auto* script =
-      command->add_option("--script", options->script, "a file of faults to inject, one per line; see below")
+  auto* script = command
+                     ->add_option("--script", options->script,
+                                  "a script with the faults to inject, one per line; see below")
+                     ->type_name("FILE");
+  auto* profile =
+      command
+          ->add_option(
+              "--profile", options->profile,
+              "take the run times from this file, which takt run --profile wrote (default: from the budgets)")
           ->type_name("FILE");
-  auto* profile = command
-                      ->add_option("--profile", options->profile,
-                                   "the run times that takt run --profile wrote (default: the budgets)")
-                      ->type_name("FILE");
   auto* faults = command->add_option("--faults", options->faults, "add this many random faults per second")
                      ->type_name("PER_SECOND")
                      ->check(within(0.0, 1e5));
   auto* cpus =
       command
-          ->add_option("--cpus", options->cpus, "the CPUs of each device that executors without a cpu share")
+          ->add_option("--cpus", options->cpus,
+                       "the number of CPUs of each device, which executors without a cpu attribute share")
           ->type_name("N")
           ->check(CLI::Range(1, 1024).description(""));
   command
@@ -271,14 +274,13 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
                    "write every event to this file, one per line; - for standard output")
       ->type_name("FILE");
   auto* json = command->add_flag("--json", options->json, "print the closing report as one JSON object");
-  auto* random =
-      command
-          ->add_option("--random-cell", options->random_cell,
-                       "simulate the small random cell number N instead of FILE; used by the tests")
-          ->type_name("N")
-          ->check(whole_number())
-          ->excludes(file);
-  // The number N determines the values of all of these options.
+  auto* random = command
+                     ->add_option("--random-cell", options->random_cell,
+                                  "simulate the random cell number N instead of FILE (for tests)")
+                     ->type_name("N")
+                     ->check(whole_number())
+                     ->excludes(file);
+  // The number of the random cell also determines the values of these options.
   for (auto* fixed : {length, seed, script, profile, faults, cpus}) random->excludes(fixed);
   command->footer(
       "Exit status: 0 the cell ended cleanly; 1 a module or device was given up, or an invariant was\n"

@@ -1,4 +1,4 @@
-// takt status: prints every device and module on the domain.
+// takt status: prints the state and statistics of every device and module on the DDS domain.
 #include <nlohmann/json.hpp>
 
 #include <takt/client/connection.hpp>
@@ -37,7 +37,8 @@ int status(const StatusOptions& options) {
 
 void add_status(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<StatusOptions>();
-  auto* command = app.add_subcommand("status", "Print every device and module on the domain");
+  auto* command = app.add_subcommand(
+      "status", "Print the state and statistics of every device and module on the DDS domain");
   command->add_flag("--json", options->json, "print one JSON object");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return status(*options); }; });

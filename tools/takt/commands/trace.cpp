@@ -1,4 +1,5 @@
-// takt trace: shows what the executors of a device did in the last seconds, and why a release was late.
+// takt trace: shows what the executors of a device did in the last few seconds, and why rows or modules were
+// late.
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -51,7 +52,7 @@ int trace(const TraceOptions& options) {
   const bool is_file = content->has_value();
   if (!is_file && options.target.find_first_of("/.") != std::string::npos) {
     return refuse({{options.target, "is neither an existing file nor a valid device name",
-                    "give the name of a device, or a file that takt trace wrote"}});
+                    "give the name of a device, or of a file that takt trace wrote"}});
   }
   const auto text = is_file ? Result<std::string>{std::move(**content)} : read_trace_of_device(options);
   if (!text) return refuse(text.problems());
@@ -84,16 +85,19 @@ void add_trace(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TraceOptions>();
   auto* command = app.add_subcommand(
       "trace",
-      "Show what the executors of a device did in the last seconds, and why a row or module was late");
-  command->add_option("DEVICE|FILE", options->target, "a device, or a trace written with -o")->required();
-  command->add_option("--last", options->seconds, "how far back to look; for a device only (default 5)")
+      "Show what the executors of a device did in the last few seconds, and why rows or modules were late");
+  command->add_option("DEVICE|FILE", options->target, "a device, or a trace file that takt trace -o wrote")
+      ->required();
+  command->add_option("--last", options->seconds, "the length of the trace, for a device only (default 5)")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.001, 3600.0));
   command
       ->add_option("-o,--output", options->output,
                    "write the trace to this file; ui.perfetto.dev can read it too")
       ->type_name("FILE");
-  command->add_option("--svg", options->svg, "draw what ran when to this file; best with --last 0.1 or less")
+  command
+      ->add_option("--svg", options->svg,
+                   "write a drawing (SVG) of the runs over time to this file; best with --last 0.1 or less")
       ->type_name("OUT");
   command->add_flag("--json", options->json, "print the summary as one JSON object");
   add_network_options(*command, options->network);

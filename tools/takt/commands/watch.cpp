@@ -1,5 +1,5 @@
-// takt watch: shows every device and module of a domain, live. In a terminal this is a screen with keys;
-// otherwise it prints a line for each transition.
+// takt watch: shows every device and module of a DDS domain, live. On a terminal it is an interactive screen;
+// otherwise it prints one line for each transition.
 #include <atomic>
 #include <deque>
 #include <functional>
@@ -33,16 +33,16 @@ namespace takt::tool {
 namespace {
 
 struct WatchOptions {
-  double seconds = 0;  ///< 0: until q or Ctrl-C
+  double seconds = 0;  ///< how long to watch; 0 means until q or Ctrl-C
   client::Network network;
 };
 
-/// Queue of events from the DDS threads to the main thread.
+/// The queue of events from the DDS threads to the main thread.
 class News {
  public:
   struct Piece {
     std::string line;
-    std::optional<LifecycleStatus> transition{};  ///< if the line is about a transition
+    std::optional<LifecycleStatus> transition{};  ///< the transition that the line describes, if any
   };
   explicit News(os::Notice notice) : notice_(std::move(notice)) {}
 
@@ -58,7 +58,7 @@ class News {
     const std::lock_guard lock{mutex_};
     return std::exchange(pieces_, {});
   }
-  /// The descriptor is readable when there is an event to take.
+  /// A file descriptor that is readable while the queue has events.
   [[nodiscard]] const os::Fd& fd() const noexcept { return notice_.fd(); }
   [[nodiscard]] const os::Notice& notice() const noexcept { return notice_; }
 
@@ -117,11 +117,11 @@ CommandKind kind_of(watch::Verb verb) {
   return COMMAND_START;
 }
 
-/// Sends questions to nodes. Each question has its own thread, because an answer may take seconds and the
-/// screen must not wait.
+/// Sends questions to nodes. Each question has its own thread, so that the screen does not wait for the
+/// answer, which may take seconds.
 class Questions {
  public:
-  /// Calls notice.give() for each answer. `asker` and `notice` outlive this object.
+  /// The object calls notice.give() when an answer arrives. `asker` and `notice` must outlive the object.
   Questions(client::Operator& asker, const os::Notice& notice) : asker_(asker), notice_(notice) {}
   Questions(const Questions&) = delete;
   Questions& operator=(const Questions&) = delete;
@@ -131,8 +131,8 @@ class Questions {
   }
 
   using Then = std::function<void(const Result<wire::WholeReply>&)>;
-  /// Sends the question. take_answers() later calls `then` with the answer. False if too many questions are
-  /// open.
+  /// Sends a question. When the answer has arrived, take_answers() calls `then` with it. Returns false if too
+  /// many questions are unanswered.
   bool ask(client::Question question, std::string words, Then then) {
     if (open_.size() >= kMost) return false;
     auto one = std::make_unique<Open>();
@@ -147,7 +147,7 @@ class Questions {
     open_.push_back(std::move(one));
     return true;
   }
-  /// Handles the answers that have arrived. True if there was at least one.
+  /// Handles the answers that have arrived. Returns whether there was one.
   bool take_answers() {
     bool any = false;
     for (auto at = open_.begin(); at != open_.end();) {
@@ -163,7 +163,7 @@ class Questions {
     }
     return any;
   }
-  /// The open questions that the user waits for: "stop of robot.servo, 3 s".
+  /// The unanswered questions that the user has sent, with their age: "stop of robot.servo, 3 s".
   [[nodiscard]] std::vector<std::string> open() const {
     std::vector<std::string> all;
     for (const auto& one : open_) {
@@ -190,7 +190,7 @@ class Questions {
   std::vector<std::unique_ptr<Open>> open_;
 };
 
-/// The interactive screen, from its first drawing until the user quits.
+/// The interactive screen of takt watch.
 class Screen {
  public:
   Screen(const client::Connection& client, News& news)
@@ -202,7 +202,7 @@ class Screen {
   void take_news();
   void ask_for_descriptors(const std::vector<wire::ObservedDevice>& devices);
   void send(const watch::Command& command);
-  /// False if the user wants to quit.
+  /// Handles all keys that were pressed. Returns false if the user wants to quit.
   bool press_keys();
   bool draw();
 
@@ -253,12 +253,12 @@ void Screen::send(const watch::Command& command) {
           return;
         }
         Problems problems = answer.problems();
-        for (Problem& problem : problems)  // the target already names the device
+        for (Problem& problem : problems)  // name only the target, which includes the device
           if (problem.where == "device " + command.target.substr(0, command.target.find('.')))
             problem.where = command.target;
         view_.message = in_words(problems);
       });
-  if (!asked) view_.message = "not sent: too many commands have no answer yet";
+  if (!asked) view_.message = "not sent, because too many commands are unanswered";
 }
 
 bool Screen::press_keys() {
@@ -266,7 +266,7 @@ bool Screen::press_keys() {
     const watch::Done done = watch::press(view_, *key, shown_);
     if (done.quit) return false;
     if (done.command) send(*done.command);
-    // The next key may depend on what this one changed.
+    // Draw again, because the effect of the next key may depend on the effect of this key.
     shown_ = watch::draw(snapshot_, view_, size_.columns, size_.rows, screen_style()).shown;
   }
   return true;
@@ -286,7 +286,7 @@ bool Screen::draw() {
 
 int Screen::show(const os::SignalQueue& signals, double seconds) {
   constexpr std::chrono::milliseconds kLooks{
-      200};  // between two polls of data that does not arrive as events
+      200};  // interval at which data that does not arrive as events is read
   const Instant end =
       os::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
   questions_.emplace(*client_.asker, news_.notice());
@@ -344,9 +344,9 @@ void add_watch(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<WatchOptions>();
   auto* command =
       app.add_subcommand("watch",
-                         "Show every device and module live, with keys to start, stop and recover; "
-                         "without a terminal, print a line for each transition");
-  command->add_option("--for", options->seconds, "end after this long")
+                         "Show every device and module live, with keys to start, stop and recover; if the "
+                         "output is no terminal, print one line for each transition");
+  command->add_option("--for", options->seconds, "end after this many seconds")
       ->type_name("SECONDS")
       ->check(within(0.0, 1e9));
   add_network_options(*command, options->network);

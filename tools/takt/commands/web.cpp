@@ -1,4 +1,4 @@
-// takt web: serves a page of the cell for browsers.
+// takt web: serves a web page that shows the cell.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -32,7 +32,7 @@ struct WebOptions {
   client::Network network;
 };
 
-/// The token that allows commands. Empty if commands are not allowed.
+/// The token that allows commands: read from the file, or random. Empty if commands are not allowed.
 Result<std::string> token_of(const WebOptions& options) {
   if (options.token_file.empty()) return options.commands ? web::random_word(16) : std::string{};
   namespace fs = std::filesystem;
@@ -40,18 +40,18 @@ Result<std::string> token_of(const WebOptions& options) {
   const fs::perms mode = fs::status(options.token_file, error).permissions();
   if (!error && (mode & (fs::perms::group_all | fs::perms::others_all)) != fs::perms::none) {
     return Problem{options.token_file, "is readable by other users",
-                   "anyone with the token may command the cell; run chmod 600 " + options.token_file};
+                   "anyone who reads the token may command the cell; run chmod 600 " + options.token_file};
   }
   const auto content = os::read_file(options.token_file, kMostToken);
   if (!content) return content.problems();
-  if (!*content) return Problem{options.token_file, "there is no such file", "write a token into it"};
+  if (!*content) return Problem{options.token_file, "there is no such file", "write a token into the file"};
   const std::string token = (**content).substr(0, (**content).find('\n'));
   const bool plain =
       std::all_of(token.begin(), token.end(), [](unsigned char c) { return c > ' ' && c < 127; });
   if (token.size() < kLeastToken || !plain) {
     return Problem{
-        options.token_file, "its first line is not a valid token",
-        fmt::format("write at least {} letters and digits, for example the output of openssl rand -hex 16",
+        options.token_file, "the first line is not a valid token",
+        fmt::format("use at least {} letters and digits, for example the output of openssl rand -hex 16",
                     kLeastToken)};
   }
   return token;
@@ -63,7 +63,7 @@ int serve(const WebOptions& options) {
     return 1;
   };
   const auto signals =
-      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
+      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
   if (!signals) return refuse(signals.problems());
   os::survive_broken_pipes();
   web::ServerOptions server_options = options.server;
@@ -91,24 +91,24 @@ int serve(const WebOptions& options) {
 void add_web(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<WebOptions>();
   auto* command = app.add_subcommand(
-      "web", "Serve a page that shows every device and module live, and metrics for Prometheus");
-  command->add_option("--port", options->server.port, "the TCP port to listen on; 0: any free port")
+      "web", "Serve a web page that shows every device and module live, and metrics for Prometheus");
+  command->add_option("--port", options->server.port, "the TCP port on which to listen; 0: any free port")
       ->type_name("N")
       ->check(CLI::Range(0, 65535).description(""))
       ->capture_default_str();
   command
-      ->add_option("--listen", options->server.address,
-                   "the address to listen on; 0.0.0.0: all addresses, so that other machines see the page")
+      ->add_option(
+          "--listen", options->server.address,
+          "the address on which to listen; 0.0.0.0: all addresses, so that other machines can open the page")
       ->type_name("ADDRESS")
       ->capture_default_str();
-  command->add_flag(
-      "--commands", options->commands,
-      "print a token; anyone who has it may start, stop and recover modules and set properties. "
-      "Without this option the page is read-only");
+  command->add_flag("--commands", options->commands,
+                    "allow commands, and print a token; anyone with the token may start, stop and recover "
+                    "modules and set properties. Without this option, the page is read-only");
   command
-      ->add_option(
-          "--token-file", options->token_file,
-          "like --commands, but with your own token: the first line of this file, which only you may read")
+      ->add_option("--token-file", options->token_file,
+                   "like --commands, but the token is the first line of this file, which no other user may "
+                   "be able to read")
       ->type_name("FILE");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });

@@ -21,13 +21,13 @@ using model::ModuleType;
 using schedule::DevicePlan;
 using schedule::ExecutorPlan;
 
-// Pixels.
+// The sizes below are in pixels.
 constexpr double kScheduleLane = 32;
-constexpr double kBadge = 15;  // height of a release mark
-constexpr double kStrip = 44;  // height of the load
-constexpr double kPlot = 960;  // width of the rows, unless they need more
+constexpr double kBadge = 15;  // height of the mark of a release
+constexpr double kStrip = 44;  // height of the strip that shows the load
+constexpr double kPlot = 960;  // width of all rows together, unless they need more
 
-// Shares of a row's time above which its load is drawn as high or full.
+// A row's load above kHigh is drawn as high, above kFull as full. Both are shares of the basic period.
 constexpr double kHigh = 0.7;
 constexpr double kFull = 0.9;
 
@@ -56,7 +56,7 @@ double ratio_of(Nanoseconds part, Nanoseconds whole) {
 
 std::string count_text(std::size_t value) { return std::to_string(value); }
 
-/// "thread, every 1 ms, priority 2, budget 200 us"
+/// The timing of a module as text: "thread, every 1 ms, priority 2, budget 200 us".
 std::string timing_of(const Module& module) {
   std::string text = model::to_text(module.type);
   if (module.period) text += ", every " + to_text(*module.period);
@@ -68,13 +68,13 @@ std::string timing_of(const Module& module) {
 
 std::string kind(const Module& module) { return module.type == ModuleType::thread ? "thread" : "process"; }
 
-/// Draws the rows of one executor.
+/// Draws the table of one executor: its rows, modules and load.
 class Panel {
  public:
   Panel(Canvas& canvas, const Device& device, const ExecutorPlan& plan, double y, double label)
       : canvas_{canvas}, device_{device}, plan_{plan}, y_{y}, left_{kMargin + label} {
     shown_ = std::min(plan.rows(), kSvgRows);
-    // Makes a release mark wide enough for its number.
+    // Make the marks of releases wide enough for their numbers.
     std::size_t longest = 1;
     for (std::size_t row = 0; row < shown_; ++row) longest = std::max(longest, plan_.row(row).size());
     badge_ = width_of(count_text(longest), kSmall) + 8;
@@ -82,7 +82,7 @@ class Panel {
     right_ = left_ + column_ * static_cast<double>(shown_);
   }
 
-  /// Returns the y at which the next panel may begin.
+  /// Draws the panel, and returns the y coordinate below it.
   double draw() {
     const model::Executor& executor = device_.executors[plan_.executor];
     y_ += 30;
@@ -94,7 +94,7 @@ class Panel {
       y_ += 16;
       canvas_.text(kMargin, y_, kNormal, "faint",
                    "only rows 0 to " + count_text(shown_ - 1) + " of " + count_text(plan_.rows()) +
-                       " are drawn; takt check --json has them all");
+                       " are drawn; takt check --json lists them all");
     }
     y_ += 22;
     background();
@@ -129,7 +129,7 @@ class Panel {
            (plan_.periodic.empty() ? 0 : kStrip);
   }
 
-  /// Row numbers on top, then the grid of basic periods.
+  /// Draws the row numbers and the grid of basic periods.
   void background() {
     const double height = lanes_height();
     canvas_.text(kMargin, y_, kSmall, "faint", "row");
@@ -143,7 +143,7 @@ class Panel {
     for (std::size_t row = 0; row <= shown_; ++row) canvas_.line(at(row), y_, at(row), y_ + height, "grid");
   }
 
-  /// The periodic modules in the order in which a row runs them, so that later ones are further down.
+  /// The periodic modules in the order in which a row runs them, which is their order from top to bottom.
   [[nodiscard]] std::vector<std::uint32_t> by_priority() const {
     std::vector<std::uint32_t> tasks(plan_.periodic.size());
     std::iota(tasks.begin(), tasks.end(), 0U);
@@ -153,7 +153,7 @@ class Panel {
     return tasks;
   }
 
-  /// The number of columns that a text or mark of this width needs.
+  /// The number of rows over which a text of this width extends.
   [[nodiscard]] std::size_t step(double width) const {
     return static_cast<std::size_t>(std::max(1.0, std::ceil(width / column_)));
   }
@@ -169,8 +169,8 @@ class Panel {
     canvas_.open_group(module.name + ": " + timing_of(module));
     label(module);
     for (std::size_t row = 0; row < shown_; ++row) {
-      // A process module runs in parallel to the row. A thread module runs after the thread modules before
-      // it.
+      // A process module runs in parallel to the row. A thread module runs after the thread modules that
+      // precede it in the row.
       double before = 0;
       std::size_t order = 0;
       bool due = false;
@@ -195,7 +195,8 @@ class Panel {
     y_ += kScheduleLane;
   }
 
-  /// The x at which the condition is checked: after the thread modules of the row have run.
+  /// The x coordinate at which a row checks the condition of a sporadic module: after its thread modules have
+  /// run.
   [[nodiscard]] double check_at(std::size_t row) const {
     const double load = ratio_of(plan_.load(device_, row).budget, plan_.basic_period);
     return at(row) +
@@ -225,7 +226,7 @@ class Panel {
   void load_strip() {
     canvas_.text(kMargin + 6, y_ + 18, kNormal, "", "load");
     bool stated = false;
-    bool named = true;  // each row shows its share as a number
+    bool named = true;  // every row has space for its load as a number
     bool complete = true;
     const double tall = kStrip - 18;
     for (std::size_t row = 0; row < shown_; ++row) {
@@ -247,9 +248,9 @@ class Panel {
       }
     }
     canvas_.text(kMargin + 6, y_ + 32, kSmall, "faint",
-                 !stated    ? "no budgets are given"
-                 : complete ? "budgets of the row's threads"
-                            : "at least: some have no budget");
+                 !stated    ? "no thread has a budget"
+                 : complete ? "sum of thread budgets"
+                            : "minimum: some have no budget");
     if (!named) {
       canvas_.line(left_, y_ + kStrip - tall, right_, y_ + kStrip - tall, "grid");
       canvas_.text_before(left_ - 4, y_ + kStrip - tall + 2, kSmall, "faint", "100%");
@@ -257,7 +258,7 @@ class Panel {
     y_ += kStrip;
   }
 
-  /// Times below the grid; the last time is always shown.
+  /// Draws the time axis below the grid. The end of the last row always has its time.
   void axis() {
     canvas_.line(left_, y_, right_, y_, "grid");
     const auto time = [&](std::size_t row) {
@@ -290,9 +291,10 @@ class Panel {
   std::size_t shown_ = 0;
 };
 
-/// The width of the labels left of the rows. It is the same for all panels, so that their rows are aligned.
+/// The width of the labels to the left of the rows. It is the same for all panels, so that their rows are
+/// aligned.
 double label_width(const model::Cell& cell) {
-  double widest = width_of("at least: some have no budget", kSmall);
+  double widest = width_of("minimum: some have no budget", kSmall);
   for (const Device& device : cell.devices) {
     for (const Module& module : device.modules) {
       if (module.operation == model::Operation::non_real) continue;
@@ -305,7 +307,7 @@ double label_width(const model::Cell& cell) {
 /// Lists the modules that are not real-time, wrapped to the width of the drawing.
 double names_below(Canvas& canvas, double y, const Device& device,
                    const std::vector<std::uint32_t>& modules) {
-  std::string line = device.name + ", not real-time:";
+  std::string line = device.name + ", modules that are not real-time:";
   const auto flush = [&] {
     y += 16;
     canvas.text(kMargin, y, kNormal, "faint", line);
@@ -324,7 +326,7 @@ double names_below(Canvas& canvas, double y, const Device& device,
   return y + 8;
 }
 
-/// Which kinds of elements a drawing contains, for the legend.
+/// The kinds of elements that a drawing contains, so that the legend explains only these.
 struct Shown {
   bool threads = false;
   bool processes = false;
@@ -362,35 +364,37 @@ double legend(Canvas& canvas, double y, const Shown& shown) {
   if (shown.threads) {
     canvas.rectangle(sample, y, 15, kBadge, "thread", 3);
     canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "1");
-    entry("release of a thread module; the number is its place in the row");
+    entry("release of a thread module; the number is the module's position in the row");
   }
   if (shown.processes) {
     canvas.rectangle(sample, y, 15, kBadge, "process", 3);
     canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "2");
-    entry("release of a process module, which runs on another core");
+    entry("release of a process module, which runs on another CPU");
   }
   if (shown.thread_budgets || shown.process_budgets) {
     if (shown.thread_budgets) canvas.rectangle(sample, y + 2, 36, 5, "thread-budget");
     if (shown.process_budgets) canvas.rectangle(sample, y + 9, 36, 5, "process-budget");
-    entry("budget, to scale; a thread module begins when those before it have used their budgets");
+    entry(
+        "budget, to scale; a thread module is drawn after the budgets of the thread modules that precede it "
+        "in the row");
   }
   if (shown.sporadic()) {
     if (shown.sporadic_threads) canvas.diamond(sample + 6, y + 8, 5, "thread");
     if (shown.sporadic_processes) canvas.diamond(sample + 24, y + 8, 5, "process");
     entry(
-        "after the row: a sporadic thread module's condition is checked, a sporadic process module is "
-        "released");
+        "end of the row: the executor checks the condition of a sporadic thread module, or releases a "
+        "sporadic process module");
     canvas.line(sample, y + 8, sample + 34, y + 8, "deadline");
     canvas.line(sample + 34, y + 2, sample + 34, y + 14, "end");
     entry(
-        "deadline of a sporadic module that is ready in the first row; no end mark: it lies beyond the "
-        "drawing");
+        "deadline of a sporadic module that is released in the first row; if the line has no end mark, the "
+        "deadline lies beyond the drawing");
   }
   if (shown.thread_budgets) {
     canvas.rectangle(sample, y + 9, 10, 5, "low");
     canvas.rectangle(sample + 12, y + 6, 10, 8, "high");
     canvas.rectangle(sample + 24, y + 3, 10, 11, "full");
-    entry(fmt::format("load of a row: up to {:.0f}%, up to {:.0f}%, and above", 100 * kHigh, 100 * kFull));
+    entry(fmt::format("load of a row: up to {:.0f}%, up to {:.0f}%, or above", 100 * kHigh, 100 * kFull));
   }
   return y;
 }

@@ -16,16 +16,16 @@ namespace {
 using model::Connection;
 using model::Module;
 
-// Pixels.
-constexpr double kTrack = 12;  // between two lines side by side
-constexpr double kStub = 18;   // from a column to the first track, at least
+// The sizes below are in pixels.
+constexpr double kTrack = 12;  // distance of two neighbouring tracks
+constexpr double kStub = 18;   // minimum distance from a column to the first track
 
-/// The distance of two wires with their labels. A running cell needs more, because the health is on a line
-/// below the label.
+/// The distance of two wires, which have labels. In a running cell the distance is larger, because the health
+/// is on a line below the label.
 constexpr double kPitchAtRest = 20;
 constexpr double kPitchLive = 32;
-/// Heights are whole steps. Every second column is half a step lower, so that wires which enter a channel
-/// from its two columns never have the same height.
+/// All y coordinates are multiples of a step. Every second column is half a step lower, so that wires from
+/// the two columns beside a channel never have the same y.
 constexpr double kStepAtRest = 20;
 constexpr double kStepLive = 16;
 
@@ -34,25 +34,25 @@ Look look_of_state(std::string_view state) {
   return state == "RECOVER" || state == "DESTRUCT" ? kBad : kPoor;
 }
 
-/// Shortens a long text by leaving out its middle.
+/// Replaces the middle of a long text with "...".
 std::string shortened(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
   return text.substr(0, most / 2) + "..." + text.substr(text.size() - (most - most / 2 - 3));
 }
 
-/// A vertical line in a channel.
+/// The vertical part of a wire, in a channel.
 struct Track {
   std::size_t wire = 0;
-  double from = 0;  // the height at its left end
-  double to = 0;    // the height at its right end, or where it goes if the wire turns back or goes below
-  bool leaves_left = false;   // it ends at the column left of the channel
-  bool leaves_right = false;  // it ends at the column right of the channel
+  double from = 0;            // the y coordinate at which the wire comes from the left
+  double to = 0;              // the y coordinate at which the wire goes on
+  bool leaves_left = false;   // the wire ends at the column on the left of the channel
+  bool leaves_right = false;  // the wire ends at the column on the right of the channel
   double x = 0;
 };
 
-/// The space to the right of a column.
+/// The space between a column and the next one, for vertical parts of wires and for labels.
 struct Channel {
-  double left_zone = kStub;  // room for the labels at arrows
+  double left_zone = kStub;  // width of the labels at the left column
   double right_zone = kStub;
   std::vector<Track> tracks;
 
@@ -62,10 +62,10 @@ struct Channel {
   }
 };
 
-/// The channel that the end of a wire enters.
+/// The index of the channel beside the port at this end of a wire.
 std::size_t channel_of(const Place& place) { return place.at_right ? place.column : place.column - 1; }
 
-/// Whether the wire goes below all columns.
+/// Whether the wire passes a whole column. It is then drawn below all columns.
 bool passes(const Wire& wire) {
   return wire.from.column > wire.to.column + 1 || wire.to.column > wire.from.column + 1;
 }
@@ -94,7 +94,7 @@ class Builder {
   }
 
  private:
-  /// Identifies a port while ports are still being added and are not yet sorted.
+  /// Identifies a port by name. Indexes are valid only after all ports have been added and sorted.
   struct Named {
     Place place;
     std::string port;
@@ -127,8 +127,8 @@ class Builder {
   double step_;
   Layout layout_;
   std::map<std::string, Place> modules_;       // by "device.module"
-  std::map<std::string, std::size_t> topics_;  // index of the box in outside()
-  std::vector<std::pair<Named, Named>> ends_;  // of the wires
+  std::map<std::string, std::size_t> topics_;  // the index of each topic's box in outside()
+  std::vector<std::pair<Named, Named>> ends_;  // the two ends of each wire
   std::vector<Channel> channels_;
 };
 
@@ -169,7 +169,7 @@ void Builder::add_device(const model::Device& device) {
   layout_.columns.push_back(std::move(column));
 }
 
-/// The last column, for programs outside Takt. It is created on first use.
+/// The last column, for programs outside Takt. The first call creates it.
 Column& Builder::outside() {
   if (layout_.columns.empty() || !layout_.columns.back().outside) {
     Column& column = layout_.columns.emplace_back();
@@ -221,8 +221,8 @@ void Builder::add_wires() {
   }
 }
 
-/// Moves the inputs before the outputs. Otherwise the ports keep the order in which the connections name
-/// them.
+/// Moves the inputs of a module before its outputs. Apart from that, the ports keep the order in which the
+/// connections mention them.
 void Builder::inputs_first(Box& box) {
   std::stable_partition(box.ports.begin(), box.ports.end(), [](const Port& port) { return port.input; });
 }
@@ -239,7 +239,8 @@ void Builder::name_places() {
   }
 }
 
-/// Each wire leaves its port on the side of its other end. A wire within a device leaves on the right.
+/// Chooses on which side of its two ports each wire begins and ends: the side that faces the other port. A
+/// wire within a device uses the right side.
 void Builder::choose_sides() {
   for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
     Wire& wire = layout_.wires[i];
@@ -284,8 +285,8 @@ void Builder::set_heights() {
   }
 }
 
-/// A wire within a device or to the next device has one track. A wire that passes a device has two tracks,
-/// and a horizontal line below all columns.
+/// Adds the tracks of a wire. A wire within a device or to the next device has one track. A wire that passes
+/// a device has two tracks, and between them a horizontal line below all columns.
 void Builder::add_tracks(std::size_t index) {
   const Wire& wire = layout_.wires[index];
   if (passes(wire)) {
@@ -307,9 +308,10 @@ void Builder::add_tracks(std::size_t index) {
        .leaves_right = !wire.from.at_right || !wire.to.at_right});
 }
 
-/// Orders the tracks of a channel for few crossings. Wires that turn back or go below stay near their column,
-/// and short wires stay nearest. Of the wires that go down to the right, lower wires come first. Of the wires
-/// that go up, higher wires come first.
+/// Orders the tracks of a channel from left to right, so that few wires cross. Wires that return to their
+/// column, or go below all columns, stay near their column, the shortest ones nearest. The other wires run
+/// between them: first those that go down to the right, the lowest first; then those that go up, the highest
+/// first.
 void Builder::order(Channel& channel) {
   const auto rank = [](const Track& track) { return !track.leaves_right ? 0 : track.leaves_left ? 1 : 2; };
   const auto length = [](const Track& track) { return std::abs(track.to - track.from); };

@@ -1,7 +1,7 @@
-// The layout of a cell's graph. Devices are columns, with their modules as boxes below each other. Between
-// two columns is a channel for the connections: each connection leaves its port sideways, goes up or down on
-// its own track, and enters the other port sideways. A connection that passes a device goes below all
-// columns. So no two lines overlap, no line crosses a box, and no two texts overlap.
+// The layout of a cell's graph. Each device is a column of boxes, one box per module. Between two columns is
+// a channel for connections: a connection leaves its port sideways, goes up or down on its own track, and
+// enters the other port sideways. A connection that passes a device goes below all columns. So no two lines
+// overlap, no line crosses a box, and no two texts overlap.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,15 @@
 
 namespace takt::tool::graph {
 
-// Pixels.
-inline constexpr double kTop = 70;     ///< y of the first column
-inline constexpr double kInside = 12;  ///< from a frame to its content
+// The sizes below are in pixels.
+inline constexpr double kTop = 70;     ///< y coordinate of the first column
+inline constexpr double kInside = 12;  ///< distance from a frame to its content
 inline constexpr double kArrow = 8;    ///< length of an arrow head
 
-/// The CSS classes for a state.
+/// The CSS classes that show a state.
 struct Look {
-  std::string_view line;  ///< of the line of a connection
-  std::string_view word;  ///< of the word for the state
+  std::string_view line;  ///< class of the connection's line
+  std::string_view word;  ///< class of the word that names the state
 };
 inline constexpr Look kUnknown{"", "faint"};
 inline constexpr Look kGood{"good", "good-word"};
@@ -33,43 +33,43 @@ inline constexpr Look kBad{"bad", "bad-word"};
 inline constexpr Look kBroken{"broken", "bad-word"};
 Look look_of(const CellHealth::Connection& health);
 
-/// The label at the arrow of a connection: its most important properties.
+/// The label at the arrow of a connection, which has the connection's most important properties.
 std::string label_of(const model::Connection& connection);
 
 struct Port {
   std::string name;
   bool input = false;
-  std::vector<std::size_t> left;   ///< wires on the left side, from top to bottom
-  std::vector<std::size_t> right;  ///< wires on the right side
-  double y = 0;                    ///< of its name and its first wire; the other wires follow at the pitch
+  std::vector<std::size_t> left;   ///< the indexes of the wires on the left side, from top to bottom
+  std::vector<std::size_t> right;  ///< the same for the right side
+  double y = 0;                    ///< y of the name and the first wire; each further wire is `pitch` lower
 
   [[nodiscard]] std::size_t lines() const;
-  /// The name is on the side of the wires.
+  /// Whether the name is at the right edge: the name is on a side that has wires.
   [[nodiscard]] bool named_at_right() const {
     return left.empty() ? !right.empty() || !input : !right.empty() && !input;
   }
 };
 
-/// A module, or a topic of other programs.
+/// The box of a module, or of a topic that programs outside Takt use.
 struct Box {
   std::string name;
   std::string about;
   std::string state;
   Look look = kUnknown;
-  std::string title;  ///< tooltip with all details
+  std::string title;  ///< the tooltip, which has all details
   std::vector<Port> ports;
   double top = 0;
   double height = 0;
 };
 
-/// A device, or all other programs.
+/// The column of a device, or of all programs outside Takt.
 struct Column {
   std::string name;
   std::string about;
   std::string state;
   Look look = kUnknown;
   bool outside = false;
-  std::size_t left_out = 0;  ///< modules that are not drawn
+  std::size_t left_out = 0;  ///< the number of modules that are not drawn
   std::vector<Box> boxes;
   double left = 0;
   double width = 0;
@@ -79,7 +79,7 @@ struct Column {
   [[nodiscard]] double right() const { return left + width; }
 };
 
-/// One end of a wire.
+/// One end of a wire: the port where it begins or ends.
 struct Place {
   std::size_t column = 0;
   std::size_t box = 0;
@@ -89,7 +89,7 @@ struct Place {
 };
 
 struct Wire {
-  std::size_t connection = 0;  ///< index in Cell::connections
+  std::size_t connection = 0;  ///< the index in Cell::connections
   Place from;
   Place to;
   std::vector<Point> way;  ///< the corners of the line, from port to port
@@ -98,8 +98,8 @@ struct Wire {
 struct Layout {
   std::vector<Column> columns;
   std::vector<Wire> wires;
-  double bottom = 0;  ///< of the whole graph
-  double pitch = 0;   ///< distance of two wires of one port
+  double bottom = 0;  ///< y coordinate of the graph's lower edge
+  double pitch = 0;   ///< distance of two neighbouring wires of one port
   std::size_t connections_left_out = 0;
 };
 

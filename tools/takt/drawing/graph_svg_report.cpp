@@ -78,11 +78,11 @@ class GraphDrawing {
   [[nodiscard]] const Connection& connection_of(const Wire& wire) const {
     return cell_.connections[wire.connection];
   }
-  /// The CSS classes of a state or health. A page that contains the drawing replaces the words of these
-  /// classes.
+  /// The CSS classes of a word that names a state or health. The page of `takt web` finds these words by the
+  /// class `state` and replaces them.
   [[nodiscard]] static std::string word_of(Look look) { return std::string{look.word} + " state"; }
   [[nodiscard]] std::string title_of(const Wire& wire) const;
-  /// Null if nothing is known.
+  /// The health of a wire's connection, or null if it is not known.
   [[nodiscard]] const CellHealth::Connection* health_of(const Wire& wire) const {
     const auto found = health_.connections.find(wire.connection);
     return found == health_.connections.end() ? nullptr : &found->second;
@@ -144,7 +144,7 @@ std::string GraphDrawing::title_of(const Wire& wire) const {
          (health == nullptr ? "" : "; " + health_text(*health));
 }
 
-/// Draws the name of a port and a mark that points in the direction of the data, on the side of its wires.
+/// Draws the name of a port on the side of its wires, and a mark that points in the direction of the data.
 void GraphDrawing::draw_port(double left, double right, const Port& port) {
   const bool at_right = port.named_at_right();
   const double outer = at_right ? right - 5 : left + 5;
@@ -157,13 +157,13 @@ void GraphDrawing::draw_port(double left, double right, const Port& port) {
   } else {
     canvas_.text(inner + 3, port.y + 4, kSmall, "", port.name);
   }
-  // If the port has wires on both sides, a line leads from its name to the other side.
+  // If the port has wires on both sides, draw a line from its name to the other side.
   if (!port.left.empty() && !port.right.empty()) {
     const double named = inner + (at_right ? -1 : 1) * (width_of(port.name, kSmall) + 9);
     canvas_.line(std::min(named, at_right ? left : right), port.y, std::max(named, at_right ? left : right),
                  port.y, "grid");
   }
-  // A bar joins several wires of one port on the same side.
+  // If a port has several wires on one side, join them with a bar.
   for (const bool side : {false, true}) {
     const auto& wires = side ? port.right : port.left;
     const double x = side ? right : left;
@@ -177,7 +177,7 @@ void GraphDrawing::draw_wire(const Wire& wire) {
   const CellHealth::Connection* health = health_of(wire);
   std::string classes = connection.kind == ConnectionKind::queue ? "wire queue" : "wire";
   if (health != nullptr) classes += " " + std::string{look_of(*health).line};
-  // The line ends where the arrow head begins.
+  // End the line where the arrow head begins.
   std::vector<Point> way = wire.way;
   const Point tip = way.back();
   way.back().x += wire.to.at_right ? kArrow : -kArrow;
@@ -205,7 +205,8 @@ void GraphDrawing::draw_label(const Wire& wire) {
   canvas_.close_group();
 }
 
-/// Explains the line styles that occur in the drawing, and says what is not drawn.
+/// Draws the legend: explains the line styles in the drawing, and says how many devices and connections are
+/// not drawn.
 void GraphDrawing::draw_legend() {
   const double left = kMargin + 6;
   double y = layout_.bottom + 24;
@@ -221,8 +222,8 @@ void GraphDrawing::draw_legend() {
   const auto of_kind = [&](ConnectionKind kind) {
     return [this, kind](const Wire& wire) { return connection_of(wire).kind == kind; };
   };
-  sample("", "the latest value", of_kind(ConnectionKind::latest));
-  sample("queue", "a queue", of_kind(ConnectionKind::queue));
+  sample("", "connection for the latest value", of_kind(ConnectionKind::latest));
+  sample("queue", "connection with a queue", of_kind(ConnectionKind::queue));
   const auto with = [&](Look look) {
     return [this, look](const Wire& wire) {
       const auto* health = health_of(wire);
@@ -231,15 +232,15 @@ void GraphDrawing::draw_legend() {
   };
   sample("good", "ok", with(kGood));
   sample("poor", "no value yet, or samples were lost, dropped or late", with(kPoor));
-  sample("bad", "stale: the value is older than its deadline", with(kBad));
-  sample("broken", "not matched: the other end was not found", with(kBroken));
+  sample("bad", "stale: the newest value is older than the connection's deadline", with(kBad));
+  sample("broken", "not matched: the writer and the reader have not found each other", with(kBroken));
   if (cell_.devices.size() > kGraphDevices) {
-    entry(fmt::format("only {} of {} devices are drawn; takt graph --json has them all", kGraphDevices,
+    entry(fmt::format("only {} of {} devices are drawn; takt graph --json lists them all", kGraphDevices,
                       cell_.devices.size()));
   }
   if (layout_.connections_left_out > 0) {
-    entry(fmt::format("{} of {} are not drawn; takt graph --json has them all", layout_.connections_left_out,
-                      count(cell_.connections.size(), "connection")));
+    entry(fmt::format("{} of {} are not drawn; takt graph --json lists them all",
+                      layout_.connections_left_out, count(cell_.connections.size(), "connection")));
   }
 }
 

@@ -36,7 +36,7 @@ constexpr std::size_t kNamedLate = 8;
 struct Bar {
   double begin_us = 0;
   double took_us = 0;
-  double late_us = 0;  ///< 0: not late
+  double late_us = 0;  ///< 0 if the run was not late
   std::string why{};
 };
 
@@ -46,7 +46,7 @@ struct Lane {
   std::vector<Bar> bars{};
 };
 
-/// The lanes of one executor, or of all programs.
+/// The lanes of one executor, or of all process modules.
 struct Group {
   std::string title;
   std::vector<Lane> lanes{};
@@ -69,7 +69,7 @@ Bar bar_of(const Json& event) {
 
 std::vector<Group> groups_of(const Json& trace) {
   std::vector<Group> groups;
-  std::map<double, std::size_t> of_thread;  // thread id to index in `groups`
+  std::map<double, std::size_t> of_thread;  // index in `groups`, by the thread's id
   for (const Json& thread : trace.at("otherData").at("threads")) {
     const auto executor = thread.at("executor").get<std::string>();
     const std::string title = "executor " + executor;
@@ -113,7 +113,7 @@ class TraceDrawing {
     y += 20;
     canvas_.text(kMargin, y, kNormal, "faint",
                  fmt::format("{}{} on {}; taken: {}", span(to_us_ - from_us_),
-                             from_us_ > 0 ? fmt::format(", the last of {}", span(to_us_)) : "",
+                             from_us_ > 0 ? fmt::format(", the end of a trace of {}", span(to_us_)) : "",
                              summary_.machine, summary_.why));
     y += 10;
     for (const Group& group : groups_) y = draw(group, y + 22);
@@ -124,7 +124,7 @@ class TraceDrawing {
   }
 
  private:
-  /// Removes the oldest bars if there are too many to distinguish.
+  /// If there are too many bars to distinguish, removes the oldest ones.
   void leave_out() {
     std::vector<double> begins;
     for (const Group& group : groups_) {
@@ -180,11 +180,11 @@ class TraceDrawing {
     canvas_.close_group();
   }
 
-  /// Draws an empty lane.
+  /// Draws one empty lane, for a trace without runs.
   double nothing(double y) {
     canvas_.rectangle(left_, y, kTraceWide, kTraceLane, "panel");
     grid(y, y + kTraceLane);
-    canvas_.text(left_ + 10, y + 13, kSmall, "faint", "nothing ran in this time");
+    canvas_.text(left_ + 10, y + 13, kSmall, "faint", "no module ran in this time");
     return y + kTraceLane;
   }
 
@@ -192,8 +192,8 @@ class TraceDrawing {
     return ticks(from_us_ / 1e6 / unit_.seconds, to_us_ / 1e6 / unit_.seconds, 9);
   }
 
-  /// Draws the grid, behind the bars. Does not reach into the titles, which may be longer than the names of
-  /// the lanes.
+  /// Draws the grid behind the bars of one group. It leaves out the title above, which may be longer than the
+  /// names of the lanes.
   void grid(double top, double bottom) {
     for (const double mark : marks()) {
       const double x = x_of(mark * unit_.seconds * 1e6);
@@ -214,7 +214,7 @@ class TraceDrawing {
   void late(double y) {
     y += 8;
     if (summary_.late.empty()) {
-      canvas_.text(kMargin, y, kNormal, "faint", "Nothing began late.");
+      canvas_.text(kMargin, y, kNormal, "faint", "No row and no module began late.");
       return;
     }
     canvas_.diamond(kMargin + 4, y - 4, 4, "late");
@@ -249,7 +249,7 @@ Result<std::string> trace_svg(const Json& trace) {
   try {
     return TraceDrawing{*summary, groups_of(trace)}.svg();
   } catch (const Json::exception&) {
-    return fail("its events are not those of a Takt trace");
+    return fail("its events are not in the format of a Takt trace");
   }
 }
 

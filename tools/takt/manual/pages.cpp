@@ -16,7 +16,7 @@ namespace {
 
 using OptionList = std::vector<const CLI::Option*>;
 
-/// Whether --help shows the option.
+/// Whether --help shows this option.
 bool is_shown(const CLI::Option* option) { return !option->get_group().empty(); }
 
 OptionList positionals_of(const CLI::App& app) {
@@ -38,7 +38,7 @@ std::vector<std::string> names_of(const CLI::Option* option) {
   return names;
 }
 
-// roff
+// ---- The manual pages, in roff
 
 std::string escaped(std::string_view text) {
   std::string roff;
@@ -57,7 +57,8 @@ std::string escaped(std::string_view text) {
   return roff;
 }
 
-/// A line of text. A line that begins with a dot is escaped, because roff would take it for a request.
+/// A line of text in roff. A leading dot is escaped, because roff treats a line that begins with a dot as a
+/// request.
 std::string line(std::string_view text) {
   const bool request = text.starts_with(".");
   return (request ? "\\&" : "") + escaped(text) + "\n";
@@ -96,7 +97,7 @@ std::string option_items(const OptionList& options) {
   return roff;
 }
 
-/// The footer of --help, with the same line breaks.
+/// The footer of --help in roff, with the same line breaks.
 std::string footer_of(const CLI::App& app) {
   std::string text = app.get_footer();
   while (!text.empty() && text.front() == '\n') text.erase(0, 1);
@@ -117,17 +118,17 @@ std::string upper(std::string text) {
   return text;
 }
 
-// bash
+// ---- The completion script for bash
 
-/// The kind of file names that bash completes for a value: "files", "folders", or "" for none.
+/// What bash completes for a value of this type: "files", "folders", or "" for nothing.
 std::string completed(const std::string& value) {
   if (value == "FILE" || value == "OUT") return "files";
   if (value == "DIR") return "folders";
   return "";
 }
 
-/// Adds the cases of a command and of its subcommands to the script. `path` is "", "run" or "bench table1",
-/// for example.
+/// Adds the cases of a command and its subcommands to the script. `path` names the command, for example "",
+/// "run" or "bench table1".
 void add_cases(const CLI::App& app, const std::string& path, std::string* values, std::string* words) {
   std::string names;
   for (const auto* option : options_of(app)) {
@@ -197,7 +198,7 @@ bool write_page(const std::filesystem::path& path, const std::string& text) {
   std::ofstream file{path};
   file << text;
   file.close();
-  if (!file) std::fprintf(stderr, "%s: error: cannot be written\n", path.c_str());
+  if (!file) std::fprintf(stderr, "%s: error: cannot write this file\n", path.c_str());
   return static_cast<bool>(file);
 }
 
@@ -268,7 +269,8 @@ void tidy_help(CLI::App& program) {
 
 namespace {
 
-/// Prints only the error and the usage line. With the whole help, the error would scroll off the screen.
+/// The message for wrong usage: only the error and the usage line. After the whole help text, the error would
+/// scroll off the screen.
 std::string wrong_usage(const CLI::App* program, const CLI::Error& error) {
   const std::string help = program->help();
   const std::string wrong = std::string{"error: "} + error.what() + "\n";

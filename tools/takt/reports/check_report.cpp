@@ -26,7 +26,7 @@ using Words = Page::Words;
 
 constexpr std::size_t kDetailIndent = 4;
 
-/// "vision (process)"; for a thread module only its name.
+/// The name of a module, marked if it is a process module: "vision (process)".
 std::string called(const Module& module) {
   return module.type == ModuleType::process ? module.name + " (process)" : module.name;
 }
@@ -48,7 +48,7 @@ std::string percent(Nanoseconds part, Nanoseconds whole) {
                      100.0 * static_cast<double>(part.count()) / static_cast<double>(whole.count()));
 }
 
-/// If the basic period is shorter, no row is done before the next row is due.
+/// With a shorter basic period, no machine can finish a row before the next row is due.
 constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
 
 std::string in_words(const model::OverrunContract& contract) {
@@ -82,7 +82,7 @@ RowLoad load_of(const Device& device, const ExecutorPlan& plan, const schedule::
     if (module.type != ModuleType::thread) continue;
     if (!module.budget) {
       load.complete = false;
-    } else {  // budgets can be any 64-bit number
+    } else {  // saturate, because a budget can be any 64-bit number
       load.budget = load.budget > Nanoseconds::max() - *module.budget ? Nanoseconds::max()
                                                                       : load.budget + *module.budget;
     }
@@ -95,7 +95,8 @@ std::string share_of(const RowLoad& load, Nanoseconds basic) {
   return (load.complete ? "" : ">= ") + percent(load.budget, basic);
 }
 
-/// The table without the offsets that offsets="auto" has found. None if it has found no offsets.
+/// The table as it would be without the offsets that offsets="auto" has chosen. None if it has chosen no
+/// offsets.
 std::optional<schedule::Table> unshifted(const Device& device, const ExecutorPlan& plan) {
   if (device.executors[plan.executor].offsets != model::Offsets::automatic) return std::nullopt;
   std::vector<schedule::Task> tasks;
@@ -124,7 +125,7 @@ std::string fullest(const Device& device, const ExecutorPlan& plan, const schedu
   return count(modules, "module") + (share == "-" || most.budget == Nanoseconds{} ? "" : ", " + share);
 }
 
-/// The effect of offsets="auto" on the table.
+/// Shows the effect of offsets="auto": the fullest row with and without offsets, and the shifted modules.
 void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
   const auto before = unshifted(device, plan);
   if (!before) return;
@@ -138,7 +139,7 @@ void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
   page.words(kDetailIndent, "shifted: ", shifted);
 }
 
-/// Modules with an overrun contract of their own.
+/// Lists the modules that have their own overrun contract.
 void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
   Words own;
   for (const auto index : plan.periodic) {
@@ -148,7 +149,7 @@ void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
   if (!own.empty()) page.words(kDetailIndent, "overrun: ", own);
 }
 
-/// Figure 3 of the paper, with consecutive equal rows on one line.
+/// Writes an executor's table like Figure 3 of the paper, with consecutive equal rows on one line.
 void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
   const bool budgets = states_budget(device, plan);
   const auto before = unshifted(device, plan);
@@ -191,11 +192,12 @@ void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
   }
   if (row < plan.rows()) {
     page.line(kDetailIndent,
-              fmt::format("... and {} more; --json has them all", count(plan.rows() - row, "row")));
+              fmt::format("... and {} more; --json lists them all", count(plan.rows() - row, "row")));
   }
 }
 
-/// Figure 4 of the paper, with columns for settings that some of the modules have.
+/// Writes the sporadic modules like Figure 4 of the paper, with additional columns for settings that at least
+/// one module has.
 void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
   const auto some = [&](auto holds) {
     return std::any_of(plan.sporadic.begin(), plan.sporadic.end(),
@@ -224,10 +226,10 @@ void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
   page.table(kDetailIndent, rows);
   if (plan.sporadic.size() > kTextRows) {
     page.line(kDetailIndent,
-              fmt::format("... and {} more; --json has them all", plan.sporadic.size() - kTextRows));
+              fmt::format("... and {} more; --json lists them all", plan.sporadic.size() - kTextRows));
   }
   if (!hasty.empty()) {
-    page.line(kDetailIndent, page.warning("late by design, because their conditions are checked only every " +
+    page.line(kDetailIndent, page.warning("may miss deadlines, because conditions are checked only every " +
                                           to_text(plan.basic_period) + ":"));
     page.words(kDetailIndent + 2, "", hasty);
   }
@@ -237,19 +239,20 @@ double ratio(Nanoseconds part, Nanoseconds whole) {
   return static_cast<double>(part.count()) / static_cast<double>(whole.count());
 }
 
-/// The minimum time between two releases; none if there is no bound. A module with dispatch "row" is released
-/// at most once per row, and after its interarrival time in the next row.
+/// The minimum time between two releases, or none if there is no bound. A module with dispatch "row" is
+/// released at most once per row, so its interarrival time is rounded up to whole rows.
 std::optional<Nanoseconds> least_spacing(const Module& module, const ExecutorPlan& plan) {
   if (module.dispatch == model::Dispatch::immediate) return module.interarrival;
   const Nanoseconds basic = plan.basic_period;
   if (!module.interarrival || *module.interarrival <= basic) return basic;
   const std::int64_t rest = *module.interarrival % basic == Nanoseconds{} ? 0 : 1;
   const std::int64_t rows = *module.interarrival / basic + rest;
-  // Saturate if the product does not fit.
+  // Saturate if the product exceeds 64 bits.
   return rows > Nanoseconds::max() / basic ? Nanoseconds::max() : basic * rows;
 }
 
-/// The share of time that the budgets of the periodic thread modules use, and the modules without a budget.
+/// The share of the CPU's time that the budgets of the periodic thread modules take, and the modules without
+/// a budget.
 struct Share {
   double value = 0;
   Words unknown;
@@ -271,7 +274,7 @@ Share periodic_share(const Device& device, const ExecutorPlan& plan) {
 
 void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) {
   const Share share = periodic_share(device, plan);
-  if (!states_budget(device, plan) && share.unknown.empty()) return;  // all are process modules
+  if (!states_budget(device, plan) && share.unknown.empty()) return;  // all modules are process modules
   page.blank();
   if (states_budget(device, plan)) {
     std::size_t fullest = 0;
@@ -284,19 +287,20 @@ void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) 
     page.sentence(
         kDetailIndent,
         fmt::format(
-            "predicted load{}: row {} is the fullest with {} of {} ({}); {:.1f} % over the macro period",
+            "predicted load{}: row {} is the fullest with {} of {} ({}); {:.1f} % of the macro period",
             share.unknown.empty() ? "" : ", at least", fullest, to_text(most), to_text(plan.basic_period),
             percent(most, plan.basic_period), 100.0 * share.value));
   }
   if (!share.unknown.empty()) {
     page.words(kDetailIndent,
-               states_budget(device, plan) ? "without a budget: " : "load not predicted, without a budget: ",
+               states_budget(device, plan) ? "modules without a budget: "
+                                           : "load not predicted; modules without a budget: ",
                share.unknown);
   }
 }
 
-/// Sporadic thread modules run on the same CPU as the rows, with a lower priority. Their load adds to that of
-/// the rows.
+/// Writes the load of the sporadic thread modules. They run on the same CPU as the rows, with a lower
+/// priority, so their load adds to the load of the rows.
 void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
   Words known;
   Words without_budget;
@@ -315,18 +319,19 @@ void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
       known.push_back(fmt::format("{} every {}", module.name, to_text(*spacing)));
     }
   }
-  if (known.empty() && without_bound.empty()) return;  // a cell without budgets has no prediction
+  if (known.empty() && without_bound.empty()) return;  // without budgets, no load can be predicted
   page.blank();
   if (!known.empty()) {
     page.words(kDetailIndent, fmt::format("sporadic load, at most {:.4g} %: ", 100.0 * most), known);
   }
-  if (!without_budget.empty()) page.words(kDetailIndent, "sporadic without a budget: ", without_budget);
+  if (!without_budget.empty())
+    page.words(kDetailIndent, "sporadic modules without a budget: ", without_budget);
   if (!without_bound.empty())
-    page.words(kDetailIndent, "sporadic, immediate and without interarrival: ", without_bound);
+    page.words(kDetailIndent, "sporadic modules, immediate, without interarrival: ", without_bound);
   const double together = most + periodic_share(device, plan).value;
   if (together > 1) {
     page.line(kDetailIndent, page.warning(fmt::format(
-                                 "more than one CPU can do if all events occur as often as allowed: {:.4g} %",
+                                 "overload of one CPU if all events occur as often as allowed: {:.4g} %",
                                  100.0 * together)));
   }
 }
@@ -365,13 +370,14 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
   sporadic_load(page, device, plan);
 }
 
-/// The worst-case response time of each module, and whether it keeps the deadline.
+/// Writes the worst-case response time of each module, and whether the module keeps its deadline.
 void proof_text(Page& page, const Device& device, const Proof& proof, std::size_t index) {
   const auto& worst_cases = proof.devices[index];
   if (worst_cases.empty()) return;
   page.blank();
   page.sentence(
-      2, fmt::format("worst case, by {}{}, on {}:", proof.of_profile ? "the profile" : "the budgets",
+      2, fmt::format("worst-case response times, computed from {}{}, on {}:",
+                     proof.of_profile ? "the profile" : "the budgets",
                      proof.factor == 1 ? "" : fmt::format(" x {}", proof.factor), count(proof.cpus, "CPU")));
   std::vector<Words> rows{{"module", "cpu", "longest run", "response", "deadline", "slack", ""}};
   for (const schedule::WorstCase& worst : worst_cases) {
@@ -384,7 +390,7 @@ void proof_text(Page& page, const Device& device, const Proof& proof, std::size_
   }
   page.table(kDetailIndent, rows);
   if (rows.size() <= worst_cases.size()) {
-    page.line(kDetailIndent, fmt::format("... and {} more, all kept; --json has them all",
+    page.line(kDetailIndent, fmt::format("... and {} more, all kept; --json lists them all",
                                          worst_cases.size() + 1 - rows.size()));
   }
 }
@@ -459,7 +465,7 @@ nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<Dev
                                {"macro_period_ns", plan.macro_period.count()},
                                {"rows", std::move(rows)},
                                {"sporadic", names(device, plan.sporadic)}});
-      // Only values that Takt has chosen itself: automatic priorities and offsets.
+      // Add only the priorities and offsets that Takt has chosen automatically.
       if (device.executors[plan.executor].rate_monotonic) executors.back()["priority"] = plan.priority;
       for (std::size_t p = 0; p < plan.periodic.size(); ++p) {
         if (plan.offsets[p] == Nanoseconds{}) continue;

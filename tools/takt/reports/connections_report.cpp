@@ -16,7 +16,7 @@ std::string own_topic(const Connection& connection) {
   return connection.topic + (connection.domain ? fmt::format(" in domain {}", *connection.domain) : "");
 }
 
-/// A column of the table; `of` may return an empty text.
+/// A column of the table of connections. `of` returns the text for a connection, which may be empty.
 struct TableColumn {
   const char* name;
   std::string (*of)(const Connection&);
@@ -33,7 +33,7 @@ const TableColumn kColumns[] = {
     {"topic", [](const Connection& c) { return c.topic.empty() ? "" : own_topic(c); }},
 };
 
-/// Rows of the table, without columns that are empty in every row.
+/// The rows of the table of connections, without the columns that are empty in all rows.
 std::vector<Page::Words> connection_rows(const std::vector<Connection>& connections, std::size_t shown,
                                          const std::map<std::size_t, std::string>& states) {
   std::vector<Page::Words> rows(1 + shown);
@@ -53,7 +53,7 @@ std::vector<Page::Words> connection_rows(const std::vector<Connection>& connecti
   return rows;
 }
 
-/// Modules by "device.module".
+/// The modules of a cell, by "device.module".
 std::map<std::string, const model::Module*> modules_of(const model::Cell& cell) {
   std::map<std::string, const model::Module*> modules;
   for (const model::Device& device : cell.devices) {
@@ -62,9 +62,9 @@ std::map<std::string, const model::Module*> modules_of(const model::Cell& cell) 
   return modules;
 }
 
-/// The connections whose reader always runs at least once, between two writes, when the value is too old.
-/// Whatever the phases are, the last run of the reader before a write sees an age of at least the writer's
-/// period minus the reader's period.
+/// The connections on which the reader gets a stale value at least once between two writes. Whatever the
+/// phases of the modules are, the reader's last run before a write sees a value whose age is at least the
+/// writer's period minus the reader's period.
 std::vector<std::string> stale_by_design(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   const auto period_of = [&](const model::Endpoint& end) {
@@ -79,12 +79,12 @@ std::vector<std::string> stale_by_design(const model::Cell& cell) {
     const auto read = period_of(connection.to);
     if (!written || !read || *written - *read <= *connection.deadline) continue;
     stale.push_back(
-        fmt::format("{}, which is written only every {}", end_text(connection.to), to_text(*written)));
+        fmt::format("{}, whose writer runs only every {}", end_text(connection.to), to_text(*written)));
   }
   return stale;
 }
 
-/// The readers that do not get the safe value that the descriptor gives to the output that they read.
+/// The readers that never get the safe value which the descriptor gives for the output they read.
 std::vector<std::string> without_safe_value(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   std::vector<std::string> without;
@@ -99,7 +99,7 @@ std::vector<std::string> without_safe_value(const model::Cell& cell) {
     if (!connection.to.given())
       without.push_back("other programs, on the topic " + connection.topic);
     else if (connection.kind == model::ConnectionKind::queue)
-      without.push_back(end_text(connection.to) + ", by a queue");
+      without.push_back(end_text(connection.to) + ", whose connection is a queue");
   }
   return without;
 }
@@ -169,7 +169,7 @@ void connections_text(Page& page, const model::Cell& cell, const std::map<std::s
   }
   if (shown < cell.connections.size()) {
     page.line(
-        2, fmt::format("... and {} more; takt graph --json has them all", cell.connections.size() - shown));
+        2, fmt::format("... and {} more; takt graph --json lists them all", cell.connections.size() - shown));
   }
   const auto warn = [&page](const char* what, const std::vector<std::string>& of) {
     if (of.empty()) return;
@@ -178,8 +178,8 @@ void connections_text(Page& page, const model::Cell& cell, const std::map<std::s
     for (std::size_t i = 0; i < named; ++i) page.sentence(4, of[i]);
     if (named < of.size()) page.line(4, fmt::format("and {} more", of.size() - named));
   };
-  warn("stale by design, because the value gets too old between two writes:", stale_by_design(cell));
-  warn("gets no safe value, although the output has one:", without_safe_value(cell));
+  warn("goes stale between two writes, because the deadline is too short:", stale_by_design(cell));
+  warn("never gets the safe value that the descriptor gives for the output:", without_safe_value(cell));
 }
 
 }  // namespace takt::tool

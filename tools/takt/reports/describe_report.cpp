@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kWidth = 100;
 
-/// The text, wrapped between words to lines of at most `width` characters.
+/// The lines of a text that is wrapped between words to at most `width` characters.
 Page::Words wrapped_words(const std::string& text, std::size_t width) {
   Page::Words lines{""};
   std::istringstream words{text};
@@ -37,7 +37,7 @@ Page::Words wrapped_words(const std::string& text, std::size_t width) {
 }
 
 /// Adds rows with aligned columns. The last column is a sentence, which is wrapped. If the other columns
-/// leave little room for the sentence, it goes below them.
+/// leave too little width for the sentence, it goes on the next line.
 void rows(Page& page, std::size_t indent, const std::vector<Page::Words>& all) {
   constexpr std::size_t kLittle = 30;
   std::vector<Page::Words> columns;
@@ -79,7 +79,7 @@ void add_module(Page& page, const model::Module& module) {
   page.line(2, "module      " + how);
 }
 
-/// The type of a request or a reply, without the envelope that Takt adds.
+/// The type of a request or reply as the user declared it, without the envelope that Takt adds.
 const std::string& inner_type(const model::Type& type) {
   const auto inner = std::find_if(type.fields.begin(), type.fields.end(), [](const model::Field& field) {
     return field.scalar == model::Scalar::structure;
@@ -87,7 +87,7 @@ const std::string& inner_type(const model::Type& type) {
   return inner == type.fields.end() ? type.name : inner->type_name;
 }
 
-/// A line for the two ports of each service and each client.
+/// Adds one line for each service and each client, which have two ports each.
 void add_services(Page& page, const std::vector<model::Port>& ports) {
   std::vector<Page::Words> table;
   for (const model::Port& request : ports) {
@@ -145,8 +145,8 @@ void add_properties(Page& page, const Described& described) {
   if (component.properties.empty()) {
     page.line(2, "properties  " + std::string{!component.takes_any_property() ? "none"
                                               : component.interface == "c"
-                                                  ? "any; initialize() reads them"
-                                                  : "any; each is an argument NAME=VALUE"});
+                                                  ? "any name; initialize() reads them"
+                                                  : "any name; each becomes an argument NAME=VALUE"});
   } else {
     page.line(2, "properties");
     std::vector<Page::Words> table{
@@ -164,7 +164,7 @@ void add_properties(Page& page, const Described& described) {
   }
 }
 
-/// The file's stem, changed where it is not a valid module name.
+/// A valid module name, made from the name of the component's file.
 std::string proposed_name(const std::string& path) {
   std::string name = model::file_stem(path).substr(0, model::kMaxNameLength);
   for (char& c : name) {
@@ -174,7 +174,7 @@ std::string proposed_name(const std::string& path) {
   return name;
 }
 
-/// Whether a descriptor cannot express the default. Then describe_xml() leaves the property out.
+/// Whether a descriptor cannot express the property's default. describe_xml() leaves such a property out.
 bool is_inexpressible(const host::PropertyDescription& property) {
   const std::string& value = property.default_value;
   return property.type == "double" && (value.ends_with("inf") || value.ends_with("nan"));
@@ -263,10 +263,11 @@ std::string describe_xml(const Described& described) {
   if (operation == model::Operation::periodic) text += "  <period>1000000</period> <!-- ns -->\n";
   if (operation == model::Operation::sporadic) {
     text += "  <deadline>1000000</deadline> <!-- ns -->\n";
-    if (has_event(component)) text += "  <dispatch>immediate</dispatch> <!-- connect an event port -->\n";
+    if (has_event(component))
+      text += "  <dispatch>immediate</dispatch> <!-- needs a connected event port -->\n";
   }
   if (operation != model::Operation::non_real)
-    text += "  <priority>1</priority> <!-- the lowest value runs first -->\n";
+    text += "  <priority>1</priority> <!-- modules with lower values run first -->\n";
   if (!std::all_of(component.properties.begin(), component.properties.end(), is_inexpressible)) {
     text += "  <property>\n";
     for (const auto& p : component.properties) {

@@ -1,5 +1,5 @@
-// The output of `takt describe`: components as text, as JSON, as XML for a descriptor, and as a module
-// profile.
+// Makes the output of `takt describe`, which shows components as text, as JSON, as XML for a descriptor, or
+// as a module profile.
 #pragma once
 
 #include <optional>
@@ -14,38 +14,39 @@
 
 namespace takt::tool {
 
-/// A component and, if a descriptor was given, a module that is made from it.
+/// A component and, if the user gave a descriptor, a module of the cell that uses the component.
 struct Described {
   std::string path;
   host::Description component;
-  std::optional<std::string> cell{};  ///< of the module
+  std::optional<std::string> cell{};  ///< the module's cell
   std::optional<std::string> device{};
   std::optional<model::Module> module{};
 };
 
 std::string describe_text(const Described& described, Style style);
 
-/// The object of docs/describe.md, on one line.
+/// The JSON object that docs/describe.md defines, on one line.
 std::string describe_json(const Described& described);
 
-/// A <module> element for a descriptor, with the defaults. The operation type is that of the program, if
-/// known. Otherwise a component with an event port or a condition is sporadic, and any other component is
-/// periodic.
+/// A <module> element for a descriptor, with the default values. If the operation type of a program is known,
+/// the element has it. Otherwise a component with an event port or a condition is sporadic, and any other
+/// component is periodic.
 std::string describe_xml(const Described& described);
 
-/// A module profile with the terms of ISO 22166-202; docs/describe.md lists the terms that are used, and why.
-/// `operation`: how the module is released, if known.
+/// A module profile with the terms of ISO 22166-202; docs/describe.md explains the choice of terms.
+/// `operation` is the operation type of the module, if known.
 std::string iso22166_profile(const Described& described, std::optional<model::Operation> operation);
 
-/// How the module is released, if known from the descriptor or from the functions that the program calls.
+/// The operation type of a module, if the descriptor gives it or the functions that the program calls reveal
+/// it.
 std::optional<model::Operation> operation_of(const Described& described);
 
-/// A line for each component, grouped by folder.
+/// A list with one line per component, grouped by folder.
 std::string component_list_text(const std::vector<host::ComponentFile>& files, Style style);
-/// One object, {"components": [{"file", "path", "interface", "text"}, ...]}.
+/// The same list as one JSON object: {"components": [{"file", "path", "interface", "text"}, ...]}.
 std::string component_list_json(const std::vector<host::ComponentFile>& files);
 
-/// The text, escaped for XML.
+/// Escapes a text for XML.
 std::string escaped(const std::string& text);
 
 }  // namespace takt::tool

@@ -20,8 +20,9 @@ void add_bad(Page& page, const Json& finding, const std::string& mark) {
   const std::string cure = text_of(finding, "cure");
   if (cure.empty()) return;
   const std::string elsewhere = text_of(finding, "mend_on");
-  page.line(kIndent,
-            "cure: " + (elsewhere.empty() ? "" : "not possible from here; on " + elsewhere + ": ") + cure);
+  page.line(
+      kIndent,
+      "cure: " + (elsewhere.empty() ? "" : "not possible on this machine; on " + elsewhere + ": ") + cure);
 }
 
 }  // namespace
@@ -30,12 +31,12 @@ std::string doctor_text(const Json& report, Style style) {
   Page page{style};
   const auto spoils = report["spoils"].get<std::size_t>();
   const auto notes = report["notes"].get<std::size_t>();
-  page.heading(
-      0, "machine " + report["machine"].get<std::string>(),
-      (spoils == 0 ? std::string{"nothing spoils real time"}
-                   : fmt::format("{} real time",
-                                 spoils == 1 ? "one thing spoils" : fmt::format("{} things spoil", spoils))) +
-          (notes == 0 ? "" : ", " + count(notes, "note")));
+  page.heading(0, "machine " + report["machine"].get<std::string>(),
+               (spoils == 0 ? std::string{"nothing found that spoils real-time behaviour"}
+                            : fmt::format("{} real-time behaviour",
+                                          spoils == 1 ? "1 finding spoils"
+                                                      : fmt::format("{} findings spoil", spoils))) +
+                   (notes == 0 ? "" : ", " + count(notes, "note")));
   for (const Json& finding : report["findings"]) {
     if (finding["severity"] == "spoils") add_bad(page, finding, page.warning("spoils"));
   }
@@ -46,7 +47,8 @@ std::string doctor_text(const Json& report, Style style) {
     if (finding["severity"] == "good")
       page.sentence(2, fmt::format("good    {}: {}", text_of(finding, "check"), text_of(finding, "found")));
   }
-  if (!report["root"].get<bool>()) page.sentence(2, "Not run as root: each finding that needs root says so.");
+  if (!report["root"].get<bool>())
+    page.sentence(2, "takt doctor did not run as root. Findings that need root say so.");
   return std::move(page).take();
 }
 

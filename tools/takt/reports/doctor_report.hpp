@@ -1,4 +1,4 @@
-// The output of `takt doctor`.
+// Makes the text that `takt doctor` prints.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace takt::tool {
 
-/// The object of `takt doctor --json` as text: first what spoils real time, then the notes, each with its
-/// reason and its cure, then one line for each check that is good. A command is never wrapped, so that it can
-/// be copied. Ends with a line feed.
+/// Converts the object of `takt doctor --json` to text. First come the findings that spoil real-time
+/// behaviour, then the notes, each with its reason and its cure. Then comes one line for each check that
+/// found nothing. A command is never wrapped, so that the user can copy it. The text ends with a line feed.
 std::string doctor_text(const nlohmann::ordered_json& report, Style style);
 
 }  // namespace takt::tool

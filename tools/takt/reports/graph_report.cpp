@@ -31,7 +31,7 @@ void device_state(Page& page, const CellHealth& health, const Device& device) {
   if (!known->text.empty()) page.sentence(2, known->text);
 }
 
-/// A table, or a list with two lines per module if the table is too wide.
+/// Adds a table of a device's modules, or, if the table would be too wide, a list with two lines per module.
 void modules_text(Page& page, const Device& device, const CellHealth& health) {
   const auto state_of = [&](const Module& module) {
     return find(health.modules, device.name + "." + module.name);
@@ -59,7 +59,7 @@ void modules_text(Page& page, const Device& device, const CellHealth& health) {
     }
   }
   if (shown < device.modules.size()) {
-    page.line(2, fmt::format("... and {} more; --json has them all", device.modules.size() - shown));
+    page.line(2, fmt::format("... and {} more; --json lists them all", device.modules.size() - shown));
   }
 }
 
@@ -131,8 +131,8 @@ CellHealth health_of(const Cell& cell, const ObservedCell& observed) {
   }
   for (std::size_t i = 0; i < cell.connections.size(); ++i) {
     const Connection& connection = cell.connections[i];
-    // Prefer the report of the reader, which knows more. A topic for other programs has only a writer in the
-    // cell.
+    // Use the reader's report if there is one, because it has more data than the writer's. On a topic for
+    // other programs, the cell has only a writer.
     const auto* port = find(observed.ports, to_text(connection.to.given() ? connection.to : connection.from));
     if (port == nullptr) continue;
     const auto is_lost = [&](const model::Endpoint& end) {
@@ -190,7 +190,7 @@ CellHealth health_of(const Cell& cell, const Json& status) {
 
 namespace {
 
-// Rounds an age to a precision that is useful to a person.
+// Rounds an age to microseconds, or to milliseconds if it is 10 ms or more.
 Nanoseconds rounded(Nanoseconds age) {
   if (age < std::chrono::milliseconds{10}) return std::chrono::round<std::chrono::microseconds>(age);
   return std::chrono::round<std::chrono::milliseconds>(age);

@@ -6,7 +6,7 @@ namespace takt::tool {
 
 namespace {
 
-/// Writes XML elements, indented by their depth. An element whose content is not known is left out.
+/// Writes XML elements, indented by their depth. An element without known content is left out.
 class Elements {
  public:
   void open(const char* name) {

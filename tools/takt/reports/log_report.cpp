@@ -34,7 +34,7 @@ const char* colour_of(model::Severity severity) {
   return "";
 }
 
-/// The mark that shows the severity without colours.
+/// The character that marks the severity, so that it is visible without colours.
 char mark_of(model::Severity severity) {
   switch (severity) {
     case model::Severity::note:
@@ -47,14 +47,14 @@ char mark_of(model::Severity severity) {
   return '?';
 }
 
-// The number of columns; each character takes one.
+// The number of terminal columns that a text needs; each character takes one.
 std::size_t printed_columns(std::string_view text) {
   std::size_t columns = 0;
   for (; !text.empty(); ++columns) text.remove_prefix(std::max<std::size_t>(utf8_length(text), 1));
   return columns;
 }
 
-// Wraps a text to `width` columns, at spaces. A longer word gets its own line.
+// Wraps a text at spaces to `width` columns. A word that is longer gets its own line.
 std::vector<std::string> lines_of(const std::string& text, std::size_t width) {
   std::vector<std::string> lines;
   std::string_view rest = text;
@@ -123,9 +123,9 @@ std::string log_json(const std::vector<model::Fault>& events) {
 
 Result<std::int64_t> since_from(const std::string& text, std::int64_t now_ns) {
   const auto wrong =
-      fail(in_quotes(text) + " is not a time",
-           "write how long ago (90s, 10m, 2h, 7d) or when (14:30, 2026-03-01, 2026-03-01T14:30:05)");
-  // How long ago.
+      fail(in_quotes(text) + " is not a valid time",
+           "write an age (90s, 10m, 2h, 7d) or a point in time (14:30, 2026-03-01, 2026-03-01T14:30:05)");
+  // An age, such as 10m.
   const std::size_t digits = text.find_first_not_of("0123456789");
   if (digits != std::string::npos && digits > 0 && digits < 10 && digits + 1 == text.size()) {
     const std::int64_t number = std::stoll(text.substr(0, digits));
@@ -142,7 +142,7 @@ Result<std::int64_t> since_from(const std::string& text, std::int64_t now_ns) {
         return wrong;
     }
   }
-  // When.
+  // A point in time.
   for (const char* format : {"%Y-%m-%dT%H:%M:%S", "%Y-%m-%d %H:%M:%S", "%Y-%m-%dT%H:%M", "%Y-%m-%d %H:%M",
                              "%Y-%m-%d", "%H:%M:%S", "%H:%M"}) {
     std::tm time = local(now_ns);

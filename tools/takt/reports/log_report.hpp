@@ -1,4 +1,4 @@
-// The output of `takt log`: events as text or JSON.
+// Makes the output of `takt log`, which shows events as text or JSON.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace takt::tool {
 
-/// Events as text, in local time. Each event has a line with time, module, kind and cause; a cause that does
-/// not fit goes below. A change of the day gets its own line. `day` is the day of the previous event (empty:
-/// none) and is updated.
+/// Converts events to text, with local times. Each event has a line with time, module, kind and cause. If the
+/// cause does not fit, it goes on the next lines. Each new day gets its own line. `day` is the day of the
+/// previous event, or empty, and is updated.
 std::string log_text(const std::vector<model::Fault>& events, std::string& day, Style style);
-/// One JSON object per line.
+/// Converts events to JSON, one object per line.
 std::string log_json(const std::vector<model::Fault>& events);
 
-/// Converts "10m", "2h" (ago) or "14:30", "2026-03-01", "2026-03-01 14:30:05", also with a T (local time), to
-/// ns since 1970. Fails with examples of valid times.
+/// Converts an age ("10m", "2h") or a local time ("14:30", "2026-03-01", "2026-03-01 14:30:05",
+/// "2026-03-01T14:30:05") to ns since 1970. If the text is not valid, the problem gives examples.
 Result<std::int64_t> since_from(const std::string& text, std::int64_t now_ns);
 
 }  // namespace takt::tool

@@ -13,13 +13,13 @@ namespace takt::tool {
 
 namespace {
 
-// Pixels.
+// Sizes are in pixels.
 constexpr double kPanel = 200;
-constexpr double kGap = 34;  // between panels, for a title and the first line of the legend
+constexpr double kGap = 34;  // space between panels, for a title and the first line of the legend
 constexpr double kPlotWide = static_cast<double>(kPlotColumns);
-constexpr std::size_t kCurveColours = 8;  // then the colours repeat
-constexpr std::size_t kShapes = 5;        // so that the first 40 curves differ in colour or shape
-constexpr double kApart = 90;             // between two shapes on a curve
+constexpr std::size_t kCurveColours = 8;  // the ninth curve has the first colour again
+constexpr std::size_t kShapes = 5;        // with eight colours, 40 curves differ in colour or shape
+constexpr double kApart = 90;             // distance of two shapes on a curve
 
 constexpr std::string_view kColourWords = R"(.axis { stroke: #8a96a3; stroke-width: 1; }
 .curve { fill: none; stroke-width: 1.4; stroke-linejoin: round; }
@@ -49,7 +49,7 @@ struct Extent {
   double high = 1;
 };
 
-/// The range of a panel's axis: a little more than its values.
+/// The range of a panel's value axis, which is a little wider than that of its values.
 Extent extent_of(const PlotPanel& panel) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -66,16 +66,17 @@ Extent extent_of(const PlotPanel& panel) {
     high = static_cast<double>(panel.labels.size() - 1);
   }
   if (low > high) return {};
-  // Subtract halves, so that a span over nearly the whole range of a double does not overflow.
+  // Subtract halves, because the difference of two large doubles could overflow.
   const double span = high / 2 - low / 2;
   const double margin = span > 0 ? span * 0.1 : std::max(std::abs(low) * 0.1, 0.5);
-  constexpr double kMost = std::numeric_limits<double>::max() * 0.99;  // leaves room for a mark beyond it
+  constexpr double kMost = std::numeric_limits<double>::max() *
+                           0.99;  // the largest end of an axis, which leaves space for a mark beyond it
   return {std::max(low - margin, -kMost), std::min(high + margin, kMost)};
 }
 
 bool is_whole(double value) { return std::abs(value) < 1e15 && value == std::round(value); }
 
-/// Whether all values are whole numbers; then the axis has no marks between them.
+/// Whether all values are whole numbers. If so, the axis has no marks between whole numbers.
 bool are_whole(const PlotPanel& panel) {
   return std::all_of(panel.series.begin(), panel.series.end(), [](const PlotSeries& series) {
     return std::all_of(series.curves.begin(), series.curves.end(), [](const auto& curve) {
@@ -85,7 +86,7 @@ bool are_whole(const PlotPanel& panel) {
   });
 }
 
-/// A number with enough digits to tell marks that are one step apart.
+/// The text of a mark, with enough digits to distinguish it from a mark one step away.
 std::string mark_text(double value, double step) {
   if (value == 0) return "0";
   const double size = std::abs(value);
@@ -150,7 +151,7 @@ class PlotDrawing {
     return left_ + kPlotWide * (length > 0 ? std::clamp((time - plot_.from) / length, 0.0, 1.0) : 0.5);
   }
 
-  /// Returns where the next panel may begin.
+  /// Draws a panel, and returns the y coordinate at which the next panel may begin.
   double draw(const PlotPanel& panel, double y) {
     y += 16;
     canvas_.text(kMargin, y, kNormal, "title", panel.title);
@@ -168,7 +169,7 @@ class PlotDrawing {
     for (const double mark : time_marks()) canvas_.line(x_of(mark), y, x_of(mark), y + kPanel, "lane");
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
       canvas_.open_group(panel.series[i].name);
-      // Shift the shapes of each curve, so that they stay visible when curves overlap.
+      // Shift the shapes of each curve along the curve, so that they stay visible when curves overlap.
       double next =
           left_ + kApart * (static_cast<double>(i) + 0.5) / static_cast<double>(panel.series.size());
       for (const auto& curve : panel.series[i].curves) {
@@ -197,7 +198,7 @@ class PlotDrawing {
     return y + kPanel + kGap - 20;
   }
 
-  /// Curves also differ by a shape, for readers who cannot see the colours.
+  /// Draws the shape that marks a curve, for readers who cannot distinguish the colours.
   void shape(std::size_t series, Point at) {
     const std::string look = fmt::format("d{}", series % kCurveColours);
     constexpr double r = 3.5;
@@ -215,7 +216,8 @@ class PlotDrawing {
     }
   }
 
-  /// Draws the shapes on a curve, from x = `next` to the right. Returns the place of the next shape.
+  /// Draws the shapes on a curve, from the x coordinate `next` to the right. Returns the x coordinate of the
+  /// next shape.
   double shapes(std::size_t series, const std::vector<Point>& curve, double next) {
     while (next < curve.front().x) next += kApart;
     for (std::size_t i = 1; i < curve.size(); ++i) {
@@ -227,7 +229,7 @@ class PlotDrawing {
     return next;
   }
 
-  /// Wraps to as many lines as needed. Returns the y of the last one.
+  /// Draws the legend of a panel, on as many lines as it needs. Returns the y coordinate of the last line.
   double legend(const PlotPanel& panel, double y) {
     double x = kMargin;
     y += 12;
@@ -253,7 +255,7 @@ class PlotDrawing {
   void time_axis(double y) {
     const std::vector<double> all = time_marks();
     const double step = all.size() > 1 ? (all[1] - all[0]) / unit_.seconds : 1;
-    double free = 0;  // from here on, there is room for a label
+    double free = 0;  // the x coordinate from which a label fits beside the previous one
     for (const double mark : all) {
       const std::string text = mark_text(mark / unit_.seconds, step);
       const double half = width_of(text, kSmall) / 2;
@@ -294,7 +296,7 @@ std::vector<double> ticks(double from, double to, std::size_t about) {
   std::vector<double> marks;
   for (double n = std::ceil(from / step - 1e-9); n * step <= to + step * 1e-9; ++n) {
     marks.push_back(n * step);
-    if (marks.size() > 4 * about) break;  // the span is too small for the precision of a double
+    if (marks.size() > 4 * about) break;  // the range is too small for the precision of a double
   }
   if (marks.empty()) marks.push_back(from);
   return marks;

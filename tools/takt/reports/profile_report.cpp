@@ -13,7 +13,7 @@ model::Profile profile_of(const nlohmann::ordered_json& status) {
       const auto time = [&run](const char* key) {
         return Nanoseconds{std::llround(run[key].get<double>() * 1e3)};
       };
-      // A release counts as a cycle as soon as it happens. A run that had not returned at the end was not
+      // `cycles` counts releases. If the module's only run had not ended when the cell stopped, no run was
       // measured.
       const bool measured = time("max") > Nanoseconds{};
       profile.modules[device["name"].get<std::string>() + "." + module["name"].get<std::string>()] = {

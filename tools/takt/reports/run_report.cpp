@@ -14,17 +14,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Three significant digits: 0.05, 12.3, 1450.
+// Formats microseconds with about three significant digits: 0.05, 12.3, 1450.
 std::string us(const Json& value) {
   const double v = value.get<double>();
   const double size = v < 0 ? -v : v;
   return fmt::format("{:.{}f}", v, size < 10 ? 2 : size < 100 ? 1 : 0);
 }
 
-// The first line of an error.
+// The first line of a text that may have several lines.
 std::string one_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-// Makes a table of the connected ports.
+// A table of the device's connected ports.
 std::string ports_text(const Json& device) {
   struct Row {
     std::string name;
@@ -58,7 +58,7 @@ std::string ports_text(const Json& device) {
 }
 
 std::string device_text(const Json& device, std::size_t width) {
-  // The state of the device, unless it is running.
+  // Name the device's state only if the device is not running.
   std::string state = device.value("state", "");
   if (state == "running") state.clear();
   const std::string why = one_line(device.value("text", ""));
@@ -113,10 +113,11 @@ std::string run_text(const Json& status) {
   return text +
          "\n  Times are in us. jitter: release minus start, as a signed mean; p50, p99 and max are of the\n"
          "  absolute value. missed: rows skipped because the row before, or the wake-up, was too late.\n"
-         "  margin: how long before a release the executor is awake. overruns: not done by the next release\n"
-         "  or by the deadline. matched: connections whose other end was found, of all connections.\n"
-         "  lost: samples lost on the way. dropped: samples dropped from a full queue. late: how often the\n"
-         "  newest value was older than its deadline.\n";
+         "  margin: how long before a release the executor wakes up. overruns: runs that did not end before\n"
+         "  the next release or the deadline. matched: connections whose writer and reader have found each\n"
+         "  other, of all connections. lost: samples lost between writer and reader. dropped: samples\n"
+         "  dropped because the queue was full. late: how often the newest value became older than its\n"
+         "  deadline.\n";
 }
 
 std::string run_json(Json status) {

@@ -1,4 +1,4 @@
-// The closing report of `takt run` and the output of `takt status`.
+// Makes the closing report of `takt run`, which is also the output of `takt status`.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace takt::tool {
 
-/// A status object as tables with one line per executor and per module, at most 100 columns wide for names of
-/// up to 20 characters. Times in microseconds. Ends with a line feed.
+/// Converts a status object to tables with one line per executor and per module. They are at most 100 columns
+/// wide if names have at most 20 characters. Times are in microseconds. The text ends with a line feed.
 std::string run_text(const nlohmann::ordered_json& status);
-/// A status object as JSON, without the margins of the executors, which are only for the tables. Ends with a
-/// line feed.
+/// Converts a status object to JSON, without the margins of the executors, which only the tables show. The
+/// text ends with a line feed.
 std::string run_json(nlohmann::ordered_json status);
 
 }  // namespace takt::tool

@@ -1,4 +1,5 @@
-// The style of a text report. The command line sets it once, from the terminal to which it writes.
+// The style of a text report: its colours and its width. The program chooses it once, for the terminal to
+// which it writes.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +7,8 @@
 namespace takt::tool {
 
 struct Style {
-  bool colour = false;      ///< ANSI escapes; never counted in the width
-  std::size_t width = 100;  ///< columns; clamped to 80 to 100
+  bool colour = false;      ///< use colours; their ANSI escapes do not count in the width
+  std::size_t width = 100;  ///< width in columns; Page uses at least 80 and at most 100
 };
 
 }  // namespace takt::tool

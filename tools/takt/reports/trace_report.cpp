@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWorst = 10;
 constexpr const char* kFormat = "takt trace 1";
-/// In the order in which the causes are checked.
+/// The causes of a late start, in the order in which Takt checks them.
 constexpr std::array<const char*, 7> kCauses{"own overrun", "predecessor", "wake-up", "preemption",
                                              "page fault",  "hypervisor",  "unknown"};
 
@@ -118,10 +118,11 @@ std::string trace_report(const TraceSummary& s, const Style& style) {
                fmt::format("{} until {}, on {}", time_text(s.lasts_us), utc(s.taken_utc_ns), s.machine));
   page.sentence(2, "Taken: " + s.why);
   if (s.left_out_us > 0)
-    page.sentence(2,
-                  fmt::format("The {} before that did not fit and were left out.", time_text(s.left_out_us)));
+    page.sentence(2, fmt::format("The {} before this trace did not fit into the file and were left out.",
+                                 time_text(s.left_out_us)));
   if (s.lost != 0)
-    page.sentence(2, page.warning(fmt::format("{} entries were overwritten while they were read.", s.lost)));
+    page.sentence(2,
+                  page.warning(fmt::format("{} entries were overwritten while the trace was read.", s.lost)));
   page.blank();
   std::vector<Page::Words> rows{{"executor", "rows", "late starts", "late from", "recorded", "lost"}};
   for (const TracedExecutor& e : s.executors) {
@@ -131,7 +132,7 @@ std::string trace_report(const TraceSummary& s, const Style& style) {
   page.table(0, rows);
   if (s.late.empty()) {
     page.blank();
-    page.line(0, "Nothing began late.");
+    page.line(0, "No row and no module began late.");
     return std::move(page).take();
   }
   page.blank();

@@ -1,4 +1,4 @@
-// The output of `takt trace`: which rows and modules were late, and why.
+// Makes the output of `takt trace`, which shows which rows and modules began late, and why.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ namespace takt::tool {
 struct TracedExecutor {
   std::string name;
   std::uint64_t rows = 0;
-  std::uint64_t late = 0;     ///< late rows and modules
-  std::uint64_t lost = 0;     ///< entries that were overwritten while they were read
-  double holds_us = 0;        ///< how far back its flight record goes
-  double late_beyond_us = 0;  ///< a start counts as late from this delay on
+  std::uint64_t late = 0;     ///< the number of late rows and modules
+  std::uint64_t lost = 0;     ///< the number of entries that were overwritten while the trace was read
+  double holds_us = 0;        ///< how far back the executor's flight record goes
+  double late_beyond_us = 0;  ///< a start with at least this delay counts as late
 };
 
 struct TracedStart {
-  std::string what;  ///< "plc" or "plc.servo"
-  double at_us = 0;  ///< when it was due, from the beginning of the trace
+  std::string what;  ///< the executor, or the executor and the module: "plc" or "plc.servo"
+  double at_us = 0;  ///< when the start was due, since the beginning of the trace
   double late_us = 0;
   std::string cause;
   std::string why;
@@ -43,18 +43,18 @@ struct TraceSummary {
   std::uint64_t lost = 0;
   std::vector<TracedExecutor> executors;
   std::vector<TracedStart> late;                 ///< worst first
-  std::map<std::string, std::uint64_t> changes;  ///< the number of state changes, by their name
+  std::map<std::string, std::uint64_t> changes;  ///< the number of state changes of each kind
 };
 
-/// Summarises a trace. Fails if `trace` is not a Takt trace.
+/// Makes the summary of a trace. Fails if `trace` is not a Takt trace.
 Result<TraceSummary> summary_of(const nlohmann::ordered_json& trace);
 
 std::string trace_report(const TraceSummary& summary, const Style& style);
 nlohmann::ordered_json trace_json_report(const TraceSummary& summary);
 
-/// What ran when, as SVG: a lane for the rows of each executor, for each module and each program. A mark,
-/// with the reason, shows what began late. If there are more than kTraceBars bars, only the newest are drawn,
-/// and the drawing says so. Fails like summary_of().
+/// Draws the runs in a trace over time, as SVG. Each executor has a lane for its rows; each module and each
+/// program has its own lane. A late start has a mark with the reason. If there are more than kTraceBars bars,
+/// only the newest are drawn, and the drawing says so. Fails like summary_of().
 Result<std::string> trace_svg(const nlohmann::ordered_json& trace);
 inline constexpr std::size_t kTraceBars = 4000;
 

@@ -1,4 +1,4 @@
-// The report of `takt run --check-realtime` at the end of a run.
+// Makes the report that `takt run --check-realtime` prints at the end of a run.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace takt::tool {
 
-/// The `realtime_violations` of a status object as text. Each violation has its count and the calls that led
-/// there. Without violations, the text is a line that says so. It is empty if nothing was checked. Ends with
-/// a line feed.
+/// Converts the member `realtime_violations` of a status object to text. Each violation has its count and the
+/// calls that led to it. If there are no violations, the text is a line that says so. If the run was not
+/// checked, the text is empty. Otherwise it ends with a line feed.
 std::string violations_text(const nlohmann::ordered_json& status);
 
 }  // namespace takt::tool

@@ -17,14 +17,14 @@ struct Template {
   std::string_view text;
 };
 
-// The files of templates/, embedded by the build.
+// The files of the folder templates/, which the build embeds.
 constexpr Template kTemplates[] = {
 #include "templates.inc"
 };
 
 using Values = std::map<std::string, std::string, std::less<>>;
 
-/// Replaces each @word@ that has a value.
+/// Replaces each @word@ in a template for which there is a value.
 std::string filled(std::string_view text, const Values& values) {
   std::string result;
   while (!text.empty()) {
@@ -32,7 +32,7 @@ std::string filled(std::string_view text, const Values& values) {
     const std::size_t end = begin == text.npos ? text.npos : text.find('@', begin + 1);
     if (end == text.npos) break;
     const auto found = values.find(text.substr(begin + 1, end - begin - 1));
-    if (found == values.end()) {  // the @ is part of the text
+    if (found == values.end()) {  // this @ is ordinary text
       result += text.substr(0, end);
       text.remove_prefix(end);
       continue;
@@ -44,7 +44,7 @@ std::string filled(std::string_view text, const Values& values) {
   return result += text;
 }
 
-/// "BeltDrive" for "belt_drive".
+/// The C++ class name for a component: "BeltDrive" for "belt_drive".
 std::string class_name(std::string_view name) {
   std::string result;
   bool up = true;
@@ -59,22 +59,22 @@ std::string class_name(std::string_view name) {
   return result;
 }
 
-/// The name is also used for a C++ namespace, an IDL module and a CMake target.
+/// Checks that the name is also valid for a C++ namespace, an IDL module and a CMake target.
 Result<void> check_name(const std::string& name) {
   constexpr const char* kRule =
-      "use a small letter, then small letters, digits and single underscores, at most 48 characters, such as "
-      "belt_drive";
+      "start with a lower-case letter, then use lower-case letters, digits and single underscores, at most "
+      "48 characters, such as belt_drive";
   const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   const bool letter = !name.empty() && name[0] >= 'a' && name[0] <= 'z';
   if (!letter || name.size() > 48 || !std::all_of(name.begin(), name.end(), fits) || name.back() == '_' ||
       name.find("__") != name.npos) {
     return fail("'" + name + "' is not a valid component name", kRule);
   }
-  // These are names of targets of CMake and Takt, and of the build folder.
+  // These names are targets of CMake or Takt, or the build folder.
   constexpr std::array<std::string_view, 9> kTaken{"all",  "build", "clean",   "help",      "install",
                                                    "test", "takt",  "package", "edit_cache"};
   if (std::find(kTaken.begin(), kTaken.end(), name) != kTaken.end())
-    return fail("'" + name + "' is reserved by the build",
+    return fail("'" + name + "' is reserved for a build target",
                 "choose another name, such as " + name + "_module");
   return {};
 }
@@ -119,7 +119,7 @@ Result<std::vector<NewFile>> new_component(const NewComponent& wanted) {
 Result<std::vector<NewFile>> new_cell(const std::string& name) {
   if (!model::is_valid_name(name)) {
     return fail("'" + name + "' is not a valid cell name",
-                "use a letter or '_', then letters, digits, '_' and '-', at most 63");
+                "start with a letter or '_', then use letters, digits, '_' and '-', at most 63 characters");
   }
   return files_of("cell", {{"name", name}}, {});
 }

@@ -1,4 +1,4 @@
-// Makes the files of `takt new` from templates. The command itself writes them.
+// Makes the contents of the files that `takt new` creates, from templates. The command writes the files.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 namespace takt::tool {
 
 struct NewFile {
-  std::string name;  ///< path in the new folder
+  std::string name;  ///< path relative to the new folder
   std::string text;
 };
 
@@ -22,10 +22,11 @@ struct NewComponent {
   bool in_c = false;
 };
 
-/// A component with its types, descriptor, tests and README. Fails if the name is not valid in C++, IDL or
-/// CMake.
+/// The files of a new component: its source, types, descriptor, tests and README. Fails if the name is not
+/// valid in C++, IDL or CMake.
 Result<std::vector<NewFile>> new_component(const NewComponent& wanted);
-/// A cell of two devices that uses ready-made components.
+/// The files of a new cell with two devices, which uses ready-made components. Fails if the name is not
+/// valid.
 Result<std::vector<NewFile>> new_cell(const std::string& name);
 
 }  // namespace takt::tool

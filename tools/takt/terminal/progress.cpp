@@ -16,7 +16,7 @@ bool Progress::is_due() const { return seen_ && os::now() - shown_at_ >= std::ch
 
 void Progress::show(const std::string& text) {
   if (!seen_) return;
-  // Leave the last column free: after writing there, the cursor may already be on the next line.
+  // Leave the last column free, because a character written there may move the cursor to the next line.
   const std::size_t columns = os::error_columns();
   shown_ = watch::Line{}.add(text).shown(columns > 1 ? columns - 1 : 1, {.unicode = is_utf8()});
   shown_at_ = os::now();

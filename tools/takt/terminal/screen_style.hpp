@@ -4,11 +4,12 @@
 namespace takt::tool {
 
 struct ScreenStyle {
-  bool colour = false;   ///< ANSI escapes; never counted in the width
-  bool unicode = false;  ///< the terminal shows more than ASCII
+  bool colour = false;   ///< the terminal shows colours, which are ANSI escape sequences
+  bool unicode = false;  ///< the terminal shows Unicode, not only ASCII
 };
 
-/// Colour if standard output is a terminal and NO_COLOR is not set; Unicode if the locale is UTF-8.
+/// The style for this terminal. It has colour if standard output is a terminal and NO_COLOR is not set, and
+/// Unicode if the locale is UTF-8.
 ScreenStyle screen_style();
 
 /// Whether the locale (LC_ALL, else LC_CTYPE, else LANG) is a UTF-8 locale.

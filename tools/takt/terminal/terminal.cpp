@@ -12,7 +12,7 @@ Style terminal_style() { return {.colour = os::output_is_terminal() && os::envir
 bool print(const std::string& text) {
   const bool written =
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!written) std::fprintf(stderr, "error: the report cannot be written to standard output\n");
+  if (!written) std::fprintf(stderr, "error: cannot write the report to standard output\n");
   return written;
 }
 

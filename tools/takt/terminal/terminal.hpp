@@ -7,10 +7,10 @@
 
 namespace takt::tool {
 
-/// Colour if standard output is a terminal and NO_COLOR is not set.
+/// The style of reports on standard output: in colour if it is a terminal and NO_COLOR is not set.
 Style terminal_style();
 
-/// Writes to standard output. If that fails (disk full, pipe closed), prints the reason on standard error and
+/// Writes to standard output. If that fails (disk full, pipe closed), prints an error on standard error and
 /// returns false.
 bool print(const std::string& text);
 

@@ -37,7 +37,7 @@ State state(const Sign& sign, const std::string& word, Ink ink, ScreenStyle styl
   return {std::string{style.unicode ? sign.unicode : sign.ascii} + " " + word, ink};
 }
 
-// The worst state has the lowest rank.
+// The position of a row when the list is sorted by state: the worst state has rank 0.
 int rank_of(const Row& row) {
   if (!row.device->alive) return 0;
   if (row.module == nullptr) return row.device->health == "ok" ? 7 : 1;
@@ -74,7 +74,7 @@ double number_of(const Row& row, Column column) {
 bool is_before(const Row& a, const Row& b, Column column) {
   if (column == Column::name) return a.target() < b.target();
   if (column == Column::state) return rank_of(a) < rank_of(b);
-  return number_of(a, column) > number_of(b, column);  // the largest first
+  return number_of(a, column) > number_of(b, column);  // larger numbers come first
 }
 
 std::string words_of(const Device& device) {
@@ -85,8 +85,8 @@ std::string words_of(const Device& device, const Module& module) {
   return device.name + "." + module.name + " " + (device.alive ? module.state : "LOST") + " " + module.text;
 }
 
-// Sorts the devices by name, and the modules below each device by name. Both are in reverse order if the view
-// asks for it.
+// Sorts the devices by name, and the modules below each device by name. If `view.reversed`, both orders are
+// reversed.
 std::vector<Row> below_their_devices(const Snapshot& snapshot, const View& view) {
   const auto ends = [&view](auto& all, const auto& is_less) {
     std::stable_sort(all.begin(), all.end(), is_less);
@@ -109,7 +109,7 @@ std::vector<Row> below_their_devices(const Snapshot& snapshot, const View& view)
   return rows;
 }
 
-/// The layout of a column. kNeed lists the columns from the most to the least important.
+/// The layout of one column. `kNeed` lists the columns by importance, the most important first.
 struct Laid {
   const char* heading;
   std::size_t width;
@@ -134,7 +134,7 @@ constexpr std::array<std::size_t, kLaid.size()> kNeed{0, 1, 3, 7, 6, 5, 2, 4, 8,
 constexpr std::size_t kMark = 2;
 constexpr std::size_t kLongestName = 34;
 
-/// The width of each column; 0: it is not shown.
+/// The width of each column of the list, or 0 for a column that is not shown.
 std::array<std::size_t, kLaid.size()> widths_of(std::size_t columns) {
   std::array<std::size_t, kLaid.size()> widths{};
   std::size_t room = columns < kMark ? 0 : columns - kMark;
@@ -277,7 +277,8 @@ Line list_line(const Row& row, bool chosen, std::size_t columns, ScreenStyle sty
   Line line;
   line.add(chosen ? "> " : "  ").left(name, widths.at(kName));
   if (widths.at(kState) > 0) line.gap().left(state.text, widths.at(kState), state.ink);
-  // If there is no room for both, the reason replaces the numbers, which are also on the details page.
+  // If the line is too short for both the numbers and the reason, show only the reason. The details page
+  // shows the numbers.
   if (row.module == nullptr || (!why.empty() && widths.at(kWhy) == 0)) {
     if (!why.empty()) line.gap().add(why);
   } else {

@@ -1,4 +1,4 @@
-// The list of devices and modules in `takt watch`: its rows, their order, and the columns.
+// The list of devices and modules in `takt watch`: its rows, their order, and its columns.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,22 @@ namespace takt::tool::watch {
 
 struct Row {
   const Device* device = nullptr;
-  const Module* module = nullptr;  ///< null: the row of the device
-  bool alone = false;              ///< not listed below its device, so the row also names the device
+  const Module* module = nullptr;  ///< null if this row shows the device itself
+  bool alone = false;              ///< the row is not below its device's row, so it names the device too
 
   [[nodiscard]] std::string target() const;
 };
 
 /// The rows that match the filter. If the view sorts by name, each device is followed by its modules. If the
 /// view sorts by another column, the rows are only modules, and devices without known modules. The filter
-/// searches name, state and reason; the name of a module includes that of its device.
+/// searches the name, the state and the reason. A module's name includes the name of its device.
 std::vector<Row> rows_of(const Snapshot& snapshot, const View& view);
 
-/// The heading, with a mark at the column by which the rows are sorted.
+/// The heading of the list, with a mark at the column by which the rows are sorted.
 Line list_heading(const View& view, std::size_t columns, ScreenStyle style);
 Line list_line(const Row& row, bool chosen, std::size_t columns, ScreenStyle style);
 
-/// Whether `text` contains all words of `filter`, ignoring case.
+/// Whether `text` contains every word of `filter`; case does not matter.
 bool matches(const std::string& text, const std::string& filter);
 
 /// A symbol and a word for a state, so that a user can read the state without colours.

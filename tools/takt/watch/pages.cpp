@@ -20,7 +20,7 @@ Line labelled(const std::string& label) {
   return line;
 }
 
-/// Adds a text, wrapped to as many lines as it needs.
+/// Adds a text to the page, wrapped to the width of the terminal.
 void add_wrapped(std::vector<Line>& page, const std::string& label, const std::string& text,
                  std::size_t columns, Ink ink = Ink::plain) {
   const std::size_t room = columns > kLabel + 12 ? columns - kLabel - 2 : 10;
@@ -33,7 +33,7 @@ void add_wrapped(std::vector<Line>& page, const std::string& label, const std::s
         if (columns_of(rest.substr(0, at)) > room) break;
         end = at;
       }
-      if (end == 0) end = std::min(rest.size(), room);  // a word that is longer than the line
+      if (end == 0) end = std::min(rest.size(), room);  // break a word that is longer than the line
     }
     page.push_back(labelled(is_first ? label : "").add(rest.substr(0, end), ink));
     rest.erase(0, rest[end] == ' ' ? end + 1 : end);
@@ -66,13 +66,13 @@ void last_minute(std::vector<Line>& page, const Module& module, std::size_t colu
   double most = -1;
   for (const double value : module.minute_us) most = std::isnan(value) ? most : std::max(most, value);
   if (most < 0) {
-    page.push_back(labelled("last minute").add("did not run", Ink::dim));
+    page.push_back(labelled("last minute").add("the module did not run", Ink::dim));
     return;
   }
   const std::size_t room = columns > kLabel + 24 ? std::min<std::size_t>(columns - kLabel - 16, 60) : 20;
   const std::vector<std::string> bars = chart(module.minute_us, room, kHeight, style);
   for (std::size_t i = 0; i < kHeight; ++i) {
-    Line line = labelled(i == 0 ? "last minute" : i == 1 ? "  rms of each" : "  second");
+    Line line = labelled(i == 0 ? "last minute" : i == 1 ? "  rms jitter" : "  per second");
     line.add(bars[i]);
     line.gap().add(i == 0 ? in_us(most) + " us" : i + 1 == kHeight ? "0" : "", Ink::dim);
     page.push_back(line);
@@ -83,7 +83,7 @@ void run_time(std::vector<Line>& page, const Module& module, std::size_t columns
   const Quantiles& run = module.measured->run_us;
   if (!module.planned || !module.planned->budget) {
     page.push_back(labelled("run time").add(quantiles_text(run)));
-    if (module.planned) page.push_back(labelled("").add("no budget is given", Ink::dim));
+    if (module.planned) page.push_back(labelled("").add("the descriptor gives no budget", Ink::dim));
     return;
   }
   const double budget_us = static_cast<double>(module.planned->budget->count()) / 1e3;
@@ -149,8 +149,7 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
   const State state = state_of(device, module, style);
   page.push_back(labelled("state").add(state.text, state.ink));
   if (!device.alive)
-    page.push_back(
-        labelled("").add("the node of its device is lost; these are the last known values", Ink::dim));
+    page.push_back(labelled("").add("the device's node is lost; these are the last known values", Ink::dim));
   if (!module.text.empty()) add_wrapped(page, "why", module.text, columns);
   if (module.planned) {
     const Planned& planned = *module.planned;
@@ -167,7 +166,7 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
     last_minute(page, module, columns, style);
     run_time(page, module, columns, style);
   } else {
-    page.push_back(labelled("measured").add("no data yet", Ink::dim));
+    page.push_back(labelled("measured").add("no measurements yet", Ink::dim));
   }
   transitions(page, module);
   ports(page, module, columns, style);
@@ -194,8 +193,10 @@ std::vector<Line> device_page(const Device& device, std::size_t columns, ScreenS
         Ink::warning);
   page.push_back(host);
   if (!device.cell.empty()) {
-    page.push_back(device.real_time ? labelled("real time").add("yes")
-                                    : labelled("real time").add("NO: the system denies it", Ink::warning));
+    page.push_back(
+        device.real_time
+            ? labelled("real time").add("yes")
+            : labelled("real time").add("NO: the system denies real-time scheduling", Ink::warning));
   }
   const auto in = [&device](const char* name) {
     return std::count_if(device.modules.begin(), device.modules.end(),
@@ -252,7 +253,7 @@ std::vector<Line> connections_page(const Snapshot& snapshot, const std::string& 
   if (shown.empty()) return note("no connections match the filter");
   std::stable_partition(shown.begin(), shown.end(),
                         [style](const Connection* each) { return state_of(*each, style).ink == Ink::bad; });
-  // The health matters most, so names are shortened first.
+  // The column "health" keeps its width, because it matters most; long names are cut instead.
   constexpr std::size_t kHealth = 26;
   const std::size_t names = columns > kHealth + 20 ? columns - kHealth - 5 : 20;
   if (from + to > names) {
@@ -281,18 +282,18 @@ std::vector<Line> help_page(ScreenStyle style) {
   };
   const Entry entries[] = {
       {"up down", "select a row (also k j); PgUp, PgDn, Home, End (also g G)"},
-      {"Enter", "details of the row: n and p show the next, previous; Esc back"},
-      {"/", "find rows that have all these words in name, state or reason"},
+      {"Enter", "show details of the row; n, p: next, previous row; Esc: back"},
+      {"/", "show only rows whose name, state or reason has all the words"},
       {"< >", "sort by the previous or next column; v reverses the order"},
       {"c", "show the connections and their health"},
-      {"s t r", "start, stop, recover the module, or all modules of the device"},
+      {"s t r", "start, stop or recover the module, or all modules of the device"},
       {"x i", "reset, initialize"},
-      {"D", "destruct; confirm with y"},
-      {"? q", "this help; quit"},
+      {"D", "destruct the module; confirm with y"},
+      {"? q", "show this help; quit"},
       {"", ""},
       {"p50 p99", "jitter since the module was loaded: median, 99th percentile"},
       {"budget", "99th percentile of the run time, as a share of the budget"},
-      {"over err", "overruns (not done by the next release); errors"},
+      {"over err", "overruns (cycles that ran past the next release); errors"},
   };
   std::vector<Line> page;
   for (const Entry& entry : entries)
@@ -301,10 +302,10 @@ std::vector<Line> help_page(ScreenStyle style) {
   page.push_back(Line{}
                      .gap(2)
                      .left("last minute", 12, Ink::title)
-                     .add("jitter of each second, ")
+                     .add("rms jitter per second; ")
                      .add(sparkline(steps, steps.size(), style))
                      .add(": below 1, from 1, 3, 10,"));
-  page.push_back(Line{}.gap(14).add("30, 100, 300, 1000 us; a gap: did not run"));
+  page.push_back(Line{}.gap(14).add("30, 100, 300, 1000 us; blank: the module did not run"));
   const auto sign = [style](const char* state) {
     return state_of(Device{.name = {}, .cell = {}, .state = {}, .health = {}},
                     Module{.name = {}, .state = state}, style);

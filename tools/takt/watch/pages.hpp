@@ -1,4 +1,5 @@
-// The pages of `takt watch` other than the list: one module or device, the connections, the help.
+// The pages of `takt watch` other than the list: the details of a module or device, the connections, and the
+// help.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +12,11 @@
 
 namespace takt::tool::watch {
 
-/// The details of `target`, "DEVICE" or "DEVICE.MODULE", or a note that it no longer exists.
+/// The details of `target`, which is "DEVICE" or "DEVICE.MODULE". If it no longer exists, the page says so.
 std::vector<Line> details_page(const Snapshot& snapshot, const std::string& target, std::size_t columns,
                                ScreenStyle style);
 
-/// The connections that match the filter, those with a problem first.
+/// The connections that match the filter. Connections with a problem come first.
 std::vector<Line> connections_page(const Snapshot& snapshot, const std::string& filter, std::size_t columns,
                                    ScreenStyle style);
 

@@ -23,7 +23,8 @@ std::string cells_of(const Snapshot& snapshot) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The title counts only devices and modules with a problem.
+/// The title line: counts the devices and modules, and those of them that are in a bad state or not yet
+/// running.
 Line title(const Snapshot& snapshot, std::size_t columns) {
   std::map<std::string, std::size_t> states;
   std::size_t modules = 0;
@@ -97,7 +98,7 @@ Line keys(const View& view) {
   return line;
 }
 
-/// The fixed lines above and below the part that scrolls.
+/// The fixed lines above and below the scrolling part of the screen.
 struct Around {
   std::vector<Line> above;
   std::vector<Line> below;
@@ -148,10 +149,10 @@ Screen draw(const Snapshot& snapshot, View& view, std::size_t columns, std::size
       page.push_back(list_line(rows[i], i == view.chosen_at, columns, style));
   } else {
     page.erase(page.begin(), page.begin() + static_cast<std::ptrdiff_t>(std::min(view.scroll, page.size())));
-    if (page.size() > screen.shown.room) {  // the last visible line says how many more there are
+    if (page.size() > screen.shown.room) {  // the last visible line counts the lines below it
       page.resize(screen.shown.room - 1);
       page.push_back(Line{}.gap(2).add(
-          fmt::format("... {} more below", screen.shown.length - view.scroll - page.size()), Ink::dim));
+          fmt::format("... {} more lines below", screen.shown.length - view.scroll - page.size()), Ink::dim));
     }
   }
   page.resize(screen.shown.room);
@@ -170,8 +171,8 @@ std::string changes(const std::vector<std::string>& before, const std::vector<st
   if (all) text += "\033[H\033[J";
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (!all && before[i] == now[i]) continue;
-    // Clear the line before writing it: after a character in the last column, the cursor is still on that
-    // character.
+    // Clear the line before writing it. Clearing it afterwards could erase its last character, because the
+    // cursor stays on a character written in the last column.
     text += fmt::format("\033[{};1H\033[K{}", i + 1, now[i]);
   }
   return text;

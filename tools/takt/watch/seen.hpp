@@ -1,5 +1,5 @@
-// A snapshot of a domain, as plain data for the screen of `takt watch`. It has what the nodes report, and
-// what the running descriptor says.
+// A snapshot of a DDS domain, as plain data for the screen of `takt watch`. It combines the reports of the
+// nodes with the descriptor of the running cell.
 #pragma once
 
 #include <cstdint>
@@ -58,15 +58,15 @@ struct Transition {
 struct Module {
   std::string name;
   std::string state;   ///< "EXECUTING"
-  std::string text{};  ///< the reason for the state; may be empty
+  std::string text{};  ///< the reason for the state, or empty
   std::optional<Measured> measured{};
   std::optional<Planned> planned{};
   std::vector<double>
-      minute_us{};  ///< jitter of each second of the last minute, newest last; NaN: did not run
+      minute_us{};  ///< rms jitter per second, of the last minute, newest last; NaN: did not run
   std::vector<Port> ports{};
   std::vector<Transition> transitions{};  ///< oldest first
 
-  /// The share of the budget that a run of this length takes. None if the module has no budget or no
+  /// A run of length `run_us`, as a share of the module's budget. None if the module has no budget or no
   /// measurements.
   [[nodiscard]] std::optional<double> share(double run_us) const;
 };
@@ -82,11 +82,11 @@ struct Executor {
 
 struct Device {
   std::string name;
-  std::string cell;    ///< empty: it has no deployment
+  std::string cell;    ///< empty if the device has no deployment
   std::string state;   ///< "running"
   std::string health;  ///< "ok"
-  std::string text{};  ///< the reason if the health is not "ok"
-  bool alive = true;   ///< false: its node is lost, and the other values are the last known ones
+  std::string text{};  ///< the reason for the health, if it is not "ok"
+  bool alive = true;   ///< false if the node is lost; the other values are then the last known ones
   bool real_time = true;
   std::string machine{};
   std::int32_t process_id = 0;
@@ -100,7 +100,7 @@ struct Connection {
   std::string from;
   std::string to;
   std::string kind;
-  std::optional<CellHealth::Connection> health{};  ///< none: no node has reported it
+  std::optional<CellHealth::Connection> health{};  ///< none if no node has reported it
 };
 
 struct Snapshot {
@@ -108,16 +108,16 @@ struct Snapshot {
   std::string clock{};  ///< "12:34:56"
   std::vector<Device> devices{};
   std::vector<Connection> connections{};
-  bool connections_known = false;       ///< false: no node has reported the connections yet
-  std::vector<std::string> events{};    ///< the last events, oldest first
-  std::vector<std::string> commands{};  ///< commands without an answer yet: "stop of robot.servo, 3 s"
+  bool connections_known = false;       ///< whether a node has reported the connections
+  std::vector<std::string> events{};    ///< the newest events, oldest first
+  std::vector<std::string> commands{};  ///< unanswered commands, with their age: "stop of robot.servo, 3 s"
 
-  /// `target`: "DEVICE" or "DEVICE.MODULE". Null if it no longer exists.
+  /// The device of `target`, which is "DEVICE" or "DEVICE.MODULE". Null if the device no longer exists.
   [[nodiscard]] const Device* device(const std::string& target) const;
   [[nodiscard]] const Module* module(const std::string& target) const;
 };
 
-/// "12:34:56.789" in local time.
+/// A wall-clock time as local time: "12:34:56.789".
 std::string clock_text(std::int64_t wall_ns);
 
 }  // namespace takt::tool::watch

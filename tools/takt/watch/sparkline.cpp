@@ -11,7 +11,7 @@ namespace {
 constexpr std::array kBlocks{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 constexpr std::array kMarks{"_", ".", ",", "-", "=", "+", "*", "#"};
 constexpr std::size_t kLevels = kBlocks.size();
-/// Values below the first step have the lowest level, values from the last step on the highest.
+/// A value's level rises by one at each step. Values below the first step have the lowest level.
 constexpr std::array kSteps_us{1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
 static_assert(kSteps_us.size() + 1 == kLevels);
 
@@ -19,7 +19,7 @@ const char* level(std::size_t of, ScreenStyle style) {
   return style.unicode ? kBlocks.at(of) : kMarks.at(of);
 }
 
-/// The newest values, with gaps in front if there are fewer than `columns`.
+/// The newest `columns` values. If there are fewer, gaps (NaN) come first.
 std::vector<double> newest(const std::vector<double>& values, std::size_t columns) {
   std::vector<double> shown(columns, std::nan(""));
   const std::size_t taken = std::min(columns, values.size());
@@ -51,7 +51,7 @@ std::vector<std::string> chart(const std::vector<double>& values, std::size_t co
       for (std::string& line : rows) line += " ";
       continue;
     }
-    // Each value shows at least one step.
+    // Even a value of 0 gets a bar of one step, so that it differs from a gap.
     const double steps = static_cast<double>(lines * kLevels);
     const double height = most > 0 ? std::max(value / most * steps, 1.0) : 1.0;
     for (std::size_t i = 0; i < lines; ++i) {

@@ -31,7 +31,8 @@ std::optional<Verb> verb_of(int key) {
   }
 }
 
-/// The number of rows by which a key moves, if `room` rows fit on the screen. None if the key does not move.
+/// The number of rows by which a key moves the selection, if `room` rows fit on the screen. None for a key
+/// that does not move the selection.
 std::optional<std::ptrdiff_t> steps_of(int key, std::size_t room) {
   const auto page = static_cast<std::ptrdiff_t>(std::max<std::size_t>(room, 2) - 1);
   constexpr std::ptrdiff_t kAll = 1'000'000'000;
@@ -70,7 +71,7 @@ void choose(View& view, std::ptrdiff_t steps, const Shown& shown) {
   view.slipped = false;
 }
 
-// A UTF-8 character of the filter may have several bytes, which arrive one by one.
+// Handles a key while the user types the filter. The bytes of a UTF-8 character arrive as one key each.
 void type(View& view, int key) {
   if (key == Keyboard::kEscape) view.filter.clear();
   if (key == Keyboard::kEscape || key == '\r' || key == '\n') {
@@ -102,7 +103,7 @@ void leave(View& view) {
     view.filter.clear();
 }
 
-// Moves the selection in the list, or scrolls another page.
+// Moves the selection of the list, or scrolls the page if it is not the list.
 void move(View& view, std::ptrdiff_t steps, const Shown& shown) {
   if (view.place == Place::list)
     choose(view, steps, shown);
@@ -135,10 +136,10 @@ void settle(View& view, const Shown& shown) {
   if (!view.pressed && rows > 0) view.chosen = shown.targets.front();
   const bool stays = view.chosen_at < rows && shown.targets[view.chosen_at] == view.chosen;
   const auto found = std::find(shown.targets.begin(), shown.targets.end(), view.chosen);
-  if (stays) {  // checked first, because two nodes with the same name have a row each
+  if (stays) {  // comes first, because two nodes with the same name have one row each
   } else if (found != shown.targets.end()) {
     view.chosen_at = static_cast<std::size_t>(found - shown.targets.begin());
-  } else if (view.place == Place::list) {  // the details page stays on its module
+  } else if (view.place == Place::list) {  // the details page keeps its target even if its row disappears
     view.chosen_at = rows == 0 ? 0 : std::min(view.chosen_at, rows - 1);
     view.chosen = rows == 0 ? "" : shown.targets[view.chosen_at];
     view.slipped = view.pressed;
@@ -158,7 +159,7 @@ Done press(View& view, int key, const Shown& shown) {
     return {};
   }
   view.message.clear();
-  if (view.asked) {  // any key but y means no
+  if (view.asked) {  // the user was asked to confirm a command; only y confirms it
     const Command command = *view.asked;
     view.asked.reset();
     if (key == 'y' || key == 'Y') {

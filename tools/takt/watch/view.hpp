@@ -10,7 +10,7 @@ namespace takt::tool::watch {
 
 enum class Place { list, details, connections, help };
 
-/// The column by which the list is sorted, in the order on the screen.
+/// The columns by which the list can be sorted, in the order on the screen.
 enum class Column { name, state, p50, p99, budget, overruns, errors, cycles, missed };
 inline constexpr std::size_t kColumns = 9;
 
@@ -27,23 +27,23 @@ struct View {
   Place place = Place::list;
   Column column = Column::name;
   bool reversed = false;
-  std::string filter{};       ///< words; a row must have all of them
-  bool typing = false;        ///< keys go to the filter
-  bool pressed = false;       ///< a key was pressed; until then the first row is selected
-  std::string chosen{};       ///< the target of the selected row; stays selected when rows move
-  std::size_t chosen_at = 0;  ///< the index of the selected row, for when the row disappears
-  bool slipped = false;       ///< the selected row disappeared and another took its place: confirm commands
+  std::string filter{};       ///< the words that a row must contain to be listed
+  bool typing = false;        ///< the user is typing the filter
+  bool pressed = false;       ///< the user has pressed a key; until then the first row is selected
+  std::string chosen{};       ///< the target of the selected row, which stays selected when rows move
+  std::size_t chosen_at = 0;  ///< the index of the selected row; if that row disappears, the next selection
+  bool slipped = false;       ///< another row took the place of the selected one, so ask before a command
   std::size_t first = 0;      ///< the first row that is shown
-  std::size_t scroll = 0;     ///< lines above the first line that is shown, on all pages but the list
-  std::optional<Command> asked{};  ///< waits for confirmation
-  std::string message{};           ///< the answer to the last key
+  std::size_t scroll = 0;     ///< the number of lines scrolled off the top of a page other than the list
+  std::optional<Command> asked{};  ///< the command that waits for the user's confirmation
+  std::string message{};           ///< the result of the last key, for the user
 };
 
-/// The parts of the screen that the keys need.
+/// The properties of the drawn screen that the handling of keys needs.
 struct Shown {
-  std::vector<std::string> targets;  ///< all rows of the list, including those that are scrolled out
+  std::vector<std::string> targets;  ///< the targets of all rows, also of those not on the screen
   std::size_t room = 1;              ///< rows that fit on the screen
-  std::size_t length = 0;            ///< total lines of a page other than the list
+  std::size_t length = 0;            ///< the number of lines of a page other than the list
 };
 
 struct Done {
@@ -51,11 +51,11 @@ struct Done {
   std::optional<Command> command{};
 };
 
-/// Adapts the view to the rows that exist now: keeps the selected row, or selects the row that took its
-/// place.
+/// Adapts the view to the rows that exist now. Keeps the selected row; if it has disappeared, selects the row
+/// that took its place.
 void settle(View& view, const Shown& shown);
 
-/// Handles a key of os::Keyboard.
+/// Changes the view as a key demands, and returns what the program must do. `key` is a key of os::Keyboard.
 Done press(View& view, int key, const Shown& shown);
 
 }  // namespace takt::tool::watch

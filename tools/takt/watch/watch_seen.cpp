@@ -19,11 +19,13 @@ namespace {
 
 constexpr std::size_t kMinute = 60;
 constexpr std::size_t kTransitions = 100;  // per module
-constexpr std::size_t kGone = 1000;        // modules that are gone, or whose device is not known yet
+constexpr std::size_t kGone =
+    1000;  // at most this many modules that no longer exist or whose device is unknown
 constexpr std::size_t kEvents = 100;
-/// After this time, a node that did not answer is asked for its descriptor again.
+/// How long to wait for a node's descriptor before asking the node again.
 constexpr std::chrono::seconds kAgain{5};
-/// After this time, a node that did answer is asked again, because an update may have changed the descriptor.
+/// How long a received descriptor is used before the node is asked again, because an update may have changed
+/// it.
 constexpr std::chrono::seconds kFresh{30};
 
 watch::Quantiles quantiles(const Distribution& d) {
@@ -41,7 +43,7 @@ watch::Measured measured(const ModuleStatistics& s) {
           .run_us = quantiles(s.run_us())};
 }
 
-// A second without statistics is a gap.
+// The rms jitter of the module in each of the last 60 seconds. A second without statistics is NaN.
 std::vector<double> minute_of(const client::Series& series) {
   std::vector<double> minute(kMinute, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < series.times_ms.size(); ++i) {
@@ -172,7 +174,7 @@ void Watched::add_missed(watch::Snapshot& snapshot, Known& known,
                        .cell = known.cell->name,
                        .state = "not found",
                        .health = to_text(HEALTH_FAILED),
-                       .text = "it was lost before takt watch started",
+                       .text = "the device was lost before takt watch started",
                        .alive = false};
     for (const model::Module& module : device.modules)
       lost.modules.push_back({.name = module.name, .state = "unknown", .planned = planned(module)});
@@ -182,7 +184,7 @@ void Watched::add_missed(watch::Snapshot& snapshot, Known& known,
 
 watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devices, Instant now) {
   history_.hear(devices);
-  // Forget cells that no device runs any more.
+  // Forget the cells that no device runs any longer.
   std::erase_if(cells_, [&](const auto& entry) {
     return std::none_of(devices.begin(), devices.end(),
                         [&](const auto& d) { return d.status.deployment() == entry.first; });

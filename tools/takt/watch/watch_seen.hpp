@@ -1,4 +1,4 @@
-// Makes the snapshots for the screen of `takt watch` from what the nodes of a domain publish.
+// Makes the snapshots that `takt watch` draws, from the samples that the nodes of a DDS domain publish.
 #pragma once
 
 #include <deque>
@@ -17,28 +17,30 @@
 
 namespace takt::tool {
 
-/// Keeps the data that snapshots need from earlier: transitions, events and descriptors. For one thread only.
+/// Keeps the earlier data that a snapshot needs: transitions, events and descriptors. Only one thread may use
+/// an object of this class.
 class Watched {
  public:
   explicit Watched(int domain) : domain_(domain) {}
 
-  /// Adds a transition. Call it for every transition, in order.
+  /// Adds a state transition of a module. Call this once for each transition, in order.
   void add(const LifecycleStatus& status);
   /// Adds a line to the list of events.
   void add(const std::string& event);
-  /// Sets the cell of a deployment. Null means that the node did not send its descriptor; then nothing
+  /// Sets the cell of a deployment. If `cell` is null, because the node did not send its descriptor, nothing
   /// changes.
   void add(const std::string& deployment, std::shared_ptr<const model::Cell> cell);
 
-  /// The next device to ask for its descriptor. The device then counts as asked.
+  /// Returns the next device to ask for its descriptor, and notes that the device is being asked. None if no
+  /// device needs to be asked now.
   struct Unknown {
     std::string device;
     std::string deployment;
   };
   std::optional<Unknown> unknown(const std::vector<wire::ObservedDevice>& devices, Instant now);
 
-  /// The state of the domain now. A device that was lost before this program started no longer publishes
-  /// anything. Such a device is shown as lost if it is not found within kFound.
+  /// The current state of the domain. A device of the cell that is not found within kFound is shown as lost:
+  /// it was lost before this program started, so it publishes nothing.
   watch::Snapshot snapshot(const std::vector<wire::ObservedDevice>& devices, Instant now);
   static constexpr std::chrono::seconds kFound{2};
 
@@ -54,7 +56,8 @@ class Watched {
   struct Known {
     std::shared_ptr<const model::Cell> cell;
     Instant asked{};
-    std::map<std::string, Instant> missed{};  ///< devices of the cell that are not found, and since when
+    std::map<std::string, Instant>
+        missed{};  ///< the devices of the cell that were not found, each with the time of the first search
   };
   std::map<std::string, Known> cells_;  // by deployment
 };

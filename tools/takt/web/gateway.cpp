@@ -18,14 +18,14 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kMostFaults = 500;   // sent to a page when it opens
-constexpr std::size_t kMostProblems = 20;  // kept from reading records
-constexpr std::size_t kTrend = 120;        // seconds of jitter sent to a page when it opens
-constexpr milliseconds kTogether{20};      // changes within this time are sent together
+constexpr std::size_t kMostFaults = 500;   // newest events sent to a new page
+constexpr std::size_t kMostProblems = 20;  // the newest problems in reading fault records
+constexpr std::size_t kTrend = 120;        // length of the jitter series sent to a new page, in seconds
+constexpr milliseconds kTogether{20};      // state changes within this time are sent in one event
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
 constexpr seconds kNodeAnswered{3};
-constexpr seconds kAskAgain{10};  // for the descriptor
+constexpr seconds kAskAgain{10};  // interval of requests for the descriptor
 
 std::string state_event(bool whole, Json devices, Json modules) {
   return event_text(
@@ -41,7 +41,7 @@ Json values_of(const std::map<std::string, Json>& all) {
 
 }  // namespace
 
-/// A queue from the DDS threads to the thread that sends.
+/// The queue of state transitions from the DDS threads to the sender thread.
 struct Gateway::News {
   void add(const LifecycleStatus& status) {
     {
@@ -58,7 +58,7 @@ struct Gateway::News {
     }
     arrived.notify_one();
   }
-  /// Waits for news, at most `limit`, and returns the new steps.
+  /// Waits for transitions or wake(), at most `limit`, and returns the transitions that have arrived.
   std::vector<LifecycleStatus> wait(milliseconds limit) {
     std::unique_lock lock{mutex};
     arrived.wait_for(lock, limit, [this] { return there; });
@@ -108,8 +108,8 @@ std::shared_ptr<const model::Cell> Gateway::cell() const {
   return cell_;
 }
 
-// Holds the lock under which all changes are sent, so that no change is lost between the complete state and
-// the changes after it.
+// Sends the complete state to a new page. All changes are sent under the same lock, so the page misses none
+// of them.
 std::shared_ptr<Stream> Gateway::open() {
   const std::lock_guard lock{mutex_};
   auto stream = streams_.open();
@@ -125,7 +125,7 @@ std::shared_ptr<Stream> Gateway::open() {
   return stream;
 }
 
-// ---- Sending
+// ---- Sending to the pages
 
 void Gateway::run_sender() {
   Instant measured{};
@@ -156,7 +156,8 @@ void Gateway::send_states(std::vector<LifecycleStatus> steps) {
   Json devices = Json::array();
   Json modules = Json::array();
   const std::lock_guard lock{mutex_};
-  // Send first each step, in order. Then send the modules whose current state is newer than their last step.
+  // First send each transition, in order. Then send each module whose current state is newer than its last
+  // transition.
   for (const LifecycleStatus& step : steps) {
     Json json = module_json(step);
     Json& known = modules_[json["name"].get<std::string>()];
@@ -201,7 +202,7 @@ void Gateway::send_measures() {
   const std::vector<wire::ObservedDevice> seen = client_.observer->devices();
   const auto running = cell();
   Json measures = measures_json(seen, running.get(), os::wall_ns());
-  std::set<std::string> lost;  // lost devices; their last measurements are no longer current
+  std::set<std::string> lost;  // lost devices, whose last measurements are out of date
   for (const wire::ObservedDevice& device : seen) {
     if (!device.alive) lost.insert(device.name());
   }
@@ -217,7 +218,7 @@ void Gateway::send_measures() {
   measures_ = std::move(text);
 }
 
-// Called with the lock held.
+// The caller holds the lock.
 std::string Gateway::all_faults() const {
   Json events = Json::array();
   for (const Json& fault : faults_) events.push_back(fault);
@@ -225,7 +226,7 @@ std::string Gateway::all_faults() const {
       "faults", model::json_text({{"whole", true}, {"events", std::move(events)}, {"problems", problems_}}));
 }
 
-// Called with the lock held.
+// The caller holds the lock.
 void Gateway::keep_problems(const Problems& problems) {
   for (const Problem& problem : problems) {
     problems_.push_back(in_words({problem}));
@@ -250,7 +251,8 @@ void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems
       model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", problems_}})));
 }
 
-// The events of a record are not new. So they are sorted in by time, and are not counted as new.
+// Adds events from a fault record. They happened earlier, so they are sorted in by time and not counted as
+// new.
 void Gateway::add_record(const client::Log& read) {
   if (read.events.empty() && read.problems.empty()) return;
   const std::lock_guard lock{mutex_};
@@ -265,7 +267,7 @@ void Gateway::add_record(const client::Log& read) {
   streams_.send(all_faults());
 }
 
-// ---- Asking devices
+// ---- Asking the devices
 
 void Gateway::run_fetcher() {
   client_.observer->settle(seconds{1});
@@ -277,8 +279,8 @@ void Gateway::run_fetcher() {
   }
 }
 
-// Reads the record of each device once. The record has the events from before the device was found or this
-// program started.
+// Reads the fault record of each device once. It has the events that happened before this program found the
+// device.
 void Gateway::read_records() {
   for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
@@ -296,8 +298,8 @@ void Gateway::follow_faults() {
   add_faults(events, problems);
 }
 
-// A cell stays on the page while all of its devices are lost. The cell disappears if it was taken down from a
-// device that is alive.
+// Whether the shown cell is lost: no device of it is alive. The page keeps showing a lost cell. If a device
+// is alive without the cell, the cell was removed and the page stops showing it.
 bool Gateway::is_lost() const {
   if (!cell_) return false;
   bool lost = false;
@@ -310,10 +312,10 @@ bool Gateway::is_lost() const {
   return lost;
 }
 
-// Finds the cell that runs on the devices that are alive. If the domain has devices of two cells, the page
-// shows all of them, but the graph and the tables of one cell only.
+// Finds the cell that runs on the live devices. If the domain has devices of two cells, the page shows all
+// devices, but the graph and the tables of only one cell.
 void Gateway::look_for_cell() {
-  std::string deployment;  // an update keeps the deployment's name, but changes the descriptor
+  std::string deployment;  // an update changes the descriptor but keeps this name
   std::string device;
   for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     const std::string id = seen.status.deployment().to_string();
@@ -331,13 +333,13 @@ void Gateway::look_for_cell() {
   if (!deployment.empty()) {
     const auto reply = client::accepted(
         client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kNodeAnswered}));
-    if (!reply) return;  // ask again in the next turn
+    if (!reply) return;  // run_fetcher() tries again in its next cycle
     asked_ = now;
     if (deployment == deployment_ && reply->data == descriptor_) return;
     descriptor = reply->data;
     auto read = descriptor::parse(descriptor, reply->head.value().to_string());
     if (read) {
-      read->domain = client_.domain;  // --domain may differ from the descriptor
+      read->domain = client_.domain;  // the descriptor may give another domain than --domain
       cell = std::make_shared<const model::Cell>(std::move(*read));
     }
   }
@@ -350,7 +352,7 @@ void Gateway::look_for_cell() {
   streams_.send(cell_text_);
 }
 
-// ---- Requests of pages
+// ---- Answering requests of the pages
 
 Answer Gateway::watch(const std::string& id, const std::string& body) {
   const auto stream = streams_.find(id);
@@ -398,7 +400,7 @@ std::string Gateway::metrics() {
   }
   counted.viewers = streams_.count();
   const auto devices = client_.observer->devices();
-  // Prometheus sees an increase only if the series existed before, so begin each series with 0.
+  // Prometheus sees an increase only if the series existed before, so report a 0 for devices without events.
   for (const wire::ObservedDevice& device : devices) counted.faults.try_emplace(device.name());
   return metrics_text(devices, running.get(), counted);
 }

@@ -1,8 +1,9 @@
-// The data that pages get from a cell and the requests that they may send to it, independent of HTTP.
+// Collects the data of a cell for web pages, and forwards the requests of web pages to the cell. Independent
+// of HTTP.
 //
-// Everything that a page shows comes from the topics on which nodes publish anyway. The gateway asks a device
-// only for what a page shows at the moment: ports, properties and tables of one module or device. The node
-// answers, never a real-time thread.
+// Most of what a page shows comes from topics that the nodes publish anyway. The gateway asks a device for
+// more only while a page shows it: ports, properties and tables of one module or device. The node answers,
+// not a real-time thread.
 #pragma once
 
 #include <atomic>
@@ -29,16 +30,17 @@
 
 namespace takt::tool::web {
 
-/// Any thread may call its functions.
+/// The source of all data for web pages. Any thread may call its functions.
 class Gateway {
  public:
   static Result<std::unique_ptr<Gateway>> create(const client::Network& network);
   ~Gateway();
 
-  /// A new stream, to which the complete current state has been sent. Null if there are too many streams.
+  /// Opens a stream for a new page and sends the complete current state to it. Null if there are too many
+  /// streams.
   std::shared_ptr<Stream> open();
   void close(const std::shared_ptr<Stream>& stream) { streams_.close(stream); }
-  /// Ends all streams and allows no new ones.
+  /// Ends all streams; open() then opens no more.
   void end_streams() { streams_.end(); }
 
   Questions& questions() noexcept { return *questions_; }
@@ -59,7 +61,7 @@ class Gateway {
   void send_states(std::vector<LifecycleStatus> steps);
   void send_measures();
   void look_for_cell();
-  [[nodiscard]] bool is_lost() const;  // whether the shown cell is lost
+  [[nodiscard]] bool is_lost() const;  // whether all devices of the shown cell are lost
   void follow_faults();
   void read_records();
   void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
@@ -76,17 +78,17 @@ class Gateway {
   std::unique_ptr<client::LogFollower> follower_;
 
   mutable std::mutex mutex_;             // protects the members below
-  std::map<std::string, Json> devices_;  // as sent last
+  std::map<std::string, Json> devices_;  // devices_ and modules_: the state that was last sent
   std::map<std::string, Json> modules_;
-  std::string measures_;                     // the last `measures` event
-  std::shared_ptr<const model::Cell> cell_;  // null: not known
-  std::string cell_text_;                    // the `cell` event
-  std::string deployment_;                   // the deployment of cell_
+  std::string measures_;                     // the text of the last `measures` event
+  std::shared_ptr<const model::Cell> cell_;  // the running cell; null if none is known
+  std::string cell_text_;                    // the text of the last `cell` event
+  std::string deployment_;                   // the name of the deployment of cell_
   std::string descriptor_;                   // the descriptor of cell_
-  Instant asked_{};                          // when the descriptor was asked for
+  Instant asked_{};                          // when the gateway last got the descriptor
   std::deque<Json> faults_;
   std::deque<std::string> problems_;
-  std::set<std::string> recorded_;  // devices whose fault record was read
+  std::set<std::string> recorded_;  // the devices whose fault record was read
   Counted counted_;
   client::History history_;
 

@@ -34,7 +34,7 @@ std::string number(double value) {
   return fmt::format("{}", value);
 }
 
-/// One metric with all of its samples. The format requires that all samples of a metric are together.
+/// One metric with all of its samples, because the format requires the samples of a metric to be consecutive.
 class Metric {
  public:
   Metric(std::string_view name, std::string_view type, std::string_view help)
@@ -62,7 +62,7 @@ class Metric {
   std::string samples_;
 };
 
-/// Adds the quantiles that nodes publish, and the maximum, in seconds.
+/// Adds the quantiles and the maximum of a distribution, converted from microseconds to seconds.
 void add_quantiles(Metric& quantiles, Metric& largest, const Labels& labels, const Distribution& us) {
   const std::pair<const char*, double> all[] = {{"0.5", us.p50()}, {"0.99", us.p99()}, {"0.999", us.p999()}};
   for (const auto& [quantile, value] : all) {
@@ -78,12 +78,14 @@ constexpr const char* kCounter = "counter";
 
 std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell) {
   Metric up{"takt_device_up", kGauge, "1 if the node of the device is alive, 0 if it is lost."};
-  Metric state{"takt_device_state", kGauge, "1 for the current state of the device."};
-  Metric health{"takt_device_health", kGauge, "1 for the current health of the device."};
+  Metric state{"takt_device_state", kGauge,
+               "Whether the device is in this state: 1 for the current state, 0 for all others."};
+  Metric health{"takt_device_health", kGauge,
+                "Whether the device has this health: 1 for the current health, 0 for all others."};
   Metric real_time{"takt_device_real_time", kGauge,
-                   "1 if the system allows the device real-time scheduling."};
+                   "1 if the system allows real-time scheduling on the device, else 0."};
   Metric restarts{"takt_device_host_restarts_total", kCounter,
-                  "Restarts of the real-time processes of the device."};
+                  "Restarts of the device's host, which is its real-time process."};
   for (const wire::ObservedDevice& device : devices) {
     const DeviceStatus& s = device.status;
     const Labels labels{{"cell", s.cell().to_string()}, {"device", device.name()}};
@@ -103,7 +105,7 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
     real_time.add(labels, s.real_time());
     restarts.add(labels, std::uint64_t{s.host_restarts()});
   }
-  // A device that was lost before the gateway started publishes nothing, but belongs to the cell.
+  // Report devices of the cell as down if they were lost before the gateway started: they publish nothing.
   for (const model::Device& device : cell == nullptr ? std::vector<model::Device>{} : cell->devices) {
     const bool found = std::any_of(devices.begin(), devices.end(), [&](const wire::ObservedDevice& one) {
       return one.name() == device.name;
@@ -114,19 +116,21 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
 }
 
 std::string of_modules(const std::vector<wire::ObservedDevice>& devices) {
-  Metric state{"takt_module_state", kGauge, "1 for the current state of the module."};
+  Metric state{"takt_module_state", kGauge,
+               "Whether the module is in this state: 1 for the current state, 0 for all others."};
   Metric cycles{"takt_module_cycles_total", kCounter, "Releases of the module."};
-  Metric missed{"takt_module_missed_total", kCounter, "Releases that were skipped."};
-  Metric overruns{"takt_module_overruns_total", kCounter, "Releases that found the module still running."};
-  Metric over_budget{"takt_module_over_budget_total", kCounter, "Runs that took longer than the budget."};
+  Metric missed{"takt_module_missed_total", kCounter, "Releases of the module that were skipped."};
+  Metric overruns{"takt_module_overruns_total", kCounter, "Releases at which the module was still running."};
+  Metric over_budget{"takt_module_over_budget_total", kCounter,
+                     "Runs of the module that took longer than its budget."};
   Metric errors{"takt_module_errors_total", kCounter, "Errors of the module."};
   Metric recoveries{"takt_module_recoveries_total", kCounter, "Recoveries of the module."};
   Metric jitter{"takt_module_jitter_seconds", kGauge,
                 "Time between the release of the module and its start, by quantile."};
   Metric jitter_max{"takt_module_jitter_max_seconds", kGauge,
-                    "Maximum time between a release and the start."};
+                    "Maximum time between a release and the start that follows."};
   Metric run{"takt_module_run_seconds", kGauge, "Run time of the module, by quantile."};
-  Metric run_max{"takt_module_run_max_seconds", kGauge, "Maximum run time."};
+  Metric run_max{"takt_module_run_max_seconds", kGauge, "Maximum run time of the module."};
   for (const wire::ObservedDevice& device : devices) {
     if (!device.alive) continue;
     const auto labels_of = [&](const std::string& module) {
@@ -158,13 +162,13 @@ std::string of_modules(const std::vector<wire::ObservedDevice>& devices) {
 
 std::string of_executors(const std::vector<wire::ObservedDevice>& devices) {
   Metric cycles{"takt_executor_cycles_total", kCounter, "Rows that the executor ran."};
-  Metric missed{"takt_executor_missed_total", kCounter, "Rows that were skipped."};
-  Metric late{"takt_executor_late_total", kCounter, "Rows that began late."};
-  Metric margin{"takt_executor_margin_seconds", kGauge, "How long before a release the executor is awake."};
+  Metric missed{"takt_executor_missed_total", kCounter, "Rows of the executor that were skipped."};
+  Metric late{"takt_executor_late_total", kCounter, "Rows of the executor that began late."};
+  Metric margin{"takt_executor_margin_seconds", kGauge, "How long before a release the executor wakes up."};
   Metric jitter{"takt_executor_jitter_seconds", kGauge,
                 "Time between the release of a row and its start, by quantile."};
   Metric jitter_max{"takt_executor_jitter_max_seconds", kGauge,
-                    "Maximum time between a release and the start."};
+                    "Maximum time between a release and the start that follows."};
   for (const wire::ObservedDevice& device : devices) {
     if (!device.alive) continue;
     for (const auto& [name, e] : device.deployment.executors) {
@@ -181,14 +185,18 @@ std::string of_executors(const std::vector<wire::ObservedDevice>& devices) {
 }
 
 std::string of_connections(const std::vector<wire::ObservedDevice>& devices, const model::Cell& cell) {
-  Metric matched{"takt_connection_matched", kGauge, "1 if both ends have found each other."};
+  Metric matched{"takt_connection_matched", kGauge,
+                 "1 if the writer and the reader of the connection have found each other."};
   Metric stale{"takt_connection_stale", kGauge,
-               "1 if the value is older than the deadline of the connection."};
-  Metric safe{"takt_connection_safe", kGauge, "1 if the reader gets the safe value."};
-  Metric age{"takt_connection_age_seconds", kGauge, "Age of the newest value."};
-  Metric lost{"takt_connection_lost_total", kCounter, "Samples that were lost on the way."};
-  Metric dropped{"takt_connection_dropped_total", kCounter, "Samples that were dropped from a full queue."};
-  Metric late{"takt_connection_late_total", kCounter, "How often the value became older than the deadline."};
+               "1 if the newest value is older than the deadline of the connection."};
+  Metric safe{"takt_connection_safe", kGauge, "1 if the reader gets the safe value of the connection."};
+  Metric age{"takt_connection_age_seconds", kGauge, "Age of the newest value on the connection."};
+  Metric lost{"takt_connection_lost_total", kCounter,
+              "Samples that were lost between the writer and the reader."};
+  Metric dropped{"takt_connection_dropped_total", kCounter,
+                 "Samples that were dropped because the queue was full."};
+  Metric late{"takt_connection_late_total", kCounter,
+              "How often the newest value became older than the deadline."};
   for (const auto& [index, health] : health_of(cell, devices).connections) {
     const model::Connection& connection = cell.connections[index];
     const auto end = [](const model::Endpoint& e) { return e.given() ? to_text(e) : std::string{}; };
@@ -208,8 +216,8 @@ std::string of_connections(const std::vector<wire::ObservedDevice>& devices, con
          late.text();
 }
 
-/// Keeps one node for each name, because two nodes with the same name would be the same series. Keeps the
-/// first node that is alive.
+/// Keeps one node of each name, if possible one that is alive. Two nodes with the same name would write the
+/// same Prometheus series.
 std::vector<wire::ObservedDevice> one_of_each(std::vector<wire::ObservedDevice> devices) {
   std::stable_partition(devices.begin(), devices.end(),
                         [](const wire::ObservedDevice& one) { return one.alive; });

@@ -1,5 +1,5 @@
-// Writes what nodes publish as metrics for Prometheus, in its text format 0.0.4. The names follow the guide
-// of Prometheus: base units, and _total for counters.
+// Converts the samples that nodes publish to Prometheus metrics, in text format 0.0.4. The names follow
+// Prometheus' naming guide: base units, and the suffix _total for counters.
 #pragma once
 
 #include <array>
@@ -14,14 +14,15 @@
 
 namespace takt::tool::web {
 
-/// The events and pages that the gateway has counted.
+/// The numbers of fault events and open pages, counted by the gateway.
 struct Counted {
-  /// Events of the fault records, by device and severity (index: model::Severity).
+  /// The number of fault events, by device and severity. A model::Severity is the index of the array.
   std::map<std::string, std::array<std::uint64_t, 3>> faults{};
   std::size_t viewers = 0;  ///< open pages
 };
 
-/// `cell`: the running cell. Null if it is not known; then there are no metrics of connections.
+/// The metrics as text. `cell` is the running cell, or null if none is known; then the text has no metrics of
+/// connections.
 std::string metrics_text(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell,
                          const Counted& counted);
 

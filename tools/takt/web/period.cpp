@@ -20,7 +20,7 @@ constexpr double kNone = -1;
 double in_us(Nanoseconds duration) { return static_cast<double>(duration.count()) / 1e3; }
 std::int64_t in_ns(double us) { return std::llround(us * 1e3); }
 
-/// The ids of the threads in a trace.
+/// The thread ids in a trace, as the trace gives them.
 struct Threads {
   std::map<std::string, double> rows;      // by executor
   std::map<std::string, double> sporadic;  // by executor
@@ -59,7 +59,8 @@ bool is(const Json& event, const char* category, double thread) {
   return event.value("cat", "") == category && event.value("tid", kNone) == thread;
 }
 
-/// The rows of a window. A trace has the rows in the order in which they began, each followed by its runs.
+/// The rows in a time window. A trace lists the rows in the order in which they began, and after each row its
+/// runs.
 Json rows_json(const Json& trace, double thread, const Window& window, double basic_us) {
   Json rows = Json::array();
   double row_end = 0;
@@ -67,7 +68,7 @@ Json rows_json(const Json& trace, double thread, const Window& window, double ba
   for (const Json& event : trace.at("traceEvents")) {
     if (is(event, "row", thread)) {
       const double release = event.at("args").at("release_us").get<double>();
-      // Releases are on the grid, but the text of the trace rounds them.
+      // Releases are multiples of the basic period, but the trace rounds them when it writes them as text.
       const double row = std::round((release - window.from_us) / basic_us);
       within = row >= 0 && release < window.to_us - basic_us / 2 && rows.size() < kMostRows;
       if (!within) continue;
@@ -86,7 +87,7 @@ Json rows_json(const Json& trace, double thread, const Window& window, double ba
   return rows;
 }
 
-/// Adds each run of a sporadic module to the row during which it began.
+/// Adds each run of a sporadic module to the row in which the run began.
 void add_sporadic(Json& rows, const Json& trace, double thread, const Window& window, double basic_us) {
   for (const Json& event : trace.at("traceEvents")) {
     if (!is(event, "run", thread)) continue;
@@ -118,7 +119,8 @@ Result<Json> period_json(const Json& trace, const model::Cell& cell, const model
   try {
     const Json& about = trace.at("otherData");
     if (!about.contains("t0_us"))
-      return fail("device " + device.name + " has not run a row yet", "try again when it runs");
+      return fail("device " + device.name + " has not run a row of its table yet",
+                  "try again when the device runs");
     const double t0 = about["t0_us"].get<double>();
     const double end = about.at("lasts_us").get<double>();
     const auto begins_ns = about.at("begins_utc_ns").get<std::int64_t>();
@@ -139,7 +141,7 @@ Result<Json> period_json(const Json& trace, const model::Cell& cell, const model
                 {"rows", Json::array()}};
       const auto thread = threads.rows.find(name);
       if (window.from_us < 0 || periods < 1 || thread == threads.rows.end()) {
-        json["text"] = "no complete macro period is recorded";
+        json["text"] = "the trace has no complete macro period";
       } else {
         json["rows"] = rows_json(trace, thread->second, window, basic);
         if (const auto other = threads.sporadic.find(name); other != threads.sporadic.end())

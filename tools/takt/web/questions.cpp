@@ -19,7 +19,7 @@ namespace {
 using std::chrono::seconds;
 
 constexpr seconds kQuestionAnswered{3};
-constexpr seconds kLong{30};  // a component may take this long to stop
+constexpr seconds kLong{30};  // time limit of commands, because a component may be slow to stop
 
 /// Splits "device.module". None if the name is not valid.
 std::optional<std::pair<std::string, std::string>> split(const std::string& name) {
@@ -30,7 +30,7 @@ std::optional<std::pair<std::string, std::string>> split(const std::string& name
   return std::pair{name.substr(0, dot), name.substr(dot + 1)};
 }
 
-/// A member of JSON as text; empty if it is missing or not a text.
+/// The string member `name` of a JSON object. Empty if it is missing or not a string.
 std::string text_in(const Json& json, const char* name) {
   return json.is_object() && json.contains(name) && json[name].is_string() ? json[name].get<std::string>()
                                                                            : "";
@@ -48,7 +48,7 @@ Answer rejected(const Result<wire::WholeReply>& reply) {
   return answer_of(409, problem);
 }
 
-/// The process module with this name. Null if there is none, or if the cell is not known.
+/// The process module with this name. Null if the cell has no such module, or if no cell is known.
 const model::Module* program_of(const model::Cell* cell, const std::pair<std::string, std::string>& name) {
   if (cell == nullptr) return nullptr;
   for (const model::Device& device : cell->devices) {
@@ -106,13 +106,14 @@ Answer Questions::set_property(const std::string& body) {
   return answer_of(Json{{"value", reply->head.value().to_string()}});
 }
 
-// If the answer is not a failure, `description` is set.
+// Asks a device for the description of its modules. Sets `description`, or returns the answer that reports
+// the failure.
 Answer Questions::described(const std::string& device, Json& description) {
   const auto reply = asker_.ask({.kind = COMMAND_DESCRIBE, .device = device, .limit = seconds{10}});
   if (!reply || reply->head.code() != REPLY_OK) return rejected(reply);
   description = model::parse_json(reply->data);
   if (!description.is_object() || !description.contains("modules"))
-    return answer_of(504, fail("the answer of the device is from another version of Takt",
+    return answer_of(504, fail("the device's answer is from another version of Takt",
                                "install the same version on all machines"));
   return {};
 }
@@ -147,8 +148,8 @@ Answer Questions::properties(const std::string& module, const std::shared_ptr<co
   Json properties = found->contains("properties") && (*found)["properties"].is_array()
                         ? (*found)["properties"]
                         : Json::array();
-  // A program has the values with which it was started. Its node would reject questions about properties that
-  // the descriptor does not give.
+  // A process module keeps the property values with which it was started, so they come from the descriptor.
+  // Its node rejects requests for properties that are not in the descriptor.
   if (const model::Module* const program = program_of(running.get(), *name)) {
     for (Json& property : properties) {
       const auto given = model::given_property(*program, text_in(property, "name"));
@@ -172,7 +173,7 @@ Answer Questions::properties(const std::string& module, const std::shared_ptr<co
 }
 
 Answer Questions::table(const std::string& device, const std::shared_ptr<const model::Cell>& running) {
-  if (!running) return answer_of(409, fail("no cell runs", "deploy one with takt deploy FILE"));
+  if (!running) return answer_of(409, fail("no cell is running", "deploy a cell with takt deploy FILE"));
   const auto found = std::find_if(running->devices.begin(), running->devices.end(),
                                   [&device](const model::Device& d) { return d.name == device; });
   if (found == running->devices.end())

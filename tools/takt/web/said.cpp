@@ -49,7 +49,8 @@ Json module_json(const model::Module& module) {
 
 Json end_json(const model::Endpoint& end) { return end.given() ? Json(to_text(end)) : Json(); }
 
-/// The graph of the cell, with room for every state that the page may write into it.
+/// The graph of the cell as SVG. Its texts are the longest ones, so that the page can later write any state
+/// into its boxes.
 std::string graph_of(const model::Cell& cell) {
   CellHealth health;
   for (const model::Device& device : cell.devices) {

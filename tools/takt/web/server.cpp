@@ -24,9 +24,9 @@ using httplib::Request;
 using httplib::Response;
 
 constexpr std::size_t kMostBody = std::size_t{64} << 10;
-constexpr std::size_t kThreads = Streams::kMost + 16;  // each stream occupies one
-constexpr std::chrono::seconds kSign{10};              // interval of life signs on an idle stream
-constexpr std::chrono::seconds kWrite{10};  // a browser that does not read for this long is disconnected
+constexpr std::size_t kThreads = Streams::kMost + 16;  // each stream occupies one thread
+constexpr std::chrono::seconds kSign{10};              // an idle stream sends a comment line this often
+constexpr std::chrono::seconds kWrite{10};  // disconnect a browser that reads nothing for this long
 
 struct File {
   std::string_view path;
@@ -47,7 +47,7 @@ const char* type_of(std::string_view path) {
   return "application/octet-stream";
 }
 
-/// Compares in constant time, so that the time does not reveal the token.
+/// Compares in constant time, so that an attacker cannot guess the token from response times.
 bool is_equal(const std::string& a, const std::string& b) {
   unsigned char differs = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
@@ -65,7 +65,7 @@ class HttpServer final : public Server {
     server_.set_read_timeout(5);
     server_.set_write_timeout(kWrite);
     server_.set_tcp_nodelay(true);
-    // Do not use the default, SO_REUSEPORT: a second server on the same port would then get half of the
+    // Replace the default option, SO_REUSEPORT, with which a second server on this port would get half of the
     // requests.
     server_.set_socket_options([](socket_t socket) {
       const int yes = 1;
@@ -81,7 +81,7 @@ class HttpServer final : public Server {
       if (is_own_name(request.get_header_value("Host"), machine_))
         return httplib::Server::HandlerResponse::Unhandled;
       put(response, answer_of(421, {.where = "",
-                                    .what = "the host name in the request is not the name of this machine",
+                                    .what = "the host name in the request is not a name of this machine",
                                     .fix = "open the page by its IP address, or as http://" + machine_}));
       return httplib::Server::HandlerResponse::Handled;
     });
@@ -94,7 +94,8 @@ class HttpServer final : public Server {
                                .fix = large ? "send at most 64 KiB" : "the page is at /"}));
     });
     server_.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
-      put(response, answer_of(500, {.where = "", .what = "the request could not be answered", .fix = ""}));
+      put(response,
+          answer_of(500, {.where = "", .what = "takt web failed to answer the request", .fix = ""}));
     });
     route();
   }
@@ -118,7 +119,7 @@ class HttpServer final : public Server {
                          (why == 0 || why == EINVAL ? "" : std::string{": "} + std::strerror(why)),
                      why == EADDRINUSE
                          ? "choose another --port, or 0 for any free port"
-                         : "--listen needs an address of this machine, or 0.0.0.0 for all of them"};
+                         : "give --listen an address of this machine, or 0.0.0.0 for all its addresses"};
     }
     thread_ = std::thread{[this] { server_.listen_after_bind(); }};
     return {};
@@ -167,7 +168,7 @@ class HttpServer final : public Server {
       put(response, answers(request.get_param_value(parameter)));
     });
   }
-  /// Serves a request that needs the token.
+  /// Serves POST requests to `path`, which need the token.
   void post(const char* path, Answers answers) {
     server_.Post(path, [this, answers = std::move(answers)](const Request& request, Response& response) {
       const std::string why = refusal(request);
@@ -179,12 +180,12 @@ class HttpServer final : public Server {
     });
   }
 
-  /// The reason why the sender may not command; empty if it may. Checks a header that a page of another site
-  /// cannot send.
+  /// The reason why the sender of a request may not send commands; empty if it may. Checks a header that a
+  /// page of another site cannot send.
   [[nodiscard]] std::string refusal(const Request& request) const {
     if (token_.empty()) return "this page is read-only: takt web was started without --commands";
     const std::string given = request.get_header_value("Authorization");
-    if (given.empty()) return "commands need the token";
+    if (given.empty()) return "the request has no token";
     if (!is_equal(given, "Bearer " + token_)) return "the token is wrong";
     return "";
   }
@@ -194,7 +195,7 @@ class HttpServer final : public Server {
     if (!stream) {
       put(response, answer_of(503, {.where = "",
                                     .what = "too many pages are open: " + std::to_string(Streams::kMost),
-                                    .fix = "close one of them"}));
+                                    .fix = "close another page"}));
       return;
     }
     response.set_chunked_content_provider(

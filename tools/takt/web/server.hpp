@@ -1,4 +1,5 @@
-// Serves the gateway over HTTP. Only server.cpp uses cpp-httplib.
+// The HTTP server of `takt web`, which serves the page and the gateway's data. Only server.cpp uses
+// cpp-httplib.
 #pragma once
 
 #include <memory>
@@ -11,16 +12,16 @@ namespace takt::tool::web {
 class Gateway;
 
 struct ServerOptions {
-  std::string address = "127.0.0.1";  ///< to listen on
-  int port = 8080;                    ///< 0: any free port
-  std::string token{};                ///< allows commands; empty: commands are not allowed
+  std::string address = "127.0.0.1";  ///< the IP address on which the server listens
+  int port = 8080;                    ///< 0 chooses any free port
+  std::string token{};                ///< commands need this token; if it is empty, no commands are allowed
 };
 
-/// Serves on its own threads until it is destroyed.
+/// Serves requests on its own threads until it is destroyed.
 class Server {
  public:
-  /// The gateway outlives the server. Fails if the address does not belong to this machine, or the port is in
-  /// use.
+  /// Starts a server. `gateway` must outlive it. Fails if the address does not belong to this machine, or if
+  /// the port is in use.
   static Result<std::unique_ptr<Server>> create(Gateway& gateway, const ServerOptions& options);
   virtual ~Server() = default;
   [[nodiscard]] virtual int port() const noexcept = 0;
@@ -29,9 +30,9 @@ class Server {
   Server() = default;
 };
 
-/// Whether the host name of a request (header Host, with or without a port) is valid: an IP address,
-/// localhost or the name of this machine. Other names are rejected, because the owner of a DNS name could
-/// point it to this machine so that a foreign page can read ours (DNS rebinding).
+/// Whether the host of a request (header Host, with or without a port) is an IP address, localhost or the
+/// name of this machine. The server rejects other names: the owner of a foreign DNS name could point it to
+/// this machine, so that a foreign web page can read the cell (DNS rebinding).
 bool is_own_name(const std::string& host, const std::string& machine);
 
 }  // namespace takt::tool::web

@@ -83,7 +83,7 @@ void Streams::end() {
 }
 
 std::string random_word(std::size_t bytes) {
-  std::random_device device;  // reads the random numbers of the system
+  std::random_device device;  // reads the random number generator of the system
   std::string word;
   for (std::size_t i = 0; i < bytes; ++i) word += fmt::format("{:02x}", device() & 0xFFU);
   return word;

@@ -1,7 +1,7 @@
-// The streams of server-sent events to the browsers.
+// The streams of server-sent events from `takt web` to browsers.
 //
-// A browser may be slow, or a tablet may sleep. So each browser has its own queue. If this queue is full, the
-// stream ends. The browser then reconnects by itself and gets the complete state again.
+// Each browser has its own queue, because a browser may be slow and a tablet may sleep. If a queue is full,
+// its stream ends. The browser then reconnects by itself and gets the complete state again.
 #pragma once
 
 #include <chrono>
@@ -20,18 +20,18 @@ namespace takt::tool::web {
 /// An event in the format of server-sent events. `data` must be one line.
 std::string event_text(const std::string& name, const std::string& data);
 
-/// The queue of one browser. Any thread may call its functions.
+/// The queue of events for one browser. Any thread may call its functions.
 class Stream {
  public:
-  static constexpr std::size_t kMostBytes = std::size_t{8} << 20;  ///< that may wait to be sent
+  static constexpr std::size_t kMostBytes = std::size_t{8} << 20;  ///< limit of the queued bytes
 
   explicit Stream(std::string id) : id_(std::move(id)) {}
 
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
   /// Queues an event. Ends the stream if the queue would exceed kMostBytes.
   void send(const std::string& text);
-  /// Waits for events, at most `limit`, and returns all of them. Empty if none arrived; none if the stream
-  /// has ended.
+  /// Waits for events, at most `limit`, and returns all queued events. The text is empty if no event arrived.
+  /// None if the stream has ended.
   std::optional<std::string> next(std::chrono::milliseconds limit);
   void end();
   [[nodiscard]] bool ended() const;
@@ -44,12 +44,12 @@ class Stream {
   bool ended_ = false;
 };
 
-/// All streams. Any thread may call its functions.
+/// The streams of all browsers. Any thread may call its functions.
 class Streams {
  public:
   static constexpr std::size_t kMost = 64;
 
-  /// A new stream. Null if there are kMost streams, or after end().
+  /// Opens a new stream. Null if kMost streams are open, or after end().
   std::shared_ptr<Stream> open();
   void close(const std::shared_ptr<Stream>& stream);
   void send(const std::string& text);
@@ -63,7 +63,7 @@ class Streams {
   bool ended_ = false;
 };
 
-/// `bytes` random bytes from the system, as hexadecimal digits.
+/// As many random bytes as `bytes` says, written in hexadecimal digits.
 std::string random_word(std::size_t bytes);
 
 }  // namespace takt::tool::web

@@ -27,7 +27,7 @@ struct WatchedPorts::Source {
     std::vector<double> values;
   };
 
-  /// Called on a DDS thread.
+  /// Adds a sample of the port. DDS calls this on its own thread.
   void add(const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
     const std::lock_guard lock{mutex};
     if (!points.empty()) {
@@ -55,7 +55,8 @@ struct WatchedPorts::Source {
     return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
   }
 
-  /// The next values after the first `has`, which is updated; none if there are none.
+  /// The next values for a stream that already has `has` values. Adds the number of returned values to `has`.
+  /// None if there are no new values.
   std::optional<Json> news(const std::string& port, std::uint64_t& has) {
     const std::lock_guard lock{mutex};
     const bool whole = has == 0;
@@ -81,7 +82,8 @@ struct WatchedPorts::Source {
   static constexpr std::size_t kMostPoints =
       static_cast<std::size_t>(std::chrono::milliseconds{kKept} / kApart);
 
-  static constexpr std::size_t kMostAtOnce = 1000;  // 600 kB for 32 fields; a stream may queue some megabytes
+  static constexpr std::size_t kMostAtOnce =
+      1000;  // about 600 kB if the port has 32 fields; the limit of a stream's queue is 8 MiB
 
   const dds::Flow flow;
   const recording::Columns columns;
@@ -94,7 +96,7 @@ struct WatchedPorts::Source {
   std::uint64_t added = 0;
   std::vector<recording::Value> values;
 
-  std::unique_ptr<dds::Tap> tap;  // last member, so that it is destroyed first and adds no more values
+  std::unique_ptr<dds::Tap> tap;  // the last member, so it is destroyed first and adds no more values
 };
 
 WatchedPorts::WatchedPorts(client::Connection& client, Streams& streams)
@@ -110,7 +112,7 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
   if (!flow) return flow.problems();
   auto made = std::make_shared<Source>(std::move(*flow));
   if (made->shown.empty())
-    return fail(port + " has no field that is a number", "use takt echo " + port + " to print its samples");
+    return fail(port + " has no numeric field", "use takt echo " + port + " to print its samples");
   made->asked = made->used = os::now();
   auto tap =
       dds::Tap::create(client_.participant, made->flow,
@@ -120,7 +122,8 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
   if (!tap) return tap.problems();
   made->tap = std::move(*tap);
   const std::lock_guard lock{mutex_};
-  return sources_.try_emplace(port, std::move(made)).first->second;  // another stream may have been faster
+  return sources_.try_emplace(port, std::move(made))
+      .first->second;  // another thread may have added the port meanwhile
 }
 
 Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports) {
@@ -164,7 +167,7 @@ void WatchedPorts::send() {
 void WatchedPorts::maintain() {
   std::vector<std::string> again;
   std::vector<std::shared_ptr<Source>>
-      gone;  // destroyed without the lock, because that waits for a DDS thread
+      gone;  // destroyed after the lock is released, because ~Source waits for a DDS thread
   {
     const std::lock_guard lock{mutex_};
     const Instant now = os::now();
@@ -187,7 +190,7 @@ void WatchedPorts::maintain() {
     if (std::none_of(devices.begin(), devices.end(), [](const wire::ObservedDevice& d) { return d.alive; }))
       continue;
     const auto flow = client::tapped(*client_.asker, port);
-    if (!flow) continue;  // the device is lost or not yet back, as its state on the page shows
+    if (!flow) continue;  // the device is lost or still starting; the page shows its state
     const std::lock_guard lock{mutex_};
     const auto source = sources_.find(port);
     if (source == sources_.end()) continue;
@@ -203,7 +206,8 @@ void WatchedPorts::maintain() {
   for (const std::string& port : changed) resend(port);
 }
 
-// Sends the new description of a port to all streams that show the port. All of its values follow.
+// Sends the new description of a port to all streams that show the port. send() then sends all of the port's
+// values.
 void WatchedPorts::resend(const std::string& port) {
   const auto now = source(port);
   if (!now) return;

@@ -1,4 +1,4 @@
-// Collects the values of the ports that pages plot, over the last minutes.
+// Collects the values of the last few minutes of each port that a web page plots.
 #pragma once
 
 #include <chrono>
@@ -17,25 +17,27 @@
 
 namespace takt::tool::web {
 
-/// Any thread may call its functions. The values of a port are collected while a page shows the port, and for
-/// kUnused longer, in case the page returns.
+/// Collects the values of a port while a page shows it, and for kUnused longer, in case the page shows it
+/// again. Any thread may call the functions.
 class WatchedPorts {
  public:
-  static constexpr std::size_t kMost = 8;                 ///< ports of one stream
-  static constexpr std::size_t kMostFields = 32;          ///< fields of a port that are kept
-  static constexpr std::chrono::minutes kKept{5};         ///< how long values are kept
-  static constexpr std::chrono::milliseconds kApart{20};  ///< minimum distance of values; others are dropped
+  static constexpr std::size_t kMost = 8;          ///< limit of the ports of one stream
+  static constexpr std::size_t kMostFields = 32;   ///< limit of the plotted fields of one port
+  static constexpr std::chrono::minutes kKept{5};  ///< how long a value is kept
+  static constexpr std::chrono::milliseconds kApart{
+      20};  ///< samples that follow the last kept one sooner are dropped
   static constexpr std::chrono::seconds kUnused{60};
 
   WatchedPorts(client::Connection& client, Streams& streams);
   ~WatchedPorts();
 
-  /// Replaces the ports whose values the stream gets. Asks their devices, which may take a few seconds. A
-  /// problem names its port in `where`; the other ports are not affected.
+  /// Replaces the list of ports whose values a stream gets. Asks the ports' devices, which may take a few
+  /// seconds. Each problem names a port in `where`; that port is left out.
   Problems want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports);
-  /// Sends the values that have arrived since the last call.
+  /// Sends to each stream the values of its ports that arrived since the last call.
   void send();
-  /// Asks devices to continue publishing, and drops ports that no page shows. May take a few seconds.
+  /// Asks the devices to continue publishing the ports, and drops ports that no page shows. May take a few
+  /// seconds.
   void maintain();
 
  private:
@@ -48,7 +50,7 @@ class WatchedPorts {
   Streams& streams_;
   std::mutex mutex_;
   Sources sources_;
-  /// For each stream: how many values of each port it has got.
+  /// For each stream, by its id: the number of values that it has got of each port.
   std::map<std::string, std::map<std::string, std::uint64_t>> views_;
 };
 

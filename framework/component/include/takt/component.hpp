@@ -37,7 +37,7 @@ struct Cycle {
   Nanoseconds period{};      ///< period of the module; for a sporadic module, of its executor's rows
   Instant start{};           ///< when run() was called; stamps of samples and ages refer to this time
 
-  /// The period in seconds. Real-time.
+  /// Returns the period in seconds. A real-time thread may call it.
   [[nodiscard]] double seconds() const noexcept { return std::chrono::duration<double>(period).count(); }
 };
 
@@ -66,29 +66,31 @@ class Component {
   Component& operator=(const Component&) = delete;
   virtual ~Component() = default;
 
-  /// Called when the properties are set. Not real-time: may allocate, open files, connect. If it fails, the
-  /// device does not start, and the reason is reported:
+  /// Called when the properties have their values. The calling thread is not real-time, so initialize() may
+  /// allocate, open files and connect. If it fails, the device does not start, and Takt reports the reason:
   /// `return takt::fail("the sensor does not answer", "switch it on");`
   virtual Result<void> initialize() { return {}; }
   /// Called between initialize() and start() if a former instance saved a value of another version or size.
   /// Put what is still valid into the Saved of this instance. If it fails, the value is not restored, the
   /// reason is reported, and the module starts all the same. A value of the same version and size is restored
   /// without this call. During a swap, restore() is called again, also after start(), until the new instance
-  /// has the newest value; a failure then ends the swap. Not real-time. The default implementation fails.
+  /// has the newest value; a failure then ends the swap. The calling thread is not real-time. The default
+  /// implementation fails.
   virtual Result<void> restore(const SavedBefore& before);
-  /// Called when every module of the device is initialised. It may fail. Not real-time.
+  /// Called when every module of the device is initialised. It may fail. The calling thread is not real-time.
   virtual Result<void> start() { return {}; }
-  /// Called every period, or when condition() is true. Real-time: run() must not lock, allocate, make a
-  /// system call or log. It reports failures with fail().
+  /// Called every period, or when condition() is true. The calling thread is real-time, so run() must not
+  /// lock, allocate, make a system call or log. It reports failures with fail().
   virtual void run(const Cycle& cycle) = 0;
   /// For a sporadic module: whether run() must be called. By default, it is true while an event port has an
-  /// unread event. Real-time, with the same rules as run().
+  /// unread event. The calling thread is real-time, so the rules of run() apply.
   virtual bool condition();
-  /// Called after an error took the module out of its table. Not real-time.
+  /// Called after an error took the module out of its table. The calling thread is not real-time.
   virtual void error(ErrorType /*type*/) {}
-  /// Makes the module fit to run again, or fails with the reason. Not real-time.
+  /// Called after error(). Prepares the module to run again, or fails with the reason. The calling thread is
+  /// not real-time.
   virtual Result<void> recover() { return {}; }
-  /// The last call. Not real-time.
+  /// Called last, before the object is destroyed. The calling thread is not real-time.
   virtual void destruct() {}
 
   /// The properties, in the order of declaration.
@@ -101,12 +103,13 @@ class Component {
   [[nodiscard]] const std::vector<SavedBase*>& saved() const noexcept { return saved_; }
 
  protected:
-  /// The period of this module, for every hook; initialize() can check properties against it. 0 if the module
-  /// has no period. In run() and condition() of a sporadic module it is the period of the executor's rows.
-  /// Real-time.
+  /// Returns the period of this module, or 0 if it has none. Every hook may call it; initialize() can check
+  /// properties against the period. In run() and condition() of a sporadic module, it returns the period of
+  /// the executor's rows. A real-time thread may call it.
   static Nanoseconds period() noexcept;
   /// Reports a failure from run() or condition(). The module is taken out of its table after the call, with
-  /// this text as the reason (255 bytes are kept). fail() returns, so the hook must end itself. Real-time.
+  /// this text as the reason (255 bytes are kept). fail() returns, so the hook must end itself. A real-time
+  /// thread may call it.
   static void fail(const char* text) noexcept;
 
  private:

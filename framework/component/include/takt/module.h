@@ -48,19 +48,21 @@ extern "C" {
 #endif
 
 /** Reports that the calling hook failed, with a reason (at most 255 bytes are kept). takt_fail() returns, so
- * the hook must end itself. Any hook may call it. Real-time: no lock, no allocation. The function is in
- * libtakt_component, which the host has loaded. */
+ * the hook must end itself. Any hook may call it. It takes no lock and allocates nothing, so a real-time
+ * thread may call it. The function is in libtakt_component, which the host has loaded. */
 void takt_fail(const char* text);
 
 /** The number of the release that run() serves, on the module's grid. It counts from 0, with gaps for missed
- * releases. Returns 0 outside of run(). Only the thread that runs the hook may call it. Real-time. */
+ * releases. Returns 0 outside of run(). Only the thread that runs the hook may call it. A real-time thread
+ * may call it. */
 uint64_t takt_cycle(void);
 /** The instant at which the release that run() serves was due: P_n of the paper's Eq. (1), in ns of
- * CLOCK_MONOTONIC. Returns 0 outside of run(). Only the thread that runs the hook may call it. Real-time. */
+ * CLOCK_MONOTONIC. Returns 0 outside of run(). Only the thread that runs the hook may call it. A real-time
+ * thread may call it. */
 int64_t takt_release_ns(void);
 /** The period of the module in ns, in every hook; 0 if the module has no period. In run() and condition() of
  * a sporadic module it is the period of the executor's rows. Only the thread that runs the hook may call it.
- * Real-time. */
+ * A real-time thread may call it. */
 int64_t takt_period_ns(void);
 
 #ifdef __cplusplus

@@ -70,25 +70,26 @@ int64_t takt_port_age_ns(const takt_port* port);
 /** Takes the next sample and returns 1: the newest if the connection holds the latest value, the oldest if it
  * is a queue. Returns 0 if no sample has arrived. In both cases it copies the sample that was read last to
  * *value; before the first sample, *value becomes all zero. A safe value arrives like a sample: once, when it
- * replaces the last sample. Real-time. */
+ * replaces the last sample. A real-time thread may call it. */
 #define takt_read(port, value) takt_port_read(&(port)->base, TAKT_VALUE_OF(port, value))
 /** Sends *value to all connected readers and returns 1, even if there are none. Returns 0 if the value does
  * not fit its type: a length exceeds its bound, or an enumerator is invalid. The stamp of the sample is the
- * start of the current run(). Real-time. */
+ * start of the current run(). A real-time thread may call it. */
 #define takt_write(port, value) takt_port_write(&(port)->base, TAKT_VALUE_OF(port, value))
-/** Returns 1 if takt_read() would find a sample. Real-time. */
+/** Returns 1 if takt_read() would find a sample. A real-time thread may call it. */
 #define takt_has_news(port) takt_port_has_news(&(port)->base)
-/** Returns 1 if the last takt_read() found a sample. Real-time. */
+/** Returns 1 if the last takt_read() found a sample. A real-time thread may call it. */
 #define takt_is_new(port) takt_port_is_new(&(port)->base)
-/** Returns 1 if the value of the last takt_read() is the safe value of the connected output. Real-time. */
+/** Returns 1 if the value of the last takt_read() is the safe value of the connected output. A real-time
+ * thread may call it. */
 #define takt_is_safe(port) takt_port_is_safe(&(port)->base)
-/** Returns 1 if another port is connected. Real-time. */
+/** Returns 1 if another port is connected. A real-time thread may call it. */
 #define takt_connected(port) takt_port_connected(&(port)->base)
 /** The number of the sample that was read last. Its writer counts from 1. 0 before the first sample.
- * Real-time. */
+ * A real-time thread may call it. */
 #define takt_sequence(port) takt_port_sequence(&(port)->base)
 /** The age of the sample that was read last in ns: from the start of the run() that wrote it to the start of
- * this run(). INT64_MAX before the first sample. Real-time. */
+ * this run(). INT64_MAX before the first sample. A real-time thread may call it. */
 #define takt_age_ns(port) takt_port_age_ns(&(port)->base)
 
 /* Makes the compiler reject a pointer to a type other than the port's. */

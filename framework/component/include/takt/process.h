@@ -52,14 +52,14 @@ extern "C" {
 #endif
 
 /** Connects a periodic program to the node that started it; the module is then in INITIALIZE. Call it once,
- * from the thread that will call waitPeriod(). Not real-time. If takt-node did not start the program, or the
- * descriptor does not say periodic, the function prints the reason on standard error and ends the program
- * with status 1. */
+ * from the thread that will call waitPeriod(). Real-time threads must not call it. If takt-node did not start
+ * the program, or the descriptor does not say periodic, the function prints the reason on standard error and
+ * ends the program with status 1. */
 void initPeriodExe(void);
 /** Connects a sporadic program to the node that started it; the module is then in INITIALIZE. Call it once,
- * from the thread that will call waitSporadic(). Not real-time. If takt-node did not start the program, or
- * the descriptor does not say sporadic, the function prints the reason on standard error and ends the program
- * with status 1. */
+ * from the thread that will call waitSporadic(). Real-time threads must not call it. If takt-node did not
+ * start the program, or the descriptor does not say sporadic, the function prints the reason on standard
+ * error and ends the program with status 1. */
 void initSporadicExe(void);
 
 /** Reports that the body is done, and waits for the next release. The first call reports that the module is
@@ -73,11 +73,13 @@ void waitPeriod(void);
 void waitSporadic(void);
 
 /** The number of the release that the body serves, on the module's grid. It counts from 0, with gaps for
- * missed releases. Real-time. */
+ * missed releases. A real-time thread may call it. */
 uint64_t takt_cycle(void);
-/** The instant at which the release that the body serves was due, in ns of CLOCK_MONOTONIC. Real-time. */
+/** The instant at which the release that the body serves was due, in ns of CLOCK_MONOTONIC. A real-time
+ * thread may call it. */
 int64_t takt_release_ns(void);
-/** The period of the module in ns; for a sporadic module, the period of its executor's rows. Real-time. */
+/** The period of the module in ns; for a sporadic module, the period of its executor's rows. A real-time
+ * thread may call it. */
 int64_t takt_period_ns(void);
 
 #ifdef __cplusplus

@@ -19,10 +19,10 @@ typedef struct takt_type {
   uint32_t max_size;       /**< most bytes of a sample as CDR: with encapsulation, a multiple of 4 */
   uint32_t value_size;     /**< bytes of the struct in memory */
   /** Writes the value as CDR and returns the bytes written. 0 if `size` is too small for the sample, or if a
-   * field exceeds its bound. Real-time. */
+   * field exceeds its bound. A real-time thread may call it. */
   uint32_t (*encode)(const void* value, unsigned char* to, uint32_t size);
   /** Reads a sample. 0 if the bytes are not a valid sample; the content of `value` is then unspecified.
-   * Real-time. */
+   * A real-time thread may call it. */
   int (*decode)(const unsigned char* from, uint32_t size, void* value);
 } takt_type;
 

@@ -1,5 +1,5 @@
-// Wraps a generated type of Fast DDS, so that forged bytes cannot end the process or mix up keys. Not for
-// other rooms.
+// Wraps a generated type of Fast DDS, so that forged bytes cannot crash the process or mix up keys. For the
+// source files of this room only.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace takt::dds {
 
-/// Counts the samples that a type could not decode, for all its readers in this process.
+/// Counts the samples of one type that could not be decoded, for all readers of this type in this process.
 struct Undecoded {
   std::atomic<std::uint64_t> count{0};
 };
@@ -21,19 +21,19 @@ struct Undecoded {
 template <class Generated>
 class CheckedType final : public Generated, public Undecoded {
  public:
-  // Catches the decoder's exceptions. The generated function lets most of them escape into a thread of Fast
-  // DDS.
+  // Catches the exceptions of the generated decoder. Most of them would otherwise end the process, because
+  // Fast DDS does not catch them.
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
     try {
       if (Generated::deserialize(payload, data)) return true;
-    } catch (...) {  // the bytes are not a valid sample
+    } catch (...) {  // the bytes are not a valid sample; counted below
     }
     count.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
 
-  // Locks and clears the key buffer. The generated function uses one buffer for all keys, and does not clear
-  // it.
+  // Locks and clears the buffer for keys. The generated function uses one buffer for all threads and keys,
+  // and does not clear it.
   bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5 = false) override {
     if (!this->m_isGetKeyDefined) return false;
     const std::lock_guard lock{mutex_};
@@ -46,8 +46,8 @@ class CheckedType final : public Generated, public Undecoded {
   std::mutex mutex_;
 };
 
-/// The counter of the type that this process registered for a topic. An earlier user of the topic may have
-/// registered the type.
+/// Returns the counter of the type that this process has registered for a topic. Another user of the topic
+/// may have registered it before.
 inline Undecoded& undecoded(fast::DomainParticipant& participant, const fast::Topic& topic) {
   return *dynamic_cast<Undecoded*>(participant.find_type(topic.get_type_name()).get());
 }

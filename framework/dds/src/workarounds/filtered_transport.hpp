@@ -1,6 +1,6 @@
 // A UDP transport that drops packets that are not valid RTPS messages. With DDS Security, it also drops
-// packets that are not encrypted. No packet is handled while a reader is created or deleted. Not for other
-// rooms.
+// packets that are not encrypted, and announcements of too many unauthenticated participants. While a reader
+// is created or deleted, the transport handles no packet. For the source files of this room only.
 #pragma once
 
 #include <atomic>
@@ -17,18 +17,18 @@
 
 namespace takt::dds {
 
-/// The state of the filter, shared by all transports of a process.
+/// The state of the packet filter, which all transports of a process share.
 struct PacketFilter {
   PacketFilter(wire::Notices& reports, bool with_security) : notices(reports), secured(with_security) {}
   wire::Notices& notices;
   const bool secured;
-  wire::UnauthenticatedParticipants unauthenticated;  // used only with security
+  wire::UnauthenticatedParticipants unauthenticated;  // used only with DDS Security
   std::atomic<std::uint64_t> refused{0};
   ReceiveLock receive_lock;
 };
 
-/// Makes a transport of Fast DDS that checks each packet with wire::readable_rtps(), and with security also
-/// with wire::is_protected_rtps().
+/// Creates a transport for Fast DDS that checks each packet with wire::readable_rtps(), and with DDS Security
+/// also with wire::is_protected_rtps().
 class FilteredTransportDescriptor final : public eprosima::fastdds::rtps::ChainingTransportDescriptor {
  public:
   FilteredTransportDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below,

@@ -1,7 +1,7 @@
 // A lock that prevents the handling of packets while a reader is created or deleted. In Fast DDS 2.9.1 the
-// thread that handles a liveliness message walks the list of all readers without a lock (Fast DDS issue
-// 2110). If the list grows at that moment, its memory moves and the thread reads freed memory. Not for other
-// rooms.
+// thread that handles a liveliness message iterates over the list of all readers without a lock (Fast DDS
+// issue 2110). If the list is reallocated at that moment, the thread reads freed memory. For the source files
+// of this room only.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,8 @@ namespace takt::dds {
 
 class ReceiveLock {
  public:
-  /// Handles a packet by `call`. For the receiving threads.
+  /// Runs `call`, which handles a packet, unless a Pause holds; waits for the end of the Pause. The receive
+  /// threads call this for each packet.
   template <class Call>
   void handle(Call&& call) {
     const std::shared_lock lock{mutex_};
@@ -22,9 +23,10 @@ class ReceiveLock {
     handles_ = false;
   }
 
-  /// While this object exists and holds() is true, no packet is handled. The constructor waits for the
-  /// packets in progress, but at most kLongest, because their handlers may wait for the caller. In a thread
-  /// that handles a packet, it does not wait.
+  /// While this object exists and holds() is true, no packet is handled. The constructor waits until the
+  /// handling of current packets has ended. It waits at most kLongest, because a handler may wait for the
+  /// calling thread. If the calling thread itself is handling a packet, the constructor does not wait, and
+  /// holds() is false.
   class Pause {
    public:
     explicit Pause(ReceiveLock& of) : lock_(of.mutex_, std::defer_lock) {

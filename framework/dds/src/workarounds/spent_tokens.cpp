@@ -41,8 +41,8 @@ void drop_spent_tokens() noexcept { drops = true; }
 
 namespace eprosima::fastrtps::rtps {
 
-// Replaces the function of Fast DDS, and only adds the listener. Fast DDS sets no listener for the writer of
-// tokens, and gives no access to that writer.
+// Replaces a function of Fast DDS with a copy that also sets the listener `spent`. Fast DDS sets no listener
+// for the writer of tokens, and gives no access to this writer.
 bool WriterHistory::add_change(CacheChange_t* change) {
   const EntityId_t tokens{ENTITYID_P2P_BUILTIN_PARTICIPANT_VOLATILE_MESSAGE_SECURE_WRITER};
   if (drops && change->writerGUID.entityId == tokens && mp_writer != nullptr) {

@@ -92,7 +92,8 @@ struct Options {
 
 /// How an input is connected.
 struct Connection {
-  std::uint32_t queue = 0;      ///< most samples that it holds; 0: the latest value, or 64 for an event port
+  std::uint32_t queue =
+      0;  ///< number of samples that the queue holds; 0: the latest value, or for an event port a queue of 64
   Nanoseconds deadline{};       ///< a value older than this is late; 0: no deadline. Only for thread modules
   bool stale_is_error = false;  ///< a late value takes the module to RECOVER
 };
@@ -142,9 +143,9 @@ class In final : public Wire {
   /// Sends a sample, which has this `age` at the next release. Throws Error if the value does not fit its
   /// type: a string or sequence exceeds its bound, or an enumerator is invalid.
   void write(const T& value, Nanoseconds age = Nanoseconds{0});
-  /// Gives the output at the other end a safe value. The module gets the safe value until the first write(),
-  /// after lose(), and when the last sample is older than the connection's deadline. Throws Error like
-  /// write(), and also for a queue, which has no safe value.
+  /// Sets the safe value of the simulated output that feeds this input. The module gets the safe value until
+  /// the first write(), after lose(), and when the last sample is older than the connection's deadline.
+  /// Throws Error like write(), and also for a queue, which has no safe value.
   void safe(const T& value);
   /// Simulates that the writing module stops or its device is lost, until the next write().
   void lose() { link().withhold(); }
@@ -369,7 +370,7 @@ class Module {
   [[nodiscard]] std::uint64_t missed() const;
   /// The last error; of type none if there was none.
   [[nodiscard]] const Failure& last_error() const;
-  /// Fails with the text of the last error while the module is in RECOVER.
+  /// Fails while the module is in RECOVER, with the text of the last error.
   [[nodiscard]] Answer healthy() const;
 
  private:

@@ -1,5 +1,5 @@
-// A global variable and a function, both with names that the C library does not have. home() uses the C
-// library, so that the object depends on it.
+// An object with a global variable and a function whose names do not exist in the C library. home() calls the
+// C library, so that the object depends on it.
 #include <cstdlib>
 
 int counter = 0;

@@ -1,4 +1,4 @@
-// A non-real-time program for `takt bench`: computes for a tenth of the time.
+// A non-real-time program for `takt bench`, which uses a tenth of a CPU's time.
 #include <chrono>
 #include <thread>
 

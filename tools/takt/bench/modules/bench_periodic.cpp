@@ -6,7 +6,10 @@
 
 class BenchPeriodic : public takt::Component {
   takt::Property<std::string> file{
-      *this, "file", "", {.text = "The file for the jitter, written at the end; empty: none."}};
+      *this,
+      "file",
+      "",
+      {.text = "The file to which the module writes its jitter at the end; if empty, it writes none."}};
   takt::Property<std::int64_t> releases{
       *this,
       "releases",

@@ -1,5 +1,5 @@
-// A sporadic thread module for `takt bench cell`: records the age of each sample, which was written on the
-// same machine.
+// A sporadic thread module for `takt bench cell`: records the age of each sample. The writer is on the same
+// machine, so it has the same clock.
 #include <chrono>
 
 #include <takt/component.hpp>
@@ -9,9 +9,12 @@
 #include "recording.hpp"
 
 class BenchReceiver : public takt::Component {
-  takt::EventPort<bench::Sample64> in{*this, "in", {.text = "Times of bench_sender.so."}};
+  takt::EventPort<bench::Sample64> in{*this, "in", {.text = "The times that bench_sender.so wrote."}};
   takt::Property<std::string> file{
-      *this, "file", "", {.text = "The file for the ages, written at the end; empty: none."}};
+      *this,
+      "file",
+      "",
+      {.text = "The file to which the module writes the ages at the end; if empty, it writes none."}};
   takt::Property<std::int64_t> samples{
       *this,
       "samples",

@@ -6,7 +6,7 @@
 #include <bench.hpp>
 
 class BenchSender : public takt::Component {
-  takt::OutPort<bench::Sample64> out{*this, "out", {.text = "The time at which it was written."}};
+  takt::OutPort<bench::Sample64> out{*this, "out", {.text = "The time at which the sample was written."}};
 
   bench::Sample64 sample_;
 

@@ -1,10 +1,11 @@
-// A sporadic thread module for `takt bench`: its condition holds every `every` rows.
+// A sporadic thread module for `takt bench`. Its condition is true once every `every` rows.
 #include <takt/component.hpp>
 
 #include "filter_step.hpp"
 
 class BenchSporadic : public takt::Component {
-  takt::Property<std::int64_t> every{*this, "every", 10, {.min = 1, .text = "Rows between two events."}};
+  takt::Property<std::int64_t> every{
+      *this, "every", 10, {.min = 1, .text = "The number of rows from one event to the next."}};
 
   std::int64_t rows_ = 0;
   takt::bench::Work work_;

@@ -1,5 +1,5 @@
-// A sporadic process module for `takt bench`, in the form of the paper's Figure 11: it is released in each
-// row, and its condition holds every tenth time.
+// A sporadic process module for `takt bench`, written like the paper's Figure 11. It is released in each row,
+// and its condition is true every tenth time.
 #include <takt/process.h>
 
 #include "filter_step.hpp"

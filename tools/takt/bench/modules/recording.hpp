@@ -1,6 +1,6 @@
-// The recording of a bench module: one entry per release, in memory that is allocated before the first
-// release and written to a file at the end. So a recorded release costs one store on the real-time path, and
-// a release that is not recorded costs nothing.
+// The recording of a module in a benchmark, with one entry per release. Its memory is allocated before the
+// first release and written to a file at the end. So a recorded release costs one store in real-time code,
+// and a release that is not recorded costs nothing.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,29 @@
 
 namespace takt::bench {
 
-/// One release that was served. The file has the memory layout, because it is read on the same machine.
+/// The entry of one release that was served. A file has the same layout as the memory, because it is read on
+/// the same machine.
 struct Served {
-  std::int64_t number = 0;  ///< its place in the module's grid; a missed release leaves a gap
-  std::int64_t value = 0;   ///< ns; the recording module defines the meaning
+  std::int64_t number = 0;  ///< the number of the release in the module's grid; missed releases leave gaps
+  std::int64_t value = 0;   ///< a time in ns; the module that records it defines its meaning
 };
 
 class Recording {
  public:
-  /// Allocates and touches the memory. Only the first `most` entries are kept.
+  /// Allocates the memory for `most` entries and writes to it once. Further entries are dropped.
   void reserve(std::size_t most) { entries_.resize(most); }
-  /// Real-time.
+  /// Adds an entry. Real-time code may call this function.
   void note(std::int64_t number, std::int64_t value) noexcept {
     if (count_ < entries_.size()) entries_[count_++] = {number, value};
   }
-  /// False if the file cannot be written.
+  /// Writes all entries to a file. Returns false if the file cannot be written.
   [[nodiscard]] bool write(const std::string& path) const {
     std::FILE* const file = std::fopen(path.c_str(), "wb");
     if (file == nullptr) return false;
     const bool whole = std::fwrite(entries_.data(), sizeof(Served), count_, file) == count_;
     return std::fclose(file) == 0 && whole;
   }
-  /// The entries of a file; empty if it does not exist.
+  /// Reads the entries of a file. Returns no entries if the file does not exist.
   static std::vector<Served> read(const std::string& path) {
     std::vector<Served> entries;
     std::FILE* const file = std::fopen(path.c_str(), "rb");

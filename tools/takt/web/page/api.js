@@ -1,10 +1,11 @@
-// Requests to the gateway, and the token that commands need.
+// Sends requests to the gateway of `takt web`, with the token that commands need.
 
 const kKept = "takt-token";
-// The page waits longer than the gateway waits for a device, which may be long because a component may take long to stop.
+// How long the page waits for an answer: longer than the gateway waits for a device. A device may take long, because a component may be
+// slow to stop.
 const kLimits_s = { GET: 20, POST: 40, PUT: 40 };
 
-/// A failed request. It says what is wrong and what to do.
+/// The error of a failed request: what is wrong, and how to fix it.
 export class Problem extends Error {
   constructor(what, fix = "", status = 0) {
     super(what);
@@ -18,8 +19,8 @@ export class Problem extends Error {
   }
 }
 
-/// Moves the token from the address to the storage of the tab, so that it does not appear on the screen, in links or in the history.
-/// Returns whether the address had a token.
+/// Moves the token from the page's address to the storage of the browser tab, so that the token does not appear on the screen, in links or
+/// in the history. Returns whether the address had a token.
 export function keepToken() {
   const match = location.hash.match(/^#token=([^&]+)/);
   if (!match) return false;
@@ -53,11 +54,11 @@ async function ask(address, options) {
   try {
     response = await fetch(address, { ...options, headers, cache: "no-store", signal: AbortSignal.timeout(limit_s * 1000) });
   } catch (error) {
-    if (error.name !== "TimeoutError") throw new Problem("the gateway does not answer", "check that takt web still runs");
-    const done = options.method === "GET" ? "" : "; it may or may not have been done";
+    if (error.name !== "TimeoutError") throw new Problem("takt web does not answer", "check that takt web is still running");
+    const done = options.method === "GET" ? "" : "; the device may still have carried out the request";
     throw new Problem(`no answer within ${limit_s} s${done}`);
   }
   const answer = await response.json().catch(() => ({}));
-  if (!response.ok) throw new Problem(answer.what ?? `the gateway answered ${response.status}`, answer.fix, response.status);
+  if (!response.ok) throw new Problem(answer.what ?? `takt web answered with status ${response.status}`, answer.fix, response.status);
   return answer;
 }

@@ -1,13 +1,13 @@
-// A canvas with the resolution of the screen and the size of its place on the page. It is redrawn when either changes.
+// A canvas that has the resolution of the screen and fills its space on the page. When either changes, the canvas redraws itself.
 
 import { element } from "./dom.js";
 
 export class Canvas {
-  // The observer sets this size, because reading the size of the element would force a layout each time.
+  // The size, set by a ResizeObserver: reading it from the element would force a layout each time.
   #width = 0;
   #height = 0;
 
-  /// `draw(context, width, height)`, in CSS pixels.
+  /// The canvas calls `draw(context, width, height)` to redraw itself. Sizes are in CSS pixels.
   constructor(draw, attributes = {}) {
     this.draw = draw;
     this.element = element("canvas", attributes);

@@ -1,4 +1,4 @@
-// Lists the connections with their health, worst first.
+// The view that lists the connections with their health, the worst first.
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { ageOf, lookOfConnection } from "./looks.js";
@@ -47,7 +47,7 @@ export class Connections {
     const head = (text) => element("th", { scope: "col", text });
     this.element = element("div", { class: "scrolled" }, element("div", { class: "tools" }, this.filter, this.shown),
       element("table", { class: "list connections" }, element("caption", { class: "unseen", text: "connections of the cell" }),
-        element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age of deadline"), head("lost"),
+        element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age, as a share of the deadline"), head("lost"),
           head("dropped"), head("late"))), this.body));
     arrows(this.body, "tr");
   }

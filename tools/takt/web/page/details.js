@@ -1,4 +1,4 @@
-// All data of the selected module or device, beside the view or, on a narrow screen, instead of it.
+// Shows all data of the selected module or device. On a wide screen it is beside the view, on a narrow screen it replaces the view.
 
 import { element } from "./dom.js";
 import { DeviceDetails } from "./device_details.js";
@@ -19,7 +19,7 @@ export class Details {
     place.append(element("div", { class: "heading" }, this.title, close), this.body);
   }
 
-  /// "device.module", "device", or null.
+  /// Shows the details of `name`: "device.module" or "device". null closes the details.
   show(name) {
     this.place.hidden = name === null;
     if (name === this.name) return;
@@ -32,7 +32,7 @@ export class Details {
     this.body.replaceChildren(this.#shown.element);
     this.#shown.show(name);
     this.place.scrollTop = 0;
-    // If the user opened the details by a key, the focus moves to the title. If the page was opened with this address, the focus stays.
+    // If the user opened the details with a key, move the focus to their title. If the page was loaded with this address, leave the focus.
     if (first && document.activeElement !== document.body) this.title.focus({ preventScroll: true });
   }
 

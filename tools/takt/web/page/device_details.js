@@ -1,4 +1,4 @@
-// The details of a device: its state and health, commands to all of its modules, and its executors.
+// Shows the details of a device: its state and health, commands to all of its modules, and its executors.
 
 import { element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
@@ -11,7 +11,7 @@ import { count, exact, number } from "./words.js";
 export class DeviceDetails {
   #store;
   #name = null;
-  #modules = new Map();  // marks by name
+  #modules = new Map();  // the Mark of each module, by name
   #executors = new Map();
 
   constructor(store) {
@@ -22,7 +22,7 @@ export class DeviceDetails {
     this.commands = new Commands(store);
     this.executors = element("div");
     this.modules = element("ul", { class: "plain" });
-    this.table = element("a", { text: "table of one macro period" });
+    this.table = element("a", { text: "table and timing of the last macro period" });
     this.faults = new LastFaults(store);
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
     this.element = element("div", {}, this.mark.element, this.why, this.commands.element, part("Modules", this.modules), this.faults.element,
@@ -54,7 +54,7 @@ export class DeviceDetails {
     this.mark.show(lookOfDevice(device));
     setText(this.why, device?.text ?? "");
     this.facts.show([
-      ["machine", device?.machine], ["real time", device ? (device.real_time ? "yes" : "no: the system denies it") : ""],
+      ["machine", device?.machine], ["real time", device ? (device.real_time ? "yes" : "no: the system denies real-time scheduling") : ""],
       ["takt-node", device ? `process ${device.process_id}` : ""],
       ["takt-host", device?.host_process_id ? `process ${device.host_process_id}` : device ? "none" : ""],
       ["host restarts", count(device?.host_restarts)],
@@ -65,7 +65,7 @@ export class DeviceDetails {
     this.#showExecutors();
   }
 
-  /// Updates the list of modules. Keeps the existing elements, so that the focus is not lost.
+  /// Updates the list of modules. Reuses the existing elements, so that a focused element keeps the focus.
   #showModules() {
     const modules = this.#store.modulesOf(this.#name);
     const names = modules.map((module) => module.name);
@@ -94,7 +94,7 @@ export class DeviceDetails {
       shown.facts.show([
         ["period", about.basic_period_ns ? `${exact(about.basic_period_ns)}; macro period ${exact(about.macro_period_ns)}` : ""],
         ["cycles", count(measures?.cycles)], ["missed", count(measures?.missed)], ["late", count(measures?.late)],
-        ["margin before a release", measures ? `${number(measures.margin_us)} us` : ""],
+        ["wakes up before a release", measures ? `${number(measures.margin_us)} us` : ""],
       ]);
     }
   }

@@ -1,8 +1,9 @@
-// Creates elements of the page. Data of the cell is inserted only as text, never as markup.
+// Creates elements of the page. Data from the cell becomes text, never HTML markup.
 
 const kSvg = "http://www.w3.org/2000/svg";
 
-/// `attributes`: text, on: {event: function}, dataset: {}, and attributes by name; an attribute that is false or null is left out.
+/// Creates an HTML element. `attributes` may have the members text, on: {event: function} and dataset: {}. Every other member is an
+/// attribute of that name; if its value is false or null, it is left out.
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   fill(made, attributes, children);
@@ -26,12 +27,12 @@ function fill(made, attributes, children) {
   made.append(...children.filter((child) => child !== null && child !== undefined));
 }
 
-/// A symbol of index.html. There is always a word beside the symbol, so the symbol is hidden from screen readers.
+/// Creates a symbol, which index.html defines. Screen readers skip it, because a word always stands beside it.
 export function sign(name) {
   return drawn("svg", { class: "sign", "aria-hidden": "true" }, drawn("use", { href: `#sign-${name}` }));
 }
 
-/// Writes the text only if it has changed, because every write costs a layout.
+/// Sets the text of an element only if the text has changed, because every write causes a layout.
 export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
@@ -44,7 +45,7 @@ export function setAttribute(node, name, value) {
   }
 }
 
-/// A sign and a word in the colour of a look; show() changes them.
+/// A sign and a word in the colour of a look (see looks.js). show() changes all three.
 export class Mark {
   constructor(name = "span") {
     this.use = drawn("use");
@@ -60,7 +61,7 @@ export class Mark {
   }
 }
 
-/// A bar for a share, with words beside it. A share above 1 fills the bar and is marked.
+/// A bar that shows a share, with words beside it. A share above 1 fills the bar and marks it.
 export class Bar {
   constructor() {
     this.filled = element("span", { class: "filled" });
@@ -69,7 +70,7 @@ export class Bar {
       element("span", { class: "track", "aria-hidden": "true" }, this.filled), this.words);
   }
 
-  /// `share` null: no bar, because there is nothing to compare with.
+  /// Shows the share and the words. If `share` is null, only the words are shown.
   show(share, words) {
     setAttribute(this.element, "data-look", share === null ? "none" : share > 1 ? "bad" : share > 0.8 ? "poor" : "good");
     const width = `${Math.round(Math.min(share ?? 0, 1) * 100)}%`;
@@ -78,7 +79,8 @@ export class Bar {
   }
 }
 
-/// Lets arrows, Home and End move the focus among the elements of `selector` in `root`. Tab stops at only one of them.
+/// Lets the arrow keys, Home and End move the focus among the elements in `root` that match `selector`. The Tab key stops at only one of
+/// them.
 export function arrows(root, selector, { across = false, chosen = () => {} } = {}) {
   const back = across ? "ArrowLeft" : "ArrowUp";
   const on = across ? "ArrowRight" : "ArrowDown";

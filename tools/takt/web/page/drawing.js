@@ -1,5 +1,5 @@
-// Converts the drawing of the cell to elements of this page. The drawing contains names that others chose, so only drawing elements and
-// harmless attributes are copied: no scripts, styles, links or references.
+// Converts the drawing of the cell to elements of this page. The drawing contains names from the descriptor, which are not trusted. So only
+// drawing elements and harmless attributes are copied: no scripts, styles, links or references.
 
 import { drawn } from "./dom.js";
 
@@ -9,9 +9,10 @@ const kAttributes = new Set([
   "data-module", "data-device", "data-connection",
 ]);
 
-/// Null if the text is not an SVG drawing.
+/// Returns the drawing as an element, or null if the text is not an SVG drawing.
 export function drawingOf(text) {
-  // Remove the styles before parsing: the policy of the page forbids them, and the browser would report that. drawing.css replaces them.
+  // Remove the styles before parsing, because the page's Content-Security-Policy forbids them and the browser would report each one.
+  // drawing.css has the styles instead.
   const plain = text.replace(/<style>[^<]*<\/style>/, "");
   const parsed = new DOMParser().parseFromString(plain, "image/svg+xml").documentElement;
   return parsed.localName === "svg" ? copied(parsed) : null;

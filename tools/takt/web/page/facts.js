@@ -1,4 +1,4 @@
-// Lists of facts. A line is written to the page only if it has changed.
+// Lists of labels with values. Only the lines that have changed are written to the page.
 
 import { element, setText } from "./dom.js";
 
@@ -9,7 +9,7 @@ export class Facts {
     this.element = element("dl", { class: "facts" });
   }
 
-  /// Pairs of a label and a text; an empty text hides the line.
+  /// Shows pairs of a label and a text, one per line. A line with an empty text is hidden.
   show(pairs) {
     for (const [what, text] of pairs) {
       let line = this.#values.get(what);
@@ -24,7 +24,7 @@ export class Facts {
   }
 }
 
-/// A table of measurements with a line for each pair: a label, and {mean, p50, p99, p999, max} in microseconds.
+/// A table of measurements. Each line has a label and the values {mean, p50, p99, p999, max}, in microseconds.
 export class Distributions {
   constructor() {
     this.body = element("tbody");

@@ -1,18 +1,18 @@
-// The fault record, live, newest first.
+// The view that shows the events of all fault records as they arrive, newest first.
 
 import { arrows, element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
 import { adjust, linkTo } from "./route.js";
 import { count, day, instant, several } from "./words.js";
 
-const kPage = 200;  // lines at a time
+const kPage = 200;  // lines shown at first, and added by each "Show older events"
 const kSeverities = { "": "all", warning: "warnings and errors", error: "errors" };
 
 export class Faults {
   #store;
   #shown = kPage;
-  #paused = null;  // the events at the time of the pause; null: not paused
-  #come = 0;       // the number of events at the time of the pause
+  #paused = null;  // the events when the user pressed Pause, or null
+  #come = 0;       // the number of events when the user pressed Pause
   #known = new Map();
   #day = "";  // the day on which the known lines were made
 
@@ -90,12 +90,12 @@ export class Faults {
     const all = this.#paused ?? this.#store.faults;
     const taken = all.filter((event) => this.#takes(event)).reverse();
     const today = day(Date.now());
-    if (today !== this.#day) this.#known.clear();  // lines show the date if it is not today
+    if (today !== this.#day) this.#known.clear();  // a new day: lines without a date need one now
     this.#day = today;
     const lines = new Map();
     for (const event of taken.slice(0, this.#shown)) lines.set(event, this.#known.get(event) ?? this.#line(event));
     this.#known = lines;
-    // New lines are inserted at the top. Existing lines stay in place, and keep the focus.
+    // Insert new lines at the top. Existing lines stay in the document, so that a focused line keeps the focus.
     let next = this.body.firstChild;
     const kept = new Set(lines.values());
     for (const line of lines.values()) {

@@ -1,10 +1,10 @@
-// A viewport that fits a drawing to the width. Touch, wheel, keys and buttons move and zoom the drawing.
+// A viewport for a drawing, which first fits its width. The user moves and zooms the drawing by touch, mouse wheel, keys or buttons.
 
 import { element } from "./dom.js";
 
-const kClosest = 4;      // times its own size
+const kClosest = 4;      // maximum zoom, relative to the drawing's own size
 const kStep = 1.25;
-const kAside = 60;       // pixels per arrow key
+const kAside = 60;       // pixels that an arrow key moves the drawing
 const kClick = 5;        // a pointer movement up to this many pixels is a click
 
 export class Frame {
@@ -23,7 +23,7 @@ export class Frame {
       element("button", { type: "button", text, "aria-label": label, title: label, on: { click: act } });
     this.surface = element("div", {
       class: "surface", tabindex: "0", role: "group",
-      "aria-label": "graph of the cell; arrows move it, plus and minus zoom, 0 fits it to the width",
+      "aria-label": "graph of the cell; the arrow keys move it, plus and minus zoom, 0 fits it to the width",
     });
     this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" },
       button("+", "zoom in", () => this.zoom(kStep)), button("\u2212", "zoom out", () => this.zoom(1 / kStep)),
@@ -36,7 +36,7 @@ export class Frame {
     new ResizeObserver(() => (this.#fits ? this.fit() : this.#place())).observe(this.surface);
   }
 
-  /// Whether the last press moved the drawing instead of clicking on it.
+  /// Whether the last press of the pointer dragged the drawing, so it was no click.
   get moved() {
     return this.#way > kClick;
   }
@@ -57,7 +57,7 @@ export class Frame {
     this.#place();
   }
 
-  /// Zooms about a point of the surface (default: its centre).
+  /// Zooms; the point (x, y) of the surface stays where it is. The default point is the centre.
   zoom(factor, x = this.surface.clientWidth / 2, y = this.surface.clientHeight / 2) {
     const least = Math.min(this.surface.clientWidth / this.#width, this.surface.clientHeight / this.#height, 1) * 0.9;
     const scale = Math.max(least, Math.min(this.#scale * factor, kClosest));
@@ -69,7 +69,7 @@ export class Frame {
     this.#place();
   }
 
-  /// Moves the drawing only as far as needed to make `node` visible.
+  /// Moves the drawing until `node` is visible, and no further.
   reveal(node) {
     const box = node.getBoundingClientRect();
     const here = this.surface.getBoundingClientRect();
@@ -85,7 +85,7 @@ export class Frame {
     this.#place();
   }
 
-  /// Applies position and scale, within limits that keep the drawing visible.
+  /// Limits the position, so that the drawing stays visible, and applies position and scale.
   #place() {
     if (!this.#drawing) return;
     const held = (at, size, of) => (size <= of ? Math.max(0, Math.min(at, of - size)) : Math.max(of - size, Math.min(at, 0)));

@@ -1,5 +1,5 @@
-// Draws the runs of an executor's modules over time, with a lane for each module. A mark above a run shows that it began late. Every run
-// is wide enough to be visible.
+// A Gantt chart of an executor's modules: one lane per module, with its runs over time. A mark above a run shows that the run began late.
+// Even the shortest run is drawn wide enough to be visible.
 
 import { Canvas } from "./canvas.js";
 import { element, setText } from "./dom.js";
@@ -33,7 +33,7 @@ export class Gantt {
     const button = (text, act) => element("button", { type: "button", text, on: { click: act } });
     this.element = element("div", { class: "gantt-view" }, element("div", { class: "tools" },
       button("all rows", () => this.#show(0, this.span)), button("one row", () => this.#showRow(this.#row)),
-      button("runs of the row", () => this.#showBusy(this.#row)), button("\u2039 row", () => this.#showNext(-1)),
+      button("busy part of the row", () => this.#showBusy(this.#row)), button("\u2039 row", () => this.#showNext(-1)),
       button("row \u203a", () => this.#showNext(1)), button("+", () => this.#zoom(0.5)), button("\u2212", () => this.#zoom(2))),
     this.what, this.canvas.element, this.#legend());
     this.#listen();
@@ -58,7 +58,7 @@ export class Gantt {
     for (const runs of this.runs) runs.sort((a, b) => a.begin_ns - b.begin_ns);
   }
 
-  /// Explains what is drawn.
+  /// The legend: explains the colours and marks that the chart uses.
   #legend() {
     const runs = this.runs.flat();
     const entry = (look, text, holds) => (runs.some(holds) ? element("span", {}, element("span", { class: `swatch ${look}`, "aria-hidden": "true" }), text) : null);
@@ -80,7 +80,7 @@ export class Gantt {
       act();
     });
     canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && !event.shiftKey) return;  // leave the event to the page, which scrolls
+      if (!event.ctrlKey && !event.shiftKey) return;  // without Ctrl or Shift, the wheel scrolls the page
       event.preventDefault();
       this.#zoom(Math.exp((event.deltaY || event.deltaX) / 300), this.#time(event.offsetX));
     }, { passive: false });
@@ -129,7 +129,7 @@ export class Gantt {
   }
 
   #show(from, to) {
-    const width = Math.max(1000, Math.min(to - from, this.span));  // at least a microsecond
+    const width = Math.max(1000, Math.min(to - from, this.span));  // show at least 1 us
     this.#from = Math.max(0, Math.min(from, this.span - width));
     this.#to = this.#from + width;
     this.#say(null);
@@ -150,7 +150,7 @@ export class Gantt {
     else this.#showRow(this.#row + way);
   }
 
-  /// Shows the time from the release of the row to the end of its last run, which may be a small part of the row.
+  /// Zooms to the busy part of a row: from its release to the end of its last run.
   #showBusy(index) {
     this.#row = Math.max(0, Math.min(index, this.count - 1));
     const row = this.executor.rows.find((one) => one.row === this.#row);  // undefined if the row was missed
@@ -184,10 +184,10 @@ export class Gantt {
     context.fillRect(this.#cursor.x, kHead, 1, height - kHead);
   }
 
-  /// A line for each row, or for every fifth, 25th and so on if they would be too close.
+  /// Draws a line at the release of each row, or of every 5th, 25th and so on if the lines would be too close.
   #drawGrid(context, x, width, height) {
     const period = this.executor.basic_period_ns;
-    if (width <= this.left) return;  // no room: the loop below would not end
+    if (width <= this.left) return;  // avoids an endless loop below
     let every = period;
     if (this.#to - this.#from < period * 1.5) every = nice((this.#to - this.#from) / 6);
     while ((width - this.left) * every / (this.#to - this.#from) < 64) every *= every < period ? 2 : 5;

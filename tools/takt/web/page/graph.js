@@ -1,4 +1,4 @@
-// The cell as a live graph: the gateway's drawing, with the states, the health and the selected module.
+// The view that shows the graph of the cell. It adds the current states, the health and the selection to the gateway's drawing.
 
 import { drawn, element, setAttribute, setText } from "./dom.js";
 import { drawingOf } from "./drawing.js";
@@ -7,14 +7,14 @@ import { lookOfConnection, lookOfDevice, lookOfModule } from "./looks.js";
 import { alter, currentRoute } from "./route.js";
 import { duration } from "./words.js";
 
-const kSmall = 10;  // the size of the drawing's small text
+const kSmall = 10;  // font size of the drawing's small text
 
 export class Graph {
   #store;
   #text;
-  #modules = new Map();      // by name: {group, mark}
+  #modules = new Map();      // modules by name, each as {group, mark}
   #devices = new Map();
-  #connections = new Map();  // by index: {group, wire, word, titles}
+  #connections = new Map();  // connections by index, each as {group, wire, word, titles}
   #frame;
 
   constructor(store) {
@@ -59,8 +59,8 @@ export class Graph {
     this.nothing.hidden = drawing !== null;
     this.#frame.element.hidden = drawing === null;
     const waiting = this.#store.cell === null;
-    setText(this.nothing, waiting ? "Waiting for data from the gateway." :
-      this.#store.modules.size > 0 ? "The connections of the modules are not known yet. The modules are in the list of modules." :
+    setText(this.nothing, waiting ? "Waiting for data from takt web." :
+      this.#store.modules.size > 0 ? "The graph is not available, because the cell's descriptor is not known yet. The view Modules lists the modules." :
         "No cell is deployed. Deploy one with takt deploy CELL.xml, and its graph appears here.");
     if (!drawing) return;
     setAttribute(drawing, "class", "drawing");
@@ -72,7 +72,7 @@ export class Graph {
     first?.setAttribute("tabindex", "0");
   }
 
-  /// Replaces the state in the drawing by a sign, a word, and on the right the measured jitter.
+  /// Replaces the text of the state in a module's box by a sign and a word, and shows the measured jitter on the right.
   #prepare(group, name, known) {
     const box = group.querySelector("rect");
     const state = group.querySelector("text.state");
@@ -87,7 +87,7 @@ export class Graph {
     group.append(...(known === this.#modules ? [strip] : []), use, word, measure);
     setAttribute(group, "role", "button");
     setAttribute(group, "tabindex", "-1");
-    // Remove the state from the tooltip of the drawing, because it is the state at the time when the gateway drew it.
+    // Remove the state from the box's tooltip: it is the state when the gateway made the drawing, not the current one.
     const title = group.querySelector("title");
     known.set(name, { group, use, word, measure, title, about: title?.textContent.replace(/; [^;]*$/, "") });
   }
@@ -173,7 +173,7 @@ export class Graph {
     }
   }
 
-  /// Enter selects the focused box; an arrow moves the focus to the nearest box in its direction.
+  /// Handles a key: Enter selects the focused box, and an arrow key moves the focus to the nearest box in its direction.
   #press(event) {
     const group = event.target.closest("[data-module], [data-device]");
     if (!group || event.shiftKey || event.ctrlKey || event.altKey || event.metaKey) return;
@@ -195,8 +195,8 @@ export class Graph {
   }
 }
 
-/// Returns the nearest of `groups` in a direction. Distances are measured at the top centre of each box, and a sideways distance counts
-/// threefold.
+/// Returns the box in `groups` that is nearest to `group` in a direction. Distances are between the top centres of the boxes; the sideways
+/// part of a distance counts threefold.
 function nearest(group, groups, [dx, dy]) {
   const head = (of) => {
     const box = of.querySelector("rect").getBBox();

@@ -1,4 +1,4 @@
-// The last faults of a device or module, for its details.
+// Lists the last faults of a device or module, in its details.
 
 import { element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
@@ -14,12 +14,13 @@ export class LastFaults {
   constructor(store) {
     this.#store = store;
     this.list = element("ul", { class: "last-faults" });
-    this.none = element("p", { class: "faint", text: "The fault record has no errors or warnings." });
-    this.all = element("a", { text: "fault record of the device" });
+    this.none = element("p", { class: "faint", text: "The fault record has no errors and no warnings." });
+    this.all = element("a", { text: "all faults of the device" });
     this.element = element("section", {}, element("h3", { text: "Last faults" }), this.list, this.none, element("p", {}, this.all));
   }
 
-  /// `name`: a device or module. The details of a module also show the faults that concern the whole device, such as the end of the host.
+  /// Shows the faults of `name`, a device or a module. For a module, the list includes the faults of the whole device, such as the end of
+  /// the host.
   show(name) {
     const [device, module] = name.split(".");
     this.all.href = addressOf("faults", { device, select: name });

@@ -1,4 +1,4 @@
-// Defines how each state, severity and health is shown: by a look (colour), a sign (shape) and a word.
+// Defines how the page shows each state, severity and health: with a look (a colour), a sign (a symbol) and a word.
 
 import { duration } from "./words.js";
 
@@ -12,7 +12,7 @@ const kStates = {
 };
 const kLost = { look: "bad", sign: "lost" };
 
-/// `key` identifies the state for sorting and filtering.
+/// The look of a module's state. `key` identifies the state for sorting and filtering.
 export function lookOfModule(module) {
   if (!module.state) return { key: "none", word: "not found", look: "faint", sign: "wait" };
   const word = module.state.state;
@@ -38,7 +38,8 @@ export function lookOfSeverity(severity) {
   return { look: "plain", sign: "note", word: severity };
 }
 
-/// The look of a connection. `health` is as in the measures, or undefined if it is not known. A higher rank is worse.
+/// The look of a connection. `health` comes from the `measures` event, or is undefined if it is not known. The worse the health, the higher
+/// is `rank`.
 export function lookOfConnection(health) {
   if (!health) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
   if (!health.matched) {
@@ -46,7 +47,7 @@ export function lookOfConnection(health) {
     return { key: "broken", rank: 4, look: "bad", sign: "lost", word: why, short: "not matched", line: "broken" };
   }
   if (health.stale) {
-    const word = health.safe ? "stale, safe value" : "stale";
+    const word = health.safe ? "stale, reader uses the safe value" : "stale";
     return { key: "stale", rank: 3, look: "bad", sign: "recover", word, short: "stale", line: "bad" };
   }
   const poor = [];
@@ -57,15 +58,16 @@ export function lookOfConnection(health) {
   return { key: "good", rank: 0, look: "good", sign: "good", word: "ok", line: "good" };
 }
 
-/// The look of the connection to the gateway.
+/// The look of the page's own connection to the gateway.
 export function lookOfLink(link) {
   if (link === "live") return { look: "good", sign: "good", word: "live" };
-  if (link === "quiet") return { look: "bad", sign: "lost", word: "no data, trying again" };
-  if (link === "lost") return { look: "bad", sign: "lost", word: "connection lost, trying again" };
+  if (link === "quiet") return { look: "bad", sign: "lost", word: "no data, reconnecting" };
+  if (link === "lost") return { look: "bad", sign: "lost", word: "connection lost, reconnecting" };
   return { look: "plain", sign: "wait", word: "connecting" };
 }
 
-/// The run time as a share of the budget, period or deadline, and as words. The share is null if the module has none of these three.
+/// The run time of a module as words, and as a share of its budget, else of its period, else of its deadline. The share is null if the
+/// module has none of the three.
 export function useOf(module) {
   const run = module.measures?.run_us;
   const allowed = module.about?.budget_ns ?? module.about?.period_ns ?? module.about?.deadline_ns;
@@ -75,7 +77,8 @@ export function useOf(module) {
   return { share: run.p99 * 1000 / allowed, words: duration(run.p99), allowed, what };
 }
 
-/// The age of a value, and its share of the deadline if the connection has one.
+/// The age of the newest value on a connection as words, and as a share of the deadline. The share is null if the connection has no
+/// deadline.
 export function ageOf(connection, health) {
   if (!health || health.age_us === null || health.age_us === undefined) return { share: null, words: "-" };
   if (!connection.deadline_ns) return { share: null, words: duration(health.age_us) };

@@ -1,4 +1,5 @@
-// The page of takt web: a stream of events fills a store, and views show it. One view is visible at a time.
+// The web page of `takt web`. Events from the gateway fill a store, and the views show the data in the store. One view is visible at a
+// time.
 
 import { get, keepToken } from "./api.js";
 import { arrows, element, Mark, setAttribute, setText, sign } from "./dom.js";
@@ -18,7 +19,7 @@ import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
 import { clock } from "./words.js";
 
-const kQuiet_ms = 4000;  // measures arrive every second
+const kQuiet_ms = 4000;  // the connection is "quiet" after this time without an event, because `measures` arrives every second
 
 const byId = (name) => document.getElementById(name);
 const store = new Store();
@@ -35,7 +36,7 @@ const views = {
 let shown = null;
 
 function showRoute() {
-  if (keepToken()) askRights();  // the address with the token was opened in a tab that already had the page
+  if (keepToken()) askRights();  // the user opened an address with a token in a tab that already shows the page
   const route = currentRoute();
   const name = Object.hasOwn(views, route.view) ? route.view : "cell";
   const { view, title } = views[name];
@@ -91,8 +92,8 @@ function showLink() {
   const banner = byId("stale");
   banner.hidden = !stale;
   if (!stale) return;
-  const what = store.link === "lost" ? "The connection to the gateway has been lost" : "The gateway has sent nothing";
-  banner.replaceChildren(sign("lost"), `${what} since ${clock(store.linkSince)}; trying again. The page shows the last known state.`);
+  const what = store.link === "lost" ? "The connection to takt web has been lost" : "takt web has sent nothing";
+  banner.replaceChildren(sign("lost"), `${what} since ${clock(store.linkSince)}; reconnecting. The page shows the last known state.`);
 }
 
 async function askRights() {

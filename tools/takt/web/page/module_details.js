@@ -1,4 +1,4 @@
-// The details of a module: its state with the reason, commands, measurements, ports and properties.
+// Shows the details of a module: its state and the reason for it, commands, measurements, ports and properties.
 
 import { get } from "./api.js";
 import { Bar, element, Mark, setText } from "./dom.js";
@@ -20,7 +20,7 @@ export class ModuleDetails {
   #name = null;
   #times = [];
   #history = { jitter: [[], []], run: [[], []] };
-  #ports = null;  // not known yet
+  #ports = null;  // null: not known yet
 
   constructor(store) {
     this.#store = store;
@@ -35,13 +35,13 @@ export class ModuleDetails {
     this.jitter = new TimePlot({ title: "jitter", unit: "us", lines: kLines, span_ms: kSpan_ms });
     this.run = new TimePlot({ title: "run time", unit: "us", lines: kLines, span_ms: kSpan_ms });
     this.faults = new LastFaults(store);
-    this.table = element("a", { text: "when it ran in the last macro period" });
+    this.table = element("a", { text: "runs of the module in the last macro period" });
     this.ports = element("ul", { class: "ports" });
     this.steps = element("ol", { class: "steps" });
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
     this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.commands.element, this.faults.element,
       part("Measured", this.use.element, this.distributions.element, this.counts.element, element("p", {}, this.table)),
-      part("The last ten minutes", this.jitter.element, this.run.element),
+      part("Jitter and run time in the last ten minutes", this.jitter.element, this.run.element),
       part("Ports", this.ports), this.properties.element, part("State changes", this.steps), part("Descriptor", this.facts.element));
   }
 
@@ -163,7 +163,7 @@ export class ModuleDetails {
   #append() {
     const module = this.#module;
     const measures = module?.measures;
-    // The measures of a lost module are no longer current.
+    // Add no point for a lost module, because its last measures are out of date.
     if (!measures || !module.state || this.#store.isLost(module) || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
     this.#times.push(this.#store.time_ms);
     kLines.forEach((line, i) => {
@@ -175,7 +175,8 @@ export class ModuleDetails {
     }
   }
 
-  /// Asks a second time after a failure, because a device may start to run a moment before it can answer.
+  /// Asks the device for the ports of the module. If that fails, asks once more: the device may report that it runs a moment before it can
+  /// answer.
   async #askPorts(again = true) {
     const name = this.#name;
     try {
@@ -191,7 +192,7 @@ export class ModuleDetails {
     }
   }
 
-  /// Shows each port with the other ends of its connections and the health of these connections.
+  /// Shows each port with its connections: the port at the other end, and the health.
   #showPorts() {
     if (this.#ports === null) return;
     if (this.#ports.length === 0) {

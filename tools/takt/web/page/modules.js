@@ -1,4 +1,4 @@
-// Lists all modules, grouped by device: state, jitter, and run time as a share of the budget.
+// The view that lists all modules, grouped by device, with their state, jitter, and run time as a share of the budget.
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { lookOfDevice, lookOfModule, useOf } from "./looks.js";
@@ -14,7 +14,7 @@ const kColumns = [
   { key: "state", title: "state", of: (row) => kOrder.indexOf(row.look?.key) },
   { key: "p50", title: "jitter p50, us", of: (row) => row.module.measures?.jitter_us.p50, down: true },
   { key: "p99", title: "p99, us", of: (row) => row.module.measures?.jitter_us.p99, down: true },
-  { key: "run", title: "run time p99", about: "as a share of the budget; of the period if there is no budget", of: (row) => useOf(row.module).share, down: true },
+  { key: "run", title: "run time p99", about: "as a share of the budget, or of the period if the module has no budget", of: (row) => useOf(row.module).share, down: true },
   { key: "overruns", title: "over\u00adruns", of: (row) => row.module.measures?.overruns, down: true },
   { key: "recoveries", title: "recov\u00aderies", of: (row) => row.module.measures?.recoveries, down: true },
   { key: "trend", title: "jitter, 2 min" },
@@ -67,7 +67,7 @@ class Row {
 export class Modules {
   #store;
   #rows = new Map();
-  #groups = new Map();  // by device: {element, mark, about}
+  #groups = new Map();  // the heading of each device: {element, mark, about}
   #order = "";
 
   constructor(store) {
@@ -169,7 +169,7 @@ export class Modules {
     }
   }
 
-  /// Changes the list only if the order or the selection of rows has changed.
+  /// Rearranges the rows if their order, or the set of shown rows, has changed.
   #arrange() {
     const lines = [];
     let shown = 0;
@@ -210,7 +210,7 @@ export class Modules {
     return [...rows].sort((one, other) => {
       const [a, b] = [column.of(one), column.of(other)];
       if (a === b) return 0;
-      if (a === undefined || a === null) return 1;  // unknown values are last in both directions
+      if (a === undefined || a === null) return 1;  // unknown values come last, in ascending and descending order
       if (b === undefined || b === null) return -1;
       return (a < b ? -1 : 1) * sign;
     });

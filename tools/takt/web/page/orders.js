@@ -1,9 +1,10 @@
-// The commands to a module or a device. The button of a command that is not allowed is disabled, and a text says why.
+// The buttons that send commands to a module or a device. A button is disabled while its command is not allowed, and a text gives the
+// reason.
 
 import { post } from "./api.js";
 import { element, setText } from "./dom.js";
 
-/// The states in which each command is allowed, as in the table of framework/lifecycle.
+/// The commands, each with the states in which it is allowed. framework/lifecycle defines the same table.
 const kCommands = [
   { verb: "start", title: "Start", in: ["START"] },
   { verb: "stop", title: "Stop", in: ["EXECUTING"] },
@@ -17,7 +18,7 @@ export class Commands {
   #store;
   #device = "";
   #module = null;
-  #busy = new Set();  // modules and devices with a command that has no answer yet
+  #busy = new Set();  // modules and devices with an unanswered command
 
   constructor(store) {
     this.#store = store;
@@ -31,7 +32,7 @@ export class Commands {
       element("div", { class: "buttons" }, ...this.buttons), this.why, this.answer);
   }
 
-  /// Selects the target: a module, or with null all modules of the device.
+  /// Sets the target of the commands: a module, or, if `module` is null, all modules of the device.
   hold(device, module) {
     [this.#device, this.#module] = [device, module];
     setText(this.answer, "");
@@ -52,7 +53,7 @@ export class Commands {
   }
 
   #obstacle(module) {
-    if (this.#store.link === "lost" || this.#store.link === "quiet") return "No commands while the connection to the gateway is lost.";
+    if (this.#store.link === "lost" || this.#store.link === "quiet") return "Commands are not possible while the connection to takt web is lost.";
     if (!this.#store.rights.command) return `Read-only: ${this.#store.rights.why}.`.replace(/\.\.$/, ".");
     if (this.#store.devices.get(this.#device)?.alive !== true) return `Device ${this.#device} is lost and cannot execute commands.`;
     if (this.#module !== null && !module?.state) return "The module has not reported its state yet.";
@@ -63,7 +64,7 @@ export class Commands {
     const [device, name] = [this.#device, this.#module];
     const target = name ?? `all modules of ${device}`;
     if (danger && !(await confirmed(`Destruct ${target}?`,
-      name ? "It ends and does not run again until it is reset." : "They end and do not run again until they are reset."))) return;
+      name ? "The module ends and does not run again until you reset it." : "The modules end and do not run again until you reset them."))) return;
     const about = name ?? device;
     const show = (text, look) => {
       if (device !== this.#device || name !== this.#module) return;
@@ -85,7 +86,7 @@ export class Commands {
   }
 }
 
-/// Asks the user to confirm; Escape means no.
+/// Asks the user to confirm a command. Escape cancels the command.
 export function confirmed(question, text) {
   return new Promise((answer) => {
     const no = element("button", { type: "submit", value: "no", text: "Cancel", autofocus: true });

@@ -1,4 +1,4 @@
-// The values of a port over the last five minutes, with a plot for each selected field.
+// The view that plots the values of a port over the last five minutes, one plot for each selected field.
 
 import { get, put } from "./api.js";
 import { element, setText } from "./dom.js";
@@ -16,7 +16,7 @@ export class Plots {
   #fields = [];
   #times = [];
   #values = [];
-  #plots = new Map();  // by the name of the field
+  #plots = new Map();  // the plot of each shown field, by its name
   #asked = false;
   #listed = "";
 
@@ -46,12 +46,12 @@ export class Plots {
     this.#build();
     this.#showPort();
     if (!port) {
-      setText(this.status, "Choose a port to plot its values.");
+      setText(this.status, "Choose a port. The page then plots its values.");
       return;
     }
     setText(this.status, "waiting for values ...");
     this.#ask();
-    this.timer = setInterval(() => this.#draw(), 250);  // the time axis moves even if no values arrive
+    this.timer = setInterval(() => this.#draw(), 250);  // moves the time axis even if no values arrive
   }
 
   hide() {
@@ -59,16 +59,16 @@ export class Plots {
     clearTimeout(this.again);
     if (this.#port) this.#select([]);
     this.#port = null;
-    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // a requested frame may still be drawn
+    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // a frame requested earlier may still draw these
   }
 
   update(changes) {
-    // A device that could not list its ports before may be able to now.
+    // If the last request for the ports failed, a changed device may answer now.
     if (changes.cell || changes.whole || (changes.devices.size > 0 && this.#listed === "")) this.#askPorts();
-    if (changes.cell && this.#port) this.#ask();  // the gateway has forgotten the previous request
+    if (changes.cell && this.#port) this.#ask();  // a new cell: the gateway has dropped the chosen port
   }
 
-  /// takePort() and takePoints() handle events of the stream: the description of a port, and its values.
+  /// Handles the stream's event `port`, the description of a port. takePoints() handles the event `points`, its values.
   takePort(type) {
     if (type.port === this.#port) this.#takeType(type);
   }
@@ -128,7 +128,7 @@ export class Plots {
     });
   }
 
-  /// Asks for the values until the gateway accepts, because the device of the port may appear later than this page.
+  /// Requests the values of the port until the gateway accepts: the port's device may start after this page.
   async #ask() {
     const port = this.#port;
     clearTimeout(this.again);
@@ -139,8 +139,8 @@ export class Plots {
     this.again = setTimeout(() => this.#ask(), kAgain_ms);
   }
 
-  /// Selects the ports whose values the gateway sends. Returns the problem, or null. Requests are sent one after the other, so that the
-  /// last one takes effect.
+  /// Tells the gateway the ports whose values it must send. Returns the problem, or null. Requests are sent one after the other, so that
+  /// the last one takes effect.
   #select(ports) {
     this.#sent = this.#sent.then(() => this.#put(ports));
     return this.#sent;

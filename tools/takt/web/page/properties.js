@@ -1,4 +1,4 @@
-// The properties of a module: their current values, and fields to set them between two cycles.
+// Shows the properties of a module, with fields to set them. A module applies a new value between two cycles.
 
 import { get, post } from "./api.js";
 import { element, setText } from "./dom.js";
@@ -32,13 +32,13 @@ class Property {
     return element("input", { type: "text", value: String(value ?? ""), spellcheck: "false", autocomplete: "off" });
   }
 
-  /// Whether this is the same property, apart from its value.
+  /// Whether `other` describes the same property; the values may differ.
   is(other) {
     const kind = ({ value, ...rest }) => JSON.stringify(rest);
     return kind(this.property) === kind(other);
   }
 
-  /// Shows a new value, but does not overwrite a text that the user is editing.
+  /// Shows a new value, except in a field that the user is editing.
   take(value) {
     const text = String(value ?? "");
     if (this.field.value === this.shown) this.field.value = text;
@@ -96,11 +96,12 @@ export class Properties {
 
   update() {
     const may = this.#store.rights.command && this.#store.link === "live";
-    setText(this.why, may ? "" : `Read-only: ${this.#store.rights.command ? "the connection is lost" : this.#store.rights.why}.`);
+    setText(this.why, may ? "" : `Read-only: ${this.#store.rights.command ? "the connection to takt web is lost" : this.#store.rights.why}.`);
     for (const property of this.#shown.values()) property.may(may);
   }
 
-  /// Asks a second time after a failure, because a device may start to run a moment before it can answer.
+  /// Asks the device for the module's properties. If that fails, asks once more: the device may report that it runs a moment before it can
+  /// answer.
   async ask(again = true) {
     const module = this.module;
     try {

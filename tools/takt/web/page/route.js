@@ -1,4 +1,4 @@
-// The address selects the view: #/modules?select=robot.servo. So a link can point to a view, and the back key works.
+// The page's address selects the view: #/modules?select=robot.servo. So a link can open a view, and the browser's back button works.
 
 import { element } from "./dom.js";
 
@@ -13,7 +13,7 @@ export function addressOf(view, parameters = {}) {
   return text ? `#/${view}?${text}` : `#/${view}`;
 }
 
-/// A link that selects a module or device. It keeps the view and the filters that are active when the user follows it.
+/// Creates a link that selects a module or device. The current view and its filters stay.
 export function linkTo(name, text, attributes = {}) {
   const address = () => {
     const route = currentRoute();
@@ -26,13 +26,13 @@ export function go(view, parameters = {}) {
   location.hash = addressOf(view, parameters);
 }
 
-/// Opens the same view with some parameters changed. A parameter that is null is removed.
+/// Changes some parameters of the current view's address. A parameter with the value null is removed.
 export function alter(parameters) {
   const route = currentRoute();
   go(route.view, { ...Object.fromEntries(route.parameters), ...parameters });
 }
 
-/// Like alter(), but without a new entry in the history.
+/// Like alter(), but adds no entry to the browser's history.
 export function adjust(parameters) {
   const route = currentRoute();
   const address = addressOf(route.view, { ...Object.fromEntries(route.parameters), ...parameters });

@@ -1,4 +1,4 @@
-// A small line for the last two minutes of a number. It shows the trend, not the value.
+// A small line that shows the trend of a number over the last two minutes, without a scale.
 
 import { Canvas } from "./canvas.js";
 import { colour } from "./theme.js";
@@ -21,7 +21,7 @@ export class Spark {
   #draw(context, width, height) {
     const values = this.#values;
     if (values.length < 2) return;
-    const top = Math.max(...values, 1e-9);  // unknown values count as 0
+    const top = Math.max(...values, 1e-9);  // if all values are 0 or unknown, this avoids a division by 0
     const step = width / (this.length - 1);
     const from = this.length - values.length;
     context.strokeStyle = colour("accent");

@@ -1,4 +1,5 @@
-// Announces changes of state to screen readers. Changes are collected for a while, because announcements interrupt each other.
+// Announces state changes to screen readers. Changes are collected and announced together, because each announcement interrupts the one
+// before.
 
 const kEvery_ms = 1500;
 const kNamed = 3;

@@ -1,5 +1,5 @@
-// The last known state of the cell. Events update the state at once. Views are told once per frame what has changed, so that a burst of a
-// thousand changes is drawn once.
+// The last known state of the cell. Each event from the gateway updates the state at once. The store notifies the views once per frame, so
+// that they draw a burst of changes only once.
 
 const kFaults = 2000;
 const kSteps = 50;       // per module
@@ -10,9 +10,9 @@ class Changes {
   link = false;
   rights = false;
   measures = false;
-  whole = false;         // the list of devices or modules has changed
+  whole = false;         // a device or module was added or removed
   devices = new Set();
-  begun = new Set();     // devices that have started to run: ask them again
+  begun = new Set();     // devices that have just started to run, so views ask them again
   modules = new Set();
   faults = false;
 }
@@ -22,20 +22,20 @@ const runs = (device) => device?.alive === true && device.state === "running";
 export class Store {
   link = "connecting";
   linkSince = Date.now();
-  stream = null;         // the id by which the gateway knows this page
-  rights = { command: false, why: "the gateway has not been asked yet" };
+  stream = null;         // the gateway's id for this page's event stream
+  rights = { command: false, why: "takt web has not answered yet" };
   cell = null;
-  /// By name, as the gateway sends them.
+  /// Devices by name, each as the gateway sends it.
   devices = new Map();
-  /// By "device.module": {name, device, label, about (from the descriptor), state, measures, steps, trend}.
+  /// Modules by "device.module", each as {name, device, label, about (from the descriptor), state, measures, steps, trend}.
   modules = new Map();
   executors = new Map();
   connections = new Map();
-  /// In order of arrival, oldest first.
+  /// Fault events in order of arrival, oldest first.
   faults = [];
-  faultsCome = 0;        // number of faults since the page was opened
+  faultsCome = 0;        // number of fault events since the page was opened
   problems = [];
-  time_ms = 0;           // the gateway's clock at `seen`
+  time_ms = 0;           // the gateway's clock when the last event arrived, which was at `seen`
   seen = 0;
   #listeners = [];
   #changes = new Changes();
@@ -45,7 +45,7 @@ export class Store {
     this.#listeners.push(listener);
   }
 
-  /// The gateway's clock. It stops while no events arrive, so that plots of old values stop too.
+  /// The current time by the gateway's clock. It stops while no events arrive, so that the plots stop too.
   get now() {
     if (this.time_ms === 0) return Date.now();
     return this.time_ms + (this.link === "live" ? Math.min(performance.now() - this.seen, 2000) : 0);
@@ -169,18 +169,18 @@ export class Store {
     const events = news.events ?? [];
     if (news.whole) this.faults = [];
     else this.faultsCome += events.length;
-    this.faults.push(...events);  // not sorted by their time: with a clock that is behind, they would appear far down
+    this.faults.push(...events);  // not sorted by time, because events of a device whose clock is behind would appear far down
     if (this.faults.length > kFaults) this.faults.splice(0, this.faults.length - kFaults);
     this.change((changes) => { changes.faults = true; });
   }
 
-  /// Whether the device of the module is lost. Its state is then the last known one.
+  /// Whether the module's device is lost. The module's state is then the last known one.
   isLost(module) {
     const device = this.devices.get(module.device);
     return module.state !== null && device?.alive === false;
   }
 
-  /// First the devices of the descriptor, then all others.
+  /// The names of all devices: first those in the descriptor, then all others.
   get deviceNames() {
     const names = new Set((this.cell?.devices ?? []).map((device) => device.name));
     for (const name of this.devices.keys()) names.add(name);

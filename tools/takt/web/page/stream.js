@@ -1,11 +1,11 @@
-// The events of the gateway. A browser by itself does not notice a silent gateway and does not retry after a rejection, so this class
-// does both.
+// Receives the gateway's events, and reconnects. An EventSource alone neither notices a silent gateway nor retries after a rejection.
 
 const kAgain_ms = 1000;
 const kSilent_ms = 15000;
 
 export class Stream {
-  /// `events`: {name: function of the event's data}; `link`: called with "live" or "lost" when that changes.
+  /// `events` has a function for each event's data, by the event's name. When the connection changes, `link` is called with "live" or
+  /// "lost".
   constructor(address, events, link = () => {}) {
     this.address = address;
     this.events = events;
@@ -37,12 +37,12 @@ export class Stream {
     this.link(link);
   }
 
-  /// Milliseconds since the last event.
+  /// The time since the last event, in milliseconds.
   get silence() {
     return performance.now() - this.lastEvent;
   }
 
-  /// Reconnects after a long silence. Call it regularly.
+  /// Reconnects if no event has arrived for a long time. The page calls this regularly.
   check() {
     if (this.silence > kSilent_ms) this.reconnect();
   }

@@ -1,9 +1,9 @@
-// The state of the whole cell in one sentence.
+// Summarizes the state of the whole cell in one sentence.
 
 import { lookOfDevice } from "./looks.js";
 import { listed, several } from "./words.js";
 
-/// {look, sign, word}
+/// Returns {look, sign, word}; `word` is the sentence.
 export function summaryOf(store) {
   const names = store.deviceNames;
   if (names.length === 0) {
@@ -30,7 +30,7 @@ export function summaryOf(store) {
   return { look: "good", sign: "executing", word };
 }
 
-/// The states of the devices that are alive: "running", or "running and preparing".
+/// The states of the live devices: "running", or "running and preparing".
 function doing(devices) {
   const states = new Set(devices.filter((device) => device.is?.alive).map((device) => device.is.state));
   if (states.size === 0) return "lost";

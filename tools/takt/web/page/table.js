@@ -1,4 +1,4 @@
-// The table of each executor, and where the time went in the last complete macro period.
+// The view that shows each executor's table, and how the executor used the last complete macro period.
 
 import { get } from "./api.js";
 import { element, setText } from "./dom.js";
@@ -57,8 +57,8 @@ export class Table {
     for (const gantt of this.#gantts) gantt.redraw();
   }
 
-  /// Asks for the table. Asks a second time after a failure or an empty table, because a device reports that it runs a moment before its
-  /// first row.
+  /// Asks the device for its tables. If that fails or the tables are empty, asks once more: a device reports that it runs a moment before
+  /// its first row.
   async #ask(again = true) {
     const device = this.#device;
     const asked = ++this.#asked;
@@ -100,7 +100,7 @@ export class Table {
     const spec = this.#store.cell?.devices?.find(({ name }) => name === this.#device)?.executors?.find(({ name }) => name === executor.name);
     const rows = spec?.rows ?? [];
     if (executor.rows.length === 0) {
-      const why = executor.text ?? "Every row of the last macro period was missed. Refresh to see another one.";
+      const why = executor.text ?? "The executor missed every row of the last macro period. Refresh to see a later macro period.";
       return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
         element("p", { class: "faint", text: why }), planned(rows, executor));
     }
@@ -116,7 +116,7 @@ export class Table {
   }
 }
 
-/// The modules in the order of the table's rows, then the sporadic ones, then any others that ran.
+/// The modules of an executor: first those of the table in the order of its rows, then the sporadic ones, then any others that ran.
 function orderOf(rows, spec, executor) {
   const names = new Set();
   for (const row of rows) for (const name of row) names.add(name);
@@ -132,7 +132,7 @@ function lateness(executor, programs, device) {
     for (const run of row.runs) if (run.cause) late.push({ what: `${run.module} in row ${row.row}`, at: run.begin_ns, by: run.late_ns, cause: run.cause });
   }
   for (const run of programs) if (run.cause) late.push({ what: run.module, at: run.begin_ns, by: run.late_ns, cause: run.cause });
-  if (late.length === 0) return element("p", { class: "faint", text: `No row and no thread module began late in this macro period. To see what was late in the last seconds, and why, run takt trace ${device}` });
+  if (late.length === 0) return element("p", { class: "faint", text: `No row and no thread module began late in this macro period. To see what was late in the last few seconds, and why, run takt trace ${device}` });
   const head = (text) => element("th", { scope: "col", text });
   return element("details", { open: true }, element("summary", { text: `What began late, and why: ${late.length}` }),
     element("table", { class: "numbers late" }, element("thead", {}, element("tr", {}, head("what"), head("at, ms"), head("late by, us"), head("cause"))),
@@ -141,7 +141,7 @@ function lateness(executor, programs, device) {
         element("td", { text: cause }))))));
 }
 
-/// Shows the times in numbers: how often each module ran, and its share of the macro period.
+/// Shows how often each module ran, and its share of the macro period.
 function used(executor, programs, about) {
   const sums = new Map();
   const add = (run, program) => {
@@ -169,7 +169,7 @@ function used(executor, programs, about) {
 
 function planned(rows, executor) {
   if (rows.length === 0) return null;
-  return element("details", {}, element("summary", { text: "The table as planned" }),
+  return element("details", {}, element("summary", { text: "The planned table" }),
     element("table", { class: "numbers planned" }, element("tbody", {}, ...rows.map((row, i) => element("tr", {},
       element("th", { scope: "row", text: `row ${i}` }), element("td", { class: "number faint", text: exact(i * executor.basic_period_ns) }),
       element("td", { text: row.join(", ") || "-" }))))));

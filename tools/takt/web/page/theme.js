@@ -1,4 +1,4 @@
-// The dark or light theme: that of the system, or the user's choice, which this browser remembers.
+// Applies the dark or light theme: the user's choice, which the browser remembers, or else the theme of the system.
 
 const kKept = "takt-theme";
 
@@ -22,7 +22,7 @@ export function followTheme(select, changed) {
 
 const colours = new Map();
 
-/// A colour of page.css in the current theme, for drawing on a canvas.
+/// The value of a colour that page.css defines, in the current theme, for drawing on a canvas.
 export function colour(name) {
   if (!colours.has(name)) colours.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
   return colours.get(name);

@@ -1,4 +1,4 @@
-// Plots numbers over the last minutes. Several lines in one plot have different dashes, and the legend shows the value of each.
+// Plots numbers over the last few minutes. Each line in a plot has its own dash pattern, and the legend shows its current value.
 
 import { Canvas } from "./canvas.js";
 import { drawn, element, setAttribute, setText } from "./dom.js";
@@ -6,8 +6,8 @@ import { colour } from "./theme.js";
 import { clock, number } from "./words.js";
 
 const kDashes = [[], [6, 3], [2, 3], [9, 3, 2, 3]];
-const kSame = 1e-12;  // share of a value; smaller differences are rounding errors
-const kTicks = 10;    // upper bound; with steps of 1, 2 or 5 there are at most five
+const kSame = 1e-12;  // relative difference below which two values count as equal
+const kTicks = 10;    // upper bound of the number of ticks; rounded steps give at most five
 const kLetters = 10, kLeft = 76, kBottom = 20, kTop = 8, kRight = 8;
 const kFont = '11px ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace';
 
@@ -15,9 +15,9 @@ export class TimePlot {
   #times = [];
   #lines = [];
   #end = 0;
-  #cursor = null;  // position as a share of the width
+  #cursor = null;  // position of the cursor, as a share of the width
 
-  /// `lines`: the names of the lines; `labels`: the enumerators for the values 0, 1, ..., which are drawn as steps.
+  /// `lines` has the names of the lines. `labels` has the enumerators for the values 0, 1, ... of an enumeration, which is drawn as steps.
   constructor({ title, unit = "", lines, span_ms, labels = null }) {
     Object.assign(this, { title, unit, span_ms, labels, names: lines, short: labels && shortened(labels) });
     this.#lines = lines.map(() => []);
@@ -36,7 +36,7 @@ export class TimePlot {
       element("figcaption", {}, element("span", { class: "title", text: title }), ...legend, this.at), this.canvas.element);
   }
 
-  /// `end`: the time at the right edge.
+  /// Shows new values. `end` is the time at the right edge.
   show(times, lines, end) {
     [this.#times, this.#lines, this.#end] = [times, lines, end];
     this.canvas.redraw();
@@ -128,7 +128,7 @@ export class TimePlot {
     }
     if (low > high) [low, high] = [0, 1];
     if (low > 0 && low < high * 0.6) low = 0;
-    // Values that differ only by rounding are drawn as a constant: no tick step could separate them.
+    // Draw values that differ only by rounding errors as a constant, because no tick step could separate them.
     const size = Math.max(Math.abs(low), Math.abs(high));
     if (high - low <= size * kSame) [low, high] = size === 0 ? [-1, 1] : [low - size / 10, high + size / 10];
     const step = rounded((high - low) / 3);
@@ -164,7 +164,7 @@ export class TimePlot {
     }
   }
 
-  /// With more values than pixels, draws the minimum and the maximum of each pixel, so that no peak is lost.
+  /// Draws a line. If there are more values than pixels, draws the minimum and the maximum for each pixel column, so that no peak is lost.
   #drawLine(context, area, values, first, y) {
     const x = (time) => area.left + area.width * (1 - (this.#end - time) / this.span_ms);
     const thick = this.#times.length - first > 2 * area.width;
@@ -189,13 +189,13 @@ export class TimePlot {
       if (low !== last) context.lineTo(at, y(last));
       before = last;
     }
-    // An enumerator is valid until the next value.
+    // Draw a step: an enumerator is valid until the next value.
     if (before !== null && this.labels) context.lineTo(area.left + area.width, y(before));
     context.stroke();
   }
 }
 
-/// An SVG line for the legend, so that its colour follows a later change of the theme.
+/// Creates the sample line of a legend. It is SVG, so its colour follows a change of the theme.
 function sample(dash) {
   const line = drawn("line", { x1: 0, y1: 4, x2: 24, y2: 4, "stroke-dasharray": dash.join(" ") || "none" });
   const svg = drawn("svg", { class: "dash", width: 24, height: 8, "aria-hidden": "true" });
@@ -203,7 +203,7 @@ function sample(dash) {
   return svg;
 }
 
-/// The index of the last time that is not after `at`; -1 if there is none.
+/// The index of the last time at or before `at`, or -1 if there is none.
 function below(times, at) {
   let [low, high] = [0, times.length];
   while (low < high) {
@@ -214,7 +214,7 @@ function below(times, at) {
   return low - 1;
 }
 
-/// `step`, rounded up to 1, 2 or 5 times a power of ten.
+/// Rounds `step` up to 1, 2 or 5 times a power of ten.
 function rounded(step) {
   const power = 10 ** Math.floor(Math.log10(step));
   return [1, 2, 5, 10].find((times) => times * power >= step * 0.999) * power;
@@ -226,7 +226,7 @@ function ticked(value, step) {
   return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "\u2212");
 }
 
-/// Returns the labels without their common prefix (BELT_ of BELT_RUNNING), shortened to the available room.
+/// Returns the labels without their common prefix (BELT_ of BELT_RUNNING), cut to the space left of the plot.
 function shortened(labels) {
   const first = labels[0] ?? "";
   let common = labels.length > 1 ? first.lastIndexOf("_") + 1 : 0;

@@ -1,4 +1,4 @@
-// Formats numbers and times with three digits and a unit that keeps them short.
+// Formats numbers and times for the page, with three significant digits and a suitable unit.
 
 const kMinus = "\u2212";
 
@@ -17,7 +17,7 @@ export function count(value) {
   return value === null || value === undefined ? "-" : String(value);
 }
 
-/// A duration, given in microseconds.
+/// Formats a duration that is given in microseconds.
 export function duration(us) {
   if (us === null || us === undefined) return "-";
   const size = Math.abs(us);
@@ -26,7 +26,7 @@ export function duration(us) {
   return `${number(us / 1e6)} s`;
 }
 
-/// A time from the descriptor, without rounding: 1 ms, not 1.00 ms.
+/// Formats a time from the descriptor without rounding: 1 ms, not 1.00 ms.
 export function exact(ns) {
   for (const [unit, of] of [["s", 1e9], ["ms", 1e6], ["us", 1e3]]) {
     if (ns >= of) return `${Number((ns / of).toPrecision(6))} ${unit}`;
@@ -41,13 +41,13 @@ export function clock(time_ms, { thousandths = false } = {}) {
   return thousandths ? `${text}.${String(at.getMilliseconds()).padStart(3, "0")}` : text;
 }
 
-/// The date, in local time.
+/// Formats the date of a time, in local time.
 export function day(time_ms) {
   const at = new Date(time_ms);
   return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
 }
 
-/// The time of day, with the date if it is not today.
+/// Formats the time of day, with the date if it is not today.
 export function instant(time_ms) {
   const text = clock(time_ms, { thousandths: true });
   return !time_ms || day(time_ms) === day(Date.now()) ? text : `${day(time_ms)} ${text}`;
@@ -57,7 +57,7 @@ export function several(n, what) {
   return `${n} ${what}${n === 1 ? "" : "s"}`;
 }
 
-/// Lists names in a sentence: up to three names, or two names and the number of the others.
+/// Lists names for a sentence: up to three names; if there are more, two names and the number of the others.
 export function listed(names) {
   if (names.length <= 3) return names.join(", ");
   return `${names.slice(0, 2).join(", ")} and ${names.length - 2} more`;

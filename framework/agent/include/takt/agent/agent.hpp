@@ -43,23 +43,23 @@ class Agent {
     std::string device;
     std::string node;  ///< unique id of this node
     int domain = 0;
-    std::string cell{};  ///< the only cell that its identity is for; empty: DDS Security is off
+    std::string cell{};  ///< the cell that the device's identity is for; empty if DDS Security is off
     bool require_real_time = false;
     bool real_time = true;  ///< whether the machine allows real time; reported without a deployment
-    /// takt run started this node for one cell. It uses the paths of files as written and saves nothing on
-    /// disk. Before it ends, it waits briefly for its final report to be fetched.
+    /// Whether takt run started this node for one cell. Such a node uses the paths of files as written and
+    /// saves nothing on disk. Before it ends, it waits briefly for its final report to be fetched.
     bool temporary = false;
     std::string host_name{};
     int process_id = 0;
-    std::shared_ptr<DeploymentStore> store{};     ///< where the deployment is saved; null: it is not saved
-    std::string boot{};                           ///< identifies this boot of the machine; empty: not known
+    std::shared_ptr<DeploymentStore> store{};     ///< where the deployment is saved; null to save nothing
+    std::string boot{};                           ///< identifies this boot of the machine; empty if not known
     std::shared_ptr<FaultMemory> record;          ///< never null
-    std::function<void(const std::string&)> log;  ///< for the person at the terminal
+    std::function<void(const std::string&)> log;  ///< prints a line for the person at the terminal
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
     std::function<Instant(std::int64_t)> instant_of_wall;
   };
-  /// Creates what the agent works with; tests pass fakes.
+  /// Creates the inspections and supervisions that the agent uses; tests pass fakes.
   struct Factories {
     std::function<Result<std::unique_ptr<Inspection>>(const InspectionRequest&)> inspect;
     std::function<std::unique_ptr<Supervised>(Supervisor::Options)> supervise;
@@ -79,7 +79,7 @@ class Agent {
 
   /// Carries out a command that has arrived.
   void receive(const wire::WholeCommand& command);
-  /// The state of the other nodes. It shows nodes with the same name and lost devices.
+  /// The state of the other nodes. It shows lost devices, and other nodes with this node's name.
   wire::CellState& others() noexcept { return others_; }
   /// Restores the deployment that is saved on disk.
   void resume();
@@ -163,10 +163,10 @@ class Agent {
   wire::CellState others_;
   std::unique_ptr<Deployment> deployment_;
   std::shared_ptr<Update> update_;  // shared, so that callbacks can check whether it still exists
-  std::string name_clash_;          // the other node with this name; empty: there is none
-  std::string last_id_;             // of the deployment that ended last, and its final report
-  std::string last_data_;
-  std::string last_refusal_;  // why a deployment could not be restored
+  std::string name_clash_;          // describes the other node with this name; empty if there is none
+  std::string last_id_;             // id of the deployment that ended last
+  std::string last_data_;           // its final report
+  std::string last_refusal_;        // why a deployment could not be restored
   DeviceStatus published_;
   bool published_once_ = false;
   Instant measured_at_{};
@@ -176,7 +176,8 @@ class Agent {
   bool at_once_ = false;
   std::optional<Instant> ended_at_;
   FaultRateLimiter filter_;
-  std::map<std::string, bool> devices_seen_;  // the other devices of the cell: alive at the last check
+  std::map<std::string, bool> devices_seen_;  // for each other device of the cell: whether it was alive at
+                                              // the last check
 };
 
 }  // namespace takt::agent

@@ -14,9 +14,10 @@
 
 namespace takt::agent {
 
-/// Emits the first event of a module and kind at once, and then at most one a second. Its count includes all
-/// events since the last one, so no count is lost. Single actions (a deployment, a command, a restart) are
-/// always emitted at once. Merged events have the cause, cycle and time of the newest.
+/// Emits the first event of a module and kind at once, and then at most one a second. The count of an emitted
+/// event includes all events since the one emitted before, so no event goes uncounted. Single actions (a
+/// deployment, a command, a restart) are always emitted at once. A merged event has the cause, cycle and time
+/// of the newest event in it.
 class FaultRateLimiter {
  public:
   static constexpr Nanoseconds kEvery = std::chrono::seconds{1};

@@ -13,20 +13,21 @@
 namespace takt::agent {
 
 struct InspectionRequest {
-  std::string text;  ///< of the descriptor
-  std::string file;  ///< its name, for messages
+  std::string text;  ///< the content of the descriptor
+  std::string file;  ///< the descriptor's name, for messages
   std::string device;
-  bool as_written = false;  ///< use the paths of files as written, relative to the working directory; false:
-                            ///< search for the file name on the component path
-  bool describe = false;    ///< also describe properties and hooks, which takes longer
-  std::string only{};       ///< inspect only this module, without connections; empty: all modules
-  std::map<std::string, std::string> swapped{};  ///< by module: the file that replaces the descriptor's
+  bool as_written = false;  ///< if true, uses the paths of files as written, relative to the working
+                            ///< directory; if false, searches the component path for the file name
+  bool describe = false;    ///< whether to describe properties and hooks too, which takes longer
+  std::string only{};       ///< inspect only this module, without connections; empty for all modules
+  std::map<std::string, std::string> swapped{};  ///< by module: the file that replaces the one in the
+                                                 ///< descriptor
 };
 
 struct Inspected {
   std::vector<std::string> paths;           ///< the component of each module
-  std::vector<model::ModulePorts> ports{};  ///< of the device's modules
-  std::string description{};                ///< JSON, if asked for: {"device", "modules": [{"name", "path",
+  std::vector<model::ModulePorts> ports{};  ///< the ports of the device's modules
+  std::string description{};                ///< JSON, if requested: {"device", "modules": [{"name", "path",
                                             ///< "properties": [...], "ports": [...], ...}]}
 };
 
@@ -34,7 +35,7 @@ struct Inspected {
 class Inspection {
  public:
   virtual ~Inspection() = default;
-  /// None until the inspection is finished; does not wait.
+  /// Returns nothing until the inspection is finished. Does not wait.
   virtual std::optional<Result<Inspected>> result() = 0;
 
  protected:

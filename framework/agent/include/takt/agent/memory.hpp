@@ -14,11 +14,11 @@ namespace takt::agent {
 struct KeptDeployment {
   std::string id;
   std::string file;  ///< the descriptor's name, for messages
-  std::string text;  ///< of the descriptor
+  std::string text;  ///< the content of the descriptor
   bool require_real_time = false;
   std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since
   /// Identifies the boot of the machine in which t0_monotonic_ns was read; it is valid until the next boot.
-  /// Empty: not known.
+  /// Empty if not known.
   std::string boot{};
   std::int64_t t0_monotonic_ns = 0;
   std::string safe{};  ///< the safe values of the cell's outputs, in the format of model::parse_safe()
@@ -30,7 +30,7 @@ class DeploymentStore {
  public:
   virtual ~DeploymentStore() = default;
   virtual Result<void> keep(const KeptDeployment& deployment) const = 0;
-  /// The saved deployment; none: nothing is saved. Fails if it is damaged or cannot be read.
+  /// Returns the saved deployment, or nothing if none is saved. Fails if it is damaged or cannot be read.
   [[nodiscard]] virtual Result<std::optional<KeptDeployment>> kept() const = 0;
   virtual Result<void> forget() const = 0;
 };
@@ -41,7 +41,8 @@ class FaultMemory {
   virtual ~FaultMemory() = default;
   /// Gives the event its number and keeps it.
   virtual void append(model::Fault& fault) = 0;
-  /// Tries again to use a file that failed. True if the file is in use again, with all events in memory.
+  /// Tries again to use a file that failed. Returns true if the file is in use again and contains all events
+  /// that are in memory.
   virtual bool reopen() = 0;
   /// Waits until all events are on disk.
   virtual void sync() const = 0;
@@ -51,7 +52,7 @@ class FaultMemory {
   /// Number of events that were not valid when the file was read.
   [[nodiscard]] virtual std::uint64_t damaged() const noexcept = 0;
   [[nodiscard]] virtual const Problems& problems() const noexcept = 0;
-  /// The path of the file; empty: the events are only in memory.
+  /// The path of the file; empty if the events are only in memory.
   [[nodiscard]] virtual const std::string& file() const noexcept = 0;
 
  protected:

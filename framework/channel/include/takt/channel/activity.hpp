@@ -22,22 +22,25 @@ enum class Doing : std::uint32_t {
 /// "run()", "initialize()", ...
 const char* to_text(Doing doing) noexcept;
 
-/// Written by one thread and read by the supervisor, in shared memory. All zero means "nothing".
+/// What one thread is doing. The thread writes it into shared memory, and the supervisor reads it. All zero
+/// means "nothing".
 struct Activity {
-  std::atomic<std::uint32_t> module;  ///< index of the module, + 1; 0: none
+  std::atomic<std::uint32_t> module;  ///< index of the module, plus 1; 0: no module
   std::atomic<Doing> doing;
   std::atomic<std::int64_t> since_ns;  ///< monotonic clock
   std::atomic<std::int32_t> thread;
 
-  /// Real-time. Writes `since_ns` first, so that a reader never sees a new module with an old time.
+  /// Records that this thread enters a hook of module `index`. Writes `since_ns` first, so that a reader
+  /// never sees a new module with an old time. A real-time thread may call it.
   void begin(std::uint32_t index, Doing what, std::int64_t now_ns) noexcept {
     since_ns.store(now_ns, std::memory_order_relaxed);
     doing.store(what, std::memory_order_relaxed);
     module.store(index + 1, std::memory_order_release);  // SYNC: activity
   }
-  /// Like begin(), for a thread that checks afterwards whether the module is in the tables. Either the node,
-  /// when it takes the module out, sees this activity, or this thread sees that the module is out. Rows do
-  /// not need this fence for each module, because they have one per row. SYNC: in tables
+  /// Does the same as begin(), for a thread that checks afterwards whether the module is still in the tables.
+  /// The stronger store ensures that the node sees this activity when it removes the module, or that this
+  /// thread sees the removal. Rows do not need it for each module, because they have such a store for each
+  /// row. SYNC: in tables
   void announce(std::uint32_t index, Doing what, std::int64_t now_ns) noexcept {
     begin(index, what, now_ns);
     module.store(index + 1, std::memory_order_seq_cst);

@@ -1,4 +1,4 @@
-// The flight record: what the threads of executors did last, in memory that the node keeps when their host
+// The flight record: the latest actions of the executor threads, in memory that the node keeps when the host
 // dies. Each thread has its own ring, in which the newest entry replaces the oldest. Reading a ring never
 // stops its writer.
 #pragma once
@@ -13,12 +13,13 @@ enum class FlightKind : std::uint8_t {
   row,       ///< a row began; value: its delay after the release, in ns
   run,       ///< a run() ended; value: its duration, in ns
   row_end,   ///< a row ended, including its conditions
-  released,  ///< a program was released, or was still in its body; value: a channel::Release
-  body,      ///< a program's body ended at the entry's time, recorded later; value: its duration, in ns
-  ready,     ///< a sporadic module became ready to run
-  write,     ///< a sample was written, in the run that ends next; value: index of the port in its module
-  event,     ///< an event was taken, in the run that ends next; value: index of the port in its module
-  swapped,   ///< from this row on, another instance of the module is called
+  released,  ///< the scheduler released a program, or found it still in its body; value: a channel::Release
+  body,   ///< a program's body ended at the time of this entry, which is recorded later; value: its duration,
+          ///< in ns
+  ready,  ///< a sporadic module became ready to run
+  write,  ///< the run that the next `run` entry ends wrote a sample; value: index of the port in its module
+  event,  ///< the run that the next `run` entry ends took an event; value: index of the port in its module
+  swapped,  ///< from this row on, the executor calls the new instance of a swapped module
 };
 inline constexpr std::uint8_t kFlightKinds = 10;
 
@@ -38,10 +39,11 @@ struct FlightSample {
 };
 
 struct alignas(64) FlightRing {
-  std::atomic<std::uint64_t> written;  ///< entries so far. SYNC: flight
+  std::atomic<std::uint64_t> written;  ///< number of entries written so far. SYNC: flight
 };
 
-/// Writes the entries of one thread; one writer per ring at a time. Without a ring it records nothing.
+/// Writes the entries of one thread into its ring. A ring has at most one writer at a time. A
+/// default-constructed writer has no ring and records nothing.
 class FlightWriter {
  public:
   /// The largest module index and the largest value that an entry holds; larger ones are recorded as these
@@ -57,7 +59,7 @@ class FlightWriter {
         mask_(capacity - 1),
         written_(ring.written.load(std::memory_order_relaxed)) {}
 
-  /// Real-time.
+  /// Adds an entry, which replaces the oldest one in a full ring. A real-time thread may call it.
   void add(FlightKind kind, std::int64_t time_ns, std::uint32_t module = 0, std::int64_t value = 0) noexcept {
     if (ring_ == nullptr) return;
     FlightEntry& entry = entries_[written_ & mask_];

@@ -25,17 +25,19 @@ class FlightRecord {
   static constexpr std::size_t of_sporadic(std::size_t executor) noexcept { return 2 * executor + 1; }
 
   FlightRecord() = default;
-  /// `capacities`: the entries that each ring holds, a power of two; 0 for a ring that is never written.
+  /// `capacities`: for each ring the number of its entries, a power of two, or 0 if the ring is never
+  /// written.
   static Result<FlightRecord> create(const std::vector<std::uint64_t>& capacities);
   /// Fails if another version of Takt created the memory.
   static Result<FlightRecord> attach(os::Fd fd);
 
   [[nodiscard]] std::size_t rings() const noexcept { return places_.size(); }
   [[nodiscard]] std::uint64_t capacity(std::size_t ring) const noexcept { return places_[ring].capacity; }
-  /// A writer that continues after the existing entries. Records nothing if the ring has no entries or
-  /// does not exist.
+  /// Returns a writer that appends to the existing entries. The writer records nothing if the ring has
+  /// capacity 0 or does not exist.
   [[nodiscard]] FlightWriter writer(std::size_t ring) const noexcept;
-  /// Copies a ring, even while its writer continues. Any process may call it. Not real-time: allocates.
+  /// Copies a ring, even while its writer continues. Any process may call it. It allocates memory, so
+  /// real-time threads must not call it.
   [[nodiscard]] FlightCopy copy(std::size_t ring) const;
   [[nodiscard]] const os::Fd& fd() const noexcept { return memory_.fd(); }
 
@@ -46,7 +48,8 @@ class FlightRecord {
   };
   [[nodiscard]] FlightRing& ring(std::size_t index) const noexcept;
   [[nodiscard]] FlightEntry* entries(std::size_t index) const noexcept;
-  /// The places of rings of these capacities in the memory. The last place is the end of the rings.
+  /// Returns where each ring starts in the memory, if the rings have these capacities. The last element is
+  /// the end of the last ring.
   static std::vector<Place> places_of(const std::vector<std::uint64_t>& capacities);
 
   os::SharedMemory memory_;

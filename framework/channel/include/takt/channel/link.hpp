@@ -1,16 +1,17 @@
-// A link: the shared memory of one connection, through which samples get from one writer to one reader,
-// between two threads or two processes.
+// A link: the shared memory of one connection. It passes samples from one writer to one reader, in different
+// threads or processes.
 //
-// Both sides write to a queue that drops its oldest sample when it is full, and a process that holds a lock
-// could be killed. So there is no lock. Every sample is in a buffer, and the sides pass only buffer numbers.
-// There are depth + 2 buffers: one in each slot, one private to the writer, and one private to the reader.
-// The writer fills its own buffer and exchanges it for the one in the next slot. The reader exchanges its own
-// buffer for the oldest full one. Only the side that has a buffer's number accesses the buffer, so no sample
-// is ever seen half written. With depth 1 the link holds the latest value.
+// When the queue is full, the writer drops the oldest sample, so both sides change the queue. A process could
+// be killed while it holds a lock, so a link uses no lock. Every sample is in a buffer, and the sides pass
+// each other only buffer numbers. There are depth + 2 buffers: one in each slot, one private to the writer,
+// and one private to the reader. The writer fills its own buffer and exchanges it for the one in the next
+// slot. The reader exchanges its own buffer for the oldest full one. Only the side that has a buffer's number
+// accesses the buffer, so the reader never sees a half-written sample. With depth 1 the link holds the latest
+// value.
 //
-// Each side states which buffer it has, and which buffer it is about to take for which sample. If a side dies
-// during the exchange, its successor finds from these words, in a few steps, which buffer the dead side had.
-// The other side may continue meanwhile.
+// Each side announces which buffer it has, and which buffer it is about to take for which sample. If a side
+// dies during an exchange, its successor finds from these announcements, in a few steps, which buffer the
+// dead side had. The other side may continue meanwhile.
 #pragma once
 
 #include <algorithm>
@@ -24,11 +25,11 @@
 
 namespace takt::channel {
 
-/// What comes with the payload of a sample.
+/// The metadata of a sample.
 struct SampleInfo {
   std::uint64_t sequence = 0;  ///< number of the sample; the writer of the link counts from 1 without gaps
   std::int64_t stamp_ns = 0;   ///< monotonic time at which the run() that wrote the sample began
-  std::uint32_t size = 0;      ///< bytes of the payload
+  std::uint32_t size = 0;      ///< size of the payload, in bytes
   std::int64_t valid_ns = 0;   ///< monotonic time from which the sample may be read; 0: at once
 };
 
@@ -58,40 +59,44 @@ inline constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 /// The start of a link's memory; slots, sample infos and payloads follow. Nothing in it is a pointer.
-/// `Atomic` is std::atomic, except in a test that takes control between any two steps.
+/// `Atomic` is std::atomic, except in a test that interrupts the code between any two accesses.
 template <template <class> class Atomic>
 struct alignas(64) BasicLinkBlock {
   static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0004;  // "link", layout 4
 
-  // Written before the link is used.
+  // format() and the node set these fields before the link is used.
   std::uint64_t magic;
-  std::uint32_t depth;       ///< 1 to 65536; 1: the latest value
-  std::uint32_t stride;      ///< bytes reserved for one payload, a multiple of 64; 0: payloads are elsewhere
-  std::uint32_t is_queue;    ///< samples that are overwritten before they were read count as dropped
-  std::uint32_t wake_bits;   ///< bits of the wake word to set when a sample was written; 0: no reader sleeps
-  std::int64_t deadline_ns;  ///< a value older than this is stale; 0: never
+  std::uint32_t depth;      ///< number of slots, 1 to 65536; 1: the link holds only the latest value
+  std::uint32_t stride;     ///< bytes reserved for one payload, a multiple of 64; 0: payloads are elsewhere
+  std::uint32_t is_queue;   ///< 1: a sample that is overwritten before it was read counts as dropped
+  std::uint32_t wake_bits;  ///< the bits of the wake word that wake the reader after a sample was written; 0:
+                            ///< the reader does not sleep
+  std::int64_t deadline_ns;       ///< a value older than this is stale; 0: never
   Atomic<std::uint32_t> enabled;  ///< 0: writers skip this link, because nobody reads it. Set by the node.
   std::uint32_t safe_room;        ///< bytes reserved for a safe value; 0: this link has none
-  /// Of a link with room for a safe value: readers do not get samples with a lower number. kNobody while the
-  /// writer does not execute. Set by the node of the reader. SYNC: trusted
+  /// In a link with a safe value: the lowest number of a sample that the reader may get, or kNobody while the
+  /// writer does not execute. The reader's node sets it. SYNC: trusted
   Atomic<std::uint64_t> trusted_from;
   Atomic<std::uint32_t> safe_size;  ///< bytes of the safe value; 0: not known yet. SYNC: safe value
 
-  // Written by the writer.
-  alignas(64) Atomic<std::uint64_t> written;  ///< samples so far
+  // The writer writes these fields.
+  alignas(64) Atomic<std::uint64_t> written;  ///< number of samples written so far
   Atomic<std::int64_t> newest_ns;             ///< stamp of the last sample; 0: none yet
   Atomic<std::uint64_t> overwritten;          ///< samples that were overwritten before they were read
-  Atomic<std::uint64_t> unfit;         ///< values that were not written because they do not fit their type
-  Atomic<std::uint32_t> writer_has;    ///< the writer's buffer. SYNC: hands over
-  Atomic<std::uint64_t> writer_takes;  ///< a SlotWord: the buffer that the writer takes for which sample
+  Atomic<std::uint64_t> unfit;       ///< values that were not written because they do not fit their type
+  Atomic<std::uint32_t> writer_has;  ///< number of the writer's buffer. SYNC: hands over
+  Atomic<std::uint64_t>
+      writer_takes;  ///< a SlotWord: which buffer the writer is taking, and for which sample
 
-  // Written by the reader.
+  // The reader writes these fields.
   alignas(64) Atomic<std::uint64_t> taken;
-  Atomic<std::uint64_t> refused;  ///< taken, but the bytes were not a valid sample of the type
-  Atomic<std::uint64_t> late;     ///< how often the newest value was older than the deadline
+  Atomic<std::uint64_t>
+      refused;                 ///< samples that the reader took, but whose bytes are not valid for the type
+  Atomic<std::uint64_t> late;  ///< how often the newest value was older than the deadline
   Atomic<std::uint64_t>
       reader_has;  ///< a SlotWord: the reader's buffer, and its last finished sample. SYNC: hands over
-  Atomic<std::uint64_t> reader_takes;  ///< a SlotWord: the sample that the reader takes, and its buffer
+  Atomic<std::uint64_t>
+      reader_takes;  ///< a SlotWord: the sample that the reader is taking, and the sample's buffer
 };
 
 /// A sample's info in the memory of a link. Two members are read while the writer may write them: `sequence`
@@ -155,12 +160,12 @@ class BasicLink {
 
   struct Options {
     std::uint32_t depth = 1;
-    std::uint32_t payload = 0;  ///< most bytes of one sample; 0: the payloads are elsewhere
+    std::uint32_t payload = 0;  ///< maximum size of one sample, in bytes; 0: the payloads are elsewhere
     bool is_queue = false;
     std::uint32_t wake_bits = 0;
     std::int64_t deadline_ns = 0;
     bool enabled = true;
-    std::uint32_t safe = 0;  ///< most bytes of a safe value; 0: the link has none
+    std::uint32_t safe = 0;  ///< maximum size of the safe value, in bytes; 0: the link has none
   };
   static constexpr Layout layout(const Options& options) noexcept {
     return {options.depth, (options.payload + 63) / 64 * 64, options.safe};
@@ -172,7 +177,7 @@ class BasicLink {
     return block->magic == Block::kMagic && block->depth >= 1 && block->depth <= kMaxLinkDepth &&
            block->stride % 64 == 0 && size >= Layout{block->depth, block->stride, block->safe_room}.size();
   }
-  /// Makes a link of memory that is not in use. The former content is lost.
+  /// Turns unused memory into an empty link. The memory's former content is lost.
   static void format(std::byte* memory, const Options& options) noexcept {
     TAKT_CHECK(options.depth >= 1 && options.depth <= kMaxLinkDepth);
     auto* block = reinterpret_cast<Block*>(memory);
@@ -226,16 +231,16 @@ class BasicLink {
     return payloads_ + std::size_t{buffer} * layout_.stride();
   }
 
-  /// Whether the link has room for a safe value. The reader gets the safe value instead of samples that are
-  /// not trusted.
+  /// Whether the link can hold a safe value, which the reader then gets instead of samples that are not
+  /// trusted.
   [[nodiscard]] bool has_safe_place() const noexcept { return layout_.safe_room() != 0; }
   /// The safe value as CDR; empty while it is not known. SYNC: safe value
   [[nodiscard]] std::span<const std::byte> safe() const noexcept {
     const std::uint32_t size = block_->safe_size.load(std::memory_order_acquire);
     return {safe_, std::min(size, layout_.safe_room())};
   }
-  /// Sets the safe value, as CDR. The node calls it once. Ignores bytes that do not fit: they are not a value
-  /// of the type.
+  /// Sets the safe value, as CDR. The node calls it once. Ignores a value that is too large, because it
+  /// cannot be a value of the type.
   void give_safe(std::span<const std::byte> value) const noexcept {
     if (value.size() > layout_.safe_room()) return;
     std::copy(value.begin(), value.end(), safe_);
@@ -265,8 +270,8 @@ class BasicLink {
   std::byte* safe_ = nullptr;
 };
 
-/// The state of a side that no object serves at present: its buffer, and the last sample that it published or
-/// finished. The other side may be active meanwhile, or not be served either.
+/// The state of a link's writer or reader side while no LinkWriter or LinkReader uses that side: its buffer,
+/// and the last sample that it published or finished. The opposite side may be in use or unused.
 struct LinkPlace {
   std::uint32_t buffer = 0;
   std::uint64_t sequence = 0;
@@ -277,7 +282,8 @@ LinkPlace find_writer(const BasicLink<Atomic>& link) noexcept {
   constexpr auto acquire = std::memory_order_acquire;
   const std::uint64_t takes = link.block().writer_takes.load(acquire);
   const std::uint64_t sequence = SlotWord::sequence(takes);
-  // Only a writer changes the number in a slot, so the number tells whether the announced sample got there.
+  // Only a writer changes the number in a slot, so the number shows whether the announced sample was
+  // published.
   const bool published =
       sequence == 0 || SlotWord::sequence(link.slot(link.place_of(sequence)).load(acquire)) >= sequence;
   const LinkPlace found = published ? LinkPlace{SlotWord::index(takes), sequence}
@@ -297,8 +303,8 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
   const LinkPlace taken{wanted, sequence};
   if (!link.has_buffer(old) || !link.has_buffer(wanted)) return {};  // a program wrote out of bounds
   if (old == wanted) return not_taken;                               // the reader had finished its exchange
-  // The second attempt is enough: if the writer continued meanwhile, it used its buffer. The limit is for
-  // damaged memory.
+  // The second attempt always succeeds in intact memory: a writer that continued meanwhile has filled its
+  // buffer. The limit of 100 attempts guards against damaged memory.
   for (int attempt = 0; attempt < 100; ++attempt) {
     const std::uint64_t word = link.slot(link.place_of(sequence)).load(acquire);
     // One of the two buffers is in the slot, and the other is the reader's.
@@ -330,11 +336,12 @@ void drop_samples(const BasicLink<Atomic>& link) noexcept {
   link.block().newest_ns.store(0, order);
 }
 
-/// When an object begins to serve its side of a link: at once, or with attach(), because another object
-/// serves the side until then.
+/// When a writer or reader object takes over its side of a link: in its constructor, or later in attach()
+/// because another object uses the side until then.
 enum class Attach { now, later };
 
-/// The one writer of a link. Only one thread at a time may use it. Real-time.
+/// Writes samples into a link. A link has only one writer, and only one thread at a time may use it. A
+/// real-time thread may call every function.
 template <template <class> class Atomic>
 class BasicLinkWriter {
  public:
@@ -375,7 +382,8 @@ class BasicLinkWriter {
     auto& slot = link_.slot(place_);
     const std::uint64_t mine = SlotWord::make(true, sequence_, private_);
     std::uint64_t old = slot.load(std::memory_order_acquire);
-    // Two rounds at most: the reader empties a full slot, and never touches an empty one.
+    // This loop runs at most twice: meanwhile the reader may empty a full slot, but it never changes an empty
+    // one.
     do {
       if (!link_.has_buffer(SlotWord::index(old))) return;  // a program wrote out of bounds
       block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
@@ -398,7 +406,8 @@ class BasicLinkWriter {
   std::uint64_t sequence_ = 1;
 };
 
-/// The one reader of a link. Only one thread at a time may use it. Real-time.
+/// Reads samples from a link. A link has only one reader, and only one thread at a time may use it. A
+/// real-time thread may call every function.
 template <template <class> class Atomic>
 class BasicLinkReader {
  public:
@@ -450,7 +459,8 @@ class BasicLinkReader {
         if (link_.depth() > 1) continue;
       }
       if (!link_.has_buffer(SlotWord::index(word))) return false;
-      // This is the time of the wanted sample only if the word is still in the slot at the exchange.
+      // If the writer replaces the sample now, this may be the time of another sample. The slot's word has
+      // then changed, and the code below tries again.
       if (link_.head(SlotWord::index(word)).valid_ns.load(std::memory_order_acquire) > now_ns) {
         if (slot.load(std::memory_order_acquire) == word) return false;
         continue;
@@ -488,7 +498,7 @@ class BasicLinkReader {
 
   BasicLink<Atomic> link_;
   std::uint32_t private_ = 0;
-  mutable std::uint32_t place_ = 0;  // mutable for atomic_ref
+  mutable std::uint32_t place_ = 0;  // mutable, because atomic_ref needs an object that is not const
   std::uint64_t next_ = 1;
 };
 

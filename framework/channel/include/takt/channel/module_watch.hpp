@@ -11,7 +11,7 @@ namespace takt::channel {
 
 class ModuleWatch {
  public:
-  /// Constructs a watch without the library; it converts to false.
+  /// Constructs a watch that is not connected to the library; it converts to false.
   ModuleWatch() = default;
   /// Returns the watch of this process; it converts to false if there is no library. Fails if the process
   /// should be checked but the library was not loaded.
@@ -19,12 +19,13 @@ class ModuleWatch {
 
   explicit operator bool() const noexcept { return enter_ != nullptr; }
   /// From now on, violations of the calling thread count for `module`. Returns the former state of the
-  /// thread, for leave(). Call it only if the watch is true. Real-time, except for the first call on a
-  /// thread.
+  /// thread, for leave(). Call this only if `operator bool` returns true. A real-time thread may call it,
+  /// unless it is the thread's first call.
   std::uint64_t enter(std::uint32_t module, Doing hook) const noexcept {
     return enter_(module, static_cast<std::uint32_t>(hook));
   }
-  /// Restores the state that enter() returned. Call it only if the watch is true. Real-time.
+  /// Restores the state that enter() returned. Call this only if `operator bool` returns true. A real-time
+  /// thread may call it.
   void leave(std::uint64_t before) const noexcept { leave_(before); }
 
  private:

@@ -33,9 +33,11 @@ struct WakeWord {
   /// gateway needs a wake-up only if the bit is set. SYNC: gateway sleeps
   std::atomic<std::uint32_t> gateway_sleeps;
 
-  /// Adds the wake bits of a link to `pending`. Call it after publishing a sample on that link. Real-time.
+  /// Adds the wake bits of a link to `pending`. Call it after publishing a sample on that link. A real-time
+  /// thread may call it.
   void note(std::uint32_t wake_bits) noexcept;
-  /// Returns the pending bits and clears them. Costs one load if there are none. Real-time.
+  /// Returns the pending bits and clears them. Costs one load if there are none. A real-time thread may call
+  /// it.
   std::uint32_t take_pending() noexcept {
     return pending.load(std::memory_order_seq_cst) == 0 ? 0 : pending.exchange(0, std::memory_order_seq_cst);
   }
@@ -67,26 +69,28 @@ enum class ReleaseSlotPhase : std::uint32_t {
 struct alignas(64) ReleaseSlot {
   static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0006;  // layout 6
 
-  // Written by the node before the program starts.
+  // The node writes these fields before the program starts.
   std::uint64_t magic;
   Name name;
   ReleaseSlotKind kind;
   std::uint32_t wake_bit;
-  std::int64_t period_ns;      ///< between releases
-  std::int64_t offset_ns;      ///< from T0 to the first release
+  std::int64_t period_ns;      ///< time between two releases
+  std::int64_t offset_ns;      ///< time from T0 to the first release
   std::int64_t margin_cap_ns;  ///< the longest time that the program may spin before a release
   std::uint32_t lock_memory;
-  std::int64_t deadline_ns;      ///< of a sporadic program, from its release to its next wait; 0: none
-  std::uint32_t immediate;       ///< the program releases itself with begin(); the scheduler does not
-  std::int64_t interarrival_ns;  ///< of a program with `immediate`: the shortest time between two releases
-  std::uint32_t logical;         ///< timing="let": inputs as of the release, outputs at the period's end
-  std::uint32_t catch_up;        ///< releases that may be pending while the program is in its body; 0: none
+  std::int64_t deadline_ns;  ///< for a sporadic program: the time allowed from its release to its next wait;
+                             ///< 0: no deadline
+  std::uint32_t immediate;   ///< 1: the program releases itself with begin(); 0: the scheduler releases it
+  std::int64_t interarrival_ns;  ///< for a program with `immediate`: the shortest time between two releases
+  std::uint32_t logical;   ///< 1: timing="let": the program reads inputs as of its release, and its outputs
+                           ///< become valid at the period's end
+  std::uint32_t catch_up;  ///< how many releases may be pending while the program is in its body
 
-  // Written by the scheduler, or by the program if it releases itself.
-  alignas(
-      64) std::atomic<std::uint32_t> released;  ///< releases so far. SYNC: released, publishes the two below
-  /// The cycle number of each release, stored at the count of releases modulo 2. So the next release does not
-  /// disturb a reader of the last one.
+  // The scheduler writes these fields, or the program if it releases itself.
+  alignas(64) std::atomic<std::uint32_t> released;  ///< number of releases so far. SYNC: released, publishes
+                                                    ///< `cycles` and `release_ns`
+  /// The cycle numbers of the last two releases. Release number n is at index n modulo 2, so a new release
+  /// does not overwrite the number that the program is reading.
   std::array<std::atomic<std::uint64_t>, 2> cycles;
   std::atomic<std::int64_t> release_ns;  ///< instant of the last release
   std::atomic<std::uint32_t> end;        ///< written by the node: the program must end
@@ -94,27 +98,27 @@ struct alignas(64) ReleaseSlot {
                                          ///< may release itself. SYNC: open
   std::atomic<std::int64_t> t0_ns;       ///< written by the node: T0 of the rows
 
-  // Written by the program.
-  alignas(64) std::atomic<std::uint32_t> done;  ///< count of the last finished release. SYNC: done
+  // The program writes these fields.
+  alignas(64) std::atomic<std::uint32_t> done;  ///< number of the last finished release. SYNC: done
   std::atomic<std::uint32_t> sleeping;          ///< the program sleeps or is about to. SYNC: sleeping
   std::atomic<ReleaseSlotPhase> phase;
   std::atomic<std::int32_t> thread;
-  std::atomic<std::int64_t> body_began_ns;  ///< of the last body that ended; written before `done`
+  std::atomic<std::int64_t> body_began_ns;  ///< when the last ended body began; written before `done`
   std::atomic<std::int64_t> body_ended_ns;
   std::atomic<std::int64_t> margin_ns;
   std::atomic<std::uint64_t>
-      late;  ///< bodies that ended after the deadline. SYNC: late, publishes late_by_ns
+      late;  ///< number of bodies that ended after the deadline. SYNC: late, publishes late_by_ns
   std::atomic<std::int64_t> late_by_ns;  ///< how long after its deadline the last late body ended
-  std::atomic<std::uint64_t> begun;      ///< bodies for which the program released itself
+  std::atomic<std::uint64_t> begun;      ///< number of bodies for which the program released itself
   Statistics jitter;                     ///< Eq. (1), P_n - T_n, with T_n measured by the program
   Statistics run;
-  SavedState saved;  ///< written after each body; by the node while there is no program
+  SavedState saved;  ///< the program writes it after each body, the node while there is no program
 
-  /// Whether the program was released and is not done.
+  /// Whether the program was released and has not finished this release.
   [[nodiscard]] bool in_body() const noexcept {
     return done.load(std::memory_order_acquire) != released.load(std::memory_order_seq_cst);
   }
-  /// The cycle number of the last release, which has this count.
+  /// Returns the cycle number of the release with number `count`, which must be the last one.
   [[nodiscard]] std::uint64_t cycle(std::uint32_t count) const noexcept {
     return cycles[count % 2].load(std::memory_order_acquire);
   }
@@ -126,13 +130,14 @@ struct alignas(64) ReleaseSlot {
 
 enum class Release {
   given,    ///< the program is awake and sees the release
-  wake,     ///< the program sleeps: wake its bit of the wake word
+  wake,     ///< the program sleeps: the caller must wake its bit of the wake word
   pending,  ///< the program is still in its body and serves this release afterwards
-  busy,     ///< the program is not there or still in its body, and one release is dropped: this one, or, with
-            ///< catch_up, the oldest pending one
+  busy,     ///< the program is absent or still in its body, so one release is dropped: this one, or with
+            ///< catch_up the oldest pending one
 };
 
-/// Releases the program. The scheduler calls it. Real-time: no lock, no system call.
+/// Releases the program. The scheduler calls it. It takes no lock and makes no system call, so it is safe in
+/// a real-time thread.
 inline Release release(ReleaseSlot& slot, std::uint64_t cycle, std::int64_t release_ns) noexcept {
   const std::uint32_t count = slot.released.load(std::memory_order_relaxed) + 1;
   if (!slot.waiting()) {
@@ -151,30 +156,31 @@ inline Release release(ReleaseSlot& slot, std::uint64_t cycle, std::int64_t rele
   }
   slot.cycles[count % 2].store(cycle, std::memory_order_relaxed);
   slot.release_ns.store(release_ns, std::memory_order_relaxed);
-  // SYNC: released and sleeping. Each side stores its own word and then loads the other's, in one total
-  // order. So either the scheduler sees that the program sleeps, or the program sees the release before it
-  // sleeps.
+  // SYNC: released and sleeping. The scheduler and the program each store their own word and then load the
+  // word of the other, in one total order. So either the scheduler sees that the program sleeps, or the
+  // program sees the release before it sleeps.
   slot.released.store(count, std::memory_order_seq_cst);
   return slot.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::given;
 }
 
-/// A release, as the program takes it from its slot.
+/// A release that the program took from its slot.
 struct Taken {
   std::uint32_t count = 0;
   std::uint64_t cycle = 0;
   std::int64_t release_ns = 0;
 };
 
-/// The next release after `done`, which must exist. Releases that became pending during the body come one by
-/// one, the oldest first. Their cycle numbers are consecutive, and the last one is that of the newest
-/// release. The program calls it. Real-time.
+/// Returns the next release after `done`; there must be one. Releases that became pending during the body are
+/// returned one by one, the oldest first. Their cycle numbers are consecutive and end with that of the newest
+/// release. The program calls this function. A real-time thread may call it.
 inline Taken take(const ReleaseSlot& slot, std::uint32_t done) noexcept {
   while (true) {
     const std::uint32_t count = slot.released.load(std::memory_order_acquire);  // SYNC: released
     const std::uint64_t newest = slot.cycle(count);
     const std::int64_t release_ns = slot.release_ns.load(std::memory_order_acquire);
-    const std::uint64_t later = count - done - 1;                          // releases after the taken one
-    if (slot.released.load(std::memory_order_relaxed) != count) continue;  // another one came: look again
+    const std::uint64_t later = count - done - 1;  // number of releases after the taken one
+    if (slot.released.load(std::memory_order_relaxed) != count)
+      continue;  // another release arrived: try again
     if (slot.catch_up == 0) return {count, newest, release_ns};
     const std::uint64_t cycle = newest - later;
     return {done + 1, cycle,
@@ -184,21 +190,22 @@ inline Taken take(const ReleaseSlot& slot, std::uint32_t done) noexcept {
 }
 
 /// Releases the calling program at `now_ns`. A program with immediate dispatch calls it when an event has
-/// arrived and the program's interarrival time has passed. Returns false if the module is not in the tables;
-/// then there was no release. Real-time.
+/// arrived and the program's interarrival time has passed. Returns false, without a release, if the module is
+/// not in the tables. A real-time thread may call it.
 inline bool begin(ReleaseSlot& slot, std::int64_t now_ns) noexcept {
   constexpr auto relaxed = std::memory_order_relaxed;
   if (slot.open.load(relaxed) == 0) return false;
-  // The cycle number is that of the next row, as if that row had released the program.
+  // The release gets the cycle number of the next row, as if that row had released the program.
   const std::int64_t since_t0 = now_ns - slot.t0_ns.load(relaxed);
   const bool rows = slot.period_ns > 0 && since_t0 > 0;
   const std::int64_t row = rows ? (since_t0 + slot.period_ns - 1) / slot.period_ns : 0;
   const std::uint32_t mine = slot.released.load(relaxed) + 1;
   slot.cycles[mine % 2].store(static_cast<std::uint64_t>(row), relaxed);
   slot.release_ns.store(now_ns, relaxed);
-  // SYNC: open. The program states that it is in its body and then checks whether it may be. The node, when
-  // it takes the module out, closes the slot and then checks whether the program waits. These steps have one
-  // total order, so at least one side sees the other.
+  // SYNC: open. The program announces that it is in its body, and then checks whether the slot is still open.
+  // A node that removes the module closes the slot, and then checks whether the program waits. These steps
+  // have one total order, so the program sees that the slot is closed, or the node sees that the program is
+  // in its body.
   slot.released.store(mine, std::memory_order_seq_cst);
   if (slot.open.load(std::memory_order_seq_cst) == 0) {
     slot.done.store(mine, std::memory_order_release);
@@ -208,8 +215,8 @@ inline bool begin(ReleaseSlot& slot, std::int64_t now_ns) noexcept {
   return true;
 }
 
-/// The first instant at which a program with immediate dispatch may release itself again, in ns of the
-/// monotonic clock. The program calls it.
+/// Returns the first instant at which a program with immediate dispatch may release itself again, in ns of
+/// the monotonic clock. The program calls this function.
 inline std::int64_t not_before_ns(const ReleaseSlot& slot) noexcept {
   if (slot.begun.load(std::memory_order_relaxed) == 0) return 0;
   return slot.release_ns.load(std::memory_order_relaxed) + slot.interarrival_ns;

@@ -1,6 +1,7 @@
-// Takes a module out of the tables while rows continue, and detects when the removal is complete: no row, no
-// sporadic run and no body that began before still runs the module's code. Neither side waits for the other.
-// The real-time side only announces what it is about to do, and then checks whether it still may.
+// Removes a module from the tables while the executor continues to walk rows, and detects when the removal is
+// complete. Then no row, sporadic run or body that began before the removal still runs the module's code.
+// Neither the node nor the executor waits for the other. The executor only announces what it is about to do,
+// and then checks whether the module is still in the tables.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +11,13 @@
 
 namespace takt::channel {
 
-/// All shared memory in which a module's code can be seen to run.
+/// All shared memory that shows whether a module's code is running.
 struct Place {
-  std::uint32_t index = 0;                  ///< of the module on its device
-  ModuleBlock* block = nullptr;             ///< never null
-  const ExecutorBlock* executor = nullptr;  ///< whose tables the module is in; null: a non-real-time module
-  ReleaseSlot* slot = nullptr;              ///< of a process module with releases; else null
+  std::uint32_t index = 0;       ///< index of the module on its device
+  ModuleBlock* block = nullptr;  ///< never null
+  const ExecutorBlock* executor =
+      nullptr;  ///< the executor whose tables contain the module; null: a non-real-time module
+  ReleaseSlot* slot = nullptr;  ///< the release slot of a process module; null for other modules
 };
 
 /// Puts the module into the tables. The node calls it.
@@ -29,17 +31,18 @@ inline void put_in(const Place& place) noexcept {
 /// The removal of one module from the tables. The node uses it.
 class Removal {
  public:
-  /// Takes the module out of the tables. Also correct if the executor has done so already.
+  /// Takes the module out of the tables. The executor may have done so already.
   void begin(const Place& place) noexcept {
     place.block->in_tables.store(0, std::memory_order_seq_cst);
     if (place.slot != nullptr) place.slot->open.store(0, std::memory_order_seq_cst);
-    // SYNC: in tables, row. A row states that it is walked and then checks whether the module is in the
-    // tables; here the order is reversed. Because of the total order, this load sees every row that still saw
-    // the module in the tables.
+    // SYNC: in tables, row. The executor first announces that it walks a row, and then checks whether the
+    // module is in the tables. This function first removes the module, and then checks whether a row is
+    // walked. Because of the total order, this load sees every row that still found the module in the tables.
     row_ = place.executor == nullptr ? 0 : place.executor->row_sequence.load(std::memory_order_seq_cst);
   }
 
-  /// Whether the removal is complete. If so, the caller also sees everything that the module's code wrote.
+  /// Returns whether the removal is complete. If it is, the caller also sees everything that the module's
+  /// code wrote.
   [[nodiscard]] bool over(const Place& place) const noexcept {
     constexpr auto order = std::memory_order_seq_cst;
     const auto runs_it = [&place](const Activity& activity) {
@@ -55,7 +58,7 @@ class Removal {
   }
 
  private:
-  std::uint64_t row_ = 0;  // row_sequence at begin(); odd: a row was being walked
+  std::uint64_t row_ = 0;  // value of row_sequence at begin(); odd: the executor was walking a row
 };
 
 }  // namespace takt::channel

@@ -1,7 +1,7 @@
 // The state that a module saves after each run(), in memory that outlives the module's process.
 //
-// A process that dies while it saves must not damage what it saved before. So there are two places, written
-// in turn, and a number that states which of them is complete. The number is stored last.
+// A process that dies while it saves must not damage what it saved before. So there are two copies, written
+// in turn, and a number that states which copy is complete. The number is written last.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace takt::channel {
 
-/// The most bytes that one module may save.
+/// The maximum number of bytes that one module may save.
 inline constexpr std::uint32_t kMostSaved = 4096;
 
 /// The saved state of one module. All zero if nothing was saved. One writer at a time.
@@ -23,14 +23,14 @@ struct alignas(64) SavedState {
   struct Place {
     std::uint64_t number;   ///< how often the module has saved, including this time
     std::int64_t saved_ns;  ///< monotonic time of the run() after which the module saved
-    std::uint32_t version;  ///< of the data, as the author of the module counts
-    std::uint32_t size;     ///< bytes, at most kMostSaved
+    std::uint32_t version;  ///< version of the data's layout, which the module's author chooses
+    std::uint32_t size;     ///< number of saved bytes, at most kMostSaved
     alignas(8) std::array<std::byte, kMostSaved> bytes;
   };
-  std::atomic<std::uint64_t> whole;  ///< the newest number whose place is complete; 0: none. SYNC: saved
+  std::atomic<std::uint64_t> whole;  ///< `number` of the newest complete copy; 0: none. SYNC: saved
   std::array<Place, 2> places;
 
-  /// Saves `size` bytes, at most kMostSaved. Real-time.
+  /// Saves `size` bytes, at most kMostSaved. A real-time thread may call it.
   void save(const void* from, std::uint32_t size, std::uint32_t version, std::int64_t now_ns) noexcept {
     const std::uint64_t number = whole.load(std::memory_order_relaxed) + 1;
     Place& place = places[number % 2];
@@ -45,15 +45,16 @@ struct alignas(64) SavedState {
     }
     whole.store(number, std::memory_order_release);  // SYNC: saved
   }
-  /// What was saved last; null if there is nothing, or if it is damaged. Call it only while nothing is being
-  /// saved.
+  /// Returns the state that was saved last, or null if nothing was saved or the state is damaged. Call it
+  /// only while the module is not saving.
   [[nodiscard]] const Place* saved() const noexcept {
     const std::uint64_t number = whole.load(std::memory_order_acquire);  // SYNC: saved
     const Place& place = places[number % 2];
     return number == 0 || place.number != number || place.size > kMostSaved ? nullptr : &place;
   }
-  /// A copy of what was saved last. The copy is correct even if the module saves meanwhile. None if nothing
-  /// was saved, if the saved state is damaged, or if the module saved during each of three attempts.
+  /// Returns a copy of the state that was saved last. The copy is correct even if the module saves meanwhile.
+  /// Returns nothing if no state was saved, if the saved state is damaged, or if the module saved during each
+  /// of three attempts.
   [[nodiscard]] std::optional<Place> copy() noexcept {
     for (int attempt = 0; attempt < 3; ++attempt) {
       const std::uint64_t number = whole.load(std::memory_order_acquire);  // SYNC: saved
@@ -67,26 +68,28 @@ struct alignas(64) SavedState {
       if (copied->size > kMostSaved) return std::nullopt;
       for (std::uint32_t at = 0; at < copied->size; at += kWord)
         word_of(*copied, at) = get(word_of(place, at));
-      // The next save goes to the other place. The one after that returns to this place, and may have begun
-      // as soon as the next save is complete.
+      // The next save writes the other copy. The save after it overwrites this one, and can begin as soon as
+      // `whole` shows the next save.
       if (whole.load(std::memory_order_relaxed) == number)
         return copied->number == number ? copied : std::nullopt;
     }
     return std::nullopt;
   }
-  /// Discards what was saved. Call it only while nothing is being saved.
+  /// Discards the saved state. Call it only while the module is not saving.
   void clear() noexcept { whole.store(0, std::memory_order_release); }
 
  private:
   static constexpr std::uint32_t kWord = sizeof(std::uint64_t);
-  // The module may save during a copy. The copy then notices that and begins again.
+  // These accesses are atomic, because the module may save while copy() reads. copy() then notices the save
+  // and begins again.
   template <class T>
   static void put(T& to, T value) noexcept {
     std::atomic_ref{to}.store(value, std::memory_order_relaxed);
   }
   template <class T>
   static T get(T& from) noexcept {
-    return std::atomic_ref{from}.load(std::memory_order_acquire);  // before `whole` is read again
+    return std::atomic_ref{from}.load(
+        std::memory_order_acquire);  // ordered before the second load of `whole`
   }
   static std::uint64_t& word_of(Place& place, std::uint32_t at) noexcept {
     return *reinterpret_cast<std::uint64_t*>(place.bytes.data() + at);

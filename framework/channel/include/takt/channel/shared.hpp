@@ -16,7 +16,7 @@ template <class T>
 class Shared {
  public:
   Shared() = default;
-  /// `name` is only for people, who see it in /proc/PID/maps.
+  /// `name` only identifies the memory in /proc/PID/maps, for people.
   static Result<Shared> create(const std::string& name, std::size_t count = 1) {
     auto memory = os::SharedMemory::create(name, count * sizeof(T));
     if (!memory) return memory.problems();
@@ -26,9 +26,9 @@ class Shared {
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return memory_.data() != nullptr; }
-  /// Call it only if there is memory; `index` must be below the count.
+  /// Requires that this object has memory and that `index` is below the count.
   [[nodiscard]] T& operator[](std::size_t index) const noexcept { return data()[index]; }
-  /// Null if there is no memory.
+  /// Returns null if this object has no memory.
   [[nodiscard]] T* data() const noexcept {
     std::byte* const bytes = memory_.data();
     return bytes == nullptr ? nullptr : std::launder(reinterpret_cast<T*>(bytes));

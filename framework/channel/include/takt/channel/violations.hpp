@@ -1,5 +1,6 @@
 // The shared memory in which libtakt_check records real-time violations of modules. The thread that violates
-// the rules writes it, in the host or in a program, and the node reads it. All zero is its initial state.
+// the rules, in the host or in a program, writes the violation, and the node reads it. All zero is its
+// initial state.
 #pragma once
 
 #include <array>
@@ -26,14 +27,15 @@ const char* to_text(ViolationKind kind) noexcept;
 
 /// A place in a loaded object (program or library). Addresses are those in the object's file.
 struct CodePlace {
-  std::uint32_t object = 0;  ///< index of the object in the log, + 1; 0: unknown
+  std::uint32_t object = 0;  ///< index of the object in the log, plus 1; 0: unknown
   std::uint64_t address = 0;
 };
 
 struct Violation {
   static constexpr std::size_t kFrames = 24;
 
-  std::atomic<std::uint64_t> key;    ///< equal for equal violations; 0: free. SYNC: violation claimed
+  std::atomic<std::uint64_t> key;    ///< the same for violations of the same kind and place; 0: this entry is
+                                     ///< free. SYNC: violation claimed
   std::atomic<std::uint32_t> ready;  ///< SYNC: violation, publishes everything below except `count`
   std::uint32_t module;              ///< index of the module, or of an executor, see kOfExecutor
   Doing hook;
@@ -53,15 +55,16 @@ struct LoadedObject {
 struct ViolationLog {
   static constexpr std::size_t kViolations = 256;
   static constexpr std::size_t kObjects = 64;
-  /// Bits of `blind`.
+  /// The bits of `blind`, each for something that this machine cannot observe.
   static constexpr std::uint32_t kNoSystemCalls = 1;  ///< this kernel does not report system calls
   static constexpr std::uint32_t kNoFaultPlaces = 2;  ///< page faults are counted, but not located
 
   std::array<Violation, kViolations> violations;
   std::array<LoadedObject, kObjects> objects;
   std::atomic<std::uint32_t> claimed_objects;
-  std::atomic<std::uint64_t> dropped;  ///< violations for which there was no room
-  std::atomic<std::uint32_t> blind;    ///< what cannot be observed on this machine
+  std::atomic<std::uint64_t> dropped;  ///< violations that were not recorded, because the log was full
+  std::atomic<std::uint32_t>
+      blind;  ///< what this machine cannot observe; see kNoSystemCalls and kNoFaultPlaces
 };
 
 }  // namespace takt::channel

@@ -18,8 +18,8 @@ struct Connection {
   int domain = 0;
 };
 
-/// Connects to the domain. `cell` is the descriptor that the caller works with, or null. Its domain and
-/// discovery are used if `network` sets none.
+/// Connects to the domain. `cell` is the descriptor that the caller works with, or null. If `network` sets no
+/// domain or discovery, those of `cell` are used.
 Result<Connection> connect(const Network& network, const model::Cell* cell = nullptr,
                            Observer::Options options = {});
 

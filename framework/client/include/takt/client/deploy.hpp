@@ -16,62 +16,66 @@
 
 namespace takt::client {
 
-/// What one device answered after its deployment had ended.
+/// The answer of one device to the command to end its deployment.
 struct Undeployed {
   std::string device;
-  Problems problems{};                  ///< why it could not be undeployed; empty if it was
-  nlohmann::ordered_json report{};      ///< its object of the status JSON; null if it sent none
+  Problems problems{};                  ///< why the deployment could not be ended; empty if it has ended
+  nlohmann::ordered_json report{};      ///< the device's object in the status JSON; null if the device sent
+                                        ///< none
   std::vector<std::string> failures{};  ///< why the device or its modules failed
 };
 
 struct DeployOptions {
   /// How long to search for the devices.
   Nanoseconds discovery = std::chrono::seconds{5};
-  /// The time from the moment when all devices are ready to T0, the instant at which they start.
+  /// The time between the moment when all devices are ready and T0, the instant at which they start.
   Nanoseconds lead = std::chrono::milliseconds{1000};
-  /// The time before T0 at which each device must have confirmed T0. If a device has not, the deployment is
-  /// undone on all devices in the time that remains.
+  /// Each device must confirm T0 at least this long before T0. If a device does not, the remaining time is
+  /// used to undo the deployment on all devices.
   Nanoseconds margin = std::chrono::milliseconds{200};
   bool require_real_time = false;
-  /// The process ids of the nodes of devices for which only this node may answer, because takt run started
-  /// it.
+  /// The process id of the node for each device whose node takt run started. No other node may answer for
+  /// such a device.
   std::map<std::string, std::int32_t> process_ids;
-  /// Called with one line for the user, which says what deploy() waits for.
+  /// Called with one line for the user, which says what deploy() is doing.
   std::function<void(const std::string&)> progress;
-  /// Polled until deploy() is done. If it returns true, the deployment is undone.
+  /// Called repeatedly until deploy() is done. If it returns true, deploy() undoes the deployment.
   std::function<bool()> cancelled;
-  /// Receives the answer of each device when a failed deployment was undone.
+  /// If not null, receives the answer of each device when deploy() has undone a failed deployment.
   std::vector<Undeployed>* undone = nullptr;
 };
 
 struct Deployed {
   std::string id;          ///< id of the deployment
-  std::int64_t t0_ns = 0;  ///< start of the deployment, on the wall clock
+  std::int64_t t0_ns = 0;  ///< T0, at which the devices start; wall clock, in ns since 1970
 };
 
-/// Finds the devices, prepares them all at the same time, and starts them all at one instant. If this fails,
-/// undoes the deployment and returns the problems of all devices. `text` is the descriptor that `cell` was
-/// read from.
+/// Finds the devices, prepares all of them in parallel, and starts all of them at the same instant. If a
+/// device fails, undoes the deployment and returns the problems of all devices. `text` is the descriptor that
+/// `cell` was read from.
 Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
                         const DeployOptions& options);
 
-/// Which devices to undeploy, and which deployment.
+/// The devices on which to end a deployment, and which deployment to end.
 struct Devices {
   std::vector<std::string> names;
   std::map<std::string, std::int32_t> process_ids{};  ///< see DeployOptions
-  std::string deployment{};                           ///< only this deployment; empty for any
+  std::string deployment{};                           ///< id of the deployment to end; empty for any
+                                                      ///< deployment
 };
-/// Ends the deployment on all these devices at the same time. Waits until all have answered or are lost, and
-/// calls `meanwhile` again and again while it waits.
+/// Ends the deployment on all these devices in parallel. Waits until each device has answered or is lost.
+/// Calls `meanwhile` repeatedly during this wait.
 std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
                                  const std::function<void()>& meanwhile = {});
 
-/// The devices of a cell.
+/// The devices of a cell, as devices_of() finds them.
 struct CellDevices {
-  std::vector<std::string> names{};  ///< devices that run the cell or still hold it
+  std::vector<std::string> names{};  ///< live devices that run the cell, or have run it and are not
+                                     ///< undeployed
   std::vector<std::string> lost{};   ///< devices of the cell that other devices have lost
 };
-/// Finds the devices of a cell. Fails if no device has the cell; the problem lists the cells of the domain.
+/// Finds the devices of a cell. Fails if no live device has the cell; the problem then lists the cells of the
+/// domain.
 Result<CellDevices> devices_of(Operator& asker, const std::string& cell);
 
 }  // namespace takt::client

@@ -1,8 +1,8 @@
-// Records how each module of a domain behaved in the last ten minutes, one entry a second.
+// Records the jitter and run time of each module of a domain in the last ten minutes, one entry per second.
 //
-// A module's statistics of jitter and run time cover the time since the module was loaded, so after an hour
-// one bad second hardly shows. From two successive statistics, the mean over the time between them can be
-// computed, but not the quantiles.
+// The statistics that a node publishes cover the time since the module was loaded, so after an hour one bad
+// second hardly shows. From two successive statistics, History computes the mean over the time between them.
+// Quantiles over this time cannot be computed.
 #pragma once
 
 #include <cstddef>
@@ -15,32 +15,35 @@
 
 namespace takt::client {
 
-/// Vectors of equal length, oldest entry first. A second without statistics has no entry.
+/// The entries of one module, oldest first. All vectors have the same length. A second without statistics has
+/// no entry.
 struct Series {
   std::vector<std::int64_t> times_ms;  ///< since 1970
-  // These cover the time since the module was loaded.
+  // The next four cover the time since the module was loaded.
   std::vector<double> jitter_p50_us;
   std::vector<double> jitter_p99_us;
   std::vector<double> run_p50_us;
   std::vector<double> run_p99_us;
-  // These cover the time since the previous entry. NaN if the module did not run or there is no previous
-  // entry.
-  std::vector<double> jitter_us;  ///< the root of the mean square
+  // The next two cover the time since the previous entry. NaN if the module did not run or if there is no
+  // previous entry.
+  std::vector<double> jitter_us;  ///< root mean square
   std::vector<double> run_us;     ///< the mean
 };
 
-/// Uses neither clock nor network. One thread at a time may call it. It keeps at most kSeconds entries for
-/// each of at most kModules modules, and forgets a module that has disappeared.
+/// Holds the entries of all modules: at most kSeconds entries for each of at most kModules modules. Forgets a
+/// module that has disappeared. Not thread-safe: only one thread at a time may call it. Uses neither a clock
+/// nor the network.
 class History {
  public:
   static constexpr std::size_t kSeconds = 600;
   static constexpr std::size_t kModules = 10000;
 
-  /// Adds the statistics of the present devices. Call it several times a second. It adds one entry a second
-  /// for each module and ignores statistics that it already has.
+  /// Adds the latest statistics of the devices. Call this several times a second. For each module it adds
+  /// about one entry per second and ignores statistics that it already has.
   void hear(const std::vector<wire::ObservedDevice>& devices);
 
-  /// Returns the newest `seconds` entries of `module`, which is "DEVICE.MODULE". Empty if there are none.
+  /// Returns at most `seconds` entries, the newest ones, of `module`, which is "DEVICE.MODULE". Empty if the
+  /// module is unknown.
   [[nodiscard]] Series of(const std::string& module, std::size_t seconds = kSeconds) const;
 
  private:
@@ -49,8 +52,8 @@ class History {
     float jitter_p50, jitter_p99, run_p50, run_p99, jitter, run;
   };
   struct Module {
-    std::vector<Entry> entries;  // a ring buffer once it is full
-    std::size_t next = 0;        // index of the next entry to write
+    std::vector<Entry> entries;  // used as a ring buffer once it has kSeconds entries
+    std::size_t next = 0;        // once full: index of the oldest entry, which is overwritten next
     ModuleStatistics last;
     bool seen = false;
   };

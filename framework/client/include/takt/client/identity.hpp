@@ -1,4 +1,4 @@
-// The identity with which a command takes part in a secured cell.
+// Chooses the identity with which a program connects to the nodes of a secured cell.
 #pragma once
 
 #include <string>
@@ -10,13 +10,14 @@
 
 namespace takt::client {
 
-/// Returns the folder of an identity that may send commands to nodes. This is the folder that `network`
-/// names. If `takt secure init` made that folder, it is the folder of the first valid operator in it; the
-/// operators that are skipped are printed. Empty if `network` asks for no DDS Security.
+/// Returns the identity folder with which the program connects to nodes: the folder that `network` names. If
+/// `takt secure init` created that folder, returns the folder of the first valid operator in it, and prints
+/// why earlier operators were skipped. Returns "" if `network` does not enable DDS Security.
 Result<std::string> identity_of(const Network& network);
 
-/// Fails if the participant has the identity of an observer, which may not do `what`, for example "call".
-/// This is checked early, because DDS would reject the topic without a helpful reason.
+/// Fails if the participant has the identity of an observer. The message then says that an observer may not
+/// do `what`, for example "call". Call this before creating a writer, because DDS would reject the topic
+/// without a helpful reason.
 Result<void> may_write(const dds::Participant& participant, const std::string& what);
 
 }  // namespace takt::client

@@ -1,4 +1,4 @@
-// A program's network settings, from its options and environment.
+// A program's network settings, from its command-line options and environment variables.
 #pragma once
 
 #include <optional>
@@ -14,18 +14,18 @@ struct Network {
   std::optional<int> domain;
   std::string peers;       ///< "10.0.0.1,10.0.0.2"
   std::string server;      ///< "10.0.0.1:11811"
-  std::string security{};  ///< a folder; empty for the value of TAKT_SECURITY
+  std::string security{};  ///< a folder; if empty, the value of TAKT_SECURITY is used
 };
 
-/// Returns the value of --domain, else TAKT_DOMAIN, else the cell's domain, else 0. Fails if TAKT_DOMAIN is
-/// not a valid domain.
+/// Returns the DDS domain: the value of --domain if given, else of TAKT_DOMAIN, else the cell's domain, else
+/// 0. Fails if TAKT_DOMAIN is used and not a valid domain.
 Result<int> domain_of(const Network& network, const model::Cell* cell = nullptr);
-/// Returns the discovery that --peers or --server sets, else the cell's.
+/// Returns the discovery settings: those of --peers or --server if given, else those of the cell.
 model::Discovery discovery_of(const Network& network, const model::Cell* cell = nullptr);
-/// Returns the value of --security, else TAKT_SECURITY. This is the folder of an identity, or a folder that
-/// `takt secure init` made. Empty for no DDS Security.
+/// Returns the value of --security if given, else of TAKT_SECURITY: an identity folder, or a folder that
+/// `takt secure init` created. If empty, DDS Security is off.
 std::string security_of(const Network& network);
-/// Returns the IPv4 addresses in TAKT_INTERFACE, which are those of the interfaces to use; empty for all
+/// Returns the IPv4 addresses of the network interfaces to use, from TAKT_INTERFACE; empty for all
 /// interfaces.
 std::vector<std::string> interfaces();
 

@@ -1,4 +1,4 @@
-// Observes the cells of a domain from a program that is not part of them.
+// Observes the cells of a domain from a program outside these cells.
 #pragma once
 
 #include <chrono>
@@ -15,26 +15,27 @@
 
 namespace takt::client {
 
-/// If no node was discovered for this time, usually all nodes have been discovered, even a node that no other
-/// node names.
+/// If no new node is discovered for this time, discovery is usually complete. This also holds for nodes that
+/// no other node names in its report.
 inline constexpr std::chrono::milliseconds kQuiet{600};
 
-/// Holds the latest status of every device and module whose node was discovered. A node's present state
-/// arrives as soon as the node is discovered. Any thread may call it.
+/// Holds the latest status of every discovered device and its modules. The observer receives a node's present
+/// state as soon as it has discovered the node. Any thread may call it.
 class Observer {
  public:
-  /// The callbacks. Threads of Fast DDS call them one at a time. They must be short and must not call the
-  /// observer.
+  /// The callbacks. Fast DDS calls them on its own threads, never two at the same time. They must be short
+  /// and must not call the observer.
   struct News {
-    /// Receives a module's present state when its node is discovered, then each transition in order.
+    /// Called with a module's present state when its node is discovered, then with each new state in order.
     std::function<void(const LifecycleStatus&)> module{};
-    /// Receives a device that was found or lost, came back, or changed its status. A change of only the
+    /// Called when a device is found, is lost, comes back or changes its status. A change of only the
     /// sequence number and time does not count.
     std::function<void(const wire::ObservedDevice&)> device{};
   };
   struct Options {
     News news{};
-    bool statistics = false;  ///< also observe the statistics of modules and executors and the ports' status
+    bool statistics = false;  ///< whether to observe also the statistics of modules and executors, and the
+                              ///< status of ports
   };
   static Result<std::unique_ptr<Observer>> create(std::shared_ptr<dds::Participant> participant,
                                                   Options options);
@@ -43,16 +44,16 @@ class Observer {
   }
   ~Observer();
 
-  /// All devices, as wire::CellState::devices() returns them.
+  /// Returns all devices, as wire::CellState::devices() does.
   [[nodiscard]] std::vector<wire::ObservedDevice> devices() const;
   [[nodiscard]] std::vector<wire::ObservedDevice> devices(const std::string& name) const;
 
-  /// Waits at most `limit` until `condition` returns true for the devices. Returns whether it did. The
-  /// condition is evaluated at every change and every few milliseconds. It may call the observer.
+  /// Waits at most `limit` until `condition` returns true for the devices. Returns whether it has returned
+  /// true. Calls `condition` at every change and every few milliseconds; it may call the observer.
   bool wait(const std::function<bool(const std::vector<wire::ObservedDevice>&)>& condition,
             Nanoseconds limit) const;
-  /// Waits until no new node was discovered for kQuiet, so that discovery should be complete; at most for
-  /// `limit`.
+  /// Waits until no new node has been discovered for kQuiet, so that discovery should be complete. Waits at
+  /// most `limit`.
   void settle(Nanoseconds limit) const;
 
  private:
@@ -65,7 +66,8 @@ class Observer {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   wire::CellState cell_state_;
-  // The last member, which is destroyed first, so that no callback uses the other members.
+  // Must be the last member: it is destroyed first, so that no callback uses members that are already
+  // destroyed.
   std::unique_ptr<Readers> readers_;
 };
 

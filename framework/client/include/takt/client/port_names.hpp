@@ -1,5 +1,5 @@
-// Names of ports, and patterns for these names. In a pattern, * stands for any characters: "line.*",
-// "*.command".
+// Parses port names and matches them with patterns. In a pattern, * stands for any number of any characters:
+// "line.*", "*.command".
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace takt::client {
 
 inline bool is_pattern(std::string_view name) { return name.find('*') != std::string_view::npos; }
 
-/// Whether `name` matches `pattern`. Each * stands for any number of characters, including none.
+/// Returns whether `name` matches `pattern`. Each * matches any number of characters, including none.
 bool matches(std::string_view pattern, std::string_view name);
 
-/// Whether a port of this device could match.
+/// Returns whether the name of a port of this device could match `pattern`.
 bool may_match(std::string_view pattern, std::string_view device);
 
 struct PortName {
@@ -26,8 +26,8 @@ struct PortName {
 /// Parses "device.module.port".
 Result<PortName> parse_port(const std::string& name);
 
-/// Fails if `names` is empty. Also fails with a problem for each name that is neither a port's name nor a
-/// pattern.
+/// Fails if `names` is empty or contains a name that is neither a port name nor a pattern. Reports a problem
+/// for each such name.
 Result<void> check_ports(const std::vector<std::string>& names);
 
 }  // namespace takt::client

@@ -16,11 +16,12 @@ class EventPort : public InPort<T> {
   /// The options of the input.
   using Options = PortOptions;
 
-  /// Constructs an event input of a component, as a member. Not real-time: allocates.
+  /// Constructs an event input as a member of a component. It allocates memory, so real-time threads must not
+  /// call it.
   EventPort(Component& owner, std::string name, Options options = {})
       : InPort<T>(&owner, std::move(name), PortDirection::event, std::move(options)) {}
   /// Constructs an event input of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). Allocates.
+  /// initPeriodExe() or initSporadicExe(). It allocates memory.
   explicit EventPort(std::string name, Options options = {})
       : InPort<T>(nullptr, std::move(name), PortDirection::event, std::move(options)) {}
 };

@@ -9,10 +9,10 @@ namespace takt {
 inline constexpr std::size_t kFailureText = 256;
 
 /// Reports a failure from a hook, on the thread that runs the hook. A later report replaces an earlier one.
-/// Keeps at most kFailureText - 1 bytes. Real-time.
+/// Keeps at most kFailureText - 1 bytes. A real-time thread may call it.
 void report_failure(std::string_view text) noexcept;
 /// Returns the failure that the last hook reported on this thread, or null, and forgets it. The text is valid
-/// until this thread reports again. Real-time.
+/// until this thread reports again. A real-time thread may call it.
 const char* take_failure() noexcept;
 
 }  // namespace takt

@@ -43,19 +43,22 @@ class InPortBase : public PortBase {
     return watched_.is_withheld() ? channel::kNever : first;
   }
 
-  /// Whether a sample or the safe value was ever read; value() is the one that was read last. Real-time.
+  /// Whether a sample or the safe value was ever read; value() is the one that was read last. A real-time
+  /// thread may call it.
   [[nodiscard]] bool has_value() const noexcept { return sequence_ != 0 || is_safe_; }
-  /// Whether the last read() found a sample, or replaced the last sample by the safe value. Real-time.
+  /// Whether the last read() found a sample, or replaced the last sample by the safe value. A real-time
+  /// thread may call it.
   [[nodiscard]] bool is_new() const noexcept { return is_new_; }
   /// Whether value() is the safe value of the connected output. sequence() and age() then belong to the last
-  /// sample that arrived. Real-time.
+  /// sample that arrived. A real-time thread may call it.
   [[nodiscard]] bool is_safe() const noexcept { return is_safe_; }
   /// The number of the last sample that was read. Its writer counts from 1, and each connection to the port
-  /// has its own count. A gap means that samples were dropped. 0 before the first sample. Real-time.
+  /// has its own count. A gap means that samples were dropped. 0 before the first sample. A real-time thread
+  /// may call it.
   [[nodiscard]] std::uint64_t sequence() const noexcept { return sequence_; }
   /// The age of the last sample that was read: from the start of the run() that wrote it to the start of this
   /// run(). Never negative. Nanoseconds::max() before the first sample. If the sample comes from another
-  /// device, the age includes the transfer. Real-time.
+  /// device, the age includes the transfer. A real-time thread may call it.
   [[nodiscard]] Nanoseconds age() const noexcept {
     if (!has_value()) return Nanoseconds::max();
     return Nanoseconds{std::max<std::int64_t>(context().start_ns - stamp_ns_, 0)};
@@ -64,7 +67,7 @@ class InPortBase : public PortBase {
  protected:
   using PortBase::PortBase;
 
-  /// One connection.
+  /// One connection to the input.
   struct Source {
     channel::LinkReader reader;
     const void* values = nullptr;  ///< the link's values; null: the link carries bytes
@@ -73,9 +76,9 @@ class InPortBase : public PortBase {
   /// How many invalid samples one read() skips at most.
   static constexpr int kMostRefused = 16;
 
-  /// Adds a connection. Returns null, or the source from which a former instance of the module read its last
-  /// value, if that value is still there: bytes outlive a process, objects do not. Events and samples of a
-  /// queue must not arrive twice, so for them the function returns null.
+  /// Adds a connection. Returns it if a former instance of the module read its last value from it and that
+  /// value still exists; else returns null. A value in bytes outlives its process, an object does not. Events
+  /// and samples of a queue must not arrive twice, so for them the function returns null.
   const Source* add(channel::Link link, const void* values) {
     const bool newest = link.block().is_queue == 0;
     const Source source{channel::LinkReader{link, attach()}, values, newest && link.depth() > 1};
@@ -155,8 +158,8 @@ class InPortBase : public PortBase {
   }
 
  private:
-  /// Whether the last sample must not be used: its module did not execute when it wrote the sample or does
-  /// not execute now, the sample is too old, or there was no sample yet.
+  /// Whether the last sample must not be used: the writing module did not execute when it wrote the sample or
+  /// does not execute now, the sample is too old, or there was no sample yet.
   [[nodiscard]] bool distrusted() const noexcept {
     if (sequence_ < watched_.trusted_from()) return true;  // SYNC: trusted
     const std::int64_t deadline = watched_.block().deadline_ns;
@@ -181,17 +184,18 @@ class InPort : public InPortBase {
   /// The options of the input.
   using Options = PortOptions;
 
-  /// Constructs an input of a component, as a member. Not real-time: allocates.
+  /// Constructs an input as a member of a component. It allocates memory, so real-time threads must not call
+  /// it.
   InPort(Component& owner, std::string name, Options options = {})
       : InPort(&owner, std::move(name), PortDirection::in, std::move(options)) {}
   /// Constructs an input of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). Allocates.
+  /// initPeriodExe() or initSporadicExe(). It allocates memory.
   explicit InPort(std::string name, Options options = {})
       : InPort(nullptr, std::move(name), PortDirection::in, std::move(options)) {}
 
   /// Takes the next sample: the newest if the connection holds the latest value, the oldest if it is a queue.
   /// Returns false if no sample has arrived since the last read(); value() then stays unchanged. The safe
-  /// value arrives like a sample: once, when it replaces the last sample. Real-time.
+  /// value arrives like a sample: once, when it replaces the last sample. A real-time thread may call it.
   bool read() noexcept {
     const bool found = next();
     if (!watched() || !know_safe()) return found;
@@ -201,7 +205,7 @@ class InPort : public InPortBase {
   }
 
   /// The sample that was read last, or the safe value; T{} before the first. The reference is valid until the
-  /// next read(). Real-time.
+  /// next read(). A real-time thread may call it.
   [[nodiscard]] const T& value() const noexcept { return *value_; }
 
   void connect(channel::Link link, void* values) override {

@@ -30,8 +30,9 @@ namespace takt {
 
 /// The result of OutPort::write().
 enum class Written {
-  yes,    ///< sent to all connected readers, even if there are none
-  unfit,  ///< sent to no reader: a string or sequence exceeds its bound, or an enumerator is invalid; counted
+  yes,    ///< the value was sent to every connected reader; also if no reader is connected
+  unfit,  ///< the value was sent to no reader, and counted, because a string or sequence exceeds its bound or
+          ///< an enumerator is invalid
 };
 
 /// The options of an output.
@@ -141,18 +142,18 @@ class OutPort : public OutPortBase {
   /// The options of the output.
   using Options = OutPortOptions<T>;
 
-  /// Constructs an output of a component, as a member. Not real-time: allocates. Throws std::invalid_argument
-  /// if the safe value does not fit its type: a string or sequence exceeds its bound, or an enumerator is
-  /// invalid.
+  /// Constructs an output as a member of a component. It allocates memory, so real-time threads must not call
+  /// it. Throws std::invalid_argument if the safe value does not fit its type: a string or sequence exceeds
+  /// its bound, or an enumerator is invalid.
   OutPort(Component& owner, std::string name, Options options = {})
       : OutPort(&owner, std::move(name), std::move(options)) {}
   /// Constructs an output of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). Allocates. Throws like the other constructor.
+  /// initPeriodExe() or initSporadicExe(). It allocates memory. Throws like the other constructor.
   explicit OutPort(std::string name, Options options = {})
       : OutPort(nullptr, std::move(name), std::move(options)) {}
 
   /// Sends a value to all connected readers. The stamp of the sample is the start of the current run(). Every
-  /// hook may call it. Real-time; only one thread at a time may call it.
+  /// hook may call it. A real-time thread may call it, but only one thread at a time.
   Written write(const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();
     return write_all(encoding(value), assigning(value));

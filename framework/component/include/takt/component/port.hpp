@@ -50,7 +50,7 @@ struct PortContext {
   /// Monotonic time in ns at which the current run() began: the stamp of written samples, and the time at
   /// which ages are measured.
   std::int64_t start_ns = 0;
-  channel::WakeWord* wake_word = nullptr;  ///< for links whose readers sleep
+  channel::WakeWord* wake_word = nullptr;  ///< wakes the sleeping readers of links
   /// Monotonic time in ns from which written samples may be read. With timing="let" it is the end of the
   /// period. 0 means at once.
   std::int64_t valid_ns = 0;
@@ -77,15 +77,17 @@ class PortBase {
   /// The description for `takt describe`; may be empty.
   [[nodiscard]] const std::string& text() const noexcept { return options_.text; }
 
-  /// Whether another port is connected: for an input an output, for an output at least one reader. Real-time.
+  /// Whether another port is connected: for an input an output, for an output at least one reader. A
+  /// real-time thread may call it.
   [[nodiscard]] virtual bool connected() const noexcept = 0;
-  /// Whether read() would find a sample. Real-time.
+  /// Whether read() would find a sample. A real-time thread may call it.
   [[nodiscard]] bool has_news() const noexcept { return news_at() <= context().start_ns; }
   /// The monotonic time in ns from which read() finds a sample: 0 for at once, channel::kNever if there is no
-  /// sample. Real-time; a thread other than the reading one may call it too.
+  /// sample. Threads other than the reading one may call it too, and so may a real-time thread.
   [[nodiscard]] virtual std::int64_t news_at() const noexcept { return channel::kNever; }
 
-  // For the code that runs the module, while the module is not running.
+  // Only the code that runs the module calls the following functions, and only while the module is not
+  // running.
 
   /// Sets the context, which must outlive the use of the port. `place`: index of the port in its module.
   void serve(const PortContext& context, std::uint32_t place = 0) noexcept {
@@ -93,19 +95,20 @@ class PortBase {
     place_ = place;
   }
   /// Connects the port to a link, in addition to the links that it has. `values` is null if the link carries
-  /// bytes. Otherwise the link has no room for payloads, and `values` holds them: one value of the port's
-  /// type for each buffer, made by make_values() of the port at either end.
+  /// bytes. Otherwise the link itself holds no payloads, and `values` holds one value of the port's type for
+  /// each buffer. make_values() of either connected port has created these values.
   virtual void connect(channel::Link link, void* values) = 0;
   /// Links that are connected from now on stay unused until take_over(), because the port of another instance
-  /// serves them until then.
+  /// uses them until then.
   void stand_by() noexcept { attach_ = channel::Attach::later; }
-  /// Takes the place of `before`: the same port of another instance of the module, with the same links.
-  /// `before` stands by from now on. Real-time.
+  /// Takes over the links of `before`, which is the same port of another instance of the module. `before`
+  /// stops using the links. A real-time thread may call it.
   virtual void take_over(PortBase& before) noexcept = 0;
-  /// Makes `number` values with room for the largest sequences. They are never freed, because the other end
-  /// may still read one. Null if the port's values are not C++ objects. Allocates.
+  /// Creates `number` values, each with memory for the largest sequences, and returns the first. They are
+  /// never freed, because the connected port may still read one. Returns null if the port's values are not
+  /// C++ objects. It allocates memory.
   [[nodiscard]] virtual void* make_values(std::uint32_t number) const = 0;
-  /// Bytes of one value; equal for two ports that may share values.
+  /// The size of one value in bytes. It is the same for two ports that may share values.
   [[nodiscard]] virtual std::size_t value_size() const noexcept = 0;
   /// The safe value of an output as CDR, as its author declared it; empty: none.
   [[nodiscard]] virtual const std::vector<std::byte>& safe() const noexcept { return kNoSafe; }

@@ -9,7 +9,7 @@
 //
 // Two threads use a property: the thread that sets it, and the thread that calls the component's hooks. Each
 // has its own copy of the value, and a third copy is passed between them. The caller synchronises the
-// exchange with one word (see LiveProperties in the host room). So run() reads a plain value that no other
+// exchange with one word (see LiveProperties in framework/host). So run() reads a plain value that no other
 // thread changes, and neither waits nor frees the former value.
 #pragma once
 
@@ -56,29 +56,29 @@ class PropertyBase {
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
   /// The kind of value.
   [[nodiscard]] virtual PropertyType type() const noexcept = 0;
-  /// The value that was set last. Only the setting thread may call it. Allocates.
+  /// The value that was set last. Only the setting thread may call it. It allocates memory.
   [[nodiscard]] virtual std::string value_text() const = 0;
-  /// The default: the value until another one is set. Allocates.
+  /// The default: the value until another one is set. It allocates memory.
   [[nodiscard]] virtual std::string default_text() const = 0;
-  /// The smallest accepted value; empty without a lower bound. Allocates.
+  /// The smallest accepted value; empty without a lower bound. It allocates memory.
   [[nodiscard]] virtual std::string min_text() const = 0;
-  /// The largest accepted value; empty without an upper bound. Allocates.
+  /// The largest accepted value; empty without an upper bound. It allocates memory.
   [[nodiscard]] virtual std::string max_text() const = 0;
-  /// "0 to 10", "at least 0", "fast or slow"; empty without bounds. Allocates.
+  /// "0 to 10", "at least 0", "fast or slow"; empty without bounds. It allocates memory.
   [[nodiscard]] virtual std::string range_text() const = 0;
 
-  /// Whether the property accepts this text. If not, the problem states what the property accepts. Not
-  /// real-time.
+  /// Whether the property accepts this text. If not, the problem states what the property accepts. Real-time
+  /// threads must not call it.
   [[nodiscard]] virtual Result<void> check(std::string_view text) const = 0;
   /// Sets the property from the descriptor's text, while no hook is called. On failure the value does not
-  /// change, and the problem states what the property accepts. Not real-time.
+  /// change, and the problem states what the property accepts. Real-time threads must not call it.
   virtual Result<void> assign(std::string_view text) = 0;
   /// Like assign(), but also allowed while hooks are called. The hooks see the value after take_over().
-  /// propose() must not be called while take_over() is in progress. Only the setting thread may call it. Not
-  /// real-time.
+  /// propose() must not be called while take_over() is in progress. Only the setting thread may call it.
+  /// Real-time threads must not call it.
   virtual Result<void> propose(std::string_view text) = 0;
   /// Makes the proposed value the current one. The thread that calls the hooks calls it between two hooks,
-  /// once after one or more proposals. Real-time: it only swaps two values.
+  /// once after one or more proposals. A real-time thread may call it, because it only swaps two values.
   virtual void take_over() noexcept = 0;
 
  protected:
@@ -101,7 +101,7 @@ class PropertyBase {
 std::vector<PropertyBase*> take_loose_properties();
 
 /// Reports duplicate names and defaults out of range among the properties of one owner. `owner`: its name in
-/// the messages. Not real-time.
+/// the messages. Real-time threads must not call it.
 Problems check_declared(const std::vector<PropertyBase*>& properties, const std::string& owner);
 
 /// The words that a text property accepts: {"fast", "slow"}.
@@ -148,28 +148,29 @@ concept PropertyValueType = std::same_as<T, bool> || std::same_as<T, std::string
 template <PropertyValueType T>
 class Property : public PropertyBase {
  public:
-  /// What a component states about its property.
+  /// The options of the property.
   struct Options {
     std::string unit{};      ///< unit of the value, such as "mm/s"; only for display and messages
-    std::optional<T> min{};  ///< inclusive; numbers only
-    std::optional<T> max{};  ///< inclusive; numbers only
+    std::optional<T> min{};  ///< smallest accepted value; only for numbers
+    std::optional<T> max{};  ///< largest accepted value; only for numbers
     std::string text{};      ///< one sentence for `takt describe`
     Choices choices{};       ///< the accepted words; text properties only; empty: any text
   };
 
-  /// Constructs a property of a component, as a member. `value`: the default. Not real-time: allocates.
+  /// Constructs a property of a component, as a member. `value`: the default. It allocates memory, so
+  /// real-time threads must not call it.
   Property(Component& owner, std::string name, T value, Options options = {})
       : Property(&owner, std::move(name), std::move(value), std::move(options)) {}
   /// Constructs a property of a program, or of a module in the C form, as a global variable. Not for a
-  /// component. Allocates.
+  /// component. It allocates memory.
   Property(std::string name, T value, Options options = {})
       : Property(nullptr, std::move(name), std::move(value), std::move(options)) {
     detail::add_loose_property(*this);
   }
 
-  /// The value. Real-time.
+  /// Returns the value. A real-time thread may call it.
   operator const T&() const noexcept { return value_; }  // NOLINT(google-explicit-constructor)
-  /// The value. Real-time.
+  /// Returns the value. A real-time thread may call it.
   [[nodiscard]] const T& value() const noexcept { return value_; }
 
   [[nodiscard]] PropertyType type() const noexcept override {
@@ -199,7 +200,8 @@ class Property : public PropertyBase {
 
   /// Narrows the declared range for this module, for example because of its period. Call it in initialize().
   /// It never widens the range. `why` follows the range in messages: "at a period of 1 ms". Fails if the
-  /// current value is out of the new range; values that are set later are checked against it. Not real-time.
+  /// current value is out of the new range; values that are set later are checked against it. Real-time
+  /// threads must not call it.
   Result<void> narrow(std::optional<T> min, std::optional<T> max,
                       std::string why) requires std::is_arithmetic_v<T> {
     if (min && (!min_ || *min > *min_)) min_ = min;

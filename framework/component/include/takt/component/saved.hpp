@@ -38,10 +38,10 @@ class SavedBase {
   /// The size of the value in bytes.
   [[nodiscard]] std::uint32_t size() const noexcept { return size_; }
   /// Whether the value is the one that a former instance saved last. Valid from start() on; in a program from
-  /// initPeriodExe() or initSporadicExe() on. Real-time.
+  /// initPeriodExe() or initSporadicExe() on. A real-time thread may call it.
   [[nodiscard]] bool restored() const noexcept { return restored_; }
 
-  /// For the code that runs the module: sets restored().
+  /// Sets the result of restored(). Only the code that runs the module calls it.
   void set_restored(bool restored) noexcept { restored_ = restored; }
 
  protected:
@@ -77,20 +77,21 @@ class Saved : public SavedBase {
   static_assert(sizeof(T) <= channel::kMostSaved, "T is too large; at most 4096 bytes are saved");
 
  public:
-  /// For a component. `version`: increase it whenever the meaning of T changes. `initial`: the value of a new
-  /// instance.
+  /// Constructs the saved state of a component, as a member. `version`: increase it whenever the meaning of T
+  /// changes. `initial`: the value of a new instance.
   Saved(Component& owner, std::uint32_t version, T initial = T{})
       : SavedBase(&owner, &value_, sizeof(T), version), value_(std::move(initial)) {}
-  /// For a program. `version` and `initial` are the same as for a component.
+  /// Constructs the saved state of a program, as a global variable. `version` and `initial` have the same
+  /// meaning as for a component.
   explicit Saved(std::uint32_t version, T initial = T{})
       : SavedBase(nullptr, &value_, sizeof(T), version), value_(std::move(initial)) {}
-  /// The value. Real-time.
+  /// Returns the value. A real-time thread may call it.
   T* operator->() noexcept { return &value_; }
-  /// The value. Real-time.
+  /// Returns the value. A real-time thread may call it.
   const T* operator->() const noexcept { return &value_; }
-  /// The value. Real-time.
+  /// Returns the value. A real-time thread may call it.
   T& operator*() noexcept { return value_; }
-  /// The value. Real-time.
+  /// Returns the value. A real-time thread may call it.
   const T& operator*() const noexcept { return value_; }
 
  private:

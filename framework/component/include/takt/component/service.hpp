@@ -106,8 +106,8 @@ class ServiceBase {
   /// Whether a request waits. Only the thread that calls handle() may call it.
   [[nodiscard]] virtual bool has_request() const noexcept = 0;
   /// Takes one request and answers it: with the handler, or, if `refusal` is not null, by rejecting it with
-  /// that reason. Returns false if there was no request. Not real-time. Only one thread at a time may call
-  /// it, but at the same time as run().
+  /// that reason. Returns false if there was no request. Real-time threads must not call it. Only one thread
+  /// at a time may call it. It may run at the same time as run().
   virtual bool handle(const char* refusal) = 0;
 
  protected:
@@ -138,23 +138,25 @@ class Service final : public ServiceBase {
   using Handler = std::function<Result<Reply>(const Request&)>;
 
   /// Constructs a service of a component, as a member, with a handler. This is a template, so that options in
-  /// braces are not mistaken for a handler. Not real-time: allocates.
+  /// braces are not mistaken for a handler. It allocates memory, so real-time threads must not call it.
   template <std::convertible_to<Handler> Callable>
   Service(Component& owner, const std::string& name, Callable handler, const Options& options = {})
       : Service(&owner, name, PortRole::handler, options) {
     handler_ = std::move(handler);
     enlist(owner);
   }
-  /// Constructs a service of a component, as a member, without a handler. Not real-time: allocates.
+  /// Constructs a service of a component, as a member, without a handler. It allocates memory, so real-time
+  /// threads must not call it.
   Service(Component& owner, const std::string& name, const Options& options = {})
       : Service(&owner, name, PortRole::service, options) {}
   /// Constructs a service of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). Allocates.
+  /// initPeriodExe() or initSporadicExe(). It allocates memory.
   explicit Service(const std::string& name, const Options& options = {})
       : Service(nullptr, name, PortRole::service, options) {}
 
   /// Takes the next request; request() returns it. Returns false if no request waits. A request that was
-  /// taken before and not answered is dropped. Rejects requests whose time-out has passed. Real-time.
+  /// taken before and not answered is dropped. Rejects requests whose time-out has passed. A real-time thread
+  /// may call it.
   bool take() noexcept {
     busy_ = false;
     while (in_.read()) {
@@ -169,13 +171,14 @@ class Service final : public ServiceBase {
     }
     return false;
   }
-  /// Whether a request was taken and not yet answered. Real-time.
+  /// Whether a request was taken and not yet answered. A real-time thread may call it.
   [[nodiscard]] bool busy() const noexcept { return busy_; }
-  /// The request that was taken last; Request{} before the first. Valid until the next take(). Real-time.
+  /// The request that was taken last; Request{} before the first. Valid until the next take(). A real-time
+  /// thread may call it.
   [[nodiscard]] const Request& request() const noexcept { return in_.value().request; }
   /// Answers the request that was taken. Does nothing if it was answered already. If the reply does not fit
   /// its type (a string or sequence exceeds its bound, or an enumerator is invalid), the request is rejected
-  /// with that reason. Real-time.
+  /// with that reason. A real-time thread may call it.
   void reply(const Reply& reply) noexcept {
     if (!busy_) return;
     if (!PortType<Reply>::fits(reply))
@@ -186,7 +189,7 @@ class Service final : public ServiceBase {
     answer(ServiceCode::replied, {});
   }
   /// Rejects the request that was taken, with a reason of at most 127 bytes. Longer text is cut off. Does
-  /// nothing if the request was answered already. Real-time.
+  /// nothing if the request was answered already. A real-time thread may call it.
   void refuse(const char* reason) noexcept {
     if (!busy_) return;
     answer(ServiceCode::refused, reason);
@@ -265,16 +268,17 @@ class Client {
   /// The options of the client.
   using Options = PortOptions;
 
-  /// Constructs a client of a component, as a member. Not real-time: allocates.
+  /// Constructs a client of a component, as a member. It allocates memory, so real-time threads must not call
+  /// it.
   Client(Component& owner, const std::string& name, const Options& options = {})
       : Client(&owner, name, options) {}
   /// Constructs a client of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). Allocates.
+  /// initPeriodExe() or initSporadicExe(). It allocates memory.
   explicit Client(const std::string& name, const Options& options = {}) : Client(nullptr, name, options) {}
 
   /// Sends a request once, and abandons the previous call. `timeout`: how long poll() accepts the answer.
   /// Returns `pending`, or `nobody` if there is no service, or `refused` if the request does not fit its type
-  /// (a string or sequence exceeds its bound, or an enumerator is invalid). Real-time.
+  /// (a string or sequence exceeds its bound, or an enumerator is invalid). A real-time thread may call it.
   CallStatus call(const Request& request, Nanoseconds timeout) noexcept {
     const std::int64_t now = out_.now_ns();
     // A restarted module counts from 1 again. The client number keeps replies to its former instance apart.
@@ -295,7 +299,8 @@ class Client {
     return status_ = CallStatus::pending;
   }
 
-  /// Looks for the answer. A status other than `pending` stays until the next call(). Real-time.
+  /// Looks for the answer. A status other than `pending` stays until the next call(). A real-time thread may
+  /// call it.
   CallStatus poll() noexcept {
     while (in_.read()) {
       const ServiceReply<Reply>& answer = in_.value();
@@ -317,15 +322,15 @@ class Client {
     if (status_ == CallStatus::pending && out_.now_ns() >= until_ns_) status_ = CallStatus::timed_out;
     return status_;
   }
-  /// The result of the last call() or poll(). Real-time.
+  /// The result of the last call() or poll(). A real-time thread may call it.
   [[nodiscard]] CallStatus status() const noexcept { return status_; }
-  /// The last reply that arrived; Reply{} before the first. Real-time.
+  /// The last reply that arrived; Reply{} before the first. A real-time thread may call it.
   [[nodiscard]] const Reply& reply() const noexcept { return reply_; }
-  /// Why the call was rejected; empty in other cases. Real-time.
+  /// Why the call was rejected; empty in other cases. A real-time thread may call it.
   [[nodiscard]] const char* reason() const noexcept { return reason_; }
-  /// Number of answers that arrived too late and were dropped. Real-time.
+  /// Number of answers that arrived too late and were dropped. A real-time thread may call it.
   [[nodiscard]] std::uint64_t late() const noexcept { return late_; }
-  /// Whether a service is connected. Real-time.
+  /// Whether a service is connected. A real-time thread may call it.
   [[nodiscard]] bool connected() const noexcept { return out_.connected(); }
 
  private:

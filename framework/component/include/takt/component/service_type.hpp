@@ -18,7 +18,7 @@
 
 namespace takt {
 
-/// The most bytes of a reason.
+/// The maximum length of a reason, in bytes.
 inline constexpr std::size_t kReasonLength = 127;
 
 /// The outcome of a request.
@@ -33,7 +33,8 @@ template <class T>
 struct ServiceRequest {
   std::uint64_t client = 0;
   std::uint64_t number = 0;
-  std::int64_t timeout_ns = 0;  ///< counts from the sample's stamp; after it, the request is not served
+  std::int64_t timeout_ns =
+      0;  ///< time-out, counted from the sample's stamp; after it, the service does not serve the request
   T request{};
 };
 

@@ -1,8 +1,8 @@
-// Writes and reads samples of port types as bytes: XCDR1 as DDS sends it, with its 4 bytes of encapsulation.
+// Writes and reads samples of port types as bytes in the format of DDS: XCDR1 with 4 bytes of encapsulation.
 //
-// Real-time threads cannot use Fast CDR. It reports the end of the bytes by an exception, and an exception
-// allocates and locks. Here the first value that does not fit fails the whole sample, and the caller checks
-// this once, at the end.
+// Real-time threads cannot use Fast CDR, because it throws an exception at the end of the bytes, and
+// exceptions allocate memory and lock. Here the first invalid value makes the whole sample fail, and the
+// caller checks for a failure only once, at the end.
 #pragma once
 
 #include <algorithm>
@@ -16,22 +16,24 @@
 
 namespace takt {
 
-static_assert(std::endian::native == std::endian::little, "samples are written in the byte order of memory");
+static_assert(std::endian::native == std::endian::little,
+              "this code requires a little-endian machine, because it copies values without conversion");
 
-/// Bytes before every sample: two for the representation (CDR and its byte order), two for options.
+/// The size of the encapsulation at the start of each sample: two bytes for the representation (CDR and its
+/// byte order), and two bytes for options.
 inline constexpr std::size_t kEncapsulation = 4;
 
-/// The number of bytes that a sample of this size takes on the network. RTPS sends whole 4-byte words, so up
-/// to 3 bytes may follow the sample.
+/// The number of bytes that a sample of this size takes on the network. RTPS sends whole words of 4 bytes, so
+/// up to 3 bytes of padding may follow the sample.
 constexpr std::size_t padded_sample(std::size_t bytes) noexcept { return (bytes + 3) / 4 * 4; }
 
-/// The padding in bytes before a value that must be aligned. `position` counts from the end of the
+/// The number of padding bytes before a value with this alignment. `position` counts from the end of the
 /// encapsulation.
 constexpr std::size_t cdr_padding(std::size_t position, std::size_t alignment) noexcept {
   return (alignment - position % alignment) % alignment;
 }
 
-/// Writes a sample in little endian. Real-time.
+/// Writes a sample in little endian. For real-time threads.
 class CdrWriter {
  public:
   CdrWriter(std::byte* to, std::size_t size) noexcept
@@ -50,7 +52,7 @@ class CdrWriter {
   template <class T>
   void put_array(const T* values, std::size_t n) noexcept {
     static_assert(std::is_arithmetic_v<T>);
-    if (n == 0) return;  // an empty array has no padding either
+    if (n == 0) return;  // an empty array is written without padding
     if (std::byte* at = room(sizeof(T), n * sizeof(T))) std::memcpy(at, values, n * sizeof(T));
   }
   /// Fails if the value is not below `count`, the number of enumerators.
@@ -63,7 +65,8 @@ class CdrWriter {
     if (length > bound) return fail();
     put(static_cast<std::uint32_t>(length));
   }
-  /// Writes a text that ends with a zero or after `limit` bytes. Fails if it is longer than `bound` bytes.
+  /// Writes a text that ends at a zero byte, or after `limit` bytes if there is none. Fails if the text is
+  /// longer than `bound` bytes.
   void put_text(const char* text, std::size_t limit, std::size_t bound) noexcept {
     const std::size_t length = ::strnlen(text, limit);
     put_length(length + 1, bound + 1);
@@ -74,7 +77,8 @@ class CdrWriter {
   }
 
   void fail() noexcept { ok_ = false; }
-  /// The size of the sample in bytes, with encapsulation. 0 if a value did not fit.
+  /// The size of the sample in bytes, including the encapsulation; 0 if a value was invalid or there was not
+  /// enough space.
   [[nodiscard]] std::uint32_t size() const noexcept {
     return ok_ ? static_cast<std::uint32_t>(kEncapsulation + position_) : 0;
   }
@@ -92,21 +96,21 @@ class CdrWriter {
     return at + padding;
   }
 
-  std::byte* body_;  // starts after the encapsulation; alignment counts from here
+  std::byte* body_;  // begins after the encapsulation; alignment is relative to this address
   std::size_t size_;
   std::size_t position_ = 0;
   bool ok_;
 };
 
-/// Reads a sample in either byte order. Safe for any bytes: after the first error every value is zero and
-/// every length 0. Real-time.
+/// Reads a sample in either byte order. Safe for any bytes: after the first error, every value is zero and
+/// every length is 0. For real-time threads.
 class CdrReader {
  public:
   CdrReader(const std::byte* from, std::size_t size) noexcept
       : body_(from + std::min(size, kEncapsulation)),
         size_(size < kEncapsulation ? 0 : size - kEncapsulation) {
-    // Any other first or second byte means a representation that port types never use, such as a parameter
-    // list or XCDR2.
+    // Other values of the first two bytes mean a representation that port types never use, such as a
+    // parameter list or XCDR2.
     ok_ = size >= kEncapsulation && from[0] == std::byte{0} &&
           (from[1] == std::byte{0} || from[1] == std::byte{1});
     swap_ = ok_ && from[1] == std::byte{0};
@@ -142,15 +146,15 @@ class CdrReader {
     return 0;
   }
   /// Reads the length of a sequence, which comes before its elements. Fails if it exceeds the bound or the
-  /// bytes that are left.
+  /// number of remaining bytes.
   [[nodiscard]] std::size_t get_length(std::size_t bound) noexcept {
     const std::size_t length = get<std::uint32_t>();
-    // Each element has at least one byte.
+    // Each element takes at least one byte, so a longer length cannot be valid.
     if (length <= bound && length <= size_ - position_) return length;
     fail();
     return 0;
   }
-  /// The text. A zero follows it in the bytes, so the data of the view is zero-terminated.
+  /// Reads a text. A zero byte follows it in the sample, so the data of the returned view is zero-terminated.
   [[nodiscard]] std::string_view get_text(std::size_t bound) noexcept {
     const std::size_t length = get_length(bound + 1);
     const std::byte* at = take_array(1, length);
@@ -159,12 +163,13 @@ class CdrReader {
     fail();
     return {""};
   }
-  /// Copies the text into an array of at least bound + 1 bytes.
+  /// Reads a text and copies it into an array of at least bound + 1 bytes.
   void get_text(char* text, std::size_t bound) noexcept {
     const std::string_view view = get_text(bound);
     std::memcpy(text, view.data(), view.size() + 1);
   }
-  /// The bytes of n values, unconverted. Null if n is 0 or fewer values are left.
+  /// Returns the bytes of n values in the byte order of the sample. Returns null if n is 0 or if fewer values
+  /// remain.
   [[nodiscard]] const std::byte* take_array(std::size_t element_size, std::size_t n) noexcept {
     if (n == 0 || !ok_) return nullptr;
     const std::size_t padding = cdr_padding(position_, element_size);
@@ -180,7 +185,7 @@ class CdrReader {
 
   void fail() noexcept { ok_ = false; }
   [[nodiscard]] bool ok() const noexcept { return ok_; }
-  /// Whether the bytes were exactly one whole sample. There may be up to 3 bytes of padding at the end.
+  /// Returns true if the bytes were exactly one sample, with up to 3 bytes of padding at the end.
   [[nodiscard]] bool complete() const noexcept { return ok_ && size_ - position_ < 4; }
 
  private:

@@ -1,10 +1,11 @@
-// TAKT_CHECK, for programming errors in Takt that are found at run time: the process ends and its supervisor
-// acts. For errors that come from outside use Result.
+// TAKT_CHECK detects programming errors in Takt at run time. It ends the process, and the supervisor of the
+// process reacts to that. For errors that come from outside, use Result.
 #pragma once
 
 namespace takt {
 
-/// Prints the condition with its file and line on standard error, and aborts. Any thread may call it.
+/// Prints the condition with its file and line to standard error, and aborts the process. Any thread may call
+/// this.
 [[noreturn]] void check_failed(const char* condition, const char* file, int line) noexcept;
 
 }  // namespace takt

@@ -1,4 +1,5 @@
-// Converts bytes to hexadecimal text and back. Not for real-time threads: both functions allocate.
+// Converts bytes to hexadecimal text and back. Not for real-time threads, because both functions allocate
+// memory.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +11,10 @@
 
 namespace takt {
 
-/// Two lower-case digits per byte: "00ff".
+/// Converts each byte to two lower-case digits, for example "00ff".
 std::string in_hex(std::span<const std::byte> bytes);
-/// Accepts digits in upper and lower case. None if the text has an odd length or contains any other
-/// character.
+/// Converts hexadecimal digits, in upper or lower case, to bytes. Returns none if the text has an odd length
+/// or contains any other character.
 std::optional<std::vector<std::byte>> bytes_of_hex(std::string_view text);
 
 }  // namespace takt

@@ -1,5 +1,5 @@
-// The result of a call that can fail for a reason outside the program: a value, or a list of problems. A
-// descriptor can have a hundred mistakes, and its author wants to see all of them at once.
+// The result of a call that may fail for a reason outside the program: a value or a list of problems. It is a
+// list because a descriptor may have a hundred mistakes, and its author wants to see all of them at once.
 #pragma once
 
 #include <string>
@@ -11,9 +11,10 @@
 
 namespace takt {
 
-/// One thing that is wrong, worded for the person who has to fix it.
+/// One problem, worded for the person who must solve it.
 struct Problem {
-  std::string where;  ///< "deploy/module.xml:12", "module servo"; may be empty
+  std::string where;  ///< the place of the problem, for example "deploy/module.xml:12" or "module servo"; may
+                      ///< be empty
   std::string what;   ///< what is wrong
   std::string fix;    ///< what to do; may be empty
 
@@ -24,86 +25,87 @@ struct Problem {
 /// A list of problems.
 using Problems = std::vector<Problem>;
 
-/// "WHERE: error: WHAT; FIX"; empty parts are left out. One line, without a line feed at its end.
+/// The problem as one line without a line feed: "WHERE: error: WHAT; FIX". Empty parts are omitted.
 std::string to_text(const Problem& problem);
-/// Calls to_text() for each problem and puts each result on a line of its own.
+/// The problems as text, one line for each problem.
 std::string to_text(const Problems& problems);
-/// "WHERE: WHAT; FIX" for use within a sentence: all problems on one line, separated by ". ".
+/// The problems for use within a sentence, all on one line: "WHERE: WHAT; FIX", separated by ". ".
 std::string in_words(const Problems& problems);
 
-/// A value or a list of problems. Not for real-time threads: problems allocate.
+/// A value or a list of problems. Not for real-time threads, because problems allocate memory.
 template <class T>
 class [[nodiscard]] Result {
  public:
-  /// Success, with a value.
+  /// Creates a success with a value.
   Result(T value) : outcome_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
-  /// A failure. The list must not be empty.
+  /// Creates a failure. The list must not be empty.
   Result(Problems problems) : outcome_(std::move(problems)) {
     TAKT_CHECK(!this->problems().empty());
   }  // NOLINT
-  /// A failure with one problem.
+  /// Creates a failure with one problem.
   Result(Problem problem) : outcome_(Problems{std::move(problem)}) {}  // NOLINT
 
-  /// Whether there is a value.
+  /// Returns true if there is a value.
   [[nodiscard]] bool ok() const noexcept { return outcome_.index() == 0; }
-  /// The same as ok().
+  /// Same as ok().
   explicit operator bool() const noexcept { return ok(); }
 
-  /// The value. Only if ok(); otherwise the process ends.
+  /// Returns the value. If there is none, ends the process.
   T& value() & {
     TAKT_CHECK(ok());
     return std::get<0>(outcome_);
   }
-  /// The value. Only if ok(); otherwise the process ends.
+  /// Returns the value. If there is none, ends the process.
   const T& value() const& {
     TAKT_CHECK(ok());
     return std::get<0>(outcome_);
   }
-  /// The value. Only if ok(); otherwise the process ends.
+  /// Returns the value. If there is none, ends the process.
   T&& value() && {
     TAKT_CHECK(ok());
     return std::get<0>(std::move(outcome_));
   }
-  /// The same as value().
+  /// Same as value().
   T& operator*() { return value(); }
-  /// The same as value().
+  /// Same as value().
   const T& operator*() const { return value(); }
-  /// The address of value().
+  /// Returns the address of value().
   T* operator->() { return &value(); }
-  /// The address of value().
+  /// Returns the address of value().
   const T* operator->() const { return &value(); }
 
-  /// The problems, at least one. Only if not ok().
+  /// Returns the problems, at least one. May be called only if ok() is false.
   [[nodiscard]] const Problems& problems() const { return std::get<1>(outcome_); }
 
  private:
   std::variant<T, Problems> outcome_;
 };
 
-/// Success without a value, or a list of problems.
+/// A success without a value, or a list of problems.
 template <>
 class [[nodiscard]] Result<void> {
  public:
-  /// Success.
+  /// Creates a success.
   Result() = default;
-  /// A failure. The list must not be empty.
+  /// Creates a failure. The list must not be empty.
   Result(Problems problems) : problems_(std::move(problems)) { TAKT_CHECK(!problems_.empty()); }  // NOLINT
-  /// A failure with one problem.
+  /// Creates a failure with one problem.
   Result(Problem problem) : problems_{std::move(problem)} {}  // NOLINT
 
-  /// Whether the call succeeded.
+  /// Returns true if the call succeeded.
   [[nodiscard]] bool ok() const noexcept { return problems_.empty(); }
-  /// The same as ok().
+  /// Same as ok().
   explicit operator bool() const noexcept { return ok(); }
-  /// The problems; empty if ok().
+  /// Returns the problems; the list is empty if ok() is true.
   [[nodiscard]] const Problems& problems() const { return problems_; }
 
  private:
   Problems problems_;
 };
 
-/// A failure in one line: `return fail("the sensor does not answer", "switch it on");`. The arguments are
-/// what is wrong, and what to do, which may be left out. Not real-time: allocates.
+/// Creates a problem in one line: `return fail("the sensor does not answer", "switch it on");`. `what` states
+/// what is wrong; `fix` states what to do, and may be omitted. Not for real-time threads, because it
+/// allocates memory.
 [[nodiscard("return it; otherwise the failure is lost")]] inline Problem fail(std::string what,
                                                                               std::string fix = {}) {
   return {{}, std::move(what), std::move(fix)};

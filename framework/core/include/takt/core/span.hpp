@@ -1,4 +1,4 @@
-// The duration between two times of unknown origin, without overflow.
+// Computes the duration between two arbitrary times without overflow.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace takt {
 
-/// The duration from `from_ns` to `to_ns`, in ns. Safe for any two numbers, for example from the network: a
-/// duration that does not fit becomes the longest duration with the same sign. The result can always be
-/// negated.
+/// Returns the duration from `from_ns` to `to_ns`. Any two numbers are allowed, for example numbers that come
+/// from the network: if the duration is too large, the result is the longest duration with the same sign. The
+/// result can always be negated.
 constexpr Nanoseconds span(std::int64_t from_ns, std::int64_t to_ns) {
   constexpr std::int64_t kLongest = std::numeric_limits<std::int64_t>::max();
   std::int64_t ns = 0;

@@ -1,8 +1,8 @@
 // Mean, variance and histogram of durations, recorded by one thread while others read them.
 //
-// A real-time thread must record without locking. An operator must be able to read a consistent set of
-// numbers at any time, from another process. So the values are in one record of fixed size with a single
-// writer, and a sequence number shows the reader whether it read between two updates.
+// A real-time thread must record durations without locking, and an operator must be able to read consistent
+// values from another process at any time. So the values are in one record of fixed size with a single
+// writer. A sequence number shows a reader whether the record changed while it was read.
 #pragma once
 
 #include <array>
@@ -12,50 +12,54 @@
 
 namespace takt {
 
-/// The buckets of a histogram: exact up to 31 ns, then 16 per octave (at most 6 % wide), up to 2^40 ns.
+/// The buckets of a histogram. Each value up to 31 ns has its own bucket. Above, each octave has 16 buckets
+/// (at most 6 % wide), up to 2^40 ns.
 struct HistogramScale {
   static constexpr std::size_t kBuckets = 32 + 16 * 35;
 
-  /// The bucket of a value in ns. Negative values count as 0. Values past the end go to the last bucket.
+  /// The bucket of a value in ns. Negative values count as 0. Values beyond the end of the scale count in the
+  /// last bucket.
   static std::size_t bucket(std::int64_t value) noexcept;
-  /// The smallest value of a bucket, in ns. lower(kBuckets) is the end of the scale.
+  /// The smallest value in ns of a bucket. lower(kBuckets) is the end of the scale.
   static std::int64_t lower(std::size_t bucket) noexcept;
 };
 
-/// What a reader gets: plain values, in ns.
+/// A consistent copy of the statistics. Times are in ns.
 struct StatisticsSnapshot {
   std::uint64_t count = 0;
-  double mean = 0;       ///< of the signed values
-  double variance = 0;   ///< of the signed values, in ns^2
-  std::int64_t min = 0;  ///< of the absolute values, like all members below
+  double mean = 0;       ///< mean of the signed values
+  double variance = 0;   ///< variance of the signed values, in ns^2
+  std::int64_t min = 0;  ///< minimum of the absolute values; all members below also count absolute values
   std::int64_t max = 0;
   std::array<std::uint64_t, HistogramScale::kBuckets> buckets{};
 
-  /// The value below which a share `q` (0 to 1) of the absolute values lies, in ns. Interpolates linearly
-  /// within a bucket. 0 if there are no values.
+  /// The value in ns below which a share `q` (0 to 1) of the absolute values lies, for example the median for
+  /// 0.5. Interpolates linearly within a bucket. Returns 0 if there are no values.
   [[nodiscard]] double quantile(double q) const noexcept;
 };
 
-/// A streaming mean, variance and histogram of durations in ns. Made for shared memory: it has a standard
-/// layout and no pointers, and is valid when all bytes are zero. One writer, any number of readers.
+/// Mean, variance and histogram of durations, updated with each new duration. Suitable for shared memory: it
+/// has a standard layout and no pointers, and it is valid when all its bytes are zero. One thread may write,
+/// and any number of threads may read.
 class Statistics {
  public:
-  /// Adds one duration, in ns. Real-time: no lock, no allocation, no system call. Only one thread at a time
-  /// may record.
+  /// Adds one duration. Does not lock, allocate memory or make system calls, so real-time threads may call
+  /// it. Only one thread at a time may call it.
   void record(std::int64_t value_ns) noexcept;
 
-  /// Any thread of any process may call it. Reads again if the writer was writing meanwhile. After 1000
-  /// tries, the writer must have died while it was writing. Then the result is off by at most one value.
+  /// Returns a copy of the statistics. Any thread of any process may call this. If the writer writes
+  /// meanwhile, reads again. If 1000 tries fail, the writer has died during an update, and the result may be
+  /// wrong by one value.
   [[nodiscard]] StatisticsSnapshot read() const noexcept;
 
-  /// Removes all values. Only the writer may call it, or any thread after the writer has ended.
+  /// Removes all values. Only the writer may call this or, after the writer has ended, any thread.
   void clear() noexcept;
 
  private:
   template <class T>
   using Word = std::atomic<T>;
 
-  Word<std::uint64_t> sequence_;  // odd while the writer is writing
+  Word<std::uint64_t> sequence_;  // odd while the writer updates the values
   Word<std::uint64_t> count_;
   Word<std::int64_t> sum_;
   Word<double> sum_of_squares_;
@@ -66,7 +70,7 @@ class Statistics {
 
 inline std::size_t HistogramScale::bucket(std::int64_t value) noexcept {
   if (value < 32) return value < 0 ? 0 : static_cast<std::size_t>(value);
-  const int octave = 63 - __builtin_clzll(static_cast<std::uint64_t>(value));  // 5 and up
+  const int octave = 63 - __builtin_clzll(static_cast<std::uint64_t>(value));  // at least 5
   const auto step = static_cast<std::size_t>(value >> (octave - 4)) & 15U;
   const std::size_t index = 32 + static_cast<std::size_t>(octave - 5) * 16 + step;
   return index < kBuckets ? index : kBuckets - 1;
@@ -79,8 +83,8 @@ inline void Statistics::record(std::int64_t value_ns) noexcept {
 
   const std::int64_t size = value_ns < 0 ? -value_ns : value_ns;
   const std::uint64_t sequence = sequence_.load(relaxed);
-  // SYNC: statistics. Every store below is a release store, so a reader that sees any of them also sees the
-  // odd number.
+  // SYNC: statistics. All stores below are release stores, so a reader that sees one of their values also
+  // sees the odd sequence number.
   sequence_.store(sequence + 1, relaxed);
   const std::uint64_t count = count_.load(relaxed);
   count_.store(count + 1, release);

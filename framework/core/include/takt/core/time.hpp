@@ -1,5 +1,4 @@
-// The types for instants and durations, and durations as text. Nothing here reads a clock: callers pass the
-// time in.
+// Types for times and durations, and durations as text. This header reads no clock: callers pass the time.
 #pragma once
 
 #include <chrono>
@@ -11,15 +10,17 @@ namespace takt {
 /// A duration in ns.
 using Nanoseconds = std::chrono::nanoseconds;
 
-/// A point on the machine's monotonic clock (CLOCK_MONOTONIC). Setting the wall clock does not change it.
+/// A time on the machine's monotonic clock (CLOCK_MONOTONIC), which does not change when the wall clock is
+/// set.
 using Instant = std::chrono::time_point<std::chrono::steady_clock, Nanoseconds>;
 
-/// The nanoseconds since the monotonic clock's epoch, for places where time must be a number.
+/// Converts a time to the nanoseconds since the epoch of the monotonic clock, for uses that require a number.
 constexpr std::int64_t to_ns(Instant instant) { return instant.time_since_epoch().count(); }
-/// The instant `ns` nanoseconds after the monotonic clock's epoch.
+/// The time `ns` nanoseconds after the epoch of the monotonic clock.
 constexpr Instant from_ns(std::int64_t ns) { return Instant{Nanoseconds{ns}}; }
 
-/// "100 us", "1.5 ms", "2 s": the largest unit in which the value is exact to three decimals. Allocates.
+/// The duration as text in the largest unit that shows it exactly with at most three decimals, for example
+/// "100 us", "1.5 ms" or "2 s". Allocates memory.
 std::string to_text(Nanoseconds duration);
 
 }  // namespace takt

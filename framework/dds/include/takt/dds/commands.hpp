@@ -1,5 +1,6 @@
-// Commands and their replies. The topics takt/command and takt/reply are reliable, volatile and keep last 32.
-// Data that is longer than one sample is sent in parts and assembled here.
+// Sends and receives commands and their replies. The QoS of the topics takt/command and takt/reply is
+// reliable, volatile, keep last 32. Data that is too long for one sample is sent in parts, which the receiver
+// assembles.
 #pragma once
 
 #include <cstdint>
@@ -14,25 +15,26 @@
 
 namespace takt::dds {
 
-/// Receives commands and sends replies, in a node.
+/// Receives commands and sends replies; used in a node.
 class CommandServer {
  public:
-  /// `handle` is called for each command that names `device` and either this node or no node, in the order of
-  /// arrival. The calling thread is neither real-time nor one of Fast DDS. If a command is repeated with the
-  /// same id, the first reply is sent again without another call. At most 256 commands and 64 MiB wait for a
-  /// reply at a time; further commands are dropped, and their clients send them again.
+  /// Calls `handle` for each command that names `device` and either this node or no node, in the order of
+  /// arrival. The calls come from a thread of the server that is not real-time. If a client repeats a command
+  /// with the same id, the server sends the first reply again and does not call `handle`. At most 256
+  /// commands with at most 64 MiB of data may be unanswered. The server drops further commands, and their
+  /// clients send them again.
   static Result<CommandServer> create(std::shared_ptr<Participant> participant, std::string device,
                                       std::string node, std::function<void(const wire::WholeCommand&)> handle);
   CommandServer(CommandServer&&) noexcept;
   CommandServer& operator=(CommandServer&&) noexcept;
   ~CommandServer();
 
-  /// Replies to a command. May be called on any thread, at once or much later. The reply is sent once the
-  /// client's reader has matched, so the first reply is not lost. The last replies, at most 256 and 64 MiB,
-  /// are kept for repeated commands.
+  /// Replies to a command. Any thread may call this, at any time after the command. The server sends the
+  /// reply when the client's reader has matched, so that the first reply is not lost. It keeps the latest
+  /// replies, at most 256 with at most 64 MiB, for repeated commands.
   void reply(const wire::WholeReply& reply);
 
-  /// The number of samples that were dropped because they were invalid or exceeded the rate limit. Their
+  /// Returns how many samples were dropped because they were invalid or exceeded the rate limit. Their
   /// senders get no reply.
   [[nodiscard]] std::uint64_t refused() const;
 
@@ -42,23 +44,24 @@ class CommandServer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// Sends commands and receives replies, in a client.
+/// Sends commands and receives replies; used in a client.
 class CommandClient {
  public:
-  /// `heard` receives the reply to each command of this client, on a thread of Fast DDS.
+  /// Calls `heard` with the reply to each command of this client, on a thread of Fast DDS.
   static Result<CommandClient> create(std::shared_ptr<Participant> participant,
                                       std::function<void(const wire::WholeReply&)> heard);
   CommandClient(CommandClient&&) noexcept;
   CommandClient& operator=(CommandClient&&) noexcept;
   ~CommandClient();
 
-  /// Sends a command once the command reader of a node has matched. Repeats it each second, and whenever
-  /// another reader matches, until a reply arrives or forget() is called. The caller chooses head.id, which
-  /// must be unique on the domain. The node must begin the command by head.deadline_ns. After this time, only
-  /// a command that was already sent is repeated, because its reply may still arrive. Each id gets one reply.
-  /// Returns false if the data is longer than wire::kMaxData.
+  /// Sends a command as soon as the command reader of a node has matched. Repeats it each second, and
+  /// whenever another reader matches, until a reply arrives or forget() is called. The caller chooses
+  /// head.id, which must be unique on the domain. The node must begin to execute the command by
+  /// head.deadline_ns. After this time, the client repeats the command only if it was sent before, because
+  /// the reply may still arrive. `heard` gets at most one reply for each id. Returns false if the data is
+  /// longer than wire::kMaxData.
   bool send(const wire::WholeCommand& command);
-  /// Stops waiting for the reply to a command.
+  /// Stops repeating a command and ignores its reply.
   void forget(const std::string& id);
 
  private:

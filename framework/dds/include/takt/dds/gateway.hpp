@@ -1,5 +1,6 @@
-// Moves samples between the links of a device and DDS, as bytes. CDR bytes that a component wrote go out
-// unchanged. Incoming bytes are checked against the type's description before they reach a link.
+// Moves samples between the links of a device and DDS, as bytes. Outgoing samples are the CDR bytes that a
+// component wrote, unchanged. The gateway checks incoming bytes against the description of their type before
+// it writes them to a link.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,7 @@ struct Quality {
   std::uint32_t depth = 1;
   std::optional<Nanoseconds> deadline;
   std::optional<Nanoseconds> lifespan;
-  /// Whether readers that are found later also get the last `depth` samples.
+  /// Whether readers that join later also get the last `depth` samples.
   bool kept = false;
 };
 
@@ -35,13 +36,14 @@ struct Flow {
   Quality quality;
 };
 
-/// For outgoing samples, one thread that is not real-time sleeps on the wake word, reads the links and writes
-/// to DDS. For incoming samples, the receive thread of Fast DDS writes to the links and rings the wake word.
+/// Moves the samples of all flows that are added to it. For outgoing samples, one thread that is not
+/// real-time sleeps on the wake word, reads the links and writes to DDS. For incoming samples, the receive
+/// threads of Fast DDS write to the links and ring the wake word.
 class Gateway {
  public:
   using FlowId = std::size_t;
 
-  /// `place` is this gateway's number, 0 to 31, among the gateways that share the wake word.
+  /// Creates a gateway. If several gateways share the wake word, each needs another `place`, from 0 to 31.
   static Result<std::unique_ptr<Gateway>> create(std::shared_ptr<Participant> participant,
                                                  channel::WakeWord& wake_word, std::uint32_t place = 0);
   virtual ~Gateway() = default;
@@ -50,17 +52,18 @@ class Gateway {
   virtual Result<FlowId> add_outgoing(const Flow& flow, channel::Link from) = 0;
   /// Adds a flow from DDS to links. The gateway becomes the writer of all links in `to`.
   virtual Result<FlowId> add_incoming(const Flow& flow, std::vector<channel::Link> to) = 0;
-  /// Removes a flow. Afterwards the gateway no longer accesses the memory of its links. Other flows continue.
+  /// Removes a flow. Afterwards the gateway does not access the memory of the flow's links any more. Other
+  /// flows continue.
   virtual void remove(FlowId flow) = 0;
-  /// The counters of a flow; all are 0 for a removed flow.
+  /// Returns the counters of a flow; all are 0 if the flow was removed.
   [[nodiscard]] virtual wire::FlowHealth health(FlowId flow) const = 0;
 
  protected:
   Gateway() = default;
 };
 
-/// Reads one topic without a device, for `takt echo`. A thread of Fast DDS calls `sample` with the bytes and
-/// the writer's time (ns since 1970).
+/// Reads the samples of one topic in a program that is not a device, such as `takt echo`. A thread of Fast
+/// DDS calls `sample` with the bytes and the source time of each sample, in ns since 1970.
 class Tap {
  public:
   static Result<std::unique_ptr<Tap>> create(
@@ -73,13 +76,13 @@ class Tap {
   Tap() = default;
 };
 
-/// Writes one topic without a device, for a program that sends samples into a cell.
+/// Writes samples of one topic in a program that is not a device, to send them into a cell.
 class Feed {
  public:
   static Result<std::unique_ptr<Feed>> create(std::shared_ptr<Participant> participant, const Flow& flow);
   virtual ~Feed() = default;
-  /// Writes a sample's bytes with the time of its value, in ns since 1970; 0 means now. Returns false if DDS
-  /// rejects the sample.
+  /// Writes the bytes of a sample with the source time `time_ns`, in ns since 1970; 0 means now. Returns
+  /// false if DDS rejects the sample.
   virtual bool write(const std::byte* bytes, std::size_t size, std::int64_t time_ns = 0) = 0;
   [[nodiscard]] virtual wire::FlowHealth health() const = 0;
 

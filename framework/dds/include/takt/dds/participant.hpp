@@ -1,4 +1,4 @@
-// The DDS participant of a process. It uses only UDPv4.
+// The DDS participant of a process. It communicates only over UDPv4.
 #pragma once
 
 #include <functional>
@@ -14,38 +14,39 @@
 namespace takt::dds {
 
 struct ParticipantOptions {
-  std::string name;                     ///< for humans; visible on the network
+  std::string name;                     ///< name for diagnostics; other participants see it
   int domain = 0;                       ///< 0 to 232
   model::Discovery discovery;           ///< multicast by default
   std::vector<std::string> interfaces;  ///< IPv4 addresses of the interfaces to use; empty for all
-  std::string security{};               ///< the folder of an identity; empty for no DDS Security
-  /// Receives a sentence about each rejected participant or packet. Each sentence is reported once, and at
-  /// most ten per minute. The function is called on threads of Fast DDS, so it must be quick. It may be
-  /// empty.
+  std::string security{};               ///< an identity folder; if empty, DDS Security is off
+  /// Called with a sentence about each rejected participant or packet: only once with the same sentence, and
+  /// at most ten times per minute. Threads of Fast DDS call it, so it must return quickly. It may be empty.
   std::function<void(const std::string&)> refused{};
 };
 
-/// All topics of a process belong to one participant, because several participants in one process deadlock in
-/// this version of Fast DDS. Its threads inherit the scheduling policy and CPUs of the thread that creates
-/// it. The last owner of the participant must release it before main() returns; this deletes everything that
-/// it created.
+/// All topics of a process belong to one participant, because several participants in one process can
+/// deadlock in Fast DDS 2.9.1. The participant's threads inherit the scheduling policy and CPUs of the thread
+/// that creates it. The last owner of the participant must release it before main() returns; this also
+/// deletes all of its DDS objects.
 class Participant {
  public:
-  /// Fails if the domain or an address cannot be used, if the process already has a participant, or if the
-  /// calling thread is real-time. With security it also fails if security::read_identity() rejects the
-  /// identity, if the identity is not for this domain, or if a discovery server is configured.
+  /// Creates the participant. Fails if the domain or an address cannot be used, if the process already has a
+  /// participant, or if the calling thread is real-time. With DDS Security it also fails if
+  /// security::read_identity() rejects the identity, if the identity is not valid for this domain, or if the
+  /// options name a discovery server.
   static Result<std::shared_ptr<Participant>> create(const ParticipantOptions& options);
   virtual ~Participant() = default;
 
-  /// Starts to use network interfaces that have come up since the last call. The call is cheap; make it now
-  /// and then. If only the loopback interface existed before, as on a starting machine, every reader and
-  /// writer is recreated, and programs on this machine lose them for a moment. Otherwise only new readers and
-  /// writers use the new interfaces; existing connections keep their addresses.
+  /// Starts to use network interfaces that have come up since the last call. The call is cheap; repeat it
+  /// every few seconds. If only the loopback interface was up before, as on a machine that is starting, this
+  /// recreates every reader and writer. Programs on this machine then lose the connection to them for a
+  /// moment. Otherwise only new readers and writers use the new interfaces; existing connections keep their
+  /// addresses.
   virtual void rescan_interfaces() = 0;
 
-  /// The identity of this process; empty without DDS Security.
+  /// Returns the identity of this process; empty if DDS Security is off.
   [[nodiscard]] virtual const std::optional<security::Identity>& identity() const noexcept = 0;
-  /// The number of packets that the filter dropped before Fast DDS saw them.
+  /// Returns how many packets the filter dropped, so that Fast DDS did not read them.
   [[nodiscard]] virtual std::uint64_t refused() const noexcept = 0;
 
  protected:

@@ -1,5 +1,5 @@
-// The typed topics on which nodes publish their state: Writer<T> and Reader<T> for T of idl/takt.idl, each
-// with the QoS of its topic.
+// The typed topics on which nodes publish their state. T is one of these types from idl/takt.idl. Writer<T>
+// and Reader<T> use the QoS that is listed below for the kind of topic.
 //
 //   LifecycleStatus      takt/lifecycle    state
 //   DeviceStatus         takt/device       state
@@ -25,7 +25,7 @@
 
 namespace takt::dds {
 
-/// Publishes on the topic of T. Real-time threads must not use it. One thread at a time may call it.
+/// Publishes on the topic of T. Real-time threads must not call it. Only one thread at a time may call it.
 template <class T>
 class Writer {
  public:
@@ -34,16 +34,16 @@ class Writer {
   Writer& operator=(Writer&&) noexcept;
   ~Writer();
 
-  /// Returns false if Fast DDS rejects the sample, which failures() counts.
+  /// Writes a sample. Returns false if Fast DDS rejects it; failures() counts such samples.
   bool write(const T& sample);
-  /// Disposes of the sample with this key. Present readers are notified, and later readers do not get the
-  /// sample.
+  /// Disposes of the sample with this key. DDS notifies the present readers, and does not send the sample to
+  /// readers that join later.
   void dispose(const T& sample);
-  /// Asserts that this writer is alive, for the topics of states. write() asserts it, too.
+  /// For a topic of states: asserts that this writer is alive. write() does this, too.
   void assert_liveliness();
   /// Waits until every reliable reader has acknowledged all written samples, at most for `limit`. A reader of
-  /// Takt acknowledges within about 5 ms. Until then, a second sample of a key would overwrite the first.
-  /// Returns false if the time is over.
+  /// Takt acknowledges within about 5 ms. Call this between two samples of one key, because the second would
+  /// overwrite a first that is not acknowledged. Returns false if `limit` has passed.
   bool wait_acknowledged(std::chrono::milliseconds limit);
   [[nodiscard]] std::uint64_t failures() const noexcept;
 
@@ -53,17 +53,18 @@ class Writer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// The callbacks of a reader. Threads of Fast DDS make one call at a time for each reader. A callback must be
-/// quick, must not call DDS, and must not take a lock that another thread holds while it calls DDS.
+/// The callbacks of a reader. Threads of Fast DDS call them, for each reader never two at the same time. A
+/// callback must return quickly, must not call DDS, and must not take a lock that another thread holds while
+/// it calls DDS.
 template <class T>
 struct Heard {
   std::function<void(const T&, wire::WriterId)> sample;
-  /// The writer disposed of the sample with this key; other fields of the sample are not set.
+  /// Called when the writer has disposed of the sample with this key. Only the key fields are set.
   std::function<void(const T&, wire::WriterId)> disposed{};
-  /// A live writer was lost, because its lease expired or it left. Called once for each loss.
+  /// Called once when a live writer is lost, because its lease has expired or it has left.
   std::function<void(wire::WriterId)> lost{};
-  /// A writer is alive. Called before the writer's first sample, and when a lost writer returns. Samples that
-  /// it sent before are not repeated.
+  /// Called before the first sample of a writer, and when a lost writer is alive again. The samples that such
+  /// a writer sent before are not delivered again.
   std::function<void(wire::WriterId)> alive{};
 };
 
@@ -74,9 +75,9 @@ class Reader {
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
   ~Reader();
-  /// The number of writers that currently match this reader.
+  /// Returns how many writers currently match this reader.
   [[nodiscard]] int matched() const noexcept;
-  /// The number of samples that were invalid and therefore dropped.
+  /// Returns how many samples this reader has dropped because they were invalid.
   [[nodiscard]] std::uint64_t refused() const noexcept;
 
  private:

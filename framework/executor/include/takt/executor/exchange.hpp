@@ -1,8 +1,8 @@
-// Exchanges the body of a periodic thread module while its rows continue.
+// Exchanges the body of a periodic thread module while its executor continues to run.
 //
-// The executor's thread takes the new body between two rows, so no release is missed and no two run() calls
-// overlap. The first runs are a trial: if one of them fails, the old body returns at once and serves the same
-// release in which run() failed.
+// The executor's thread exchanges the bodies between two rows, so no release is missed and no two run() calls
+// overlap. The first runs of the new body are a trial: if one of them fails, the executor restores the old
+// body at once, and the old body serves the release in which run() failed.
 #pragma once
 
 #include <atomic>
@@ -16,23 +16,23 @@ namespace takt::executor {
 
 struct Exchange {
   enum class State : std::uint32_t {
-    waiting,   ///< waits for a row that finds the module in the tables
-    not_now,   ///< the new body could not take over now; try again
-    on_trial,  ///< the new body runs
-    kept,      ///< the new body stays, after `runs` runs without an error
-    put_back,  ///< a run failed, and the old body runs again
+    waiting,   ///< waits for a row in which the module is in the tables
+    not_now,   ///< the new body could not take over the state now; request the exchange again
+    on_trial,  ///< the new body runs, and its trial has not ended
+    kept,      ///< the trial succeeded: `runs` runs without an error; the new body stays
+    put_back,  ///< the trial failed, and the old body runs again
   };
 
   std::uint32_t index = 0;  ///< the module's index on its device
   Body* body = nullptr;     ///< the new body
-  std::uint64_t runs = 1;   ///< number of runs in the trial
+  std::uint64_t runs = 1;   ///< number of runs that the trial lasts
 
-  /// SYNC: exchange. Publishes the members below. After `kept` or `put_back` the executor no longer uses this
-  /// object.
+  /// SYNC: exchange. Publishes the members below. The executor no longer uses this object once the state is
+  /// `kept` or `put_back`.
   std::atomic<State> state{State::waiting};
-  std::uint64_t row = 0;              ///< first row of the new body
-  ErrorType error = ErrorType::none;  ///< the error that put the old body back
-  std::uint64_t cycle = 0;            ///< the module's cycle in which the error occurred
+  std::uint64_t row = 0;              ///< the first row that called the new body
+  ErrorType error = ErrorType::none;  ///< for put_back: the error of the new body
+  std::uint64_t cycle = 0;            ///< for put_back: the module's cycle in which the error occurred
   FixedText<256> text{};              ///< the reason
 };
 

@@ -1,4 +1,4 @@
-// A recording of the last seconds of a device: what its executors did, and what happened around them.
+// A recording of the last few seconds of a device: what its executors did, and what happened around them.
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@ namespace takt::flight {
 inline constexpr const char* kTraceFormat = "takt trace 1";
 
 /// The numbers of the threads in a trace. There are two threads for each executor, one for each program, and
-/// one for the states of modules.
+/// one for the states of all modules.
 constexpr std::uint32_t thread_of_states() noexcept { return 1; }
 constexpr std::uint32_t thread_of_executor(std::size_t executor, std::size_t thread) noexcept {
   return static_cast<std::uint32_t>(10 + 2 * executor + thread);

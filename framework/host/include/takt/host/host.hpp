@@ -4,7 +4,7 @@
 
 namespace takt::host {
 
-/// Runs the program takt-host. The descriptors of its socket and of the channel are in the environment
+/// Runs the program takt-host. The file descriptors of its socket and of the channel are in the environment
 /// variables TAKT_NODE_FD and TAKT_CHANNEL_FD. Returns the exit status.
 int run_host();
 

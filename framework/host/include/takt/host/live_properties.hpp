@@ -32,7 +32,7 @@ class LiveProperties {
   [[nodiscard]] Result<std::string> get(const std::string& name) const;
 
   /// Takes over the waiting values. Only the thread that is about to call the component may call this, one
-  /// thread at a time. Real-time safe.
+  /// thread at a time. A real-time thread may call it.
   void take_over() noexcept {
     if (state_.load(std::memory_order_relaxed) == State::waiting) take_over_waiting();
   }

@@ -27,12 +27,13 @@ struct PortLink {
 struct Setup {
   model::Device device;
   std::size_t share = 0;                        ///< index of this host in model::hosts_of(device)
-  std::vector<std::string> paths;               ///< each module's component
-  std::vector<std::vector<int>> executor_cpus;  ///< for each executor
-  std::vector<int> background_cpus;             ///< for everything that is not real-time
-  std::vector<int> slot_fds;  ///< for each module; -1 if it has no release slot or is not in this host
+  std::vector<std::string> paths;               ///< path of each module's component file
+  std::vector<std::vector<int>> executor_cpus;  ///< the CPUs of each executor
+  std::vector<int> background_cpus;             ///< the CPUs of all threads that are not real-time
+  std::vector<int> slot_fds;  ///< file descriptor of each module's release slot; -1 if the module has none or
+                              ///< is not in this host
   int wake_word_fd = -1;
-  int saved_fd = -1;  ///< a channel::SavedState for each module
+  int saved_fd = -1;  ///< memory that contains a channel::SavedState for each module
   std::vector<PortLink> links{};
 };
 

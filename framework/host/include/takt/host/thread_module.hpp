@@ -137,7 +137,7 @@ class ThreadModule final : public executor::Body {
   /// Samples that hooks write get the time of this clock instead of the machine's. The clock outlives the
   /// module.
   void keep_time_by(Clock& clock) noexcept { clock_ = &clock; }
-  /// From now on, each run() is preceded by a check whether this input's newest value is older than the
+  /// From now on, the module checks before each run() whether this input's newest value is older than the
   /// link's deadline. The age counts from the module's first release in the tables, at the earliest. The link
   /// counts how often the value becomes too old. With `stale_is_error`, run() is not called while the value
   /// is too old.
@@ -196,8 +196,8 @@ class ThreadModule final : public executor::Body {
   const channel::ModuleBlock* block_ = nullptr;
   channel::FlightWriter* flight_ = nullptr;
   Nanoseconds period_{0};
-  bool logical_ = false;               // inputs as of the release, outputs at the end of the period
-  std::uint64_t entered_ = 0;          // block_->entered at the last run()
+  bool logical_ = false;       // timing="let": inputs as of the release, outputs at the end of the period
+  std::uint64_t entered_ = 0;  // block_->entered at the last run()
   std::int64_t watched_since_ns_ = 0;  // first release since the module entered the tables
   LiveProperties live_;
   void (*error_)(int) = nullptr;

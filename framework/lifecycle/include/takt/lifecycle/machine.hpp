@@ -1,4 +1,4 @@
-// The lifecycle state of one module, its previous state, and the number of steps it has taken.
+// The lifecycle state of one module, its previous state, and the number of state changes so far.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace takt::lifecycle {
 
-/// One step that a module has taken. `sequence` counts the steps of the module from 1 without gaps, so an
-/// observer notices steps that it missed.
+/// One change of a module's state. `sequence` numbers the changes of the module from 1 without gaps, so an
+/// observer notices changes that it missed.
 struct Transition {
   State from = State::idle;
   State to = State::idle;
@@ -18,8 +18,8 @@ struct Transition {
   std::uint64_t sequence = 0;
 };
 
-/// Holds the state of one module and changes it only as the table allows. Only one thread at a time may use
-/// it.
+/// Holds the state of one module, and changes it only as the table allows. Only one thread at a time may use
+/// this object.
 class Machine {
  public:
   [[nodiscard]] State state() const noexcept { return state_; }
@@ -29,8 +29,9 @@ class Machine {
     return next(state_, event, before_error_).has_value();
   }
 
-  /// Takes the step that `event` leads to. If the event is not allowed in the current state, nothing changes;
-  /// the problem names this state and the states in which the event is allowed.
+  /// Changes the state as the table states for `event`. If the event is not allowed in the current state,
+  /// fails and changes nothing; the problem names the current state and the states in which the event is
+  /// allowed.
   Result<Transition> apply(Event event);
 
  private:

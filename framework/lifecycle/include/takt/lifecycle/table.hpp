@@ -1,5 +1,5 @@
-// The lifecycle of a module: six states, and every event that leads from one to another. This table is the
-// only place that defines the steps; all code that changes a state uses it.
+// The lifecycle of a module: six states, and every event that leads from one state to another. Only this
+// table defines the state changes; all code that changes a state uses it.
 #pragma once
 
 #include <array>
@@ -9,23 +9,23 @@
 namespace takt::lifecycle {
 
 enum class State : std::uint8_t {
-  idle,        ///< loaded; none of its hooks has run
+  idle,        ///< loaded, but none of its hooks has run
   initialize,  ///< initialize(property) succeeded
   start,       ///< start() succeeded; ready, but not released
   executing,   ///< the scheduler calls or releases it
-  recover,     ///< an error took the module out of the tables; recover() is tried
-  destruct,    ///< destruct() was called; the module runs again only after a reset
+  recover,     ///< an error removed the module from the tables; Takt calls recover()
+  destruct,    ///< destruct() was called; the module can run again only after a reset
 };
 
 enum class Event : std::uint8_t {
   initialize,  ///< IDLE -> INITIALIZE
   start,       ///< INITIALIZE -> START
-  run,         ///< START -> EXECUTING, with the first row that names the module
-  stop,        ///< EXECUTING -> START, after the row has ended
+  run,         ///< START -> EXECUTING, at the first row that contains the module
+  stop,        ///< EXECUTING -> START, at the end of a row
   error,       ///< INITIALIZE, START, EXECUTING -> RECOVER
-  recover,     ///< RECOVER -> EXECUTING if the error occurred there, else START
+  recover,     ///< RECOVER -> EXECUTING if the error occurred in EXECUTING, otherwise START
   give_up,     ///< RECOVER -> DESTRUCT
-  destruct,    ///< any but DESTRUCT -> DESTRUCT
+  destruct,    ///< any state except DESTRUCT -> DESTRUCT
   reset,       ///< DESTRUCT -> IDLE: the module is loaded again
 };
 
@@ -35,13 +35,14 @@ inline constexpr std::array kEvents{Event::initialize, Event::start,    Event::r
                                     Event::stop,       Event::error,    Event::recover,
                                     Event::give_up,    Event::destruct, Event::reset};
 
-/// "IDLE", "EXECUTING", ...: the text in reports and on the wire.
+/// The state as text in reports and on the wire, for example "IDLE" or "EXECUTING".
 const char* to_text(State state) noexcept;
-/// "initialize", "give up", ...
+/// The event as text, for example "initialize" or "give up".
 const char* to_text(Event event) noexcept;
 
-/// The state that `event` leads to from `state`; none if the event is not allowed there. `before_error` is
-/// the state in which the last error occurred; it matters only for `recover`. Pure; any thread may call it.
+/// Returns the state to which `event` leads from `state`; none if the event is not allowed in `state`.
+/// `before_error` is the state in which the last error occurred; only `recover` uses it. Pure function; any
+/// thread may call it.
 std::optional<State> next(State state, Event event, State before_error) noexcept;
 
 }  // namespace takt::lifecycle

@@ -1,4 +1,4 @@
-// Collects the problems of one cell while its rules are checked.
+// Collects the problems of a cell during validation.
 #pragma once
 
 #include <string>
@@ -12,23 +12,24 @@
 namespace takt::model {
 
 inline constexpr const char* kNameRule =
-    "a name is a letter or _, then letters, digits, _ and -, at most 63 characters";
+    "a name begins with a letter or _, continues with letters, digits, _ and -, and has at most 63 "
+    "characters";
 
 class Findings {
  public:
   /// The cell must outlive this object.
   explicit Findings(const Cell& cell) : cell_(cell) {}
 
-  /// Adds a problem. Does nothing when full.
+  /// Adds a problem. Does nothing if full() is true.
   void add(Line line, std::string what, std::string fix);
-  /// True after kMaxProblems problems. Further checks would only cost time, above all the search for similar
-  /// names.
+  /// True after kMaxProblems problems. The rules then stop, because further checks only cost time, above all
+  /// the search for similar names.
   [[nodiscard]] bool full() const;
-  /// The problems sorted by line. Leaves the list empty.
+  /// Returns the problems sorted by line, and empties the list.
   Problems take();
-  /// The problems with their lines, in the order in which they were found. Leaves the list empty.
+  /// Returns the problems with their lines, in the order in which they were found, and empties the list.
   std::vector<std::pair<Line, Problem>> take_lines() { return std::exchange(problems_, {}); }
-  /// "on line 12": the place of another element, for the fix of a problem.
+  /// The line of another element as text, for example "on line 12", for use in the fix of a problem.
   [[nodiscard]] std::string whereabouts(Line line) const { return model::whereabouts(cell_.texts(), line); }
 
  private:

@@ -1,5 +1,6 @@
-// The real-time processes (hosts) of a device, and the executors and modules in each. All executors without
-// their own host share one. A crash in the shared host stops all its modules until the host has restarted.
+// The real-time processes (hosts) of a device, and the executors and modules of each. All executors without
+// their own host share one host. A crash in the shared host stops all modules in it until the host has
+// restarted.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +13,17 @@
 namespace takt::model {
 
 struct HostShare {
-  std::string name;                       ///< of the only executor in it; empty: the shared host
-  std::vector<std::size_t> executors{};   ///< indices in Device::executors
-  std::vector<std::uint32_t> modules{};   ///< indices of the thread modules that it loads
-  std::vector<std::uint32_t> programs{};  ///< indices of the process modules that its executors release
+  std::string name;                       ///< the name of its only executor; empty for the shared host
+  std::vector<std::size_t> executors{};   ///< indices into Device::executors
+  std::vector<std::uint32_t> modules{};   ///< indices of the thread modules that the host loads
+  std::vector<std::uint32_t> programs{};  ///< indices of the process modules that the host's executors
+                                          ///< release
   [[nodiscard]] bool is_own() const noexcept { return !name.empty(); }
 };
 
-/// The hosts of a device, in the order of its executors, the shared one first. There is a shared host if it
-/// contains anything, or if no executor has its own host. Non-real-time thread modules run in it. Pure.
+/// Returns the hosts of a device: first the shared host, then the others in the order of their executors.
+/// There is a shared host if it contains any module or executor, or if no executor has its own host. It also
+/// runs the non-real thread modules. Pure function.
 std::vector<HostShare> hosts_of(const Device& device);
 
 }  // namespace takt::model

@@ -1,5 +1,5 @@
-// Reads and writes JSON for all rooms. The JSON parser takes seconds to compile, so only this room compiles
-// it. Not for real-time threads.
+// Reads and writes JSON for the whole framework. Only this part of the framework compiles the JSON parser,
+// because compiling it takes seconds. Real-time threads must not use these functions.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,14 @@
 
 namespace takt::model {
 
-/// Parses the text. If it is not JSON, the value is_discarded(); accessing a member of such a value throws
-/// nlohmann::json::exception.
+/// Parses the text. If the text is not JSON, is_discarded() of the result is true, and accessing a member of
+/// the result throws nlohmann::json::exception.
 nlohmann::ordered_json parse_json(std::string_view text);
-/// The value on one line. Bytes that are not UTF-8 are replaced by U+FFFD.
+/// Writes the value as one line. Bytes that are not valid UTF-8 are replaced by U+FFFD.
 std::string json_text(const nlohmann::ordered_json& value);
-/// None if the value is not a number, has a fraction, is negative or does not fit. get() would convert all of
-/// these to some number; for a large number with a fraction the result is undefined.
+/// The value as a whole number. Returns none if the value is not a number, has a fraction, is negative or is
+/// too large. In these cases get() would return an arbitrary number, or even have undefined behaviour for a
+/// large number with a fraction.
 std::optional<std::uint64_t> whole_number(const nlohmann::ordered_json& value);
 
 }  // namespace takt::model

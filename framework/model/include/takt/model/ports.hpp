@@ -1,5 +1,5 @@
-// The ports of a cell's modules, for all components that were found, and the checks of connections that need
-// these ports.
+// The ports of a cell's modules, as far as their components are known, and the checks of connections that
+// need these ports.
 #pragma once
 
 #include <optional>
@@ -13,64 +13,68 @@
 namespace takt::model {
 
 enum class Direction { in, event, out };
-/// "in", "event", "out"
+/// The direction as text: "in", "event" or "out".
 const char* to_text(Direction direction);
 
-/// The purpose of a port. A service, a handler and a client each consist of two ports.
+/// What a port is used for. A service, a handler and a client each consist of two ports.
 enum class Role {
-  plain,    ///< carries samples of its own
-  service,  ///< its module answers the requests in its own run
-  handler,  ///< a handler answers the requests on another thread
+  plain,    ///< carries ordinary samples, and belongs to no service or client
+  service,  ///< one of the two ports of a service whose module answers requests in its run()
+  handler,  ///< one of the two ports of a handler, which answers requests on another thread
   client,
 };
-/// "port", "service", "handler", "client"
+/// The role as text: "port", "service", "handler" or "client".
 const char* to_text(Role role);
 
 struct Port {
   std::string name;
   Direction direction = Direction::in;
   Type type;
-  std::string text;  ///< description in one sentence; may be empty
-  /// True for a C++ port of a thread module. Within one host its samples are passed as objects, not as bytes.
+  std::string text;  ///< a description in one sentence; may be empty
+  /// True for a C++ port of a thread module. Between modules of the same host, samples of such ports are
+  /// passed as objects and not as bytes.
   bool object = false;
   Role role = Role::plain;
-  /// For an output, the safe value that its component defines, as JSON with all fields; empty: none.
+  /// For an output: the safe value that the component defines, as JSON with all fields; empty if it defines
+  /// none.
   std::string safe{};
   bool operator==(const Port&) const = default;
 };
 
-/// The ports of one module; none if its component is not known here.
+/// The ports of one module; none if its component could not be read.
 using ModulePorts = std::optional<std::vector<Port>>;
-/// The ports of a cell, by the index of the device and of its module.
+/// The ports of all modules of a cell, indexed by device and then by module.
 using CellPorts = std::vector<std::vector<ModulePorts>>;
 
-/// The ports as JSON, for another process or device.
+/// Converts the ports to JSON, to send them to another process or device.
 std::string ports_json(const std::vector<Port>& ports);
-/// Reads the text of ports_json(). Fails if the text is not a list of ports, or if it has a type that no port
-/// can have. The problem names the port and the field.
+/// Reads the text that ports_json() returned. Fails if the text is not a list of ports, or if a port has an
+/// invalid type. The problem names the port and the field.
 Result<std::vector<Port>> parse_ports(const std::string& json);
 
-/// The name that the author of the component gave: "reset" for reset/request and reset/reply, the whole name
-/// for a plain port.
+/// The name that the component's author gave: "reset" for the ports reset/request and reset/reply; for a
+/// plain port, the whole name.
 std::string name_of_service(const Port& port);
 
-/// The port of a module; null if the module has no such port, or if its ports are not known.
+/// Finds the port that an endpoint names. Returns null if the module has no such port, or if its ports are
+/// not known.
 const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& end);
 
-/// Returns the problems of the connections of a cell that validate() accepts, each with `file:line` and a
-/// fix:
+/// Checks the connections, services and safe values of a cell that validate() accepts. Returns one problem,
+/// with `file:line` and a fix, for each of these mistakes:
 /// - A port does not exist or has the wrong direction.
-/// - The types of the two ends differ; the problem names the first difference.
-/// - An end of a service is not a service or client, or their types differ.
+/// - The types of the two ports differ; the problem describes the first difference.
+/// - A <service> names a port that is not a service or client, or their types differ.
 /// - A module with immediate dispatch has no connected event port.
-/// - A safe value does not fit its port. Does not check ends whose ports are not known.
+/// - A safe value does not fit its port. Skips modules whose ports are not known.
 Problems check_connections(const Cell& cell, const CellPorts& ports);
 
-/// The type of a field: "double[6]", "sequence<octet, 8>", "string<15>", "motion::Mode".
+/// The type of a field as it is written in IDL, for example "double[6]", "sequence<octet, 8>", "string<15>"
+/// or "motion::Mode".
 std::string spelled(const Field& field);
 
-/// The first difference between two types, for a message: "position is double[6] in the first and double[7]
-/// in the second"; empty if they are equal.
+/// Describes the first difference between two types, for example "position is double[6] in the first version
+/// and double[7] in the second"; empty if the types are equal.
 std::string difference(const Type& first, const Type& second);
 
 }  // namespace takt::model

@@ -9,9 +9,9 @@
 
 namespace takt::model {
 
-/// The run times of one module's run(), or of the body of its program.
+/// The run times of one module: of its run(), or of the body of its program.
 struct RunTimes {
-  std::uint64_t runs = 0;  ///< number of measured runs; 0: nothing is known
+  std::uint64_t runs = 0;  ///< number of measured runs; 0 if none was measured
   Nanoseconds min{};
   Nanoseconds p50{};
   Nanoseconds p99{};

@@ -1,4 +1,5 @@
-// The file format of a profile. `takt run --profile` writes it; the analysis and the simulation read it.
+// The file format of a profile. `takt run --profile` writes profiles; the analysis and the simulation read
+// them.
 #pragma once
 
 #include <map>
@@ -15,9 +16,9 @@ namespace takt::model {
 /// in free text. Ends with a line feed.
 std::string profile_json(const Profile& profile, const std::map<std::string, std::string>& machine);
 
-/// Reads a profile. Fails with all mistakes at once: text that is not JSON, missing or unknown members, a
-/// time that is not a whole number of at least 0, times out of order. Problems are at `FILE:LINE`. `file` is
-/// for messages only.
+/// Reads a profile. Fails if the text is not JSON, if members are missing or unknown, if a time is not a
+/// whole number of at least 0, or if the times are not in ascending order. Reports all mistakes at once, each
+/// at `FILE:LINE`. `file` is used only in messages.
 Result<Profile> parse_profile(std::string_view text, std::string_view file);
 
 }  // namespace takt::model

@@ -1,5 +1,5 @@
-// The type of a port as data: the content of its IDL. With it, programs that were not compiled with the type
-// can check and print its samples. Port types are final structs without keys; their strings and sequences
+// The type of a port as data, read from its IDL. Programs that were not compiled with the type use it to
+// check and print samples. Port types are final structs without keys, and all their strings and sequences
 // have bounds.
 #pragma once
 
@@ -12,12 +12,14 @@
 
 namespace takt::model {
 
-/// The limits of every type. The IDL compiler (cmake/takt_idl.py) has the same limits.
+/// The limits of port types. The IDL compiler (cmake/takt_idl.py) has the same limits.
 inline constexpr std::size_t kMaxSampleSize = 64 * 1024 * 1024;  ///< bytes
-inline constexpr std::size_t kMaxFields = 4096;  ///< including the fields of structs, counted at every use
-inline constexpr std::size_t kMaxNesting = 16;   ///< levels of structs within structs
+inline constexpr std::size_t kMaxFields = 4096;  ///< total number of fields, including the fields of nested
+                                                 ///< structs each time they are used
+inline constexpr std::size_t kMaxNesting = 16;   ///< maximum nesting depth of structs
 inline constexpr std::size_t kMaxTypeName = 255;
-inline constexpr std::size_t kMaxDescription = 1024 * 1024;  ///< bytes of the text for parse_type()
+inline constexpr std::size_t kMaxDescription = 1024 * 1024;  ///< maximum length in bytes of a text for
+                                                             ///< parse_type()
 
 enum class Scalar {
   boolean,
@@ -36,63 +38,65 @@ enum class Scalar {
   enumeration,
   structure
 };
-/// The IDL keywords: "boolean", "octet", "char", "short", "unsigned long", "double", "string", "enum",
-/// "struct", ...
+/// The scalar as its IDL keyword, for example "boolean", "unsigned long", "string", "enum" or "struct".
 const char* to_text(Scalar scalar);
 
-/// A field is one value, an array, a sequence, or an array of sequences. The elements of a sequence may be
-/// arrays.
+/// One field of a struct: a single value, an array, a sequence, or an array of sequences. The elements of a
+/// sequence may be arrays.
 struct Field {
   std::string name;
   Scalar scalar = Scalar::int32;
-  std::size_t bound = 0;                  ///< for a string: maximum number of characters
-  std::vector<std::size_t> dimensions{};  ///< of an array; empty: not an array
-  std::size_t sequence = 0;               ///< maximum number of elements of a sequence; 0: not a sequence
-  std::vector<std::size_t> elements{};    ///< dimensions of each element of a sequence; empty: single values
-  std::string type_name{};                ///< of an enumeration or structure: "motion::Mode"
+  std::size_t bound = 0;                  ///< maximum number of characters of a string
+  std::vector<std::size_t> dimensions{};  ///< dimensions of an array; empty: not an array
+  std::size_t sequence = 0;  ///< maximum number of elements of a sequence; 0 if the field is not a sequence
+  std::vector<std::size_t> elements{};  ///< dimensions of the array that each element of a sequence is;
+                                        ///< empty: each element is a single value
+  std::string type_name{};              ///< name of the enumeration or structure, for example "motion::Mode"
   std::vector<std::string> enumerators{};
-  std::vector<Field> fields{};  ///< of a structure
+  std::vector<Field> fields{};  ///< fields of the structure
   bool operator==(const Field&) const = default;
 };
 
 struct Type {
-  std::string name;  ///< its name on DDS: "motion::JointState"
+  std::string name;  ///< name of the type on DDS, for example "motion::JointState"
   std::vector<Field> fields;
-  /// Two ports can be connected if their types are equal.
+  /// Equality of types. Two ports can be connected only if their types are equal.
   bool operator==(const Type&) const = default;
 };
 
-/// Reads the JSON in the code that takt_add_idl generates. Its members are those of Field; empty members are
-/// left out:
+/// Reads a type from the JSON that takt_add_idl puts into the generated code. The members of the JSON are
+/// those of Type and Field; empty members are omitted:
 ///
 ///   {"name":"motion::Plan","fields":[{"name":"mode","type":"enum","of":"motion::Mode","enumerators":["OFF","ON"]},
 ///     {"name":"label","type":"string","bound":15},{"name":"way","type":"double","array":[2,6],"sequence":8,"elements":[3]},
 ///     {"name":"start","type":"struct","of":"motion::Pose","fields":[...]}]}
 ///
-/// Fails if the text is not such a description, or if no port can have the type: a string without a bound, a
-/// sequence within a sequence, a key, or a limit above exceeded. Each problem names its field.
+/// Fails if the text does not describe a type, or if no port can have the type, because it has a string
+/// without a bound, a sequence within a sequence or a key, or exceeds a limit above. Each problem names its
+/// field.
 Result<Type> parse_type(const std::string& text);
-/// The text that parse_type() read, byte for byte.
+/// Converts a type to JSON. The result equals, byte for byte, the text from which parse_type() read the type.
 std::string to_text(const Type& type);
 
-/// The maximum size of a sample in bytes, as XCDR1. It includes the 4 bytes of encapsulation and is a
-/// multiple of 4, because RTPS sends whole words. If the size exceeds kMaxSampleSize, the result is some
+/// The maximum size in bytes of a sample in XCDR1. The size includes the 4 bytes of encapsulation and is a
+/// multiple of 4, because RTPS sends whole words. If a sample can exceed kMaxSampleSize, the result is any
 /// number larger than kMaxSampleSize.
 std::size_t max_size(const Type& type);
 
-/// Whether the bytes are one complete sample of the type, within all bounds. Checks the encapsulation (XCDR1,
-/// either byte order), lengths, booleans, enumerators and ends of strings. The last word may be padded. The
-/// result is true exactly if PortType::decode() succeeds. Real-time for a type of parse_type(): neither
-/// allocates nor throws for any bytes.
+/// Returns true if the bytes are one complete sample of the type and all its bounds are kept. Checks the
+/// encapsulation (XCDR1, either byte order), lengths, booleans, enumerators and the ends of strings. Padding
+/// after the last field is allowed. Returns true for exactly the samples that PortType::decode() accepts.
+/// Real-time threads may call this for a type that parse_type() returned: it neither allocates nor throws,
+/// whatever the bytes are.
 bool is_sample(const Type& type, const std::byte* bytes, std::size_t size) noexcept;
 
-/// The sample as one line of JSON with its fields: {"position": [0, 1], "mode": "ON"}. Requires is_sample().
-/// Numbers that JSON cannot express are "NaN", "Infinity" or "-Infinity"; bytes of a string that are not
-/// UTF-8 are replaced.
+/// Returns the sample as one line of JSON with all fields, for example {"position": [0, 1], "mode": "ON"}.
+/// The bytes must be a sample, see is_sample(). Numbers that JSON cannot express become "NaN", "Infinity" or
+/// "-Infinity". Bytes of a string that are not UTF-8 are replaced.
 std::string sample_json(const Type& type, const std::byte* bytes, std::size_t size);
 
-/// Converts such JSON to the bytes of a sample, in little endian. A missing field is zero. If a value does
-/// not fit, fails with the name of the field.
+/// Converts JSON as sample_json() writes it to the bytes of a sample, in little endian. Missing fields become
+/// zero. If a value is not valid for its field, fails with the name of the field.
 Result<std::vector<std::byte>> sample_bytes(const Type& type, const std::string& json);
 
 }  // namespace takt::model

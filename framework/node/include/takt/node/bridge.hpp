@@ -33,9 +33,9 @@ class Bridge {
   struct Options {
     std::string device;  ///< for messages
     int domain = 0;
-    std::vector<std::string> peers;  ///< addresses of the discovery; empty for multicast
+    std::vector<std::string> peers;  ///< addresses for the discovery of peers; empty for multicast
     const os::SharedMemory* wake_word = nullptr;
-    std::uint32_t place = 1;  ///< its number, 1 to 31, among the gateways that share the wake word
+    std::uint32_t place = 1;  ///< the bridge's number among the gateways that share the wake word, 1 to 31
     std::vector<BridgedFlow> flows;
   };
 

@@ -28,8 +28,8 @@ class DevicePlatform final : public supervision::Platform {
     bool check_real_time = false;    ///< whether to detect real-time violations of modules
     os::WakeUps wake_ups{};          ///< measured on this machine; not measured if the count is 0
     std::string state_folder{};      ///< folder for the state that modules retain; empty to save nothing
-    std::string traces{};            ///< beginning of the names of fault traces; empty to write none
-    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null for no DDS
+    std::string traces{};            ///< beginning of the paths of fault traces; empty to write no traces
+    std::shared_ptr<dds::Participant> participant{};  ///< connects to other devices; null for no DDS
   };
 
   explicit DevicePlatform(Options options);
@@ -56,7 +56,7 @@ class DevicePlatform final : public supervision::Platform {
   void trace(Nanoseconds last, std::size_t most,
              std::function<void(const Result<std::string>&)> done) override;
 
-  /// The descriptors that are readable when a host or program reports something.
+  /// The descriptors that become readable when a host or program reports something.
   [[nodiscard]] std::vector<const os::Fd*> wait_on() const;
 
  private:
@@ -68,13 +68,13 @@ class DevicePlatform final : public supervision::Platform {
   supervision::Parts* parts_ = nullptr;  // null before begin()
   std::optional<os::Throttling> throttling_;
   os::KernelNews kernel_news_;
-  std::vector<std::int64_t> seen_latest_ns_;  // the last seen latest_ns of each executor
+  std::vector<std::int64_t> seen_latest_ns_;  // for each executor, the latest_ns that was read last
   std::vector<bool> throttled_;               // for each executor, whether throttling was reported
-  std::optional<Violations> violations_;      // only with check_real_time
+  std::optional<Violations> violations_;      // empty without check_real_time
   std::unique_ptr<FlightRecorder> flight_;
   std::unique_ptr<Retained> retained_;
   std::vector<HostProcess*> hosts_;        // the supervision owns them
-  std::vector<ProgramProcess*> programs_;  // the supervision owns them, too
+  std::vector<ProgramProcess*> programs_;  // the supervision owns these, too
 };
 
 }  // namespace takt::node

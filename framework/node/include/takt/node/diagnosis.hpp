@@ -1,5 +1,6 @@
-// Judges a machine for real time: which properties spoil it, why, and what cures them. These functions read
-// nothing from the machine; the caller passes its properties and the results of trials.
+// Judges whether a machine is fit for real time: which properties spoil real-time behaviour, why, and what
+// cures them. These functions read nothing from the machine; the caller passes its properties and the results
+// of trials.
 #pragma once
 
 #include <string>

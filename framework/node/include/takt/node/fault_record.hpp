@@ -1,4 +1,5 @@
-// The fault record of a device: its last few thousand events, in a file that survives any end of its node.
+// The fault record of a device: its last few thousand events, in a file that survives its node, however the
+// node ends.
 //
 // The file is a ring of slots of fixed size, with one event in each slot. It has its full size from the
 // beginning. An event is written by one write of one slot, with its number and a checksum. If a node dies
@@ -58,8 +59,8 @@ class FaultRecord final : public agent::FaultMemory {
   /// Writes the event to the file, without waiting for the disk.
   void append(model::Fault& fault) override;
   /// Tries the file again after open() or a write has failed. Returns true if the file is in use again and
-  /// contains all events of the memory. Events get new numbers if other events in the file already have their
-  /// numbers.
+  /// contains all events that are in memory. An event in memory gets a new number if another event in the
+  /// file already has its number.
   bool reopen() override;
   void sync() const override;
   [[nodiscard]] const std::vector<model::Fault>& events() const noexcept override { return recorded_.events; }

@@ -1,8 +1,8 @@
-// Keeps a device's flight record, which is the memory that executors write, and collects what happened at the
-// same time. Writes traces of both.
+// Keeps a device's flight record, which is the memory where executors record their runs, and collects what
+// else happened at the same time. Writes traces of both.
 //
-// Writing a trace of some seconds takes a tenth of a second, and the node's thread must never wait. So the
-// node's thread only gathers the data, and a worker thread does the rest.
+// A trace that covers several seconds takes a tenth of a second to write, and the node's thread must never
+// wait. So the node's thread only gathers the data, and a worker thread does the rest.
 #pragma once
 
 #include <atomic>
@@ -32,7 +32,7 @@ class FlightRecorder {
     std::string device;
     std::vector<flight::Module> modules;
     std::vector<std::string> executors;
-    std::string files;  ///< beginning of the names of fault traces; empty to write none
+    std::string files;  ///< beginning of the paths of fault traces; empty to write no traces
   };
 
   static Result<std::unique_ptr<FlightRecorder>> create(Options options, const schedule::DevicePlan& plan,
@@ -47,21 +47,22 @@ class FlightRecorder {
 
   /// Records a module's lifecycle step.
   void changed(flight::Change change);
-  /// The host that ran this executor has died. Call this before the channel is cleared, because the channel
-  /// still shows what the host's threads were doing.
+  /// Notes what the threads of this executor were doing when their host died. Call this before the channel is
+  /// cleared, because the channel still shows it.
   void host_died(std::size_t executor);
   /// Requests a trace file of a fault. The file is written soon, but at most one file every kTraceEvery.
   void fault(const std::string& why);
-  /// Makes a trace of the time `last` before now, as JSON of at most `most` bytes. step() calls `done` with
-  /// the result.
+  /// Makes a trace of the time from `last` ago until now, as JSON of at most `most` bytes. step() calls
+  /// `done` with the result.
   void trace(Nanoseconds last, std::size_t most, std::function<void(const Result<std::string>&)> done);
 
   /// Samples the executors' threads from time to time, and calls `done` for finished traces.
   void step(Instant now);
-  /// Stops recording, without waiting. Call it until it returns true: then the last file is written, which
-  /// may take a second, and the destructor does not block.
+  /// Stops recording, without waiting. Call this repeatedly until it returns true, which may take a second.
+  /// Then the last file is written, and the destructor does not block.
   [[nodiscard]] bool finish();
-  /// Returns the messages since the last call, which say what trace files were written or why a file was not.
+  /// Returns the messages since the last call, which report each trace file that was written or could not be
+  /// written.
   std::vector<std::string> messages();
 
  private:

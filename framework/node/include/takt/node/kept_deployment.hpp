@@ -9,8 +9,8 @@
 
 namespace takt::node {
 
-/// Returns TAKT_STATE_DIR if it is set, else "/var/lib/takt" for root and a folder in the home of other
-/// users.
+/// Returns TAKT_STATE_DIR if it is set, else "/var/lib/takt" for root, and a folder in the home directory for
+/// other users.
 std::string default_state_folder();
 
 /// The file with the deployment of one device. A power failure leaves the old or the new content, never a

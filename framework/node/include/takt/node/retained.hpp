@@ -41,14 +41,14 @@ class Retained {
     std::uint64_t written = 0;   ///< number of the saved state that is on disk
     bool failed = false;         ///< whether the last write failed and this was reported
   };
-  /// Starts the thread. It calls `report` once when a file cannot be written, and when it can be written
-  /// again.
+  /// Starts the thread. It calls `report` once when a file cannot be written, and once when the file can be
+  /// written again.
   static Result<std::unique_ptr<Retained>> start(std::vector<One> all,
                                                  std::function<void(const std::string&)> report,
                                                  Nanoseconds every = std::chrono::seconds{1});
   ~Retained();
-  /// Ends the thread, without waiting. Call it until it returns true: then the last states are on disk, and
-  /// the destructor does not block.
+  /// Ends the thread, without waiting. Call this repeatedly until it returns true. Then the last states are
+  /// on disk, and the destructor does not block.
   [[nodiscard]] bool finish();
 
  private:

@@ -16,8 +16,8 @@ class Symbols {
   Symbols(Symbols&&) noexcept;
   Symbols& operator=(Symbols&&) noexcept;
 
-  /// Describes a place, such as "Servo::run(takt::Cycle const&) at servo.cpp:31 in servo.so", as far as it is
-  /// known. `address` is relative to the object's file. A file is opened once and stays open.
+  /// Describes a place in code, such as "Servo::run(takt::Cycle const&) at servo.cpp:31 in servo.so", as far
+  /// as it is known. `address` is relative to the object's file. A file is opened once and stays open.
   std::string name(const std::string& object, std::uint64_t address);
 
  private:

@@ -28,8 +28,9 @@ struct SeenViolation {
 
 class Violations {
  public:
-  /// Fails if libtakt_check.so is not in the folder of takt-host. Entries with module or executor numbers
-  /// beyond these counts are ignored, because foreign code can write to the memory of the entries.
+  /// Fails if libtakt_check.so is not in the folder of takt-host. Ignores entries whose module or executor
+  /// number is not below `modules` or `executors`, because foreign code can write to the memory of the
+  /// entries.
   static Result<Violations> create(std::size_t modules, std::size_t executors);
 
   /// Returns the environment variables for a checked program, and adds the descriptor of the memory to

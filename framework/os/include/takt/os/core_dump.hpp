@@ -6,16 +6,16 @@
 
 namespace takt::os {
 
-/// A glob() pattern for the files of `pattern`, which is in the format of /proc/sys/kernel/core_pattern.
-/// Parts that are not known here become "*".
+/// Returns a glob() pattern that matches the core dumps of a process. `pattern` has the format of
+/// /proc/sys/kernel/core_pattern. Parts of it whose value is not known here become "*".
 std::string core_glob(std::string_view pattern, int pid, int signal);
 
 struct CoreDump {
-  std::string file;  ///< path of the dump; empty: none was found
-  std::string why;   ///< the reason if none was found: "RLIMIT_CORE is 0"
+  std::string file;  ///< path of the core dump; empty if none was found
+  std::string why;   ///< why none was found, for example "RLIMIT_CORE is 0"
 };
-/// Finds the dump of a child process that this signal has just ended. The child must have had the resource
-/// limits and the working folder of this process.
+/// Finds the core dump of a child process that this signal has just killed. The child must have had the same
+/// resource limits and working folder as this process.
 CoreDump find_core_dump(int pid, int signal);
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
-// The environment of a program: variables, arguments, inherited descriptors, limits and the names of the
-// machine.
+// The environment of a program: variables, arguments, inherited descriptors and resource limits, and the name
+// of its machine.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 
 namespace takt::os {
 
-/// Takes the descriptor whose number is in an environment variable. Removes the variable and marks the
-/// descriptor to close on exec, so that children of this program do not get it. Empty if there is no such
-/// descriptor.
+/// Takes over the descriptor whose number is in an environment variable. Removes the variable and marks the
+/// descriptor close-on-exec, so that programs that this program starts do not inherit it. The result is empty
+/// if there is no such descriptor.
 Fd take_fd_from_environment(const char* name);
 
-/// Takes a descriptor with a known number and marks it to close on exec. Empty if the number is not a
-/// descriptor.
+/// Takes over a descriptor with a known number and marks it close-on-exec. The result is empty if no
+/// descriptor has this number.
 Fd adopt_fd(int number);
 
 /// Returns and removes an environment variable; empty if it is not set.
@@ -25,26 +25,27 @@ std::string take_from_environment(const char* name);
 
 /// The value of an environment variable; empty if it is not set.
 std::string environment(const char* name);
-/// Sets an environment variable for this program and the programs that it starts. Call it only while there is
-/// a single thread.
+/// Sets an environment variable for this program and for programs that it starts. May be called only while
+/// this program has a single thread.
 void set_environment(const char* name, const std::string& value);
 
-/// The arguments of this program, without its own name. Call it only after the C library is initialized.
+/// The arguments of this program, without the program's name. May be called only after the C library has been
+/// initialized.
 std::vector<std::string> program_arguments();
 
 /// The name of this machine.
 std::string host_name();
 int process_id();
-/// Whether this program runs as root.
+/// Returns true if this program runs as root.
 bool is_root();
 
-/// Raises this process's limit on open descriptors to its hard limit.
+/// Raises the limit of this process on open descriptors to the hard limit.
 void raise_descriptor_limit();
-/// Fails if this process cannot open this many more descriptors.
+/// Checks that this process can open this many additional descriptors, and fails if it cannot.
 Result<void> can_open(std::size_t descriptors);
 
-/// The id of the present boot of this machine. It changes when the kernel starts again; until then
-/// CLOCK_MONOTONIC continues. Empty if the system does not provide it.
+/// Identifies the time since this machine was booted; the id changes at each boot. CLOCK_MONOTONIC values are
+/// comparable only within one boot. Empty if the system does not provide the id.
 std::string boot_id();
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
-// Fibers: functions with their own stacks that take turns on one thread. Each runs until it hands over to
-// another one, so nothing runs in parallel and the program decides which fiber runs next.
+// Fibers: functions with their own stacks that take turns on one thread. A fiber runs until it hands over to
+// another fiber. So fibers never run in parallel, and the program decides which of them runs next.
 #pragma once
 
 #include <cstddef>
@@ -8,23 +8,25 @@
 
 namespace takt::os {
 
-/// All fibers that hand over to each other must belong to one thread. Sanitizers are notified of each stack
-/// switch.
+/// A fiber. Fibers that hand over to each other must all belong to the same thread. Each switch of stacks is
+/// announced to the sanitizers.
 class Fiber {
  public:
-  /// A fiber for the code that the calling thread runs now, so that other fibers can hand over to it.
+  /// Creates a fiber for the code that the calling thread runs now, so that other fibers can hand over to
+  /// this code.
   Fiber();
-  /// Runs `body` at the first handover. `body` must not return and must not throw; a fiber ends when nothing
-  /// hands over to it again. The stack has at least this many bytes, and a guard page at its end. Ends the
-  /// process if there is no memory for the stack.
+  /// Creates a fiber that runs `body` when another fiber first hands over to it. `body` must not return and
+  /// must not throw; a fiber ends when no other fiber hands over to it again. The stack has at least
+  /// `stack_bytes` bytes and a guard page at its end. Ends the process if there is no memory for the stack.
   Fiber(std::size_t stack_bytes, std::function<void()> body);
-  /// The fiber must not be running. Objects on its stack are not destroyed.
+  /// The fiber must not be running. The destructors of objects on its stack are not called.
   ~Fiber();
   Fiber(const Fiber&) = delete;
   Fiber& operator=(const Fiber&) = delete;
 
-  /// Only this fiber may call it, while it runs and handles no exception. The other fiber continues where it
-  /// stopped. This fiber continues when another fiber hands over to it.
+  /// Stops this fiber and continues the other one where it stopped. This fiber continues when another fiber
+  /// hands over to it. Only this fiber itself may call this, while it runs, and not while it handles an
+  /// exception.
   void hand_over_to(Fiber& other);
 
  private:

@@ -1,8 +1,8 @@
-// A file of fixed size that is written in place, piece by piece. All its space is allocated in advance, so
-// that writing cannot fail later because the disk is full.
+// A file of fixed size whose parts are written in place. All its space is allocated in advance, so that a
+// later write cannot fail because the disk is full.
 //
-// System calls write the file, not a mapping. So a disk error or a truncated file makes a call fail instead
-// of raising SIGBUS.
+// The file is written with system calls and not through a memory mapping. So a disk error or a truncated file
+// makes a call fail and does not raise SIGBUS.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@ namespace takt::os {
 
 class FixedFile {
  public:
-  /// Opens the file, or creates an empty file and its folder. Locks the file. Fails while another process has
-  /// opened the file with this function.
+  /// Opens and locks the file. Creates the file and its folder if they do not exist. Fails while another
+  /// process has the file open through this function.
   static Result<FixedFile> open(const std::string& path);
-  /// Allocates space for this many bytes; new bytes are zero. Fails if the disk is full; then the size does
-  /// not change.
+  /// Allocates space for a file of this many bytes; new bytes are zero. Fails if the disk is full; then the
+  /// size of the file does not change.
   Result<void> reserve(std::size_t bytes);
-  /// The whole content. Fails if it has more than `most` bytes.
+  /// Reads the whole file. Fails if it has more than `most` bytes.
   [[nodiscard]] Result<std::string> read(std::size_t most) const;
-  /// Writes in place. A process that is killed during the call may have written only the first part. The
-  /// bytes survive a loss of power after sync() has returned.
+  /// Writes the bytes at this position. If the process is killed during the call, only the first part of them
+  /// may be written. After sync() has returned, the bytes survive a loss of power.
   Result<void> write(std::size_t at, std::string_view bytes);
-  /// Waits until the disk has stored everything.
+  /// Waits until everything that was written is stored on the disk.
   void sync() const noexcept;
-  /// Renames the file; replaces an existing file of that name.
+  /// Renames the file. Replaces an existing file with the new name.
   Result<void> rename(const std::string& path);
 
  private:

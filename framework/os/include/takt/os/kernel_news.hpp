@@ -1,4 +1,4 @@
-// Reads the messages that the kernel logs while the program runs (/dev/kmsg).
+// Reads the messages that the kernel logs (/dev/kmsg) while the program runs.
 #pragma once
 
 #include <optional>
@@ -8,20 +8,21 @@
 
 namespace takt::os {
 
-/// The new messages of the kernel.
+/// Returns the kernel's new log messages one by one.
 class KernelNews {
  public:
-  /// Starts with the next message. If this user may not read the log, next() returns no messages.
+  /// Begins with the next message that the kernel logs. If this user may not read the log, next() never
+  /// returns a message.
   KernelNews();
 
-  /// The next message; none if there is no new one. Does not wait.
+  /// Returns the next message, or none if there is no new one. Does not wait.
   std::optional<std::string> next();
 
  private:
   Fd fd_;
 };
 
-/// The TEXT of a record of /dev/kmsg, "6,1234,5678,-;TEXT\n KEY=VALUE".
+/// Returns the text of a record of /dev/kmsg: TEXT in "6,1234,5678,-;TEXT\n KEY=VALUE".
 std::string kernel_text(const std::string& record);
 
 }  // namespace takt::os

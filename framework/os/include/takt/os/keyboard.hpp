@@ -1,4 +1,4 @@
-// Reads the keys of a terminal one by one as they are pressed.
+// Reads keys from a terminal one by one, as the user presses them.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace takt::os {
 
-/// While this object exists, the terminal does not echo keys, does not wait for the end of a line, and passes
-/// Ctrl-Z as a key. The destructor restores the terminal.
+/// Reads the keyboard of the terminal. While this object exists, the terminal does not echo keys, passes each
+/// key at once instead of whole lines, and passes Ctrl-Z as a key. The destructor restores the terminal.
 class Keyboard {
  public:
-  // Keys that are not characters; their values are beyond every byte.
+  // Keys that are not characters. Their values are larger than the value of any byte.
   static constexpr int kUp = 256;
   static constexpr int kDown = 257;
   static constexpr int kPageUp = 258;
@@ -35,11 +35,12 @@ class Keyboard {
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  /// Whether standard input and output are a terminal.
+  /// Returns true if standard input and standard output are a terminal.
   static bool is_terminal();
 
-  /// The next key: a byte of a character or one of the keys above; none if no key was pressed. Skips other
-  /// special keys. Does not wait. A lone escape is returned only after nothing has followed it for a while.
+  /// Returns the next key: a byte of a character, or one of the keys above; none if no key was pressed. Skips
+  /// other special keys. Does not wait. Returns an escape only if no other byte follows it for a short time,
+  /// because most special keys begin with an escape.
   std::optional<int> next();
   [[nodiscard]] Size size() const;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
@@ -52,12 +53,12 @@ class Keyboard {
   Instant typed_at_{};
 };
 
-/// Removes and returns the first key of the typed bytes; none if there are no bytes, or only the beginning of
-/// a key. `whole` means that no more bytes follow, so an escape is a key of its own.
+/// Removes the first key from the typed bytes and returns it. Returns none if there are no bytes, or only the
+/// beginning of a key. If `whole` is true, no more bytes will follow, so an escape is a key by itself.
 std::optional<int> take_key(std::string& typed, bool whole);
 
-/// The width of the terminal on standard error, in columns; 0 if that is not a terminal, 80 if the width is
-/// not known.
+/// The width in columns of the terminal on standard error; 0 if standard error is not a terminal, 80 if the
+/// width is not known.
 std::size_t error_columns();
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
 // A connection between a program and the program that started it. It delivers whole messages in order, and
-// reports when the other end is gone.
+// detects when the other end has been closed.
 #pragma once
 
 #include <optional>
@@ -16,19 +16,20 @@ class MessageSocket {
   MessageSocket() = default;
   explicit MessageSocket(Fd fd) : fd_(std::move(fd)) {}
 
-  /// Creates two connected ends.
+  /// Creates two ends that are connected to each other.
   static Result<std::pair<MessageSocket, MessageSocket>> pair();
 
   /// Sends as many bytes as the other end accepts now, and keeps the rest for flush(). Never waits. Returns
-  /// false if the other end is gone.
+  /// false if the other end is closed.
   bool send(const std::string& message);
-  /// Sends more of the bytes that send() has kept. Returns false if the other end is gone.
+  /// Continues to send the bytes that send() kept. Returns false if the other end is closed.
   bool flush();
-  /// Like send(), but waits until the other end has accepted everything.
+  /// Like send(), but waits until the other end has accepted all bytes.
   bool send_wait(const std::string& message);
-  /// The next message if it has arrived completely; does not wait. Sets closed() if the other end is gone.
+  /// Returns the next message if it has arrived completely, otherwise none. Does not wait. Sets closed() if
+  /// the other end is closed.
   std::optional<std::string> receive();
-  /// Waits for the next message; none if the other end is gone.
+  /// Waits for the next message. Returns none if the other end is closed.
   std::optional<std::string> receive_wait();
 
   [[nodiscard]] bool closed() const noexcept { return closed_; }

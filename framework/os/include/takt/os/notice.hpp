@@ -1,4 +1,4 @@
-// Wakes a thread that waits for descriptors.
+// Wakes a thread that waits for file descriptors.
 #pragma once
 
 #include <takt/core/result.hpp>
@@ -6,14 +6,14 @@
 
 namespace takt::os {
 
-/// A flag that makes a descriptor readable.
+/// A flag with a file descriptor that is readable while the flag is set.
 class Notice {
  public:
   static Result<Notice> create();
 
-  /// Makes fd() readable until the next take(). Any thread may call it. Never waits.
+  /// Sets the flag; fd() is then readable until the next take(). Any thread may call this. Never waits.
   void give() const noexcept;
-  /// Whether give() was called since the last take().
+  /// Clears the flag. Returns true if give() was called since the last take().
   bool take() const noexcept;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
 

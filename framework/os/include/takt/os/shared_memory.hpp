@@ -1,5 +1,6 @@
-// Memory that several processes share. The memory has no name in the file system: a process gets it through
-// its descriptor. It is freed when the last process that holds it has ended, even if that process crashed.
+// Memory that several processes share. It has no name in the file system: a process gets access to it through
+// its descriptor. The kernel frees the memory when the last process that holds it has ended, even after a
+// crash.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +20,11 @@ class SharedMemory {
   SharedMemory& operator=(const SharedMemory&) = delete;
   ~SharedMemory();
 
-  /// Creates zeroed memory of fixed size. `name` is only for people (/proc/PID/maps). New programs do not
-  /// inherit the descriptor unless it is passed to them.
+  /// Creates memory of fixed size that contains zeros. `name` is only for people, who see it in
+  /// /proc/PID/maps. Programs that this process starts do not inherit the descriptor unless it is passed to
+  /// them.
   static Result<SharedMemory> create(const std::string& name, std::size_t size);
-  /// Maps the memory that another process created; takes the descriptor.
+  /// Maps memory that another process created. Takes over the descriptor.
   static Result<SharedMemory> attach(Fd fd);
 
   [[nodiscard]] std::byte* data() const noexcept { return data_; }

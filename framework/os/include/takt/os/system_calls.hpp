@@ -6,7 +6,8 @@
 
 namespace takt::os {
 
-/// The name of a system call: "clock_nanosleep"; "system call 1000" for a number unknown at compile time.
+/// The name of a system call, for example "clock_nanosleep". If the number was not known when this program
+/// was compiled, returns a text such as "system call 1000".
 std::string system_call_name(std::int64_t number);
 
 }  // namespace takt::os

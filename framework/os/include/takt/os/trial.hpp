@@ -1,4 +1,5 @@
-// Tries whether the system grants what real time needs, and measures how late it wakes a thread.
+// Checks whether the system allows a program what it needs for real time, and measures how late the system
+// wakes a thread.
 #pragma once
 
 #include <cstddef>
@@ -10,35 +11,36 @@
 
 namespace takt::os {
 
-/// How late a thread woke up after sleeping until an instant.
+/// Statistics of wake-up delays: how long after the requested time a sleeping thread woke up.
 struct WakeUps {
   std::size_t count = 0;
   Nanoseconds p50{};
   Nanoseconds p99{};
   Nanoseconds max{};
 };
-/// Computes the statistics of these delays. Pure.
+/// Computes the statistics of the given delays. Pure function.
 WakeUps wake_ups_of(std::vector<Nanoseconds> delays);
 
-/// Lets a new thread sleep `count` times for `pause` each, on the highest CPU that this process may use. If
-/// the system allows it, the thread has SCHED_FIFO and deep idle states are prevented. Takes a little longer
-/// than count x pause.
+/// Measures the delays of a new thread that sleeps `count` times for `pause` each. The thread runs on the
+/// highest CPU that this process may use. If the system allows it, the thread has SCHED_FIFO, and the CPUs
+/// are kept out of deep idle states. Takes a little longer than count x pause.
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause);
 
 struct Trial {
   Result<void> priority;   ///< SCHED_FIFO
-  Result<void> locking;    ///< mlockall of present and future memory
+  Result<void> locking;    ///< whether mlockall() can lock present and future memory
   Result<void> idle_held;  ///< /dev/cpu_dma_latency
   Nanoseconds timer_resolution{};
   WakeUps wake_ups;
-  std::optional<double> stolen_share{};  ///< by the host of this virtual machine meanwhile, 0 to 1
+  std::optional<double> stolen_share{};  ///< share of the CPU time that the host of this virtual machine took
+                                         ///< during the trial, 0 to 1
 };
-/// Tries everything. Each trial runs on a thread or in a process of its own, which ends with the trial. Takes
-/// the time `moment`, most of it for the wake-ups. The caller must have a single thread.
+/// Runs all trials. Each one runs in its own thread or process, which ends with the trial. Most of the time,
+/// which is about `moment`, is spent on the wake-ups. The caller must have only one thread.
 Trial try_machine(Nanoseconds moment);
 
-/// 1 ns if timers have a high resolution, else one tick of the kernel, which takes milliseconds. Any thread
-/// may call it.
+/// The resolution of timers: 1 ns for high-resolution timers, otherwise one tick of the kernel, which is
+/// several milliseconds long. Any thread may call this.
 Nanoseconds timer_resolution() noexcept;
 
 }  // namespace takt::os

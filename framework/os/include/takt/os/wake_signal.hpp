@@ -1,11 +1,11 @@
-// Wakes another process by a signal, as the scheduler of the paper does. Takt itself does not use this; its
-// benchmarks compare against it.
+// Wakes another process by a signal, as the scheduler of the paper does. Takt itself does not use this; only
+// its benchmarks do, for comparison.
 #pragma once
 
 namespace takt::os {
 
-/// Blocks the signal for this thread and for threads that it starts later. So the signal is pending until a
-/// thread waits for it.
+/// Blocks the signal for this thread and for threads that it starts later. A signal that arrives then stays
+/// pending until a thread waits for it.
 void hold_wake_signal() noexcept;
 /// Sleeps until the signal arrives. One system call.
 void wait_for_wake_signal() noexcept;

@@ -30,7 +30,7 @@ struct RecordedSample {
   std::size_t size = 0;
 };
 
-/// Selects samples; times are since 1970.
+/// Selects samples by port and time. Times are in ns since 1970.
 struct Selection {
   std::set<std::int64_t> ports{};  ///< ids of ports; empty for all ports
   std::int64_t from_ns = std::numeric_limits<std::int64_t>::min();

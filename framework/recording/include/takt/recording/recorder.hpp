@@ -17,7 +17,8 @@ struct RecordOptions {
   RecordingOptions recording;
   std::optional<double> seconds;  ///< how long to record; without a value, until SIGINT or SIGTERM
   client::Network network;
-  /// Receives the progress once a second, and an empty text before any other output. May be empty.
+  /// Receives the progress once a second, and an empty text before any other output. An empty function is
+  /// allowed.
   std::function<void(const std::string&)> progress{};
 };
 

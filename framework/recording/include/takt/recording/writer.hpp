@@ -33,17 +33,17 @@ struct RecordingOptions {
   /// Limit of the space on the disk, including SQLite's auxiliary files; 0 for no limit.
   std::uint64_t max_bytes = 1'000'000'000;
   Full full = Full::stop;
-  Nanoseconds flush = std::chrono::milliseconds{500};       ///< the longest time for which a sample waits
+  Nanoseconds flush = std::chrono::milliseconds{500};       ///< the longest wait of a sample in the queue
   std::size_t queue_bytes = std::size_t{64} * 1024 * 1024;  ///< limit of the memory for waiting samples
 };
 
 struct RecordingHealth {
   std::uint64_t samples = 0;         ///< number of written samples
   std::uint64_t lost = 0;            ///< samples lost because the queue was full or the disk failed
-  std::uint64_t dropped = 0;         ///< oldest samples that were deleted to make room for new samples
+  std::uint64_t dropped = 0;         ///< oldest samples deleted so that new ones fit below the limit
   std::uint64_t bytes = 0;           ///< space used on the disk
-  bool full = false;                 ///< the limit is reached and nothing more is written
-  std::optional<Problem> trouble{};  ///< why writing fails at present, if it does
+  bool full = false;                 ///< the file has reached its limit, and nothing more is written
+  std::optional<Problem> trouble{};  ///< why the writer cannot write at present; empty if it can
 };
 
 class RecordingWriter {
@@ -97,7 +97,8 @@ class RecordingWriter {
   Result<void> write(Batch& batch);
   Result<void> write_ports(const Batch& batch);
   Result<std::size_t> write_samples(const Batch& batch, std::size_t first, std::size_t offset);
-  /// Makes room for this number of bytes below the limit. Returns false if the file is full.
+  /// Ensures that `bytes` more fit below the size limit, and deletes the oldest samples if necessary and
+  /// allowed. Returns false if the file is full.
   Result<bool> make_room(std::uint64_t bytes);
   Result<std::uint64_t> used();
   Result<void> checkpoint();

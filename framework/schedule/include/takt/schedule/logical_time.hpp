@@ -1,4 +1,4 @@
-// The extra samples that connections must hold for timing="let".
+// The additional samples that connections must hold for timing="let".
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,10 @@
 
 namespace takt::schedule {
 
-/// The number of additional samples that a link must hold. A writer with timing="let" has written samples
-/// that may only be read up to one period later. The reader needs the newest sample from before its own
-/// release, which may be one period of the reader ago. `reader` is null if a program outside Takt reads.
-/// Returns 0 if the writer does not use "let". Pure.
+/// Returns the number of additional samples that a connection must hold. A writer with timing="let" writes
+/// samples that readers may not see until up to one period later. The reader must see the newest sample from
+/// before its own release, which may be up to one of its periods ago. `reader` is null if the reader is a
+/// program outside Takt. Returns 0 if the writer does not use "let". Pure function.
 std::uint64_t samples_ahead(const model::Device& device, const model::Module& writer,
                             const model::Module* reader);
 

@@ -1,4 +1,4 @@
-// The longest run of each module, as the proof of deadlines needs it.
+// The longest run of each module, for the proof of deadlines.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,17 @@
 
 namespace takt::schedule {
 
-/// Indexed by device and module. An entry is empty for non-real-time modules, which have no deadline.
+/// Indexed by device and module. Non-real modules have an empty entry, because they have no deadline.
 using LongestRuns = std::vector<std::vector<std::optional<Nanoseconds>>>;
 
-/// Returns for each module the longest run in the profile, or the budget if there is no profile or the module
-/// did not run in it. Multiplies each time by `factor`, which is at least 1, and rounds it up. Fails if the
-/// profile belongs to another cell. Also fails with one problem for each periodic or sporadic module that has
-/// neither a run time nor a budget. Ignores modules that occur only in the profile.
+/// Returns the longest run of each module: the maximum in the profile or, without a profile or if the module
+/// did not run in it, the module's budget. Multiplies each time by `factor`, which must be at least 1, and
+/// rounds it up. Fails if the profile belongs to another cell. Also fails, with one problem per module, if a
+/// periodic or sporadic module has neither a run time nor a budget. Ignores modules that occur only in the
+/// profile.
 Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* profile, double factor);
 
-/// Whether every periodic and sporadic module has a budget.
+/// Returns true if every periodic and sporadic module has a budget.
 bool all_state_budgets(const model::Cell& cell);
 
 }  // namespace takt::schedule

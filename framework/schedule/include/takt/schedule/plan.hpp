@@ -1,5 +1,5 @@
-// The tables of each executor of a device: the periodic table of the paper's Figure 3 and the sporadic list
-// of Figure 4.
+// The tables of each executor of a device: the periodic table of the paper's Figure 3, and the sporadic list
+// of its Figure 4.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,27 @@
 
 namespace takt::schedule {
 
-/// The plan of one executor. Modules are indices in model::Device::modules.
+/// The plan of one executor. Modules are given as indices into model::Device::modules.
 struct ExecutorPlan {
-  std::uint32_t executor = 0;  ///< index in model::Device::executors
-  Nanoseconds basic_period{};  ///< 0 without modules; with only sporadic modules see rows()
+  std::uint32_t executor = 0;  ///< index into model::Device::executors
+  Nanoseconds basic_period{};  ///< 0 if the executor has no modules; if it has only sporadic modules, see
+                               ///< rows()
   Nanoseconds macro_period{};
   Table table;                          ///< rows of indices into `periodic`
-  std::vector<std::uint32_t> periodic;  ///< modules, in the order of the descriptor
-  std::vector<Nanoseconds> offsets;     ///< first release of each periodic module, from T0
-  std::vector<std::uint32_t> sporadic;  ///< modules, by priority, then in the order of the descriptor
-  int priority = 80;                    ///< SCHED_FIFO, 2 to 98
+  std::vector<std::uint32_t> periodic;  ///< the periodic modules, in the order of the descriptor
+  std::vector<Nanoseconds> offsets;     ///< the first release of each periodic module, as time from T0
+  std::vector<std::uint32_t> sporadic;  ///< the sporadic modules, by priority, then in the order of the
+                                        ///< descriptor
+  int priority = 80;                    ///< priority for SCHED_FIFO, 2 to 98
 
   /// The number of rows of one macro period. An executor with only sporadic modules has one empty row, which
-  /// lasts half of the shortest deadline, at least 1 ns. So it checks each condition twice per deadline.
+  /// lasts half of the shortest deadline, but at least 1 ns. So it checks each condition at least twice
+  /// within its deadline.
   [[nodiscard]] std::size_t rows() const noexcept;
-  /// The modules of a row, in the order in which they run. row < rows(). Allocates.
+  /// The modules of a row, in the order in which they run. `row` must be less than rows(). Allocates memory.
   [[nodiscard]] std::vector<std::uint32_t> row(std::size_t row) const;
-  /// The load of a row: the sum of the budgets of its thread modules, at most 2^63 - 1 ns, and whether all of
-  /// these modules have a budget.
+  /// The load of a row: the sum of the budgets of its thread modules, limited to 2^63 - 1 ns, and whether all
+  /// of these modules have a budget.
   struct Load {
     Nanoseconds budget{};
     bool complete = true;
@@ -36,29 +39,31 @@ struct ExecutorPlan {
   [[nodiscard]] Load load(const model::Device& device, std::size_t row) const;
 };
 
-/// The offset of a periodic module of this executor, by its index on the device.
+/// Returns the offset of a periodic module of this executor. `module` is the module's index on the device.
 Nanoseconds offset_of(const ExecutorPlan& plan, std::uint32_t module);
 
 struct DevicePlan {
-  std::vector<ExecutorPlan> executors;      ///< one for each executor of the device, in the same order
-  std::vector<std::uint32_t> non_realtime;  ///< by priority, then in the order of the descriptor
+  std::vector<ExecutorPlan> executors;      ///< one plan for each executor of the device, in the same order
+  std::vector<std::uint32_t> non_realtime;  ///< the non-real modules, by priority, then in the order of the
+                                            ///< descriptor
 };
 
-/// The highest priority of executors with priority="auto". The executor with the shortest basic period gets
-/// it; longer periods follow in steps of four, because sporadic modules and programs run one to three below
-/// their executor. Equal periods get equal priorities. The lowest step is shared by all remaining executors.
+/// The highest priority of an executor with priority="auto". The executor with the shortest basic period gets
+/// this priority. Longer periods follow in steps of four, because the sporadic modules and programs of an
+/// executor run one to three priorities below it. Executors with equal periods get equal priorities. If there
+/// are more periods than steps, the remaining executors share the lowest step.
 inline constexpr int kHighestAuto = 80;
 
 /// Plans a device. Fails with one problem for each of these, at the line of a module:
 /// - an executor whose table exceeds the limits,
-/// - an executor with rows whose budgets exceed the basic period (names the fullest row and counts the
-/// others),
+/// - an executor with rows whose budgets exceed the basic period; the problem names the fullest row and gives
+///   the number of such rows,
 /// - a module whose budget exceeds its period or deadline.
-/// Only the budgets of thread modules fill a row: process modules run on other CPUs. The device must be one
-/// of the cell, and the cell must have passed model::validate(). Allocates.
+/// Only the budgets of thread modules count for a row, because process modules run on other CPUs. The device
+/// must be one of the cell, and the cell must have passed model::validate(). Allocates.
 Result<DevicePlan> plan(const model::Cell& cell, const model::Device& device);
 
-/// Plans all devices of the cell. Fails with the problems of all devices.
+/// Plans all devices of the cell. Fails with the problems of all its devices.
 Result<std::vector<DevicePlan>> plan(const model::Cell& cell);
 
 }  // namespace takt::schedule

@@ -1,5 +1,4 @@
-// The periodic scheduling table of the paper's Figure 3: the modules that are due at each multiple of the
-// basic period.
+// The periodic table of the paper's Figure 3: the modules that are due at each multiple of the basic period.
 #pragma once
 
 #include <cstdint>
@@ -12,45 +11,52 @@
 
 namespace takt::schedule {
 
-/// The maximum number of entries: the modules in all rows of one macro period.
+/// The maximum number of entries. A table has one entry for each run of each module in a macro period.
 inline constexpr std::size_t kMaxEntries = 1'000'000;
-/// The maximum number of rows; in a table with more, most rows would be empty.
+/// The maximum number of rows. In a table with more rows, most of the rows would be empty.
 inline constexpr std::size_t kMaxRows = 10'000'000;
 
 struct Task {
   Nanoseconds period{};
-  int priority = 0;         ///< the lowest value goes first; ties in the order of the input
-  std::string_view name{};  ///< for messages only; a task without a name is called by its index
-  Nanoseconds offset{};     ///< of its first release from the first row, at least 0 and less than its period
+  int priority = 0;  ///< the task with the lowest number runs first; tasks with equal numbers run in the
+                     ///< order of the input
+  std::string_view name{};  ///< only for messages, which call a task without a name by its index
+  Nanoseconds offset{};     ///< time from the first row to its first release; at least 0 and less than its
+                            ///< period
 };
 
-/// The two tasks that make a table long: the two different periods with the largest least common multiple. Of
-/// several such pairs, the pair with the shortest period is taken. Of several tasks with the same period, the
-/// first is taken. Both are 0 if all periods are equal. Every period must be positive.
+/// The two tasks that make a table long: the pair of different periods with the largest least common
+/// multiple. If there are several such pairs, this is the pair with the shortest period. If several tasks
+/// have the same period, this is the first of them. Both members are 0 if all periods are equal. All periods
+/// must be positive.
 struct PeriodPair {
   std::uint32_t shorter = 0;
   std::uint32_t longer = 0;
 };
 PeriodPair longest_pair(std::span<const Task> tasks);
 
-/// Rows of indices into the tasks that the table was built from. Any thread may read it, including real-time
-/// threads.
+/// The rows of a table. Each row contains indices into the tasks from which the table was built. Any thread
+/// may read a table, including real-time threads.
 class Table {
  public:
   using Index = std::uint32_t;
 
-  /// Fails with one problem for each period that is not positive and each offset that is not within its
-  /// period. Also fails if the table would exceed the limits above, or if its macro period would not fit in
-  /// 63 bits (ns). The problem names the two periods that cause this. Without tasks, returns an empty table
-  /// with periods of 0. Takes time proportional to the entries plus the rows; allocates.
+  /// Builds the table of the tasks. Fails with one problem for each period that is not positive, and for each
+  /// offset that is negative or not less than its period. Also fails if the table would exceed the limits
+  /// above, or if its macro period in ns would not fit in 63 bits; then the problem names the two periods
+  /// that cause this. If there are no tasks, returns an empty table with periods of 0. Allocates memory, and
+  /// takes time proportional to the number of entries plus rows.
   static Result<Table> build(std::span<const Task> tasks);
 
   /// The greatest common divisor of the periods and offsets.
   [[nodiscard]] Nanoseconds basic_period() const noexcept { return basic_; }
-  [[nodiscard]] Nanoseconds macro_period() const noexcept { return macro_; }       ///< least common multiple
-  [[nodiscard]] std::size_t rows() const noexcept { return offsets_.size() - 1; }  ///< macro / basic
+  /// The least common multiple of the periods.
+  [[nodiscard]] Nanoseconds macro_period() const noexcept { return macro_; }
+  /// The macro period divided by the basic period.
+  [[nodiscard]] std::size_t rows() const noexcept { return offsets_.size() - 1; }
   [[nodiscard]] std::size_t entries() const noexcept { return entries_.size(); }
-  /// The tasks due at row x basic period, by priority. row < rows().
+  /// The tasks that are due at `row` x basic period, in the order of priority. `row` must be less than
+  /// rows().
   [[nodiscard]] std::span<const Index> row(std::size_t row) const noexcept {
     return std::span{entries_}.subspan(offsets_[row], offsets_[row + 1] - offsets_[row]);
   }
@@ -59,7 +65,7 @@ class Table {
   Nanoseconds basic_{};
   Nanoseconds macro_{};
   std::vector<Index> entries_;
-  std::vector<Index> offsets_{0};  // rows() + 1 of them
+  std::vector<Index> offsets_{0};  // contains rows() + 1 elements
 };
 
 }  // namespace takt::schedule

@@ -1,5 +1,5 @@
-// The authority of a secured cell: a folder that never leaves its machine. It issues identities with
-// permissions, and revokes them.
+// The authority of a secured cell. It issues identities with permissions, and revokes them. It consists of a
+// folder, DIR, of which `authority` must never leave its machine.
 //
 //   DIR/authority/               its two keys, the list of revoked identities, and the cell
 //   DIR/devices/NAME/            one folder for each participant, as security::read_identity() needs it;
@@ -7,9 +7,9 @@
 //   DIR/observers/NAME/
 //   DIR/programs/NAME/
 //
-// One key signs identities, another one the documents. With one key for both, the owner of any identity could
-// sign permissions for it, because the authority that verifies documents would also have issued its
-// certificate.
+// One key signs identities, the other key signs documents. With one key for both, the owner of any identity
+// could sign permissions for this identity: Fast DDS accepts a document if its signer has a certificate from
+// the authority for documents.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@
 
 namespace takt::security {
 
-/// The cell and its domain, from which the permissions are derived.
+/// The cell and its domain, from which the authority derives the permissions.
 struct Plan {
   model::Cell cell;
   int domain = 0;
@@ -35,13 +35,13 @@ struct Member {
   std::string folder;
   std::int64_t until = 0;  ///< end of validity, in seconds since 1970
   bool revoked = false;
-  Problems problems{};  ///< of its folder
+  Problems problems{};  ///< the problems of the files in its folder
 };
 
 class Authority {
  public:
-  /// Creates an authority for cells of this name. Fails if the folder already has one. Here and below, `now`
-  /// is in seconds since 1970.
+  /// Creates an authority for cells with the name `cell`. Fails if the folder already contains an authority.
+  /// Here and below, `now` is in seconds since 1970.
   static Result<Authority> create(const std::string& folder, const std::string& cell, std::int64_t now);
   static Result<Authority> open(const std::string& folder);
   Authority(Authority&&) noexcept;
@@ -49,27 +49,28 @@ class Authority {
   ~Authority();
 
   [[nodiscard]] const std::string& cell() const noexcept;
-  /// The descriptor and the domain that keep() has stored. Both functions fail if keep() has stored nothing.
+  /// descriptor() and domain() return what keep() has stored. They fail if keep() has stored nothing.
   [[nodiscard]] Result<std::string> descriptor() const;
   [[nodiscard]] Result<int> domain() const;
   Result<void> keep(const std::string& descriptor, int domain);
 
-  /// Issues an identity: a key, a certificate for `days` (1 to 3650, at most as long as the authority is
-  /// valid) and the documents, in a folder of its own. Fails if the identity already exists. With `again`,
-  /// replaces it instead.
+  /// Issues an identity: creates a folder with a key, a certificate and the documents. The certificate is
+  /// valid for `days`, from 1 to 3650, but at most as long as the authority. If the identity already exists,
+  /// replaces it if `again` is true; otherwise fails.
   Result<void> issue(const Subject& subject, const Plan& plan, int days, std::int64_t now,
                      bool again = false);
-  /// Writes new documents for all identities.
+  /// Writes new governance and permissions documents for all identities.
   Result<void> document(const Plan& plan, std::int64_t now);
-  /// Revokes an identity and writes the new crl.pem into every folder. A machine rejects the identity after
-  /// crl.pem has been copied there and read.
+  /// Revokes an identity and writes the new crl.pem into every folder. A machine rejects the identity only
+  /// after the new crl.pem has been copied to this machine and a process has read it.
   Result<void> revoke(const Subject& subject, std::int64_t now);
-  /// Writes FILE.sig for each file, with the authority's key for components. The first call creates this key.
-  /// Returns the path of the key's certificate, for the nodes that require signatures.
+  /// Signs each file with the authority's key for components, and writes the signature to FILE.sig. The first
+  /// call creates this key. Returns the path of the certificate for this key, with which nodes check the
+  /// signatures.
   Result<std::string> sign_components(const std::vector<std::string>& files, std::int64_t now);
-  /// All identities that have a folder, by role and name.
+  /// Returns all identities that have a folder, sorted by role and name.
   [[nodiscard]] std::vector<Member> members(std::int64_t now) const;
-  /// The identities of this name, at most one for each role.
+  /// Returns the identities with this name, at most one for each role.
   [[nodiscard]] std::vector<Subject> named(const std::string& name) const;
 
  private:

@@ -1,4 +1,4 @@
-// Chooses an identity if a folder with several identities is given.
+// Chooses an identity if the user names a folder with several identities.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@ namespace takt::security {
 
 struct Chosen {
   std::string folder;
-  Problems passed_over{};  ///< the problems of the identities before the chosen one
+  Problems passed_over{};  ///< the problems that ruled out the identities tried before
 };
 
-/// If `folder` was made by `takt secure init`, returns the folder of an identity of this role in it: the
-/// first one, by name, that is valid at this time (seconds since 1970), or the first one if none is valid.
-/// Returns any other `folder` itself.
+/// If `takt secure init` created `folder`, returns the folder of an identity of this role in it: the first
+/// one, in order of names, that is valid at the time `now` (in seconds since 1970), or the very first one if
+/// none is valid. Otherwise returns `folder` itself.
 Chosen first_of(const std::string& folder, Role role, std::int64_t now);
 
 }  // namespace takt::security

@@ -1,5 +1,5 @@
-// Signatures of files, stored beside them as FILE.sig. The format is that of `openssl dgst -sha256 -sign`, so
-// that other tools can create and verify them.
+// Signs files and checks their signatures. The signature of FILE is in FILE.sig, in the same folder. The
+// format is that of `openssl dgst -sha256 -sign`, so that other tools can create and verify signatures.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,19 @@
 
 namespace takt::security {
 
-/// The maximum size of a file to sign, in bytes.
+/// The largest size of a file that can be signed, in bytes.
 inline constexpr std::size_t kMostSigned = std::size_t{1} << 30;
 
-/// Writes FILE.sig. `key` is a private key as PEM text.
+/// Signs `file` and writes the signature to FILE.sig. `key` is a private key as PEM text.
 Result<void> sign_file(const std::string& file, const std::string& key);
 
-/// Fails if the file `certificate` is not a certificate that is valid at this time (seconds since 1970).
+/// Fails if the file `certificate` is not a certificate or has expired at the time `now` (in seconds since
+/// 1970).
 Result<void> check_signer(const std::string& certificate, std::int64_t now);
 
-/// `certificate` is the path of a certificate. Fails if FILE.sig does not exist, if it was not made from this
-/// file with the key of the certificate, or if the certificate is not valid at this time (seconds since
-/// 1970).
+/// Checks the signature of `file` in FILE.sig. `certificate` is the path of a certificate. Fails if FILE.sig
+/// does not exist, if it is not the signature of this file with the key of the certificate, or if the
+/// certificate has expired at the time `now` (in seconds since 1970).
 Result<void> check_signature(const std::string& file, const std::string& certificate, std::int64_t now);
 
 }  // namespace takt::security

@@ -16,12 +16,12 @@ namespace takt::simulation {
 enum class What : std::uint8_t {
   // Events of an executor
   woke,    ///< it woke for the row that is due next: `number`, `release`
-  walked,  ///< it walked row `number` of `release`; `count` rows before it were missed
-  joined,  ///< it joined its grid: the next row is `number`; `count` rows before it were missed
+  walked,  ///< it ran row `number`, which was due at `release`; it had missed `count` rows before
+  joined,  ///< it joined its grid: the next row is `number`; it had missed `count` rows before
   // Events of a module
   put_in,     ///< it was put into the tables
   taken_out,  ///< it was taken out of the tables
-  ready,      ///< the condition of a sporadic module held; it must run by `until`
+  ready,      ///< the condition of a sporadic module was true; the module must run by `until`
   run,        ///< run() begins: `number`, `release`
   ran,        ///< run() ended after `took`; `error` is the error that the executor will raise
   released,   ///< a program was released: `number`, `release`
@@ -36,7 +36,7 @@ enum class What : std::uint8_t {
   read,     ///< sample `number` was read; `count` is not 0 if its bytes differ from what was written
   arrived,  ///< sample `number` arrived at the reader's device
   lost,     ///< sample `number` was lost on the way
-  safe,     ///< `count` is 1: from now on its reader gets the safe value; 0: samples again
+  safe,     ///< its reader gets the safe value from now on if `count` is 1, and samples again if it is 0
   // Events of a host
   host_ended,  ///< it crashed or was ended, and everything in it stopped
   host_began,
@@ -62,7 +62,7 @@ struct Event {
   Nanoseconds took{};
   ErrorType error = ErrorType::none;
   lifecycle::Transition step{};
-  std::string_view text{};  ///< valid during the call
+  std::string_view text{};  ///< valid only during on_event()
 };
 
 class Listener {

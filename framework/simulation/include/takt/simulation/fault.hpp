@@ -34,15 +34,15 @@ struct Fault {
     recover,
     reset,
     destruct,
-    swap,  ///< replaces its instance while it runs
+    swap,  ///< an update replaces the module's instance while it runs
   };
   Kind kind = Kind::late;
-  Nanoseconds at{};  ///< since T0; not negative
+  Nanoseconds at{};  ///< time since T0; not negative
   std::uint32_t device = 0;
   std::uint32_t place = 0;  ///< index of the module, executor, connection or other device
   Nanoseconds by{};
   std::uint64_t count = 0;
-  /// Of a crash, a failure or a hang: a hook, or run. A program has no hooks.
+  /// For a crash, a failure or a hang: the call in which it happens, a hook or run(). A program has no hooks.
   channel::Doing hook = channel::Doing::run;
 
   bool operator==(const Fault&) const = default;

@@ -10,7 +10,7 @@ namespace takt::simulation {
 struct RandomCell {
   model::Cell cell;
   std::vector<schedule::DevicePlan> plans;
-  Options options;  ///< with the seed
+  Options options;  ///< options for simulate(), with the seed
 };
 
 /// Makes one to three devices with a few modules each, their connections and some faults; the same seed gives

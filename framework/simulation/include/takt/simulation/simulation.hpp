@@ -1,5 +1,5 @@
 // Simulates a whole cell in one process, on virtual time: every device with its executors, modules, programs,
-// links and supervision, and the network between them. The same seed gives the same course of events.
+// links and supervision, and the network between them. The same seed gives the same events in the same order.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,8 @@ struct Options {
   Nanoseconds length = std::chrono::seconds{1};  ///< from T0 to the end
   std::vector<Fault> faults{};                   ///< from a script
   double faults_per_second = 0;                  ///< additional faults, drawn from the seed
-  model::Profile profile{};                      ///< run times of modules; the others follow their budgets
-  int cpus = 0;                  ///< CPUs per device for executors that name none; 0: one for each executor
+  model::Profile profile{};                      ///< measured run times; other modules use their budgets
+  int cpus = 0;                  ///< CPUs per device for executors that name no CPU; 0 for one per executor
   Listener* listener = nullptr;  ///< receives every event; may be null
   /// Called a few hundred times with the part of `length` that has passed; may be empty.
   std::function<void(Nanoseconds)> progress{};
@@ -37,9 +37,9 @@ inline constexpr Instant kT0 = from_ns(1'000'000'000);
 
 /// The result of a simulation.
 struct Course {
-  nlohmann::ordered_json report;        ///< the report that `takt run` makes
+  nlohmann::ordered_json report;        ///< the same report as from `takt run`
   Problems failures;                    ///< modules that were given up, devices that ended
-  std::vector<std::string> violations;  ///< violated invariants; must be empty whatever happens
+  std::vector<std::string> violations;  ///< violated invariants; empty unless Takt has an error
 };
 
 /// Simulates a cell that model::validate() has accepted, with its plans. `ports` may be empty: then all

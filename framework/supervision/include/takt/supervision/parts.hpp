@@ -28,7 +28,7 @@ struct Parts {
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
   /// The index of the executor that a module names.
   [[nodiscard]] std::size_t executor_of(const model::Module& module) const;
-  /// The release slot of a module; null: the module has none.
+  /// The release slot of a module; null if the module has none.
   [[nodiscard]] channel::ReleaseSlot* slot_of(std::uint32_t module) const { return slots[module].data(); }
   /// The saved state of a module. It is in the module's slot, or in `saved` if the module has no slot.
   [[nodiscard]] channel::SavedState& saved_of(std::uint32_t module) const {
@@ -38,17 +38,18 @@ struct Parts {
   model::Cell cell;
   std::size_t device = 0;
   std::vector<std::string> paths;         ///< the component of each module; a swap changes it
-  std::vector<model::ModulePorts> ports;  ///< of each module; none: not known
+  std::vector<model::ModulePorts> ports;  ///< the ports of each module; none if they are not known
 
   std::vector<model::HostShare> shares{};  ///< model::hosts_of(device)
   schedule::DevicePlan plan{};
-  schedule::Placement placement{};  ///< the platform chooses it
+  schedule::Placement placement{};  ///< chosen by the platform
   bool real_time = true;            ///< false once the machine has denied it
 
   channel::Channel channel{};
   channel::Shared<channel::WakeWord> wake_word{};
   channel::Shared<channel::SavedState> saved{};                ///< for each module
-  std::vector<channel::Shared<channel::ReleaseSlot>> slots{};  ///< for each module; empty: it has no releases
+  std::vector<channel::Shared<channel::ReleaseSlot>> slots{};  ///< for each module; empty if it has no
+                                                               ///< releases
   Wiring wiring{};
 };
 

@@ -21,7 +21,7 @@ namespace takt::supervision {
 struct Step {
   std::uint32_t module = 0;  ///< its index on the device
   lifecycle::Transition transition;
-  ErrorType error = ErrorType::none;  ///< of the event `error`
+  ErrorType error = ErrorType::none;  ///< the kind of error, for the event `error`
   std::string text{};                 ///< the reason; may be empty
 };
 
@@ -31,7 +31,8 @@ struct Standing {
   int host_pid = 0;
   std::uint32_t host_restarts = 0;
   std::uint32_t executing = 0;  ///< number of modules in EXECUTING
-  std::string faulty;           ///< the first module in RECOVER or given up, with the reason; empty: none
+  std::string faulty;           ///< the first module in RECOVER or given up, with the reason; empty if there
+                                ///< is none
 };
 
 /// The statistics of executors, modules and ports. The publisher fills in sequence numbers and times.
@@ -74,8 +75,8 @@ class Supervised {
   };
   virtual ~Supervised() = default;
 
-  /// Starts everything up to START. Fails if the device cannot be brought up at all, and leaves nothing
-  /// running.
+  /// Starts the hosts and programs, and brings every module to START. Fails if the device cannot be brought
+  /// up at all, and leaves nothing running.
   virtual Result<void> prepare() = 0;
   /// Starts the executors when every module is in START: the first row runs at T0. If T0 has passed (a
   /// restored deployment), they begin with the first row of the grid that they can still meet; earlier rows
@@ -85,7 +86,8 @@ class Supervised {
   virtual void stop() = 0;
   /// Shuts the device down because of `problem`, which becomes a failure of the device.
   virtual void stop_for(Problem problem) = 0;
-  /// Sets the safe values of the cell's outputs, also of those of other devices. Call it before go().
+  /// Sets the safe values of the cell's outputs, including those of other devices. Must be called before
+  /// go().
   virtual void give_safe(const std::vector<model::SafeOutput>& outputs) = 0;
   /// Reacts to what has happened; never waits. Call it whenever a host or program reports something, and
   /// every few milliseconds.
@@ -97,7 +99,7 @@ class Supervised {
   /// Publishes the samples of an output on its topic until `until`; opens a service to requests from any
   /// program.
   virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
-  /// Reads a property's value: the present one, or the one that applies from the module's next call on.
+  /// Reads a property's value: the present value, or the value that applies from the module's next call on.
   /// `done` is called as for command().
   virtual void get(std::uint32_t module, const std::string& property,
                    std::function<void(const Outcome&)> done) = 0;
@@ -109,8 +111,8 @@ class Supervised {
   /// Fails if this module cannot be swapped now.
   [[nodiscard]] virtual Result<void> may_swap(std::uint32_t module) const = 0;
   /// Replaces the module's instance by a new one from this file, which was inspected before. The module
-  /// misses no release and stays in EXECUTING. If the swap or the first runs fail, the old instance goes on.
-  /// `done` is called as for command().
+  /// misses no release and stays in EXECUTING. If the swap or the first runs fail, the old instance
+  /// continues. `done` is called as for command().
   virtual void swap(std::uint32_t module, const std::string& path,
                     std::function<void(const Outcome&)> done) = 0;
 
@@ -120,7 +122,7 @@ class Supervised {
                      std::function<void(const Result<std::string>&)> done) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
-  /// Why the device failed as a whole, and which modules were given up; empty: no failures.
+  /// Why the device failed as a whole, and which modules were given up; empty if there were no failures.
   [[nodiscard]] virtual const Problems& failures() const noexcept = 0;
   /// True if the device failed because of a module whose failure stops the whole cell.
   [[nodiscard]] virtual bool stops_cell() const noexcept = 0;

@@ -41,10 +41,11 @@ class Supervisor final : public Supervised {
     model::Cell cell;
     std::size_t device = 0;
     std::vector<std::string> paths;              ///< the components of the device's modules
-    std::vector<model::ModulePorts> ports{};     ///< of the device's modules; empty: not known
-    bool require_real_time = false;              ///< fail if the machine does not allow real time
+    std::vector<model::ModulePorts> ports{};     ///< the ports of each module; none if they are not known
+    bool require_real_time = false;              ///< whether to fail if the machine does not allow real time
     std::function<void(const Step&)> stepped{};  ///< called for every step of a module
-    /// Called for every event of the fault record; `origin` names the source among several (port, executor).
+    /// Called for every event of the fault record; `origin` names the port or executor that the event is
+    /// about; empty if it is about neither.
     std::function<void(model::Fault, const std::string& origin)> noted{};
     /// Whether a module of another device is known to execute. An empty function means that it never is.
     std::function<bool(const std::string& device, const std::string& module)> executes{};
@@ -81,7 +82,7 @@ class Supervisor final : public Supervised {
   [[nodiscard]] const lifecycle::Machine& machine(std::uint32_t module) const;
 
  private:
-  // The hosts (hosts.cpp)
+  // Hosts (hosts.cpp)
   Hosted& host_of(const Member& member) const;
   void ask(Member& member, channel::Doing hook, ErrorType type = ErrorType::none);
   void take_answers(Hosted& host);
@@ -163,7 +164,7 @@ class Supervisor final : public Supervised {
   const model::Device& device() const { return parts_.of_device(); }
   [[nodiscard]] Instant time() const { return platform_->now(); }
   std::size_t executor_of(const Member& member) const;
-  /// The module with this index; null: there is none. The index comes from a host's memory, where foreign
+  /// The module with this index; null if there is none. The index comes from a host's memory, where foreign
   /// code can write any number.
   Member* member_at(std::uint32_t index) const {
     return index < members_.size() ? members_[index].get() : nullptr;
@@ -185,7 +186,7 @@ class Supervisor final : public Supervised {
   bool background_begun_ = false;
   std::uint32_t host_restarts_ = 0;
   std::optional<Instant> t0_;
-  Instant asked_at_{};  // preparing: when it began; stopping: when the present step of it began
+  Instant asked_at_{};  // when preparing began, or when the present step of stopping began
   bool end_asked_ = false;
 };
 

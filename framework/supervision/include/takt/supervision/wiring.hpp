@@ -21,31 +21,31 @@ namespace takt::supervision {
 
 /// A side of a link: a port of one of the device's modules, or the gateway.
 struct LinkEnd {
-  std::optional<std::uint32_t> module;  ///< its index on the device; none: the gateway
-  std::string port{};                   ///< of the module
+  std::optional<std::uint32_t> module;  ///< its index on the device; none for the gateway
+  std::string port{};                   ///< the module's port; empty for the gateway
   bool operator==(const LinkEnd&) const = default;
 };
 
 struct PlannedLink {
   LinkEnd from{};
   LinkEnd to{};
-  /// Both ends are C++ modules of the shared host. The samples are then values in the host's memory;
-  /// otherwise they are bytes in the link's memory.
+  /// Whether both ends are C++ modules of the shared host. If so, the samples are values in the host's
+  /// memory; otherwise they are bytes in the link's memory.
   bool typed = false;
   channel::Link::Options options{};
   model::Stale stale =
       model::Stale::hold;  ///< what the reader does when a value is older than options.deadline_ns
-  /// The output that writes it, if the reader gets a safe value while the writing module does not execute;
-  /// not given: no safe value.
+  /// The output that writes to this link, if the reader gets a safe value while the writing module does not
+  /// execute. Otherwise this is not given.
   model::Endpoint writer{};
-  std::vector<std::byte> safe{};  ///< the safe value, if already known; that of another device comes later
+  std::vector<std::byte> safe{};  ///< the safe value, if known; that of another device's output arrives later
 };
 
 /// A topic that the gateway moves samples to or from.
 struct PlannedFlow {
   bool outgoing = true;
   std::string topic{};
-  std::optional<int> domain{};  ///< none: the cell's domain
+  std::optional<int> domain{};  ///< none for the cell's domain
   model::Type type{};
   bool reliable = false;
   std::uint32_t depth = 1;
@@ -54,10 +54,10 @@ struct PlannedFlow {
   /// Requests are sent only while a service can answer. Replies are kept for a client that the service has
   /// not matched yet, although the client has already matched the service and sent a request.
   model::Carries carries = model::Carries::samples;
-  /// A connection names this flow. An output without a connection also has a flow, for `takt echo`; its link
-  /// is not enabled.
+  /// Whether a connection uses this flow. An output without a connection also has a flow, for `takt echo`;
+  /// its link is not enabled.
   bool connected = false;
-  std::vector<std::size_t> links{};  ///< in WiringPlan::links: the outgoing link, or all incoming ones
+  std::vector<std::size_t> links{};  ///< indices in WiringPlan::links: one outgoing, or all incoming
 };
 
 struct WiringPlan {
@@ -75,16 +75,16 @@ std::string port_topic(const std::string& cell, const model::Endpoint& port);
 
 /// The health of a port, for an operator.
 struct PortHealth {
-  std::uint32_t connections = 0;  ///< in the descriptor; observers and calls from outside do not count
+  std::uint32_t connections = 0;  ///< connections in the descriptor, without observers and calls from outside
   std::uint32_t matched = 0;      ///< connections whose other end is there
   std::uint64_t samples = 0;      ///< written (output) or taken (input)
   std::uint64_t lost = 0;         ///< samples lost between devices
   std::uint64_t dropped = 0;      ///< samples dropped from full queues
   std::uint64_t refused = 0;      ///< samples rejected because they do not fit the port's type
   std::uint64_t late = 0;         ///< how often a value became older than its connection's deadline
-  bool safe = false;              ///< of an input: its reader gets the safe value now
-  std::int64_t age_ns = -1;       ///< of the newest value; -1: there is none
-  std::string incompatible{};     ///< the QoS policy that prevented a match; empty: none
+  bool safe = false;              ///< whether the reader of this input gets the safe value now
+  std::int64_t age_ns = -1;       ///< age of the newest value; -1 if there is none
+  std::string incompatible{};     ///< the QoS policy that prevented a match; empty if there is none
 };
 
 /// The links of a device, in shared memory. They live as long as this object, across restarts of the host and
@@ -95,8 +95,8 @@ class Wiring {
     PlannedLink plan;
     channel::Shared<std::byte> memory;
     channel::Link link;
-    bool late = false;      ///< at the supervisor's last check
-    bool connected = true;  ///< by a connection of the descriptor
+    bool late = false;      ///< whether its value was older than its deadline at the last check
+    bool connected = true;  ///< whether a connection of the descriptor uses it
   };
 
   static Result<Wiring> create(WiringPlan plan);
@@ -109,7 +109,7 @@ class Wiring {
   /// Sets the safe value of an output of another device.
   void give_safe(const model::SafeOutput& output);
 
-  /// The health of a port at this time (monotonic clock), from the links and, for links with a flow, from
+  /// The health of a port at `now_ns` (monotonic clock), from the links and, for links with a flow, from
   /// `on_dds`, which receives the index of the wire and returns nothing if the flow is not open.
   using OnDds = std::function<std::optional<wire::FlowHealth>(std::size_t wire)>;
   [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,

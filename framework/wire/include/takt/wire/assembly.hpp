@@ -1,5 +1,5 @@
-// Assembles data that is longer than one sample from its parts. Anyone may send parts, so unfinished data
-// takes only limited memory.
+// Assembles data that was too long for one sample from its parts. Anyone on the network may send parts, so
+// the memory for incomplete data is limited.
 #pragma once
 
 #include <algorithm>
@@ -19,9 +19,9 @@ inline constexpr std::size_t kPart = 32768;
 /// The largest number of data bytes in a whole command or reply.
 inline constexpr std::size_t kMaxData = 16 * 1024 * 1024;
 
-/// A command with its whole data, up to kMaxData bytes.
+/// A command with the data of all its parts, up to kMaxData bytes.
 struct WholeCommand {
-  Command head;  ///< its fields part, parts and data are not used
+  Command head;  ///< the fields `part`, `parts` and `data` are not used
   std::string data;
 };
 struct WholeReply {
@@ -29,18 +29,18 @@ struct WholeReply {
   std::string data;
 };
 
-/// Assembles data of several keys at a time. The parts of one key come from one writer, in order. If there is
-/// no room for a new part, the oldest unfinished data is dropped. `Head` is the type of a part; `Whole` is a
-/// struct with the members `head` and `data`.
+/// Assembles data for several keys at the same time. The parts of one key come from one writer, in order. If
+/// a new part would exceed a limit, the oldest incomplete data is dropped. `Head` is the type of a part;
+/// `Whole` is a struct with the members `head` and `data`.
 template <class Head, class Whole>
 class Assembly {
  public:
-  /// The largest number of keys with unfinished data, and of bytes of that data.
+  /// The limits for incomplete data: the number of keys, and the number of bytes over all keys.
   static constexpr std::size_t kUnfinished = 64;
   static constexpr std::size_t kMostBytes = 4 * kMaxData;
 
-  /// Adds a part. Returns true and sets `whole` if this was the last part. Returns false if parts are still
-  /// missing, and if the part is invalid or an earlier part was missed.
+  /// Adds a part. Returns true and sets `whole` if this was the last part. Returns false if later parts are
+  /// still missing, if this part is invalid, or if an earlier part was lost.
   bool add(const Head& part, const std::string& key, Whole& whole) {
     const std::size_t parts = part.parts();
     const bool last = part.part() + 1 == parts;
@@ -73,13 +73,13 @@ class Assembly {
     return true;
   }
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
-  /// The number of bytes of unfinished data.
+  /// The number of bytes of incomplete data, over all keys.
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
 
  private:
   struct Unfinished {
     std::uint64_t begun = 0;
-    std::uint32_t next = 0;  // number of the next part
+    std::uint32_t next = 0;  // number of the part that must come next
     std::string data;
   };
   using All = std::map<std::string, Unfinished>;

@@ -1,9 +1,10 @@
-// The state of the cell, collected from all topics: every device that was seen, alive or lost, and what it
-// runs.
+// Combines the samples of all topics into the state of the cell: every known device, alive or lost, and the
+// modules that it runs.
 //
-// Each topic reports only a part of this state, and the topics have no common order. The state of a module
-// may arrive before its device's. A device that died reports nothing more. A waiting device changes its key
-// when a cell is deployed to it. This class combines all that, so that observers get one cell state.
+// Each topic reports only a part of this state, and samples of different topics arrive in any order. A
+// module's state may arrive before the status of its device. A device that died reports nothing more. A
+// waiting device changes its key when a cell is deployed to it. This class handles these cases, so that
+// observers get one consistent cell state.
 #pragma once
 
 #include <map>
@@ -15,26 +16,26 @@
 
 namespace takt::wire {
 
-/// The last received state of a deployment on one device.
+/// The part of a deployment on one device, as last received.
 struct ObservedDeployment {
-  std::map<std::string, LifecycleStatus> modules;  ///< by name, like the members below
-  std::map<std::string, ModuleStatistics> statistics;
-  std::map<std::string, ExecutorStatistics> executors;
-  std::map<std::string, PortStatus> ports;  ///< by MODULE.PORT
+  std::map<std::string, LifecycleStatus> modules;       ///< by module name
+  std::map<std::string, ModuleStatistics> statistics;   ///< by module name
+  std::map<std::string, ExecutorStatistics> executors;  ///< by executor name
+  std::map<std::string, PortStatus> ports;              ///< by MODULE.PORT
 };
 
 struct ObservedDevice {
   DeviceStatus status;
-  bool alive = true;  ///< false if its node is lost; then this is the last received state
+  bool alive = true;  ///< false if its node is lost; then the rest is what was last received
   ObservedDeployment deployment;
 
   [[nodiscard]] std::string name() const { return status.device().to_string(); }
   [[nodiscard]] std::string node() const { return status.node().to_string(); }
 };
 
-/// Collects what Readers receive. One thread at a time may call it. A node that ends cleanly disposes of its
-/// samples and is removed. A node that dies stays in the cell state as lost until another node of its device
-/// appears.
+/// Takes the samples from the DDS readers. Not thread-safe: only one thread at a time may call its functions.
+/// A node that ends cleanly disposes of its samples and is removed. A node that dies stays in the cell state
+/// as lost until another node of its device appears.
 class CellState {
  public:
   void heard(const DeviceStatus& status, WriterId writer);
@@ -42,28 +43,30 @@ class CellState {
   void heard(const ModuleStatistics& statistics);
   void heard(const ExecutorStatistics& statistics);
   void heard(const PortStatus& status);
-  /// The status of a device was disposed of. Only the key of the sample is set.
+  /// Removes the device because its node disposed of the status. Only the key of the sample is set.
   void gone(const DeviceStatus& key, WriterId writer);
   void gone(const LifecycleStatus& key);
-  /// The writer of a device's status was lost.
+  /// Marks the device as lost, because DDS has lost the writer of its status.
   void lost(WriterId writer);
 
-  /// Whether the module is in EXECUTING and its device is alive. A device that was lost counts as alive from
-  /// its second new status on, because the new states of its modules arrive between the first and the second
-  /// status.
+  /// Returns whether the module is in EXECUTING and its device is alive. A device that was lost counts as
+  /// alive only when its second status after the loss has arrived, because the new states of its modules may
+  /// arrive after the first.
   [[nodiscard]] bool executes(const std::string& cell, const std::string& device,
                               const std::string& module) const;
-  /// The last received status of each device of a deployment, except the device `but`. Includes lost devices.
+  /// A device as of_deployment() returns it.
   struct Heard {
     DeviceStatus status;
     bool alive = true;
   };
+  /// Returns the last received status of each device of a deployment, also of lost devices, except the device
+  /// `but`.
   [[nodiscard]] std::vector<Heard> of_deployment(const std::string& id, const std::string& but) const;
 
-  /// All devices, sorted by device name, then by node. Two live entries with the same name mean that two
-  /// nodes use this name.
+  /// Returns all devices, sorted by device name, then by node. Two live entries with the same name mean that
+  /// two nodes use this device name.
   [[nodiscard]] std::vector<ObservedDevice> devices() const;
-  /// All devices of this name.
+  /// Returns all entries with this device name: more than one if several nodes use the name.
   [[nodiscard]] std::vector<ObservedDevice> devices(const std::string& name) const;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace takt::wire {
 
-/// Converts a fault event for the network. Texts that are too long are cut off.
+/// Converts a fault event to its wire format. Texts that are too long for their fields are truncated.
 FaultEvent to_wire(const model::Fault& fault);
 model::Fault from_wire(const FaultEvent& event);
 

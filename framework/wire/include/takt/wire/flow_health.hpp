@@ -1,4 +1,4 @@
-// The state of one flow of samples over DDS.
+// The state of one flow: the samples of one topic that a gateway moves to or from DDS.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ struct FlowHealth {
   std::uint32_t matched = 0;
   std::uint64_t samples = 0;   ///< samples moved
   std::uint64_t lost = 0;      ///< samples that were lost, according to gaps in the writer's sequence numbers
-  std::uint64_t refused = 0;   ///< samples that do not fit the type
+  std::uint64_t refused = 0;   ///< samples rejected because their bytes do not fit the type
   std::uint64_t failures = 0;  ///< writes that DDS rejected
-  /// The QoS policy that prevented a match, such as "reliability"; empty if no policy did.
+  /// The QoS policy that keeps writer and reader from matching, such as "reliability"; empty if none does.
   std::string incompatible;
 };
 

@@ -1,4 +1,4 @@
-// Reports rejected participants and packets, at a limited rate. Not for other rooms.
+// Reports rejected participants and packets, at a limited rate.
 #pragma once
 
 #include <chrono>
@@ -10,8 +10,8 @@
 
 namespace takt::wire {
 
-/// Reports each text once, and at most ten texts per minute, because strangers can cause any number of
-/// reports. Any thread may call it.
+/// Reports each text only once, and at most ten texts per minute, because anyone on the network can cause any
+/// number of reports. Any thread may call tell().
 class Notices {
  public:
   using Clock = std::chrono::steady_clock;

@@ -1,4 +1,4 @@
-// Limits the rate of commands that a node accepts, per client and in total. Not for other rooms.
+// Limits the rate of commands that a node accepts, per client and in total.
 #pragma once
 
 #include <chrono>
@@ -8,24 +8,26 @@
 
 namespace takt::wire {
 
-/// A client that sends commands without end must not stop a node's other work, nor block other clients. So
-/// each client has an allowance that refills with time. All clients together share another allowance.
+/// A client that sends commands without pause must not keep a node from its other work, nor block other
+/// clients. So each client has an allowance of commands that refills over time. In addition, all clients
+/// share one common allowance.
 class RateLimit {
  public:
   using Clock = std::chrono::steady_clock;
   struct Bound {
-    double per_second = 0;  ///< commands per second in the long term
-    double burst = 0;       ///< commands at once after a pause
+    double per_second = 0;  ///< accepted commands per second, as a long-term average
+    double burst = 0;       ///< accepted commands in a burst after a pause
   };
   /// The allowance of each client: ten times the rate of an operator who watches a cell of 50 modules each
   /// second.
   static constexpr Bound kEach{100, 512};
-  /// The allowance of all clients together.
+  /// The common allowance of all clients.
   static constexpr Bound kAll{500, 2048};
 
   explicit RateLimit(Bound each = kEach, Bound all = kAll) : each_(each), all_{all, all.burst, {}} {}
 
-  /// Whether to accept one more command. A rejected command does not use the other clients' allowance.
+  /// Returns whether the node should accept one more command of this client. A rejected command does not
+  /// reduce the common allowance.
   bool admit(std::uint64_t client, Clock::time_point now);
 
  private:

@@ -1,11 +1,11 @@
-// Checks whether bytes are a valid RTPS message (DDSI-RTPS 2.5, 9.4), and whether it may arrive unencrypted
-// although DDS Security is on.
+// Checks whether bytes are a valid RTPS message (DDSI-RTPS 2.5, 9.4), and whether it is encrypted as DDS
+// Security requires.
 //
-// Fast DDS 2.9.1 trusts the lengths in a message, so some forged messages end the process. For a DATA_FRAG
-// without content it frees memory that it never allocated (CVE-2023-50716). It aborts if statistics have an
-// unexpected form. In tokens and authentication messages it copies a text of any claimed length, even beyond
-// all memory. With security it accepts an unencrypted HEARTBEAT from anyone who uses a member's GUID. So each
-// message is checked against the specification before Fast DDS sees it.
+// Fast DDS 2.9.1 trusts the lengths in a message, so some forged messages crash the process. For a DATA_FRAG
+// without content, Fast DDS frees memory that it never allocated (CVE-2023-50716). It aborts if a statistics
+// submessage is malformed. In tokens and authentication messages it copies texts of any claimed length, even
+// beyond the end of its memory. With security it accepts an unencrypted HEARTBEAT from anyone who uses a
+// member's GUID. So Takt checks each message against the specification before Fast DDS reads it.
 #pragma once
 
 #include <array>
@@ -15,33 +15,36 @@
 
 namespace takt::wire {
 
-/// Whether bytes are a certificate that can be used for authentication.
+/// Returns whether the bytes are a certificate that can be used for authentication.
 using IsCertificate = bool (*)(std::span<const std::uint8_t>) noexcept;
 
 /// Returns the number of bytes that Fast DDS may read; 0 if the message is not valid. In a valid message,
-/// every submessage contains what its kind requires, within its own length. Its parameter lists and counted
-/// items are complete. The sender and the meaning are not checked. Statistics at the end are not counted as
-/// readable. `is_certificate` may be null. Any thread may call this; only `is_certificate` may allocate.
+/// every submessage contains the fields that its kind requires, within its own length. Its parameter lists
+/// and counted items are complete. This function checks neither the sender nor the meaning of the message.
+/// Fast DDS must not read statistics at the end, so their bytes are not counted. `is_certificate` may be
+/// null. Any thread may call this; only `is_certificate` may allocate.
 [[nodiscard]] std::size_t readable_rtps(std::span<const std::uint8_t> message,
                                         IsCertificate is_certificate = nullptr) noexcept;
 
-/// Whether a readable message is encrypted, as a whole or in each submessage. Discovery and authentication of
-/// participants may be unencrypted. Any thread may call this; it does not allocate.
+/// Returns whether a readable message is encrypted where required: as a whole or in each submessage.
+/// Announcements and authentication messages of participants may be unencrypted. Any thread may call this; it
+/// does not allocate.
 [[nodiscard]] bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept;
 
-/// The GUID prefix of a participant: the first 12 bytes of the GUIDs of everything that belongs to it.
+/// The GUID prefix of a participant: the first 12 bytes of its GUID and of the GUIDs of its readers and
+/// writers.
 using ParticipantNumber = std::array<std::uint8_t, 12>;
 
 struct Announcement {
   enum class Of : std::uint8_t { nobody, sender, other };
   Of of = Of::nobody;
-  ParticipantNumber number{};   ///< the sender's number
-  std::uint32_t lease_s = ~0U;  ///< time in s without a message after which the participant is lost
+  ParticipantNumber number{};   ///< the GUID prefix of the sender
+  std::uint32_t lease_s = ~0U;  ///< in s; a participant that announces nothing for this time is lost
 };
 
-/// Returns which participant a message announces. The message must have passed is_protected_rtps(). `other`
-/// means a participant that is not the sender, or several participants. Any thread may call this; it does not
-/// allocate.
+/// Returns which participant a message announces. Call it only if is_protected_rtps() returned true for the
+/// message. `other` means that the message announces another participant than its sender, or several. Any
+/// thread may call this; it does not allocate.
 [[nodiscard]] Announcement announcement_in(std::span<const std::uint8_t> message) noexcept;
 
 }  // namespace takt::wire

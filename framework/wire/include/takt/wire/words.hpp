@@ -1,4 +1,4 @@
-// Texts for the enumerations of the wire format, and functions that fit texts into its bounded strings.
+// Texts for the enumerations of the wire format, and functions that truncate texts to its bounded strings.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,12 @@
 
 namespace takt {
 
-/// The name of a state as in reports, such as "IDLE". Here and below, an unknown enumerator gives "?".
+/// The name of a module's state as printed in reports, such as "IDLE". This and the following functions
+/// return "?" for an unknown enumerator.
 const char* to_text(LifecycleState state) noexcept;
-/// The name of an event, such as "initialize" or "give up"; "" for EVENT_NONE.
+/// The name of a lifecycle event, such as "initialize" or "give up"; "" for EVENT_NONE.
 const char* to_text(LifecycleEvent event) noexcept;
-/// The name of an error, such as "failure" or "budget"; "" for ERROR_NONE.
+/// The name of a lifecycle error, such as "failure" or "budget"; "" for ERROR_NONE.
 const char* to_text(LifecycleError error) noexcept;
 /// The name of a device's state, such as "waiting" or "running".
 const char* to_text(DeviceState state) noexcept;
@@ -26,7 +27,8 @@ const char* to_text(CommandKind kind) noexcept;
 
 namespace takt::wire {
 
-/// Cuts the text to at most `bytes` bytes, without partial characters. "..." at the end marks a cut text.
+/// Truncates the text to at most `bytes` bytes, without splitting a UTF-8 character. A truncated text ends
+/// with "...".
 std::string cut(std::string_view text, std::size_t bytes);
 
 template <std::size_t N>
@@ -34,14 +36,15 @@ void set(eprosima::fastrtps::fixed_string<N>& field, std::string_view text) {
   field = cut(text, N);
 }
 
-/// Returns the key of a sample: "CELL/DEVICE", or "CELL/DEVICE/MODULE".
+/// Returns the key of a sample: "CELL/DEVICE" if `part` is empty, or "CELL/DEVICE/PART", where the part is
+/// usually a module.
 std::string path_of(std::string_view cell, std::string_view device, std::string_view part = {});
-/// The cell name of a device without a deployment.
+/// Used instead of the cell's name for a device without a deployment.
 inline constexpr std::string_view kNoCell = "-";
-/// A value of Command::property in COMMAND_PREPARE. With it, a device that cannot run in real time rejects
-/// the command.
+/// The value of Command::property in a COMMAND_PREPARE that a device must reject if it cannot run in real
+/// time.
 inline constexpr const char* kRequireRealTime = "require-realtime";
-/// Reply::value after an update was put back, if the device is again as it was before the update.
+/// The value of Reply::value after an undone update, if the device is exactly as it was before the update.
 inline constexpr const char* kAsBefore = "as before";
 
 }  // namespace takt::wire

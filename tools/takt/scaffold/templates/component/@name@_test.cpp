@@ -1,4 +1,4 @@
-// Tests of @name@ on virtual time, without a cell. <takt/testing.hpp> describes what tests can do.
+// Tests @name@ on virtual time, without a cell. <takt/testing.hpp> describes what a test can do.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>

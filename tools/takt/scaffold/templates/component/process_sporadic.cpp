@@ -15,7 +15,7 @@ takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "The 
 
 int main() {
   initSporadicExe();
-  // Prepare here: allocate, open files. The module is ready when it waits for the first time.
+  // Prepare here: allocate memory, open files. The first waitSporadic() reports that the module is ready.
   @name@_types::Sample result;
   while (true) {
     waitSporadic();

@@ -8,10 +8,10 @@ TAKT_IN_PORT(@name@_types_Sample, in);
 TAKT_OUT_PORT(@name@_types_Sample, out);
 TAKT_NUMBER(gain, 2, -1000, 1000, "", "The factor.");
 
-/* initialize() may allocate, open files and fail: takt_fail("what is wrong"); */
+/* initialize() may allocate memory and open files. To fail, call takt_fail("what is wrong"). */
 void initialize(void) {}
 
-/* run() runs on the real-time thread: no lock, no allocation, no system call, no log. */
+/* run() runs on the real-time thread: it must not lock, allocate memory, make system calls or log. */
 void run(void) {
   @name@_types_Sample value;
   if (!takt_read(&in, &value)) return; /* no new sample since the last run() */

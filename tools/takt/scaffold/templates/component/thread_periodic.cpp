@@ -10,10 +10,11 @@ class @Name@ : public takt::Component {
 
   @name@_types::Sample result_;
 
-  // initialize() may allocate, open files and fail: return takt::fail("what is wrong", "what to do");
+  // initialize() may allocate memory and open files. To fail, return takt::fail("what is wrong", "what to
+  // do").
   takt::Result<void> initialize() override { return {}; }
 
-  // run() runs on the real-time thread: no lock, no allocation, no system call, no log.
+  // run() runs on the real-time thread: it must not lock, allocate memory, make system calls or log.
   void run(const takt::Cycle&) noexcept override {
     if (!in.read()) return;  // no new sample since the last run()
     result_.value(gain * in.value().value());

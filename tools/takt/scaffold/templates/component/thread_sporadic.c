@@ -8,10 +8,10 @@ TAKT_EVENT_PORT(@name@_types_Sample, in);
 TAKT_OUT_PORT(@name@_types_Sample, out);
 TAKT_NUMBER(gain, 2, -1000, 1000, "", "The factor.");
 
-/* initialize() may allocate, open files and fail: takt_fail("what is wrong"); */
+/* initialize() may allocate memory and open files. To fail, call takt_fail("what is wrong"). */
 void initialize(void) {}
 
-/* Both functions run on the real-time thread: no lock, no allocation, no system call, no log. */
+/* Both functions run on the real-time thread: they must not lock, allocate, make system calls or log. */
 int condition(void) { return takt_has_news(&in) ? TRUE : FALSE; }
 
 void run(void) {

@@ -4,17 +4,19 @@
 #include <@name@_types.hpp>
 
 class @Name@ : public takt::Component {
-  // run() is called while an event is unread. To use another condition, override bool condition().
+  // The scheduler calls run() while the port has an unread event. For another condition, override bool
+  // condition().
   takt::EventPort<@name@_types::Sample> in{*this, "in", {.text = "The input."}};
   takt::OutPort<@name@_types::Sample> out{*this, "out", {.text = "The input times the gain."}};
   takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "The factor."}};
 
   @name@_types::Sample result_;
 
-  // initialize() may allocate, open files and fail: return takt::fail("what is wrong", "what to do");
+  // initialize() may allocate memory and open files. To fail, return takt::fail("what is wrong", "what to
+  // do").
   takt::Result<void> initialize() override { return {}; }
 
-  // run() runs on the real-time thread: no lock, no allocation, no system call, no log.
+  // run() runs on the real-time thread: it must not lock, allocate memory, make system calls or log.
   void run(const takt::Cycle&) noexcept override {
     while (in.read()) {
       result_.value(gain * in.value().value());
