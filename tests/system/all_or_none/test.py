@@ -22,7 +22,7 @@ WHERE = '<property><value name="where">initialize</value></property>'
 
 class AllOrNone(takt_system.Case):
     def cell(self, name, module=None, filename="", rest=""):
-        """Writes the valid cell under another name, with one more module on device line."""
+        """Writes the valid cell under another name, with an additional module on device line."""
         with open(self.beside("cell.xml")) as file:
             text = file.read().replace('name="cell"', 'name="%s"' % name)
         if module:
@@ -30,7 +30,7 @@ class AllOrNone(takt_system.Case):
         return self.write(name + ".xml", text)
 
     def path_without(self, *names):
-        """Returns an environment whose component path has no files of these names."""
+        """Returns an environment in which the component path contains no files with these names."""
         folder = os.path.join(self.folder, "components")
         os.mkdir(folder)
         for source in os.environ["TAKT_COMPONENT_PATH"].split(":"):
@@ -51,7 +51,8 @@ class AllOrNone(takt_system.Case):
         return "\n".join(self.running[device].raw[self.marks[device]:])
 
     def assert_nothing_runs(self):
-        """All nodes wait and have no other processes. They publish that they have no cell shortly after they answer."""
+        """Checks that all nodes wait for a deployment and have no other processes. Nodes reply shortly before they publish that they have
+        no cell."""
         def free():
             status = self.status_of()
             return status["cell"] == "-" and {d["name"]: d["modules"] for d in status["devices"]} == {"robot": [], "line": []}
@@ -76,7 +77,7 @@ class AllOrNone(takt_system.Case):
         self.undeploy("cell")
 
     def undeploy(self, cell):
-        """Undeploys the cell. Waits for the last lines of the nodes, so that they do not count for the next deployment."""
+        """Undeploys the cell. Waits for the last lines of the nodes, so that they are not mistaken for lines about the next deployment."""
         self.done("undeploy " + cell)
         for device, node in self.running.items():
             node.wait_for_line(": cell %s is undeployed$" % cell, after=self.marks[device])
@@ -100,7 +101,7 @@ class AllOrNone(takt_system.Case):
         self.refuse(self.cell("absent", "bad", "fine.so"),
                     r"(?m)absent\.xml:\d+: error: device line: module bad: there is no file fine\.so on this device's component path",
                     then_a_good_one=False)
-        # A node ignores the path of a component, even if the file exists there.
+        # A node ignores the path in a component name, even if a file exists there.
         shutil.copy(os.path.join(self.folder, "components", "grid.so"), os.path.join(self.folder, "mine.so"))
         self.refuse(self.cell("path", "bad", os.path.join(self.folder, "mine.so")),
                     r"(?m)path\.xml:\d+: error: device line: module bad: there is no file mine\.so on this device's component path",
@@ -130,7 +131,7 @@ class AllOrNone(takt_system.Case):
         cell = self.cell("mistake", "grid", "grid.so", "<perod>5</perod>")
         run = self.takt("deploy", cell)
         self.assertEqual((1, ""), (run.status, run.out))
-        # One run reports all errors.
+        # takt must report all errors at once.
         self.assertRegex(run.err, r"(?m)^\S*mistake\.xml:\d+: error: .*perod")
         self.assertRegex(run.err, r"(?m)^\S*mistake\.xml:\d+: error: .*grid")
         self.assert_nothing_runs()
@@ -198,7 +199,7 @@ class AllOrNone(takt_system.Case):
                 r"to either while both run" % self.domain
         self.running["line"].wait_for_line(clash % second.pid)
         second.wait_for_line(clash % self.running["line"].pid)
-        # Either takt finds both nodes, or it finds one node, which reports the other.
+        # takt either finds both nodes, or it finds one of them, which reports the other.
         two = r"(?m)^device line: error: (2 nodes on domain %d have this name: process \d+ on \S+, process \d+ on \S+; end all but " \
               r"one of them|another node named line is on domain %d: process \d+ on)" % (self.domain, self.domain)
         self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", two)

@@ -7,7 +7,7 @@ import unittest
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 
-# The violations that each function of components/sins.h must cause.
+# The violations that each function in components/sins.h must cause.
 SINS = {
     "allocate": {("allocation", "malloc"), ("allocation", "free")},
     "lock": {("lock", "pthread_mutex_lock")},
@@ -16,7 +16,7 @@ SINS = {
     "fault": {("page fault", "")},
     "call": {("system call", "getppid")},
 }
-# These violations may occur in addition: the C library allocates a buffer at the first print.
+# These violations may also occur: the C library allocates a buffer when a program prints for the first time.
 BESIDE = {"print": {("allocation", "malloc"), ("system call", "newfstatat"), ("system call", "fstat")}}
 
 
@@ -30,7 +30,7 @@ def module(name, filename, operation="periodic", **properties):
 
 class CheckRealtime(takt_system.Case):
     def run_these(self, *modules, options=("--check-realtime",)):
-        """Runs these modules until each of them is EXECUTING."""
+        """Runs these modules until all of them are EXECUTING."""
         cell = self.write("cell.xml", '<cell name="sins"><device name="d">%s</device></cell>' % "".join(modules))
         run = self.start("run", cell, "--json", *options)
         for name in re.findall("<name>(.*?)</name>", "".join(modules)):
@@ -42,7 +42,8 @@ class CheckRealtime(takt_system.Case):
         return [v for v in run.device()["realtime_violations"] if v["module"] == name]
 
     def assert_named(self, run, name, hook, sin):
-        """All violations of `sin` were found in `hook` of the module, with its function in their backtraces."""
+        """Checks that all violations of `sin` were found in the hook `hook` of the module, and that their backtraces name the function.
+        Returns them."""
         here = [v for v in self.found(run, name) if any(re.match(r"sin_%s(\(\))? at sins\.h:" % sin, call) for call in v["backtrace"])]
         kinds = {(v["kind"], v["what"]) for v in here}
         self.assertLessEqual(SINS[sin], kinds, run.err)
@@ -61,7 +62,7 @@ class CheckRealtime(takt_system.Case):
             name = "m_" + sin
             here = self.assert_named(run, name, "run()", sin)
             self.assertEqual(len(here), len(self.found(run, name)), "other violations: %s" % self.found(run, name))
-            # A violation occurs in each cycle, or in one cycle if only the first call causes it.
+            # A violation occurs in each cycle, or in only one cycle if only the first call of a function causes it.
             cycles = run.modules()[name]["cycles"]
             for kind, what in SINS[sin]:
                 counts = [v["count"] for v in here if (v["kind"], v["what"]) == (kind, what)]

@@ -1,6 +1,6 @@
-"""A program of Cyclone DDS communicates with Takt. Cyclone's own IDL compiler generates its types from idl/.
+"""A program that uses Cyclone DDS communicates with Takt. The IDL compiler of Cyclone generates its types from idl/.
 
-TAKT_DDS_PEER is the program of tests/conformance/dds. TAKT_CYCLONE_PEER is the program of this folder."""
+TAKT_DDS_PEER is the path of the program in tests/conformance/dds. TAKT_CYCLONE_PEER is the path of the program in this folder."""
 import json
 import os
 import subprocess
@@ -16,13 +16,14 @@ import takt_system
 PEER = os.environ["TAKT_DDS_PEER"]
 CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
 DOMAIN = os.environ.get("TAKT_TEST_DOMAIN") or str(takt_system.free_domain())
-KEPT = 32  # history depth of both sides: if one side stalls, samples beyond this number are lost
-# Makes Cyclone DDS use the loopback interface, so that no packet leaves the machine. It would use the first multicast interface that is up.
+KEPT = 32  # The history depth on both sides. If one side stalls, samples beyond this number are lost.
+# Makes Cyclone DDS use the loopback interface, so that no packet leaves the machine. Otherwise it uses the first multicast interface that
+# is up.
 LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
 <AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
 REPORT, STOP = 0, 8  # values of takt::CommandKind
 
-# The types of port.idl as data
+# The types of port.idl, as Python data.
 SAMPLE = {"name": "test::Sample", "fields": [
     {"name": "number", "type": "unsigned long long"}, {"name": "value", "type": "long long"},
     {"name": "data", "type": "octet", "sequence": 65536}]}
@@ -98,7 +99,7 @@ class Cyclone(unittest.TestCase):
                 device.process.kill()
                 killed = True
             if said["topic"] == "device" and "not_alive" in said:
-                gone = said["not_alive"] == 1  # may come early, if the machine stalled for longer than the lease
+                gone = said["not_alive"] == 1  # this may arrive early if the machine stalled for longer than the lease
             if killed and gone:
                 break
         self.assertTrue(killed and gone, "the reader must see the death of the node")
@@ -125,7 +126,7 @@ class Cyclone(unittest.TestCase):
     def test_a_takt_port_reads_the_samples_of_a_cyclone_dds_writer(self):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
-                topic = "to/" + reliability.replace("-", "_")  # Cyclone allows no other special character
+                topic = "to/" + reliability.replace("-", "_")  # Cyclone DDS allows no other special characters here
                 tap = self.takt("tap", topic, reliability, str(KEPT))
                 count = KEPT - 2
                 write = self.cyclone("write", "Sample", topic, str(count), "5", reliability)
@@ -145,7 +146,7 @@ class Cyclone(unittest.TestCase):
                 reader = threading.Thread(target=lambda: samples.extend(json.loads(text) for text in read.lines()))
                 reader.start()
                 written = 0
-                while reader.is_alive():  # samples written before the match are not delivered
+                while reader.is_alive():  # a reader does not receive samples that were written before it matched
                     if not samples or written - samples[-1]["number"] < KEPT // 2:
                         feed.say("1 3000")
                         written = int(feed.line().split()[1])

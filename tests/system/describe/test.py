@@ -10,7 +10,7 @@ import takt_system
 
 SCHEMA = os.path.join(takt_system.SOURCE, "config", "iso22166-profile.xsd")
 FOLDER = os.path.join(os.path.dirname(takt_system.BIN), "components")
-# The ready-made components. The components of the benchmarks do not count as such.
+# The ready-made components. This list leaves out those of the benchmarks.
 READY = sorted(f for f in glob.glob(os.path.join(FOLDER, "*.so")) + glob.glob(os.path.join(FOLDER, "*.exe"))
                if not os.path.basename(f).startswith("bench_"))
 MODULE = """  <module>
@@ -32,7 +32,7 @@ def module(name, filename, *properties, sporadic=False):
     return text if properties else re.sub(r"(?s) *<property>.*</property>\n", "", text)
 
 
-# The properties without which takt describe cannot describe these programs.
+# The properties that these programs need before takt describe can describe them.
 ASKED_WITH = {"modbus_master.exe": ["map=lamp out coil 0"], "modbus_device.exe": ["map=lamp out coil 0"]}
 
 
@@ -49,7 +49,7 @@ class Describe(takt_system.Case):
                 self.assertEqual(1, len(said.out.splitlines()))
                 self.assertEqual(file, said.report["file"])
                 for port in said.report["ports"]:
-                    # A service has two ports; the text shows them as one.
+                    # A service consists of two ports, but the text shows it as one entry.
                     self.assertIn(port["name"].split("/")[0], text.out)
                     self.assertTrue(json.loads(port["description"])["fields"])
                 for property in said.report["properties"]:

@@ -1,6 +1,7 @@
-"""A program of Cyclone DDS observes a running cell, sends it commands, and exchanges samples with its ports. Its types are from idl/.
+"""A program that uses Cyclone DDS observes a running cell, sends commands to it, and exchanges samples with its ports. Its message types
+are those in idl/.
 
-TAKT_CYCLONE_PEER is the program of tests/system/cyclone."""
+TAKT_CYCLONE_PEER is the path of the program in tests/system/cyclone."""
 import json
 import os
 import signal
@@ -42,7 +43,7 @@ class Foreign(takt_system.Case):
         wait_until(lambda: len(self.said(watch, "statistics")) > 3 and self.said(watch, "device"), 20, "statistics and the device")
         self.assertEqual({"line"}, {s["device"] for s in self.said(watch, "device")})
 
-        # Samples go both ways: the Cyclone program commands the belt and reads its state.
+        # Samples are sent in both directions: the Cyclone program writes commands for the belt and reads the state of the belt.
         write = self.cyclone("write", "BeltCommand", "belt_command", 40, 20, "best-effort")
         parts = self.cyclone("read", "Part", "parts", 1, 30, "reliable")
         self.assertEqual(0, write.wait(30).status, write.err)

@@ -43,7 +43,7 @@ class NonReal(takt_system.Case):
                          r"module cell\.ends_badly: error: was given up: crash: the process ended with status 3; its last line "
                          r"was: started \d+; ")
 
-        # The non-real-time programs were started after the first row.
+        # The non-real-time programs must start after the first row.
         self.assertEqual(LIFE, run.states("grid"))
         self.assert_grid(run, "grid")
         t0 = int(self.read("grid").split()[0])

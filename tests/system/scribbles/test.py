@@ -19,7 +19,7 @@ class Scribbles(takt_system.Case):
             text = cell.replace('"seed">1<', '"seed">%d<' % seed)
             before = len(nodes["whole"].lines)
             self.deploy(self.write("cell.xml", text))
-            # The module starts to write after 0.2 s. Meanwhile operators and observers use the node.
+            # The module begins to write random words after 0.2 s. Meanwhile, the test uses the node as operators and observers do.
             for _ in range(4):
                 time.sleep(0.4)
                 status = self.status_of()

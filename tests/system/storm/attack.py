@@ -1,4 +1,4 @@
-"""Attacks a cell from the network. Runs in its own network namespace.
+"""Attacks a cell from the network. This program runs in its own network namespace.
 
 attack.py ports                        prints the open UDP and TCP ports of this namespace as JSON
 attack.py capture FILE SECONDS         records each different UDP payload on the network to FILE
@@ -19,10 +19,10 @@ import sys
 import time
 
 MULTICAST = "239.255.0.1"
-# Submessages of RTPS 2.3 and of DDS Security.
+# The submessages of RTPS 2.3 and of DDS Security.
 KNOWN = (0x01, 0x06, 0x07, 0x08, 0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0x12, 0x13, 0x15, 0x16, 0x30, 0x31, 0x32, 0x33, 0x34)
 DATA, DATA_FRAG, HEARTBEAT, ACKNACK, GAP = 0x15, 0x16, 0x07, 0x06, 0x08
-# The built-in readers and writers of every participant.
+# The built-in readers and writers that every participant has.
 BUILTIN = (0x000100C2, 0x000100C7, 0x000003C2, 0x000003C7, 0x000004C2, 0x000004C7, 0x000200C2, 0x000200C7, 0xFF0101C2, 0xFF0202C3,
            0x00000000)
 EDGES = (0, 1, 2, 3, 4, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFE, 0xFFFFFFFF)
@@ -87,15 +87,15 @@ class Thrower:
         return struct.pack(">I", self.r.choice(BUILTIN) if self.r.random() < 0.9 else self.r.getrandbits(32))
 
     def parameters(self, order):
-        """A parameter list as in discovery, with random lengths and contents."""
+        """Returns a parameter list like those of discovery, with random lengths and contents."""
         data = b""
         for _ in range(self.r.randrange(0, 12)):
-            # These are parameters of the specification, of DDS Security and of vendors.
+            # The parameters of the specification, of DDS Security and of vendors.
             number = self.r.choice((0x02, 0x05, 0x07, 0x0F, 0x15, 0x16, 0x1A, 0x1D, 0x2F, 0x30, 0x31, 0x32, 0x33, 0x34, 0x40, 0x44, 0x50, 0x52,
                                     0x58, 0x59, 0x5A, 0x60, 0x62, 0x70, 0x71, 0x72, 0x73, 0x75, 0x77, 0x1001, 0x1002, 0x8000, 0x8007,
                                     self.r.randrange(65536)))
             value = self.r.randbytes(4 * self.r.randrange(0, 10))
-            if len(value) >= 4 and self.r.random() < 0.6:  # the value begins with a count or a length
+            if len(value) >= 4 and self.r.random() < 0.6:  # put a random count or length at the beginning of some values
                 value = self.number(order, "I") + value[4:]
             size = len(value) if self.r.random() < 0.8 else self.r.choice(EDGES) & 0xFFFF
             data += struct.pack(order + "HH", number, size) + value
@@ -153,7 +153,7 @@ class Thrower:
         return bytes(packet[:9000])
 
     def modbus(self):
-        """A frame of Modbus TCP, or random bytes."""
+        """Returns a frame of Modbus TCP, or random bytes."""
         if self.r.random() < 0.3:
             return self.random()
         body = bytes((1, self.r.choice((1, 2, 3, 4, 5, 6, 15, 16, 22, 23, 43, self.r.randrange(256))))) + self.r.randbytes(self.r.randrange(0, 260))
@@ -210,7 +210,7 @@ def storm(seconds, rate, seed, kinds, targets, path):
 
 
 def forge(path, seconds, targets):
-    """Sends unencrypted HEARTBEATs that claim that all samples up to number 2^40 are gone."""
+    """Sends unencrypted HEARTBEATs, each of which claims that all samples up to number 2^40 are gone."""
     names = {payload[8:20] for payload in read_captured(path) if payload[:4] == b"RTPS"}
     udp = sender(targets)
     begin = time.monotonic()
@@ -261,7 +261,7 @@ def main():
         path, seconds, targets = arguments
         print(json.dumps((forge if what == "forge" else crowd)(path, float(seconds), json.loads(targets))))
     else:
-        os.nice(10)  # the attacker stands for another machine, so it must not slow down the cell's processes
+        os.nice(10)  # The attacker simulates another machine, so it must not take CPU time from the processes of the cell.
         seconds, rate, seed, kinds, targets, *path = arguments
         print(json.dumps(storm(float(seconds), float(rate), int(seed), kinds.split(","), json.loads(targets), path[0] if path else None)))
 

@@ -1,7 +1,7 @@
 """Tests a cell in network namespaces while an attacker sends hostile packets to every open port.
 
-TAKT_STORM_SECONDS: duration of each storm and of the quiet phase before it (5; 20 in the full form).
-TAKT_STORM_RATE: packets a second (5000). TAKT_STORM_SEED: seed of the packets (random, printed)."""
+TAKT_STORM_SECONDS: duration of each storm and of the quiet phase before it, in seconds (default 5; 20 with TAKT_TEST_FULL=1).
+TAKT_STORM_RATE: packets per second (default 5000). TAKT_STORM_SEED: seed of the packets (default random; the test prints it)."""
 import json
 import os
 import random
@@ -41,8 +41,8 @@ class Storm(networks.NetworkCase):
         self.machines = {device: self.node(device, *options[device]) for device in DEVICES}
 
     def order(self, *arguments):
-        """Runs a command, which must succeed. Altered copies of authentication packets can spoil the authentication of a new participant. So in
-        a secured cell, this repeats a command that found no node, and thus changed nothing."""
+        """Runs a command, which must succeed. Altered copies of authentication packets can make the authentication of a new participant
+        fail. So in a secured cell, this repeats a command if it found no node, because such a command has changed nothing."""
         for _ in range(3 if self.secured else 1):
             run = self.operator(*arguments, environment=self.identity)
             if "not found: no answer" not in run.err:
@@ -81,8 +81,8 @@ class Storm(networks.NetworkCase):
         self.hosts = {device: self.machines[device].one("takt-host").pid for device in DEVICES}
 
     def undeploy(self):
-        """Undeploys the cell. Repeats the command if a machine stalled for longer than a lease: then the first command was carried out, but
-        its reply was lost."""
+        """Undeploys the cell. Repeats the command if a machine stalled for longer than a lease, because then the reply to the first command
+        may be lost."""
         for _ in range(3):
             run = self.operator("undeploy", "harbour", environment=self.identity)
             if run.status == 0:
@@ -106,7 +106,7 @@ class Storm(networks.NetworkCase):
         self.orders += 1
 
     def hold(self, seconds):
-        """Stops and starts the loop about once a second, for this long."""
+        """Stops and starts the module of the loop about once a second, for `seconds` seconds."""
         self.slowest = 0.0
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -114,7 +114,8 @@ class Storm(networks.NetworkCase):
             time.sleep(min(1.0, max(0.0, end - time.monotonic())))
 
     def read_back(self, what):
-        """Prints how the 1 kHz loop ran, checks its steps, and undeploys the cell. Returns the record of the sink."""
+        """Prints the jitter and the rows of the 1 kHz loop, checks its state transitions, and undeploys the cell. Returns what the sink
+        counted."""
         status = self.wait_until_all_execute()
         for device in DEVICES:
             self.assertIsNone(self.machines[device].status, "the node of %s ended: %s" % (device, self.machines[device].err))
@@ -155,7 +156,7 @@ class Storm(networks.NetworkCase):
         print("sent: %s to %d UDP and %d TCP ports" % (thrown, len(targets["udp"]), len(targets["tcp"])))
         self.assertEqual(0, storm.returncode)
         self.assertTrue(all(n > 0 for n in thrown["sent"].values()), thrown)
-        self.stop_and_start()  # one more time after the storm
+        self.stop_and_start()  # once more after the end of the storm
         sink = self.read_back("storm")
         for device, run in self.machines.items():
             self.assertIn("dropped a packet from %s: it is not a valid RTPS message" % self.net.address("stranger"), run.err)
@@ -182,7 +183,7 @@ class Secured(Storm):
         self.assertGreater(sink["read"], 0)
 
     def deceive(self, how, seconds):
-        """Runs commands during and after the attack. Returns the report of the attacker and the record of the sink."""
+        """Runs commands during and after the attack. Returns the attacker's report and what the sink counted."""
         captured = os.path.join(self.folder, "captured")
         listening = self.attack("robot", "capture", captured, "3", wait=False)
         self.assertEqual("ready\n", listening.stdout.readline())

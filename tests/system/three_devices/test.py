@@ -25,7 +25,7 @@ class ThreeDevices(takt_system.Case):
             self.assertEqual(modules, list(run.modules(device)))
             for module in modules:
                 self.assertEqual(LIFE, run.states(module, device))
-        # All modules are ready before the first one runs.
+        # All modules must be ready before the first module runs.
         texts = [(line.device, line.text) for line in run.lines]
         first_run = min(i for i, (_, text) in enumerate(texts) if text == "START -> EXECUTING")
         last_start = max(i for i, (_, text) in enumerate(texts) if text == "INITIALIZE -> START")
@@ -33,7 +33,7 @@ class ThreeDevices(takt_system.Case):
 
         grids = [self.read(name).split() for name in ("robot", "line", "fast", "slow")]
         grids.append(re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program"))).groups())
-        # All grids begin at one instant of the wall clock. Each node converts this instant with its own readings of two clocks.
+        # All grids must begin at the same instant of the wall clock. Each node converts this instant with its own readings of two clocks.
         instants = [int(t0) for t0, _, _ in grids]
         self.assertLess(max(instants) - min(instants), 20000, grids)
         self.assertEqual({"0"}, {strayed for _, _, strayed in grids})
