@@ -1,11 +1,12 @@
-# The files that `cmake --install` copies, and the packages `takt` and `takt-dev` that cpack makes from them. The target `installable`
-# builds them.
+# The files that `cmake --install` copies, and the packages `takt` and `takt-dev` that cpack makes from these files. The target `installable`
+# builds the files.
 #
 #   bin                    takt, takt-node
 #   lib                    the libraries of components and programs
 #   lib/takt               private files of the programs (os::private_directory()): takt-host, libtakt_check.so, components/
 #   lib/cmake/takt         find_package(takt), and the IDL compiler of takt_add_idl()
 #   include/takt           the headers for authors of components
+#   share/doc/takt         the manual, in the layout of the source tree: README.md, docs/, components/, ...
 #   share/takt             the schema, the descriptors of deploy/, the IDL files
 #
 # All paths are relative to the program or to the CMake package file, so users can move the installed folder.
@@ -53,19 +54,18 @@ install(TARGETS takt-host takt_check RUNTIME DESTINATION ${private} COMPONENT ru
         LIBRARY DESTINATION ${private} COMPONENT runtime)
 install(TARGETS ${modules} RUNTIME DESTINATION ${private}/components COMPONENT runtime
         LIBRARY DESTINATION ${private}/components COMPONENT runtime)
+# The paper's module.xml uses this component under the name build/controller1.so.
+install(FILES ${TAKT_COMPONENT_DIR}/build/controller1.so DESTINATION ${private}/components/build COMPONENT runtime)
 install(TARGETS takt_component takt_process LIBRARY COMPONENT runtime NAMELINK_COMPONENT dev)
 install(FILES config/takt.xsd config/grafana-takt.json DESTINATION ${share} COMPONENT runtime)
 install(DIRECTORY deploy DESTINATION ${share} COMPONENT runtime)
 
 install(DIRECTORY ${TAKT_PAGES}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime)
 install(DIRECTORY ${TAKT_PAGES}/completions DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion COMPONENT runtime)
-install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime PATTERN Doxyfile.in EXCLUDE PATTERN api.md EXCLUDE)
-file(GLOB pages RELATIVE ${CMAKE_SOURCE_DIR}/components CONFIGURE_DEPENDS components/*/README.md)
-foreach(page IN LISTS pages)
-  get_filename_component(component ${page} DIRECTORY)
-  install(FILES components/${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/components RENAME ${component}.md COMPONENT runtime)
-endforeach()
+# The manual is written at installation, so that no list of its pages is kept here.
+install(CODE "
+  execute_process(COMMAND \"${Python3_EXECUTABLE}\" cmake/manual.py . \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DOCDIR}\"
+                  WORKING_DIRECTORY \"${CMAKE_SOURCE_DIR}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT runtime)
 
 # The API reference of the headers for authors. A doxygen warning, such as an undocumented function, fails the build.
 find_package(Doxygen REQUIRED)
@@ -91,13 +91,13 @@ foreach(room core component testing)
   install(DIRECTORY framework/${room}/include/takt DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 endforeach()
 install(FILES framework/lifecycle/include/takt/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
-foreach(header activity flight layout link release_slot saved_state)  # the installed headers above include these headers
+foreach(header activity flight layout link log_ring release_slot saved_state turn)  # the installed headers above include these headers
   install(FILES framework/channel/include/takt/channel/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/channel COMPONENT dev)
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)
 
-# find_package() also searches the top of the build tree once its bin folder is in PATH. The package file there therefore reports that it is
-# unsuitable, so that find_package() continues. The real package file is in a subfolder.
+# find_package() also searches the top of the build tree if the build tree's bin folder is in PATH. The package file there therefore reports
+# that it is unsuitable, so that find_package() continues. The real package file is in a subfolder.
 configure_package_config_file(cmake/takt-config.cmake.in ${CMAKE_BINARY_DIR}/package/takt-config.cmake INSTALL_DESTINATION ${package}
   PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/takt-config-version.cmake COMPATIBILITY SameMinorVersion)
@@ -107,7 +107,7 @@ set(PACKAGE_VERSION "none: this is a build tree; install it, as docs/install.md 
 set(PACKAGE_VERSION_UNSUITABLE TRUE)
 ]])
 install(FILES ${CMAKE_BINARY_DIR}/package/takt-config.cmake ${CMAKE_BINARY_DIR}/package/takt-config-version.cmake cmake/TaktComponents.cmake
-              cmake/TaktIdl.cmake cmake/TaktWire.cmake DESTINATION ${package} COMPONENT dev)
+              cmake/TaktIdl.cmake DESTINATION ${package} COMPONENT dev)
 install(PROGRAMS cmake/takt_idl.py DESTINATION ${package} COMPONENT dev)
 install(DIRECTORY cmake/idl DESTINATION ${package} COMPONENT dev FILES_MATCHING PATTERN *.py)
 

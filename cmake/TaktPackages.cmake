@@ -32,7 +32,7 @@ set(CPACK_DEBIAN_DEV_DESCRIPTION
 takt_add_component() and takt_add_process(), and the IDL compiler of
 takt_add_idl() for the types of ports.")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-    "takt (= ${PROJECT_VERSION}), g++, cmake (>= 3.25), libfastcdr-dev, fastddsgen, python3 (>= 3.9)")
+    "takt (= ${PROJECT_VERSION}), g++, cmake (>= 3.25), python3 (>= 3.9)")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libgtest-dev, libgmock-dev")
 
 include(CPack)

@@ -1,4 +1,5 @@
-# takt_generate(OUT idl/takt.idl DIRECTORY out/takt/wire) generates sources from IDL files with fastddsgen, and sets OUT to their paths.
+# takt_generate(OUT idl/takt.idl DIRECTORY out/takt/wire) generates sources from IDL files with fastddsgen, and sets OUT to their paths. Use
+# takt_generate() for the messages between nodes; takt_add_idl() generates the types of ports.
 #
 # - All files go into one call, because fastddsgen also generates the included files.
 # - Temporary files get their own folder; otherwise fastddsgen uses fixed names in /tmp.

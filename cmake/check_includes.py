@@ -3,7 +3,7 @@
 
 Usage: check_includes.py SOURCE_DIRECTORY ROOMS_FILE
 
-ROOMS_FILE has a line for each room: NAME;ROOMS IT USES;LIBRARIES IT OWNS, each list separated by commas. CMake writes it from the calls of
+ROOMS_FILE has a line for each room: NAME;ROOMS IT USES;LIBRARIES IT OWNS, each list separated by commas. CMake writes this file from the calls of
 takt_room(). Prints an error for each wrong include and exits with 1 if there is any.
 """
 import re

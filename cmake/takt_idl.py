@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Generates takt::PortType<T> and the structs of C modules from the IDL files of port types.
+"""Generates the C++ classes and the C structs of port types from IDL files.
 
   takt_idl.py --check a.idl b.idl          only checks the files
-  takt_idl.py --out DIR a.idl b.idl        writes DIR/a.hpp, a_types.cpp, a_c.h, a_c.cpp and plain/a.idl (for fastddsgen),
-                                           and the same files for b.idl
+  takt_idl.py --out DIR a.idl b.idl        writes DIR/a.hpp, a_types.cpp, a_c.h and a_c.cpp, and the same files for b.idl
 
 A port type is a final struct without keys. Its strings and sequences are bounded, so that Takt can allocate its memory
 before the cell runs. One run reports all problems, one per line: `file:line: error: what; what to do`. The exit status is

@@ -2,7 +2,7 @@
 import json
 import os
 
-from idl.declarations import SCALARS, Alias, Const, Enum, Struct, description, max_size, product
+from idl.declarations import SCALARS, Alias, Const, Enum, Shape, Struct, description, max_size, product
 
 
 def c_name(name):
@@ -10,7 +10,7 @@ def c_name(name):
 
 
 def outputs_of(stem):
-    return [f"{stem}.h", f"{stem}.hpp", f"{stem}_types.cpp", f"{stem}_c.h", f"{stem}_c.cpp"]
+    return [f"{stem}.hpp", f"{stem}_types.cpp", f"{stem}_c.h", f"{stem}_c.cpp"]
 
 
 def literal(text):
@@ -159,7 +159,7 @@ class Code:
 
     def get_one(self, shape, at):
         if shape.scalar == "string":
-            self.line(f"{at} = from.get_text({shape.bound}).data();" if self.language == "c++"
+            self.line(f"{at} = from.get_text({shape.bound});" if self.language == "c++"
                       else f"from.get_text({at}, {shape.bound});")
         elif shape.scalar == "enum":
             name = f"::{shape.of.name}" if self.language == "c++" else c_name(shape.of.name)
@@ -283,36 +283,6 @@ def c_source(file):
     return lines + ["}"]
 
 
-def idl_declaration(declared, name):
-    """Returns a declaration without typedefs, because fastddsgen does not initialize an array of a typedef. Sequences keep their typedefs."""
-    shape = declared.shape
-    if shape.sequence:
-        return f"{shape.text} {name}{sizes(declared.own)};"
-    kind = f"string<{shape.bound}>" if shape.scalar == "string" else shape.of.name if shape.of else shape.scalar
-    return f"{kind} {name}{sizes(shape.dimensions)};"
-
-
-def plain_idl(file):
-    """The declarations for fastddsgen, with numbers instead of constants, because its code for constants does not compile."""
-    guard = f"{file.stem.upper()}_PLAIN_IDL"
-    lines = head(file, "For fastddsgen.") + [f"#ifndef {guard}", f"#define {guard}"]
-    lines += [f'#include "{stem}.idl"' for stem in included_stems(file)]
-    for declared in file.declares:
-        *modules, name = declared.name.split("::")
-        lines += [f"module {module} {{" for module in modules]
-        if isinstance(declared, Const):
-            lines.append(f"const {declared.type} {name} = {declared.value};")
-        elif isinstance(declared, Alias):
-            lines.append(f"typedef {idl_declaration(declared, name)}")
-        elif isinstance(declared, Enum):
-            lines.append(f"enum {name} {{ {', '.join(declared.enumerators)} }};")
-        else:
-            lines += [f"@final struct {name} {{"]
-            lines += [f"  {idl_declaration(each, each.name)}" for each in declared.fields] + ["};"]
-        lines += ["};" for module in modules]
-    return lines + ["#endif"]
-
-
 def sizes(dimensions):
     return "".join(f"[{size}]" for size in dimensions)
 
@@ -321,11 +291,73 @@ def included_stems(file):
     return [other.stem for other, _ in file.includes]
 
 
+def cpp_type(shape):
+    """Returns the C++ type of a field. The type begins with :: because a field or a module may have the same name."""
+    def in_arrays(kind, dimensions):
+        for size in reversed(dimensions):
+            kind = f"::std::array<{kind}, {size}>"
+        return kind
+
+    if shape.scalar == "string":
+        kind = f"::takt::BoundedString<{shape.bound}>"
+    elif shape.of:
+        kind = f"::{shape.of.name}"
+    else:
+        kind = SCALARS[shape.scalar][1]
+        kind = f"::std::{kind}" if kind.endswith("_t") else kind
+    kind = in_arrays(kind, shape.elements)
+    return in_arrays(f"::std::vector<{kind}>" if shape.sequence else kind, shape.dimensions)
+
+
+def cpp_class(struct):
+    """Returns the class of a struct. Each field has the functions that fastddsgen generates: position(), and position(value)."""
+    prefix = "m_"
+    while any(each.name.startswith(prefix) for each in struct.fields):
+        prefix += "m_"  # a member must not have the name of a function
+    name = struct.name.split("::")[-1]
+    lines = [f"class {name} {{", " public:"]
+    for each in struct.fields:
+        kind, member, shape = cpp_type(each.shape), prefix + each.name, each.shape
+        small = not (shape.dimensions or shape.sequence or shape.scalar in ("string", "struct"))
+        lines.append(f"  {kind + ' ' if small else f'const {kind}& '}{each.name}() const noexcept {{ return {member}; }}")
+        lines.append(f"  {kind}& {each.name}() noexcept {{ return {member}; }}")
+        if small:
+            lines.append(f"  void {each.name}({kind} value) noexcept {{ {member} = value; }}")
+        else:
+            lines.append(f"  void {each.name}(const {kind}& value) {{ {member} = value; }}")
+            lines.append(f"  void {each.name}({kind}&& value) noexcept {{ {member} = ::std::move(value); }}")
+    lines += [f"  bool operator==(const {name}&) const = default;", "", " private:"]
+    lines += [f"  {cpp_type(each.shape)} {prefix}{each.name}{{}};" for each in struct.fields]
+    return lines + ["};"]
+
+
+def cpp_declarations(file):
+    """Returns the declarations of a file in C++, each in the namespace of its module."""
+    lines, scope = [], None
+    for declared in file.declares:
+        inner, _, name = declared.name.rpartition("::")
+        if inner != scope:
+            lines += ([f"}}  // namespace {scope}"] if scope else []) + ["", f"namespace {inner} {{"][:2 if inner else 1]
+            scope = inner
+        lines.append("")
+        if isinstance(declared, Const):
+            kind = cpp_type(Shape(declared.type))
+            lines.append(f"inline constexpr {kind} {name} = {integer_in_c(declared.value)};")
+        elif isinstance(declared, Alias):
+            lines.append(f"using {name} = {cpp_type(declared.shape)};")
+        elif isinstance(declared, Enum):
+            lines.append(f"enum {name} : ::std::uint32_t {{ {', '.join(declared.enumerators)} }};")
+        else:
+            lines += cpp_class(declared)
+    return lines + (["", f"}}  // namespace {scope}"] if scope else [])
+
+
 def header(file):
-    """X.hpp: takt::PortType for each struct."""
+    """X.hpp: the declarations in C++, and takt::PortType for each struct."""
     lines = head(file, "The port types of C++ modules.") + [
-        "#pragma once", "", "#include <cstddef>", "#include <cstdint>", "", "#include <takt/component/port_type.hpp>", "",
-        f'#include "{file.stem}.h"'] + [f'#include "{stem}.hpp"' for stem in included_stems(file)] + [
+        "#pragma once", "", "#include <array>", "#include <cstddef>", "#include <cstdint>", "#include <utility>",
+        "#include <vector>", "", "#include <takt/component/port_type.hpp>", "#include <takt/core/bounded_string.hpp>",
+        ""] + [f'#include "{stem}.hpp"' for stem in included_stems(file)] + cpp_declarations(file) + [
         "", "namespace takt {", "class CdrReader;", "class CdrWriter;", ""]
     for struct in structs_of(file):
         name = "::" + struct.name
@@ -337,14 +369,14 @@ def header(file):
             f"  static constexpr bool fits(const {name}&) noexcept {{ return true; }}",
             f"  static bool decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept;",
             f"  static void reserve({name}& value);",
-            "  // As a field of another struct.",
+            "  // Used if the struct is a field of another struct.",
             f"  static void put(CdrWriter& to, const {name}& value) noexcept;",
             f"  static void get(CdrReader& from, {name}& value);", "};", ""]
     return lines + ["}  // namespace takt"] + ros2_names(file)
 
 
 def ros2_names(file):
-    """Aliases for ROS 2 messages: std_msgs::msg::dds_::String_ is the type name on the network, std_msgs::msg::String that in programs."""
+    """Aliases for ROS 2 messages: the type is std_msgs::msg::dds_::String_ on the network, and std_msgs::msg::String in programs."""
     lines = []
     for struct in structs_of(file):
         if is_ros2_message(struct.name):
@@ -385,9 +417,8 @@ def structs_of(file):
 
 
 def write_sources(folder, file):
-    os.makedirs(os.path.join(folder, "plain"), exist_ok=True)
+    os.makedirs(folder, exist_ok=True)
     for name, lines in ((f"{file.stem}.hpp", header(file)), (f"{file.stem}_types.cpp", source(file)),
-                        (f"{file.stem}_c.h", c_header(file)), (f"{file.stem}_c.cpp", c_source(file)),
-                        (os.path.join("plain", f"{file.stem}.idl"), plain_idl(file))):
+                        (f"{file.stem}_c.h", c_header(file)), (f"{file.stem}_c.cpp", c_source(file))):
         with open(os.path.join(folder, name), "w", encoding="utf-8") as stream:
             stream.write("\n".join(lines) + "\n")

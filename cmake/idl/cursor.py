@@ -19,9 +19,21 @@ CODE_WORDS = set("""alignas alignof and and_eq asm auto bitand bitor bool break 
     concept consteval constexpr constinit const_cast continue co_await co_return co_yield decltype delete do dynamic_cast
     else explicit export extern for friend goto if inline int mutable namespace new noexcept not not_eq nullptr operator or
     or_eq protected register reinterpret_cast requires restrict return signed sizeof static static_assert static_cast
-    template this thread_local throw try typeof volatile while xor xor_eq std eprosima takt linux unix NULL EOF errno
-    serialize deserialize serializeKey isKeyDefined getMaxCdrSerializedSize getCdrSerializedSize
-    getKeyMaxCdrSerializedSize""".split()) - {"takt"}
+    template this thread_local throw try typeof volatile while xor xor_eq std linux unix NULL EOF errno""".split())
+
+# The types of C, C++, Python, ROS and others, with the type of IDL to write instead.
+OTHER_TYPES = {
+    "bool": "boolean", "byte": "octet", "uchar": "octet", "uint8_t": "octet", "int8_t": "int8", "signed": "long",
+    "int": "long", "int16_t": "short", "int32_t": "long", "int64_t": "long long", "ssize_t": "long long",
+    "uint": "unsigned long", "ushort": "unsigned short", "ulong": "unsigned long", "uint16_t": "unsigned short",
+    "uint32_t": "unsigned long", "uint64_t": "unsigned long long", "size_t": "unsigned long long",
+    "float32": "float", "float32_t": "float", "real": "double", "float64": "double", "float64_t": "double",
+    "str": "string<64>", "text": "string<64>", "std::string": "string<64>", "string_view": "string<64>",
+    "std::string_view": "string<64>", "vector": "sequence<T, 16>", "std::vector": "sequence<T, 16>",
+    "list": "sequence<T, 16>", "array": "an array, such as double position[6]",
+    "std::array": "an array, such as double position[6]",
+}
+OTHER_TYPES |= {f"std::{name}": idl for name, idl in OTHER_TYPES.items() if name.endswith("_t")}
 
 
 class Cursor:
@@ -62,8 +74,10 @@ class Cursor:
                            if self.token.kind != "end" else f"{after} has no end; write {text!r}")
 
     def unexpected(self, token, wanted):
-        return IdlError(self.place(token), f"expected {wanted}, found {token.text!r}" if token.kind != "end"
-                        else f"expected {wanted}, but the file ends here")
+        if token.kind == "end":
+            return IdlError(self.place(token), f"expected {wanted}, but the file ends here")
+        fix = "; remove the ','" if token.text == "," else ""
+        return IdlError(self.place(token), f"expected {wanted}, found {token.text!r}{fix}")
 
     def skip(self):
         """Skips to the end of a declaration that could not be parsed."""
@@ -75,9 +89,16 @@ class Cursor:
             depth += (token.text == "{") - (token.text == "}")
             if depth == 0 and token.text == "}" and not self.is_next(";"):
                 if self.token.kind != "name" or self.tokens[self.at + 1].text not in (";", ",", "["):
-                    return  # otherwise the declared names follow
+                    return  # otherwise the declaration goes on after the brace, as in struct {...} a, b;
             if depth == 0 and token.text == ";":
                 return
+
+    def skip_arguments(self):
+        """Skips <...> after a type that is not one of IDL, such as std::vector<double>."""
+        depth = 0
+        while self.is_next("<") or depth > 0 and self.token.kind != "end" and not self.is_next(";"):
+            token = self.next()
+            depth += (token.text == "<") - (token.text == ">")
 
     def guarded(self, parse):
         start = self.at
@@ -93,13 +114,14 @@ class Cursor:
     # -- Names
 
     def new_name(self, what, full=None):
-        token = self.next()
+        token = self.token
         if token.kind != "name":
             raise self.unexpected(token, f"the name of {what}")
+        self.next()
         name = token.text
         shown = full(name) if full else name
         if name in WORDS or name.lower() in ANY_CASE_WORDS:
-            how = "" if name in WORDS or name in ANY_CASE_WORDS else ", in any case"
+            how = "" if name in WORDS or name in ANY_CASE_WORDS else " (this keyword is not case-sensitive)"
             self.problem(token, f"{shown}: {name!r} is a keyword of IDL{how}; choose another name")
         elif name in CODE_WORDS:
             self.problem(token, f"{shown}: {name!r} is reserved in the generated C++ code; choose another name")
@@ -162,7 +184,9 @@ class Cursor:
                 inner = isinstance(known[1], Scope) and known[0] == before
                 known = known[1].names.get(part.lower()) if inner else None
         if known is None:
-            self.problem(token, f"{shown} is not declared before this line; declare it, or #include the file that does")
+            instead = OTHER_TYPES.get("::".join(parts))
+            self.problem(token, f"{shown} is not a type of IDL; write {instead}" if instead else
+                         f"{shown} is not declared before this line; declare it, or #include the file that does")
             return None
         if isinstance(known[1], Scope):
             self.problem(token, f"{shown} is a module; write the name of a declaration in it")
@@ -179,7 +203,7 @@ class Cursor:
         return entity
 
     def bound(self, name, what):
-        """Parses a size of at least 1. Reports a size that is not valid and returns 1 for it."""
+        """Parses a size of at least 1. If the size is not valid, reports a problem and returns 1."""
         token = self.token
         value = self.expression(in_angles=True)
         if value is None:
@@ -194,7 +218,7 @@ class Cursor:
     LEVELS = [("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "/", "%")]
 
     def expression(self, level=0, in_angles=False):
-        """Parses an expression and returns its integer value. Reports a problem and returns None for it."""
+        """Parses an expression and returns its integer value. If the expression is not valid, reports a problem and returns None."""
         if level == len(self.LEVELS):
             return self.unary()
         left = self.expression(level + 1, in_angles)

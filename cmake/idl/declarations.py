@@ -41,7 +41,7 @@ class Shape:
         return self.sequence > 0 or (self.scalar == "struct" and self.of.sequences)
 
     def may_not_fit(self):
-        """Whether a C++ variable can have a value that the type does not allow: too long a sequence, or a number without an enumerator."""
+        """True if a C++ variable can have a value that the type does not allow: too long a sequence, or a number without an enumerator."""
         return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.misfits)
 
 
@@ -134,7 +134,7 @@ class Scope:
 @dataclass
 class File:
     """One IDL file and its declarations, in order."""
-    path: str                       # the path for messages
+    path: str                       # the path that messages show
     real: str                       # the real path
     declares: list = field(default_factory=list)
     includes: list = field(default_factory=list)  # (File, place)
@@ -167,17 +167,18 @@ def padded(position, alignment):
     return (position + alignment - 1) // alignment * alignment
 
 
-# A span is a list: for each start offset modulo 8, the number of bytes that the longest value takes. Padding depends only on that offset.
+# A span says how many bytes the longest value of a type takes. The number depends on the padding, which depends on the offset at
+# which the value begins. A span is therefore a list with a number for each offset modulo 8.
 NOTHING = (0,) * 8
 
 
 def both(first, second):
-    """Returns the span of a value that is followed by another value."""
+    """Returns the span of two values, one after the other, from their spans `first` and `second`."""
     return tuple(first[at] + second[(at + first[at]) % 8] for at in range(8))
 
 
 def repeated(one, n):
-    """Returns the span of n values of the same type, by repeated doubling."""
+    """Returns the span of n values that each have the span `one`, by repeated doubling."""
     span = NOTHING
     while n:
         if n % 2:

@@ -9,13 +9,6 @@ from idl.parser import Parser
 from idl.tokens import Problems
 
 
-# The names of system headers. math.idl would generate math.h, and programs would include that file instead of the system's <math.h>.
-SYSTEM_HEADERS = set("""alloca assert complex ctype dirent dlfcn elf endian errno fcntl features fenv float inttypes iso646
-    limits link locale malloc math memory poll pthread sched semaphore setjmp signal spawn stdalign stdarg stdatomic stdbool
-    stddef stdint stdio stdlib stdnoreturn string strings syscall termios tgmath threads time uchar unistd utime values wait
-    wchar wctype""".split())
-
-
 class Library:
     """The IDL files of one type library."""
 
@@ -59,7 +52,7 @@ class Library:
     def check_files(self):
         """Reports problems that concern whole files."""
         for file in self.files.values():
-            # Each #include inserts a file without an include guard again, as in the C preprocessor.
+            # Each #include of a file without an include guard inserts the file again, as in the C preprocessor.
             seen = {}
 
             def visit(by, place):
@@ -77,8 +70,6 @@ class Library:
             if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", file.stem):
                 self.problems.add((file.path, 1), f"{file.stem!r} is used in C names; use only letters, digits and "
                                                   "'_' in the file name")
-            if file.stem.lower() in SYSTEM_HEADERS:
-                self.problems.add((file.path, 1), f"<{file.stem}.h> is a system header; rename the file")
         outputs = {}
         for file in self.named:
             for output in outputs_of(file.stem):
@@ -91,18 +82,7 @@ class Library:
                     self.problems.add(place, f"{os.path.basename(included.path)} is not in the same library; add it to "
                                              "takt_add_idl")
 
-    def check_hidden(self, scope):
-        """Reports names that hide a module. fastddsgen does not support ::a::b, so a::b must have the same meaning everywhere."""
-        for name, entity in scope.names.values():
-            outer = self.root.names.get(name.lower())
-            own = scope.name.split("::")[-1].lower() == name.lower()  # already reported
-            if scope is not self.root and outer and isinstance(outer[1], Scope) and not own:
-                self.problems.add(entity.place, f"{scope.full(name)} hides module {outer[0]}; choose another name")
-            if isinstance(entity, Scope):
-                self.check_hidden(entity)
-
     def check_types(self):
-        self.check_hidden(self.root)
         names = {}
         for file in self.files.values():
             for declared in file.declares:

@@ -1,4 +1,5 @@
 """Parses tokens into declarations."""
+import difflib
 import re
 from dataclasses import replace
 
@@ -13,6 +14,8 @@ INSTEAD = {
     "map": "a sequence of structs", "union": "a struct with an enum", "bitset": "unsigned long", "bitmask": "unsigned long",
     "struct": "its name, and declare it first", "enum": "its name, and declare it first",
 }
+# After `unsigned`: the types of other languages, with the type to write instead.
+UNSIGNED = {"int": "unsigned long", "char": "octet", "octet": "octet"}
 
 
 class Parser(Cursor):
@@ -75,8 +78,9 @@ class Parser(Cursor):
             return self.const()
         if self.take(";"):
             return self.problem(token, "a ';' without a declaration; remove it")
-        raise IdlError(self.place(), f"{token.text!r} is not allowed in a file of port types; write modules with structs, "
-                                     "enums, typedefs and constants")
+        meant = difflib.get_close_matches(token.text, ("module", "struct", "enum", "typedef", "const"), n=1)
+        raise IdlError(self.place(), f"{token.text!r} is not allowed in a file of port types; " + (
+            f"did you mean {meant[0]}?" if meant else "write modules with structs, enums, typedefs and constants"))
 
     def annotations(self):
         """Parses annotations and returns the tokens of their names. @extensibility(FINAL) becomes @final."""
@@ -119,9 +123,11 @@ class Parser(Cursor):
                     self.next()
                 if not self.is_next("}"):
                     raise IdlError(self.place(opened), f"{what} has no end; write '}};'") from None
-        self.next()
-        if not self.take(";"):
-            self.problem(self.tokens[self.at - 1], f"{what} ends without ';'; add it")
+        end = self.next()
+        if self.take(","):
+            self.problem(end, f"{what} ends with '}},'; write '}};'")
+        elif not self.take(";"):
+            self.problem(end, f"{what} ends without ';'; add it")
 
     def module(self):
         self.next()
@@ -143,17 +149,20 @@ class Parser(Cursor):
         self.next()
         type_token = self.token
         kind = self.basic_type()
-        name = None
+        reported = False
         if kind is None and self.take("string"):
             kind = "string"
         if kind is None and self.token.kind == "name":
             absolute, parts, first = self.scoped_name()
             entity = self.find(absolute, parts, first)
             kind = entity.shape.scalar if isinstance(entity, Alias) and not entity.shape.dimensions else "?"
+            reported = entity is None
         token = self.new_name("a constant", self.scope.full)
         name = self.scope.full(token.text)
         if kind not in INTEGERS:
-            self.problem(type_token, f"{name} is not of an integer type; a constant must be an integer, such as unsigned long")
+            if not reported:
+                self.problem(type_token, f"{name} is not of an integer type; a constant must be an integer, such as unsigned "
+                                         "long")
             while not self.is_next(";", "}") and self.token.kind != "end":
                 self.next()
             self.take(";")
@@ -178,6 +187,9 @@ class Parser(Cursor):
         declared = self.declare(token, enum)
 
         def each():
+            sign = self.token
+            if self.take(","):
+                return self.problem(sign, f"{enum.name} has a ',' without an enumerator before it; remove it")
             for annotation in self.annotations():
                 self.problem(annotation, f"{enum.name}: enumerators are numbered from 0 in order; remove @{annotation.text}")
             name = self.new_name("an enumerator", self.scope.full)
@@ -188,7 +200,12 @@ class Parser(Cursor):
                 while not self.is_next(",", "}", ";") and self.token.kind != "end":
                     self.next()
             if not self.take(",") and not self.is_next("}"):
-                raise IdlError(self.place(), f"{self.scope.full(name.text)} is followed by {self.token.text!r}; write ','")
+                wrong = f"{self.scope.full(name.text)} is followed by {self.token.text!r}; write ','"
+                after = [t.text for t in self.tokens[self.at + 2:self.at + 3]]
+                if self.token.kind != "name" and not (self.is_next(";") and after in ([","], ["}"], ["="], [";"])):
+                    raise IdlError(self.place(name), wrong)
+                self.problem(name, wrong)
+                self.take(";")
             if self.tokens[self.at - 1].text == "," and self.is_next("}"):
                 self.problem(self.tokens[self.at - 1], f"{enum.name} has a ',' after its last enumerator; remove it")
 
@@ -216,11 +233,17 @@ class Parser(Cursor):
         if self.is_next(":"):
             raise IdlError(self.place(token), f"{struct.name} uses inheritance, which ports do not support; make the base "
                                               "struct a field")
-        kinds = [a.text for a in annotations]
+        final = False
         for annotation in annotations:
-            if annotation.text != "final":
-                self.problem(annotation, f"{struct.name} has @{annotation.text}; a port type can only have @final")
-        if "final" not in kinds:
+            if annotation.text == "final":
+                final = True
+            elif annotation.text in ("appendable", "mutable") or annotation.text.startswith("extensibility("):
+                self.problem(annotation, f"{struct.name} has @{annotation.text}, but a port type is final; write @final instead")
+                final = True
+            else:
+                self.problem(annotation, f"{struct.name} has @{annotation.text}, but a port type can only have @final; remove "
+                                         f"@{annotation.text}")
+        if not final:
             self.problem(token, f"{struct.name} is not final; write @final before it")
         declared = self.declare(token, struct)
         self.body(f"struct {struct.name}", lambda: self.guarded(lambda: self.fields(struct)))
@@ -231,26 +254,21 @@ class Parser(Cursor):
             self.file.declares.append(struct)
 
     def fields(self, struct):
+        sign = self.token
+        if self.take(";") or self.take(","):
+            return self.problem(sign, f"{struct.name} has a {sign.text!r} without a field before it; remove it")
         annotations = self.annotations()
         full = lambda name: f"{struct.name}.{name}"
         shown = self.declared_name(full, f"a field of {struct.name}")
         for annotation in annotations:
-            text = ("is a key; port types have no keys" if annotation.text in ("key", "Key")
-                    else f"has @{annotation.text}; the fields of a port type have no annotations")
-            self.problem(annotation, f"{shown} {text}")
+            text = ("is a key, but port types have no keys" if annotation.text in ("key", "Key")
+                    else f"has @{annotation.text}, but the fields of a port type have no annotations")
+            self.problem(annotation, f"{shown} {text}; remove @{annotation.text}")
         shape = self.type_of(shown, self.token, [f.name for f in struct.fields])
         for token, own, whole in self.declarators(shape, "a field", full):
             if token.text.lower() == struct.name.split("::")[-1].lower():
                 self.problem(token, f"{struct.name}.{token.text} has the name of its struct (IDL is not case-sensitive); "
                                     "choose another name")
-            if whole.sequence and whole.scalar in ("enum", "string"):
-                # Fast CDR has no functions for nested vectors, nor for arrays of enums or strings.
-                what = ("an array of sequences", "the sequence", "an array") if whole.dimensions else \
-                    ("a sequence of arrays", "the array", "a sequence") if whole.elements else None
-                if what:
-                    self.problem(token, f"{full(token.text)} is {what[0]} of {whole.scalar}s, for which fastddsgen generates "
-                                        f"code that does not compile; put {what[1]} into a struct and write {what[2]} of "
-                                        "such structs")
             twin = next((f for f in struct.fields if f.name.lower() == token.text.lower()), None)
             if twin:
                 how = "is declared twice" if twin.name == token.text else f"differs only in case from {twin.name}"
@@ -269,13 +287,33 @@ class Parser(Cursor):
                     size = 1
                 else:
                     size = self.bound(f"{full(token.text)}", "the size of an array")
+                if self.is_next(","):
+                    raise IdlError(self.place(), f"the size of {full(token.text)} is followed by ','; write each dimension in its "
+                                                 "own brackets, such as [2][3]")
                 self.expect("]", f"the size of {full(token.text)}")
                 dimensions.append(size)
             yield token, dimensions, Shape(shape.scalar, shape.bound, shape.of, dimensions + shape.dimensions, shape.sequence,
                                            shape.elements, shape.text)
-            if self.take(","):
-                continue
-            return self.expect(";", full(token.text))
+            if not self.take(","):
+                is_name = self.token.kind == "name" and self.token.text not in ANY_CASE_WORDS
+                if is_name and self.token.line == token.line:
+                    raise IdlError(self.place(), f"{full(token.text)} is followed by {self.token.text!r}; write ';' or ','")
+                return self.expect(";", full(token.text))
+            if not self.further_name(full(token.text)):
+                return None
+
+    def further_name(self, name):
+        """Returns whether a further name follows the ',' after `name`. If not, reports the ',' as a wrong ';'."""
+        comma = self.tokens[self.at - 1]
+        while self.is_next(","):
+            self.problem(self.next(), f"{name} is followed by two ','; remove one")
+        after = self.tokens[min(self.at + 1, len(self.tokens) - 1)]
+        beside = self.token.line == comma.line and self.token.text not in ANY_CASE_WORDS
+        if self.token.kind == "name" and (beside or after.text in (",", ";", "[")):
+            return True
+        self.problem(comma, f"{name} is followed by ',' but by no further name; write ';' instead of ','")
+        self.take(";")
+        return False
 
     # -- Types
 
@@ -287,16 +325,17 @@ class Parser(Cursor):
                 return "unsigned short"
             if self.take("long"):
                 return "unsigned long long" if self.take("long") else "unsigned long"
-            raise IdlError(self.place(token), f"unsigned {self.token.text} is not a type; write unsigned short, unsigned long "
-                                              "or unsigned long long")
+            instead = UNSIGNED.get(self.token.text, "unsigned short, unsigned long or unsigned long long")
+            raise IdlError(self.place(token), f"unsigned {self.token.text} is not a type; write {instead}")
+        kind = None
         if self.take("long"):
-            if self.take("double"):
-                return "long double"
-            return "long long" if self.take("long") else "long"
-        if token.kind == "name" and token.text in SCALARS or token.text in SAME:
+            kind = "long double" if self.take("double") else "long long" if self.take("long") else "long"
+        elif token.kind == "name" and token.text in SCALARS or token.text in SAME:
             self.next()
-            return SAME.get(token.text, token.text)
-        return None
+            kind = SAME.get(token.text, token.text)
+        if kind in INTEGERS and self.is_next("int"):
+            raise IdlError(self.place(token), f"{kind} int is not a type; write {kind}")
+        return kind
 
     def declared_name(self, full, otherwise):
         """Looks ahead for the name of the declaration that begins here, because error messages about its type contain this name."""
@@ -356,10 +395,16 @@ class Parser(Cursor):
         if self.token.kind != "name" and not self.is_next("::"):
             raise self.unexpected(self.token, "a type")
         absolute, parts, first = self.scoped_name()
-        if parts[0] in WORDS or parts[0].lower() in ANY_CASE_WORDS:
+        lower = parts[0].lower()
+        if lower != parts[0] and (lower in SCALARS or lower in SAME or lower == "string"):
+            right = "string<64>" if lower == "string" else lower
+            raise IdlError(self.place(first), f"{name} is of type {parts[0]}; write {right}, in lower case")
+        if parts[0] in WORDS or lower in ANY_CASE_WORDS:
             raise IdlError(self.place(first), f"{name} is of type {parts[0]!r}, which ports do not support; write a basic "
                                               "type, such as double, or a struct")
         entity = self.find(absolute, parts, first, f"{name}: ", members)
+        if entity is None:
+            self.skip_arguments()
         if isinstance(entity, Struct):
             if not entity.complete:
                 self.problem(first, f"{name} contains {entity.name} itself, which ports do not support; write an array or a "

@@ -66,7 +66,7 @@ TEST(RigidArm, ConservesEnergyInAFreeSwing) {
     drift = std::max(drift, std::abs(energy(arm) - before));
     kinetic_from = energy(arm);
   }
-  std::printf("%.3g J of %.1f after %.2f rad\n", drift, kinetic_from, moved);
+  std::printf("energy drift %.3g J of %.1f J; largest axis motion %.2f rad\n", drift, kinetic_from, moved);
   EXPECT_GT(moved, 0.5);
   EXPECT_LT(drift, 1e-3);
 }
@@ -125,7 +125,7 @@ TEST(Arm, AppliesItsBrakesWhileNoEffortsArrive) {
   effort.write(turn);
   module.step(20);
   EXPECT_GT(measured.value().velocity()[0], 0.02);
-  module.step(500);  // no more efforts arrive during this time
+  module.step(500);  // the module gets no efforts during these cycles
   EXPECT_EQ(measured.value().velocity(), (std::array<double, kAxes>{}));
   const auto at = measured.value().position();
   module.step(500);

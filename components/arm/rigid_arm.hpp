@@ -1,6 +1,6 @@
-// The simulation in arm: six driven links as rigid bodies under gravity, with joint friction, using the
-// forward dynamics of Orocos KDL. SI units, rad. The constructor allocates memory; real-time threads may call
-// all other functions.
+// The simulation of the component arm: six driven links as rigid bodies under gravity, with joint friction,
+// using the forward dynamics of Orocos KDL. SI units, rad. The constructor allocates memory; real-time
+// threads may call all other functions.
 #pragma once
 
 #include <algorithm>

@@ -30,7 +30,7 @@ KDL::Frame frame(const Pose& pose) noexcept;
 Pose pose(const KDL::Frame& frame) noexcept;
 
 /// Returns the axis motions (rad or rad/s) that move the tool by `twist`, by damped least squares. Real-time
-/// threads may call it.
+/// threads may call this function.
 Vector6 rates(const Matrix6& jacobian, const Vector6& twist, double damping = 0) noexcept;
 
 /// Computes the forward kinematics and the Jacobian of an arm. The constructor allocates memory; real-time

@@ -26,7 +26,7 @@ struct Axis {
   double velocity = 1;              ///< rad/s, maximum for set points
   double acceleration = 1;          ///< rad/s^2, maximum for set points
   double torque = 100;              ///< N m, maximum torque of the drive
-  double home = 0;                  ///< rad, position at which the axis waits
+  double home = 0;                  ///< rad, position of the axis while the arm waits for a request
   double mass = 1;                  ///< kg
   std::array<double, 3> centre{};   ///< m, centre of mass
   std::array<double, 3> inertia{};  ///< kg m^2, about the centre of mass
@@ -37,15 +37,15 @@ struct Axis {
 
 using Parameters = std::array<Axis, kAxes>;
 
-/// Returns the position at which the arm waits.
+/// Returns the position at which the arm waits for a request.
 inline Joints home(const Parameters& parameters) noexcept {
   Joints joints{};
   for (std::size_t i = 0; i < kAxes; ++i) joints[i] = parameters[i].home;
   return joints;
 }
 
-/// Returns the built-in arm. It is fictitious and has the proportions of an industrial arm with a payload of
-/// 10 kg and a reach of 1.4 m. The tool, 0.15 m long, is part of the last link.
+/// Returns the built-in arm. This arm is fictitious and has the proportions of an industrial arm with a
+/// payload of 10 kg and a reach of 1.4 m. The tool, 0.15 m long, is part of the last link.
 const Parameters& built_in();
 
 /// Reads a JSON file as README.md describes it; an empty name gives the built-in arm. If this fails, returns

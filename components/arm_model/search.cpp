@@ -23,7 +23,7 @@ Joints moved(const Joints& joints, const Vector6& by) noexcept {
   return result;
 }
 
-/// Returns the i-th point of a van der Corput sequence. Any number of its points fills the range 0 to 1
+/// Returns the i-th point of a van der Corput sequence. For every n, the first n points fill the range 0 to 1
 /// evenly. Each `base` gives a different sequence.
 double evenly(std::size_t i, std::size_t base) noexcept {
   double result = 0;

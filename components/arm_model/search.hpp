@@ -1,6 +1,6 @@
 // Inverse kinematics: finds axis positions that bring the tool to a pose. No formula exists for arbitrary
-// six-axis arms, so the search tries many starting points until one succeeds. Nobody can predict how long
-// this takes, so a real-time thread does a bounded part of the search each period. KDL's own search
+// six-axis arms, so the search tries many starting points until one succeeds. The duration of a search cannot
+// be predicted, so a real-time thread does a bounded part of the search each period. KDL's own search
 // (ChainIkSolverPos_LMA) allocates memory and cannot stop before its end.
 #pragma once
 
@@ -19,7 +19,7 @@ enum class Reach { searching, found, out_of_reach, joint_limit };
 class Search {
  public:
   static constexpr std::size_t kStarts = 60;  ///< number of starting points
-  static constexpr int kStepsPerStart = 60;   ///< maximum per starting point
+  static constexpr int kStepsPerStart = 60;   ///< maximum number of steps per starting point
   /// The search leaves a starting point after this many consecutive steps with little progress.
   static constexpr int kStalled = 8;
   static constexpr double kTolerance = 1e-9;  ///< m and rad, accuracy of a solution
@@ -35,9 +35,9 @@ class Search {
 
   [[nodiscard]] const Joints& found() const noexcept { return joints_; }
 
-  /// Makes one damped step of Newton's method from `joints` towards `goal`. Returns the new joints. Sets
-  /// `error` to the distance of the tool from the goal before the step (the larger of m and rad). Real-time
-  /// threads may call it.
+  /// Makes one damped step of Newton's method from `joints` towards `goal`. Returns the new axis positions.
+  /// Sets `error` to the distance of the tool from the goal before the step (the larger of m and rad).
+  /// Real-time threads may call this function.
   static Joints newton(Kinematics& kinematics, const KDL::Frame& goal, const Joints& joints, double damping,
                        double& error) noexcept;
 
@@ -55,7 +55,7 @@ class Search {
   int steps_ = 0;
   int stalled_ = 0;  // number of consecutive steps with little progress
   std::size_t start_ = 0;
-  bool beyond_ = false;  // a solution was found, but outside the axis limits
+  bool beyond_ = false;  // true: a solution was found, but it is outside the axis limits
 };
 
 }  // namespace arm_model

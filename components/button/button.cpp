@@ -1,4 +1,4 @@
-// A thread module in C++: a push button that an operator presses remotely, with its property.
+// A thread module in C++: a push button. An operator presses it remotely by setting its property `down`.
 #include <takt/component.hpp>
 
 #include <basic.hpp>

@@ -1,4 +1,4 @@
-// Helps to test a module program that has its own threads besides the cyclic body.
+// Helps to test a process module that has its own threads besides its cyclic body.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace common {
 
-/// Steps the module until `done` returns true. Returns false if this does not happen within 20 s. Makes one
+/// Steps the module until `done` returns true. Returns false if `done` returns false for 20 s. Makes one
 /// release per millisecond of real time, because on virtual time the body would outrun a thread that runs in
 /// real time.
 template <std::predicate Done>

@@ -20,7 +20,7 @@ std::complex<double> frequency_response(Step&& step, int cycles, int window, int
     const double output = step(std::sin(angle));
     if (i >= settle) sum += output * std::polar(1.0, -angle);
   }
-  // For an output of sin(angle), the sum is -i window / 2. The result is then 1.
+  // Scale the sum so that the result is 1 if the output equals the input sin(angle).
   return sum / std::complex<double>(0, -window / 2.0);
 }
 

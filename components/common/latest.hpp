@@ -1,34 +1,35 @@
 // Passes the newest value from one thread to another without waiting, for example between the cyclic body of
-// a program and its network thread.
+// a process module and its network thread.
 #pragma once
 
 #include <array>
 #include <atomic>
 #include <cstdint>
 
-/// A triple buffer: the writer owns one slot, the reader owns one, and they exchange the third. Fill
-/// writing() completely before each publish(), because it holds an older value. Both the writer and the
-/// reader may be real-time threads.
+/// A triple buffer: the writer owns one slot, the reader owns one, and they exchange the third. Before each
+/// publish(), overwrite the whole slot that writing() returns, because the slot holds an older value. The
+/// writer and the reader may be real-time threads.
 template <class T>
 class Latest {
  public:
   /// The writer fills this slot and then calls publish().
   [[nodiscard]] T& writing() noexcept { return slots_[write_]; }
   void publish() noexcept {
-    // SYNC: latest published. Release: a reader that takes the slot sees the written value. Acquire: the
-    // reader has finished with the slot that this exchange returns.
+    // This exchange synchronizes with take(). Release: a reader that takes the slot sees the written value.
+    // Acquire: the reader has finished with the slot that the exchange returns.
     write_ = static_cast<std::uint8_t>(
         middle_.exchange(static_cast<std::uint8_t>(write_ | kNew), std::memory_order_acq_rel) & kSlot);
   }
 
-  /// The reader calls this. Returns true if a value was published since the last take().
+  /// For the reader: makes taken() return the newest value. Returns false if no value was published since the
+  /// last take().
   bool take() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kNew) == 0) return false;
     read_ = static_cast<std::uint8_t>(middle_.exchange(read_, std::memory_order_acq_rel) &
-                                      kSlot);  // SYNC: latest published
+                                      kSlot);  // synchronizes with publish()
     return true;
   }
-  /// The value from the last successful take(); T{} before the first.
+  /// For the reader: the value of the last successful take(); T{} before the first.
   [[nodiscard]] const T& taken() const noexcept { return slots_[read_]; }
 
  private:

@@ -22,11 +22,11 @@ struct Group {
   Table table = Table::coil;
   std::uint16_t address = 0;
   unsigned count = 0;                 ///< number of bits or registers
-  std::vector<std::size_t> points{};  ///< indexes into the map, sorted by address
+  std::vector<std::size_t> points{};  ///< indexes of the points in the map, sorted by address
 };
 
-/// Returns the groups for the outputs or for the inputs. A group always holds whole points. Inputs may
-/// overlap; outputs do not.
+/// Returns the groups for the outputs or for the inputs. A group never splits a point. Input points may
+/// share addresses; output points may not.
 inline std::vector<Group> groups_of(const std::vector<Point>& points, bool out, Limits limits) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -57,7 +57,7 @@ struct Point {
   std::string unit{};
   std::optional<double> safe{};  ///< for an output: its value when the master ends or sends no values
 
-  /// Number of bits or registers.
+  /// Returns the number of bits or registers that hold the point.
   [[nodiscard]] unsigned width() const noexcept { return is_bit(table) ? 1 : words(encoding.type); }
   [[nodiscard]] unsigned end() const noexcept { return address + width(); }
 };
@@ -73,13 +73,14 @@ struct Map {
   std::vector<Mistake> mistakes;  ///< if not empty, do not use the points
 };
 
-/// The names of the other ports of modbus_master and modbus_device. No point may have one of these names.
+/// The names of the ports of modbus_master and modbus_device that do not come from the map. No point may have
+/// one of these names.
 inline constexpr std::array<std::string_view, 5> kReserved{"connected", "exchanges", "failures", "clients",
                                                            "requests"};
 
 namespace detail {
 
-/// Returns whether the text is a valid port name in Takt.
+/// Returns true if the text is a valid port name in Takt.
 inline bool is_name(std::string_view text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto later = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; };
@@ -87,7 +88,7 @@ inline bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), later);
 }
 
-/// Returns whether `c` is a control character.
+/// Returns true if `c` is a control character.
 inline bool is_control(char c) { return (c >= 0 && c < ' ') || c == 0x7f; }
 
 /// Converts the text to a number. Returns nothing if the text is not exactly one number.
@@ -239,7 +240,7 @@ class LineReader {
     if (key == "safe") point_.safe = *x;
   }
 
-  /// Checks the options of the line against each other and against the earlier points.
+  /// Checks the options of the line against each other and against the points of earlier lines.
   void check_whole() {
     if (point_.end() > 65536)
       wrong("the two registers of " + in_quotes(point_.name) + " extend beyond address 65535",

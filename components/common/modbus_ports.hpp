@@ -1,6 +1,6 @@
-// The ports for the points of a map: a basic::Flag for a bit, a basic::Number for a register. A program
-// creates them after it has parsed the map and before it calls initPeriodExe(). Its cyclic body calls read()
-// and write().
+// The ports for the points of a map: a basic::Flag for a bit, a basic::Number for a register. A process
+// module creates the ports after it has parsed the map and before it calls initPeriodExe(). The cyclic body
+// of the module calls read() and write().
 #pragma once
 
 #include <cstdio>
@@ -74,7 +74,7 @@ class PointOutput {
 };
 
 /// Returns the points of the property `map`. If the map has mistakes, prints each on one line of standard
-/// error and ends the program with status 1.
+/// error and ends the process with status 1.
 inline std::vector<Point> points_or_end(const std::string& text) {
   if (text.empty()) {
     std::fprintf(stderr, "property 'map' is missing; write one point per line, as in 'lamp out coil 0'\n");

@@ -20,11 +20,10 @@ struct Encoding {
   Type type = Type::uint16;
   double scale = 1;  ///< value = register content * scale + offset; not 0
   double offset = 0;
-  bool low_first = false;  ///< whether the first of two registers holds the low word; usually, it holds the
-                           ///< high word
+  bool low_first = false;  ///< true: the first of two registers holds the low word; usually the high word
 };
 
-/// Returns the number of registers.
+/// Returns the number of registers that hold a value of this type.
 constexpr unsigned words(Type type) noexcept { return type == Type::uint16 || type == Type::int16 ? 1 : 2; }
 
 inline std::optional<Type> type_of(std::string_view text) noexcept {
@@ -40,7 +39,7 @@ struct Range {
   double min;
   double max;
 };
-/// Returns the range of the register content.
+/// Returns the range of the numbers that registers of this type can hold.
 constexpr Range raw_range(Type type) noexcept {
   switch (type) {
     case Type::uint16:

@@ -1,4 +1,4 @@
-// Helpers for blocks that need a period.
+// Helpers for components that need a period.
 #pragma once
 
 #include <takt/component.hpp>
@@ -10,7 +10,8 @@
 
 namespace common {
 
-/// Fails if the module has no period. The component needs the period to count time and to design its filters.
+/// Checks that the module has a period. The component needs the period to count time and to design its
+/// filters.
 inline takt::Result<void> check_period(takt::Nanoseconds period) {
   if (period > takt::Nanoseconds{0}) return {};
   return takt::fail("this module has no period, but the component needs one",

@@ -6,7 +6,7 @@
 
 namespace common {
 
-/// Counts periods with the numbers of the releases, in which a missed release leaves a gap. A component that
+/// Counts periods by the numbers of the releases, because missed releases have numbers too. A component that
 /// only counted its own calls would lose the time of missed releases.
 class Releases {
  public:
@@ -27,7 +27,7 @@ class Releases {
 };
 
 /// The maximum number of steps per call, for a component that computes one step for each release that has
-/// passed. It bounds the run time after a long gap.
+/// passed. The maximum bounds the run time after many missed releases.
 inline constexpr std::uint64_t kMostSteps = 32;
 inline std::uint64_t steps_for(std::uint64_t passed) noexcept { return std::min(passed, kMostSteps); }
 

@@ -1,5 +1,5 @@
-// The mathematics of control2: the velocity loop of a DC motor. SI units. Real-time threads may use
-// everything here.
+// The mathematics of the component control2: the velocity loop of a DC motor. SI units. Real-time threads may
+// use everything here.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,8 @@ struct Pid {
   double integral_gain = 10;   ///< V/rad
   double derivative_gain = 0;  ///< V s^2/rad
   double filter = 0.5e-3;      ///< s, time constant of the derivative's filter
-  double tracking = 0.02;      ///< s
-  double limit = 24;           ///< V
+  double tracking = 0.02;      ///< s, time constant of the anti-windup
+  double limit = 24;           ///< V, limit of the output
 
   double integral = 0;  ///< V
   double slope = 0;     ///< rad/s^2, the filtered derivative

@@ -1,5 +1,5 @@
-// Keeps a joint's resonance out of its torque command with a notch and a low-pass filter. This is a thread
-// module in the form of the paper's Figure 8, with a period of 100 us.
+// A thread module in the form of the paper's Figure 8, with a period of 100 us: removes the resonance of a
+// joint from the joint's torque command, with a notch filter and a low-pass filter.
 #include <takt/module.h>
 
 #include <cstdio>
@@ -16,8 +16,8 @@ TAKT_NUMBER(command_hz, 2, 0.01, 100, "Hz", "Frequency of the sinusoidal torque 
 namespace {
 
 constexpr double kRate = 10000;  // Hz, fixed, because the interface of Figure 8 does not pass the period
-constexpr double kTorque = 10;   // N m
-constexpr double kRipple = 2;    // N m
+constexpr double kTorque = 10;   // N m, amplitude of the torque command
+constexpr double kRipple = 2;    // N m, amplitude of the ripple
 
 control3::Biquad notch;
 control3::Biquad low_pass;
@@ -25,7 +25,7 @@ control3::Oscillator command;
 control3::Oscillator resonance;
 control3::Detector before;
 control3::Detector after;
-double output = 0;  // N m
+double output = 0;  // N m, the command after the filters
 int errors = 0;
 
 }  // namespace

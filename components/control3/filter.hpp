@@ -1,5 +1,5 @@
-// The mathematics of control3: filters for the torque command of a resonant joint. Real-time threads may use
-// everything here except low_pass() and notch(), which throw.
+// The mathematics of the component control3: filters for the torque command of a resonant joint. Real-time
+// threads may use everything here except low_pass() and notch(), which throw.
 #pragma once
 
 #include <cmath>
@@ -79,12 +79,12 @@ struct Oscillator {
   }
 };
 
-/// Measures the amplitude of one frequency in a signal. It multiplies the signal with a sine and a cosine and
-/// averages over a whole number of periods.
+/// Measures the amplitude of one frequency in a signal: multiplies the signal with a sine and a cosine and
+/// averages the products over a whole number of periods.
 struct Detector {
   double in_phase = 0, quadrature = 0;
-  double amplitude = 0;          ///< of the last complete window
-  std::uint64_t window = 10000;  ///< steps
+  double amplitude = 0;          ///< amplitude in the last complete window
+  std::uint64_t window = 10000;  ///< length of a window in steps
   std::uint64_t step_number = 0;
 
   void step(double signal, const Oscillator& reference) noexcept {

@@ -1,4 +1,4 @@
-/* A process module in plain C, in the form of the paper's Figure 9, 300 us: a temperature loop. */
+/* A temperature loop with a period of 300 us: a process module in plain C, as in the paper's Figure 9. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static struct heater_loop loop;
 static double wanted;
 static unsigned long long releases;
 
-/* waitPeriod() calls exit() when the device ends the module. */
+/* Prints a summary. exit() calls this function; waitPeriod() calls exit() when the node ends the module. */
 static void print_summary(void) {
   printf("control4: %llu releases, zone at %.2f C, set point %.2f C, heater at %.1f W\n", releases,
          zone.sensor, wanted, loop.integral);

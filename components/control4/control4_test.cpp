@@ -64,7 +64,7 @@ TEST(Control4, HoldsTheZoneAtItsSetPoint) {
   ASSERT_TRUE(module.set("high_c", "70"));
   ASSERT_TRUE(module.set("hold_s", "3600"));
   ASSERT_TRUE(module.start());
-  EXPECT_EQ(module.step(200'000), 200'000U);  // a minute
+  EXPECT_EQ(module.step(200'000), 200'000U);  // 200,000 periods of 300 us are a minute
   testing::internal::CaptureStdout();
   ASSERT_TRUE(module.destruct());
   unsigned long long releases = 0;

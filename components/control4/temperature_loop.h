@@ -1,5 +1,5 @@
-/* The mathematics of control4: the temperature loop of an extruder's heating zone. Temperatures are in
- * degrees Celsius, times in seconds, power in watts. */
+/* The mathematics of the component control4: the temperature loop of an extruder's heating zone.
+ * Temperatures are in degrees Celsius, times in seconds, power in watts. */
 #ifndef TAKT_COMPONENTS_TEMPERATURE_LOOP_H
 #define TAKT_COMPONENTS_TEMPERATURE_LOOP_H
 
@@ -7,7 +7,7 @@
 struct zone {
   double capacity; /* J/K */
   double loss;     /* W/K */
-  double lag;      /* s, of the sensor */
+  double lag;      /* s, time constant of the sensor */
   double room;     /* C */
   double block;    /* C */
   double sensor;   /* C, measured value */

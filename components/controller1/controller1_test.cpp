@@ -53,7 +53,7 @@ TEST(PositionLoop, BringsTheAxisToANewSetPoint) {
 TEST(PositionLoop, DoesNotWindUpWhileItsCommandIsLimited) {
   Axis axis;
   PositionLoop loop{.command_limit = 50};
-  // The command, at most 50 mm/s, stays at its limit for two seconds of the 100 mm step.
+  // During the step of 100 mm, the command stays at its limit, 50 mm/s, for two seconds.
   double highest = 0;
   for (int i = 0; i < 10000; ++i) {
     axis.step(loop.step({100, 0}, axis.position, kPeriod), kPeriod);
@@ -84,14 +84,14 @@ TEST(Shuttle, MovesBackAndForthWithASmallFollowingError) {
   shuttle.move.velocity = 500;
   shuttle.move.acceleration = 5000;
   shuttle.begin();
-  for (int i = 0; i < 20000; ++i) shuttle.step(kPeriod);  // 12 s
+  for (int i = 0; i < 20000; ++i) shuttle.step(kPeriod);  // 12 s of virtual time
   EXPECT_GT(shuttle.moves, 15u);
   EXPECT_LT(shuttle.moves, 25u);
   EXPECT_LT(shuttle.largest_error, 2);
   EXPECT_LT(shuttle.settling, 0.4);
 }
 
-TEST(Shuttle, SettlesOnePeriodLaterForEachPeriodOfItsCounter) {
+TEST(Shuttle, SettlesLaterByEachPeriodAddedToItsCounter) {
   double settling[2] = {};
   for (int which = 0; which < 2; ++which) {
     Shuttle shuttle;
@@ -117,7 +117,7 @@ TEST(Controller1, MovesBackAndForthWithThePeriodFromItsDescriptor) {
   takt::testing::Module module{{.period = 600us}};
   ASSERT_TRUE(module.set("stroke_mm", "200"));
   ASSERT_TRUE(module.start());
-  EXPECT_EQ(module.step(10'000), 10'000U);  // 6 s
+  EXPECT_EQ(module.step(10'000), 10'000U);  // 6 s of virtual time
   unsigned long long moves = 0;
   double stroke = 0, error = 0;
   ASSERT_EQ(

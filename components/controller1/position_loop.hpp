@@ -1,5 +1,5 @@
-// The mathematics of controller1: the position loop of a linear axis. Lengths are in mm, times in seconds.
-// Real-time threads may use everything here.
+// The mathematics of the component controller1: the position loop of a linear axis. Lengths are in mm, times
+// in seconds. Real-time threads may use everything here.
 #pragma once
 
 #include <algorithm>
@@ -62,7 +62,7 @@ struct Axis {
 };
 
 /// A PI loop on the position error, with feed-forward of the profile's velocity and a limited command. While
-/// the command is at its limit, the integral does not grow further in that direction.
+/// the command is at its limit, the integral does not push it further beyond the limit.
 struct PositionLoop {
   double gain = 60;             ///< 1/s
   double integral_gain = 800;   ///< 1/s^2
@@ -78,11 +78,11 @@ struct PositionLoop {
   }
 };
 
-/// Detects the end of a move: the error has been inside the window for `counter` consecutive periods. A
-/// single sample inside the window may be an overshoot that only passes through.
+/// Detects the end of a move: the error has been inside the window for `counter` consecutive periods. One
+/// period would not suffice, because an overshoot may cross the window.
 struct InPosition {
   double window = 0.01;      ///< mm
-  std::int64_t counter = 5;  ///< periods, at least 1
+  std::int64_t counter = 5;  ///< number of periods, at least 1
   std::int64_t inside = 0;
 
   bool step(double error) noexcept {

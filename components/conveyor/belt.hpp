@@ -1,5 +1,5 @@
-// The simulation in conveyor: a belt with parts and a light barrier at its end. SI units. Real-time threads
-// may use everything here.
+// The simulation of the component conveyor: a belt with parts and a light barrier at its end. SI units.
+// Real-time threads may use everything here.
 #pragma once
 
 #include <algorithm>

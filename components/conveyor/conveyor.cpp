@@ -99,7 +99,7 @@ class Conveyor : public takt::Component {
     count.reply(counted_);
   }
 
-  // Without a valid command, the belt must stop.
+  // After an error, the module has no valid command, so the belt must stop.
   void error(takt::ErrorType) override { belt_.speed = 0; }
 
   void announce_part() noexcept {

@@ -166,7 +166,7 @@ TEST(Conveyor, RepeatsTheAnnouncementOfAWaitingPart) {
   ASSERT_TRUE(module.start());
   command.write(speed(0.5));
   ASSERT_TRUE(module.step_until([&] { return part.count() == 1; }, 1000));
-  module.step(200);  // 0.4 s
+  module.step(200);  // 0.4 s of virtual time
   EXPECT_EQ(part.count(), 5U);
   EXPECT_EQ(part.value().number(), 1U);
 }
@@ -186,7 +186,7 @@ TEST(Conveyor, GoesToRecoverAndStopsWhenItsCommandIsStale) {
   ASSERT_TRUE(module.recover());
   command.write(speed(0.1));
   module.step();
-  EXPECT_LT(state.value().speed(), 0.003);  // from standstill
+  EXPECT_LT(state.value().speed(), 0.003);  // the belt has just started from standstill
 }
 
 basic::Flag flag(bool value) {
@@ -203,7 +203,7 @@ TEST(Conveyor, StandsStillWhileDisabled) {
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.start());
   command.write(speed(0.5));
-  module.step(300);  // before enable has a value
+  module.step(300);  // `enable` has no value during this time
   EXPECT_DOUBLE_EQ(state.value().speed(), 0.5);
 
   enable.write(flag(false));
@@ -220,7 +220,7 @@ TEST(Conveyor, StandsStillWhileDisabled) {
   EXPECT_DOUBLE_EQ(state.value().speed(), 0.5);
 }
 
-TEST(Conveyor, WritesThePartsBeforeTheBarrierToTheScene) {
+TEST(Conveyor, WritesThePartsUpToTheBarrierToItsSceneOutput) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("view", "0.7"));
   auto& command = module.in<line::BeltCommand>("command");
@@ -249,7 +249,7 @@ TEST(Conveyor, WritesThePartsBeforeTheBarrierToTheScene) {
   EXPECT_EQ(scene.value().parts()[0].number(), 2U);
 }
 
-TEST(Conveyor, WritesAtMostSixteenPartsToTheScene) {
+TEST(Conveyor, WritesAtMostSixteenPartsToItsSceneOutput) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("view", "10"));
   ASSERT_TRUE(module.set("spacing", "0.05"));

@@ -1,4 +1,4 @@
-/* The mathematics of counter: parts per minute. For real-time threads. */
+/* The mathematics of the component counter: parts per minute. Real-time threads may use everything here. */
 #ifndef COUNTER_RATE_H
 #define COUNTER_RATE_H
 
@@ -6,7 +6,7 @@
 
 enum { COUNTER_SLOTS = 60 };
 
-/* A ring buffer of the counts in each of the last 60 seconds; `at` is the newest. */
+/* A ring buffer of the counts in each of the last 60 seconds; `at` is the index of the newest count. */
 struct counter_rate {
   uint32_t slots[COUNTER_SLOTS];
   uint32_t at;
@@ -20,7 +20,7 @@ struct counter_rate {
 static inline double counter_rate_step(struct counter_rate* rate, uint32_t parts, double dt) {
   uint32_t sum = 0;
   double seconds = 0;
-  if (parts > rate->last) rate->slots[rate->at] += parts - rate->last; /* fewer: the count restarted */
+  if (parts > rate->last) rate->slots[rate->at] += parts - rate->last; /* a lower count has restarted */
   rate->last = parts;
   rate->second += dt;
   for (uint32_t i = 0; i < COUNTER_SLOTS; ++i) sum += rate->slots[i];

@@ -72,7 +72,7 @@ class Dispatcher : public takt::Component {
       // If the number is the same as before, the same part is still waiting.
       if (asked_ == 0 || seen.number() != request_.number()) ++asked_;
       const dispatcher::Pallet pallet{{pallet_x, pallet_y, pallet_z}, columns, rows, pitch};
-      const dispatcher::Place place = pallet.slot(asked_ - 1);
+      const dispatcher::Position place = pallet.slot(asked_ - 1);
       request_.number(seen.number());
       // The fingers close across the longer side of the part. A half turn of the gripper makes no difference.
       set(request_.pick(), {belt_x + seen.y(), belt_y - seen.x(), belt_z},
@@ -83,7 +83,7 @@ class Dispatcher : public takt::Component {
   }
 
   // Sets a pose at which the tool points downwards.
-  static void set(motion::Pose& pose, const dispatcher::Place& place, double yaw) noexcept {
+  static void set(motion::Pose& pose, const dispatcher::Position& place, double yaw) noexcept {
     pose.x(place.x);
     pose.y(place.y);
     pose.z(place.z);
@@ -91,4 +91,4 @@ class Dispatcher : public takt::Component {
     pose.yaw(yaw);
   }
 };
-TAKT_COMPONENT(Dispatcher, "Requests a robot to move each part that arrives.")
+TAKT_COMPONENT(Dispatcher, "Requests that a robot move each part that arrives.")

@@ -32,7 +32,7 @@ line::Part seen(std::uint32_t number, const char* kind, double y) {
   return part;
 }
 
-TEST(Dispatcher, RequestsEachPartForTheNextPlace) {
+TEST(Dispatcher, SendsEachPartToTheNextPlace) {
   takt::testing::Module module{{.sporadic = true}};
   auto& part = module.in<line::Part>("part");
   auto& request = module.out<motion::PickRequest>("request");

@@ -5,7 +5,7 @@
 
 namespace dispatcher {
 
-struct Place {
+struct Position {
   double x = 0;
   double y = 0;
   double z = 0;
@@ -14,13 +14,13 @@ struct Place {
 /// A pallet with `columns` places along x and `rows` places along y, `pitch` m apart. After the last place,
 /// the first place is next, as on an empty pallet.
 struct Pallet {
-  Place first;
+  Position first;
   std::int64_t columns = 4;
   std::int64_t rows = 3;
   double pitch = 0.12;
 
   /// Returns the place of part `n`; the first part has the number 0.
-  [[nodiscard]] Place slot(std::uint64_t n) const noexcept {
+  [[nodiscard]] Position slot(std::uint64_t n) const noexcept {
     const auto place = n % static_cast<std::uint64_t>(columns * rows);
     const auto column = place % static_cast<std::uint64_t>(columns);
     const auto row = place / static_cast<std::uint64_t>(columns);

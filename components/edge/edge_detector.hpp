@@ -1,4 +1,4 @@
-// The mathematics of edge. Real-time threads may use everything here.
+// The mathematics of the component edge. Real-time threads may use everything here.
 #pragma once
 
 namespace edge {
@@ -8,14 +8,14 @@ struct EdgeDetector {
   bool rising = true;
   bool falling = false;
 
-  /// Returns whether `value` makes an edge with the value of the last step.
+  /// Makes one step. Returns true if the change from the last value to `value` is an edge to detect.
   bool step(bool value) noexcept {
     const bool edge = known_ && value != last_ && (value ? rising : falling);
     known_ = true;
     last_ = value;
     return edge;
   }
-  /// Sets the value that the next step takes as the last value.
+  /// Sets the last value. The next step compares its value with this one.
   void assume(bool value) noexcept {
     known_ = true;
     last_ = value;

@@ -26,7 +26,7 @@ TEST(Limit, ReportsAnEdgeExactlyAtItsThresholds) {
   EXPECT_FALSE(limit.pending(60));
 }
 
-TEST(Limit, StaysPendingUntilServed) {
+TEST(Limit, KeepsAnEdgePendingUntilItIsServed) {
   Limit limit{.trip = 90, .clear = 60};
   EXPECT_TRUE(limit.pending(95));
   EXPECT_TRUE(limit.pending(95));
@@ -54,7 +54,7 @@ TEST(Drive, TripsInTheStepThatReachesTheLimit) {
 TEST(Drive, TripsAFewTimesASecond) {
   Drive drive;
   int reactions = 0;
-  for (int i = 0; i < 100000; ++i) {  // 10 s
+  for (int i = 0; i < 100000; ++i) {  // 10 s of virtual time
     if (!drive.condition(kCheck)) continue;
     drive.react();
     ++reactions;

@@ -1,5 +1,6 @@
-// The mathematics of emergency: the winding temperature of a motor and its limit. Temperatures are in kelvin
-// above ambient, currents in amperes, times in seconds. Real-time threads may use everything here.
+// The mathematics of the component emergency: the winding temperature of a motor and its limit. Temperatures
+// are in kelvin above ambient, currents in amperes, times in seconds. Real-time threads may use everything
+// here.
 #pragma once
 
 #include <cmath>
@@ -25,17 +26,17 @@ struct Limit {
   double clear = 60;
   bool tripped = false;
 
-  /// Returns whether an edge is pending: the value has reached `trip`, or it has fallen to `clear` after a
-  /// trip.
+  /// Returns true if an edge is pending: the value has reached `trip`, or after a trip it has fallen to
+  /// `clear`.
   [[nodiscard]] bool pending(double value) const noexcept { return tripped ? value <= clear : value >= trip; }
   void serve() noexcept { tripped = !tripped; }
 };
 
-/// A motor that overheats. It runs until the limit trips, and rests until the limit clears.
+/// A motor that overheats. The motor runs until the limit trips, and rests until the limit clears.
 struct Drive {
   Winding winding{};
   Limit limit{};
-  double current = 10;  ///< A, while the limit is not tripped
+  double current = 10;  ///< A, current while the motor runs
   double hottest = 0;
   std::uint64_t trips = 0;
 

@@ -82,10 +82,11 @@ class EmergencyStop : public takt::Component {
     run_permitted.write(permitted_);
     state_.value(static_cast<std::int64_t>(stop_.state()));
     state.write(state_);
+    safe_stop(stop_.state() != emergency_stop::State::permitted);
   }
 
-  // Withdraws the permission, so that a reset is needed. Called whenever the module leaves the table, for any
-  // reason.
+  // Withdraws the permission, so that the machine needs a reset. The module calls this after an error, before
+  // it continues after a recovery, and at its end.
   void halt() noexcept {
     stop_.trip();
     tell();

@@ -71,7 +71,7 @@ TEST_F(TwoChannelLogic, IgnoresAResetButtonThatIsHeld) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(TwoChannelLogic, IgnoresAResetEdgeWhileTheChannelsAreJustClosing) {
+TEST_F(TwoChannelLogic, IgnoresAResetEdgeInTheStepInWhichTheChannelsClose) {
   step(kOpen);
   EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
@@ -120,14 +120,14 @@ TEST_F(TwoChannelLogic, StopsIfTheChannelsHaveNoRecentSample) {
   EXPECT_EQ(step(kClosed), State::wait_reset);
 }
 
-TEST_F(TwoChannelLogic, IgnoresAResetFromAButtonNotYetSeenReleased) {
+TEST_F(TwoChannelLogic, IgnoresAResetButtonThatItHasNotSeenReleased) {
   TwoChannelStop::Inputs unheard = kClosed;
   unheard.reset_fresh = false;
   step(unheard);
   EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
 }
 
-TEST_F(TwoChannelLogic, PermitsOnlyByItsRulesForRandomInputs) {
+TEST_F(TwoChannelLogic, FollowsItsRulesForRandomInputs) {
   std::mt19937 random(13);
   bool permitted = false;
   bool both_last = false;      // both channels were closed and fresh at the last step
@@ -146,7 +146,7 @@ TEST_F(TwoChannelLogic, PermitsOnlyByItsRulesForRandomInputs) {
         ASSERT_TRUE(both_last && released_last && in.reset && in.reset_fresh) << i;
       }
     } else if (permitted) {
-      ASSERT_FALSE(both) << i;  // only the channels may cause a stop
+      ASSERT_FALSE(both) << i;  // nothing but an open or stale channel may cause a stop
     }
     permitted = now;
     both_last = both;
@@ -186,10 +186,13 @@ TEST_F(EmergencyStop, WritesItsOutputsEveryCycle) {
 TEST_F(EmergencyStop, PermitsAgainAfterAStopAndAReset) {
   ASSERT_TRUE(module.start());
   permit();
+  EXPECT_FALSE(module.in_safe_stop());
   cycle(false, false, false);
   EXPECT_FALSE(permitted.value().value());
   EXPECT_EQ(state.value().value(), 1);
+  EXPECT_TRUE(module.in_safe_stop());
   permit();
+  EXPECT_FALSE(module.in_safe_stop());
 }
 
 TEST_F(EmergencyStop, StopsIfAChannelTimesOut) {

@@ -1,5 +1,5 @@
-// The mathematics of emergency_stop: the logic of an emergency stop with two channels. Real-time threads may
-// use everything here.
+// The mathematics of the component emergency_stop: the logic of an emergency stop with two channels.
+// Real-time threads may use everything here.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,23 @@ namespace emergency_stop {
 
 enum class State : std::uint8_t {
   permitted = 0,    ///< the machine may run
-  stopped = 1,      ///< a channel is open, or one channel was open and the other did not follow
+  stopped = 1,      ///< a channel is open, or has been open while the other stayed closed
   wait_reset = 2,   ///< both channels are closed; a reset permits running
-  discrepancy = 3,  ///< a channel did not follow the other; both must open first
-  no_signal = 4,    ///< a channel has no sample, or only one that is too old
+  discrepancy = 3,  ///< one channel did not follow the other in time; both must open first
+  no_signal = 4,    ///< a channel has no sample, or its newest sample is too old
 };
 
-/// Decides whether the machine may run. A channel that is closed (true) requests no stop. The logic follows
-/// PLCopen Safety: SF_Equivalent for the two channels, and SF_EmergencyStop for the reset. It needs a manual
+/// Decides whether the machine may run. An open channel (false) requests a stop. The logic follows PLCopen
+/// Safety: SF_Equivalent for the two channels, and SF_EmergencyStop for the reset. The logic needs a manual
 /// reset after each stop, and also after the start unless start_reset is true.
 class TwoChannelStop {
  public:
   struct Inputs {
-    bool a = false, b = false;  ///< whether the channel is closed
-    bool fresh = false;         ///< whether both channels have a recent sample
-    bool reset = false;         ///< whether the button is pressed
-    bool reset_fresh = false;   ///< whether the button has a recent sample
-    bool start_reset = false;   ///< whether the first permission needs no reset
+    bool a = false, b = false;  ///< true: the channel is closed
+    bool fresh = false;         ///< true: both channels have a recent sample
+    bool reset = false;         ///< true: the reset button is pressed
+    bool reset_fresh = false;   ///< true: the reset button has a recent sample
+    bool start_reset = false;   ///< true: the first permission needs no reset
   };
 
   /// Makes one step and returns the new state. `passed_ns`: time since the last step. `discrepancy_ns`: time
@@ -38,8 +38,8 @@ class TwoChannelStop {
       state_ = fault_ ? State::discrepancy : State::no_signal;
       return state_;
     }
-    // A channel that opens and closes again does not make the two agree, because the contact of the other
-    // channel may be welded.
+    // If one channel opens and closes while the other stays closed, the channels do not agree, because the
+    // contact of the other channel may be welded.
     const bool agree = in.a == in.b && !(waits_ && agreed_ && in.a);
     waited_ns_ = waits_ && !agree ? waited_ns_ + passed_ns : 0;
     waits_ = !agree;
@@ -56,7 +56,7 @@ class TwoChannelStop {
     }
     return state_;
   }
-  /// Withdraws the permission, so that a reset is needed as after the start. A discrepancy remains.
+  /// Withdraws the permission. The next permission needs a reset, as after the start. A discrepancy remains.
   void trip() noexcept {
     state_ = State::stopped;
     released_ = false;
@@ -68,8 +68,8 @@ class TwoChannelStop {
   bool was_permitted_ = false;
   bool fault_ = false;
   bool agreed_ = false;    // the common value of the channels when they last agreed
-  bool waits_ = false;     // whether one channel has changed and the other has not followed yet
-  bool released_ = false;  // whether the button was seen released at the last step
+  bool waits_ = false;     // true: one channel has changed and the other has not followed yet
+  bool released_ = false;  // true: the reset button was released at the last step
   std::int64_t waited_ns_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// The simulation in gripper: two fingers that close on a part. SI units. Real-time threads may use everything
-// here.
+// The simulation of the component gripper: two fingers that close on a part. SI units. Real-time threads may
+// use everything here.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,8 @@ struct Fingers {
     holding = false;
   }
 
-  /// Moves the fingers for `dt` s. Fingers that are already closer together than a part is wide do not grip
-  /// the part. If a held part disappears, the fingers close.
+  /// Moves the fingers for `dt` s. Fingers whose distance is already less than the width of a part do not
+  /// grip the part. If a held part disappears, the fingers close.
   void step(bool close, bool part_present, double dt) noexcept {
     const double before = width;
     const double wanted = close ? 0 : stroke;

@@ -53,7 +53,8 @@ class Gripper : public takt::Component {
     fingers_.part_width = part_width;
     close.read();
     part_present.read();
-    // An input reads false before its first sample, so the fingers open.
+    // A connected input reads false before its first sample: `close` then opens the fingers, and no part is
+    // present.
     const bool there = !part_present.connected() || part_present.value().value();
     fingers_.step(close.value().value(), there, cycle.seconds());
     holding_.value(fingers_.holding);

@@ -1,5 +1,5 @@
-// The mathematics of interlock: permits an action while all conditions are true, and keeps the number of the
-// first condition that failed. Real-time threads may use everything here.
+// The mathematics of the component interlock: permits an action while all conditions are true, and keeps the
+// number of the first condition that failed. Real-time threads may use everything here.
 #pragma once
 
 #include <bit>
@@ -7,13 +7,14 @@
 
 namespace interlock {
 
-/// Decides whether to permit. A set of inputs is a bit mask: bit 0 is input 1. The first-out works as in an
-/// annunciator of ISA-18.1: it keeps the number of the first input that dropped after all were true, even if
-/// other inputs drop or return later.
+/// Decides whether an action is permitted. A set of inputs is a bit mask: bit 0 is input 1. The first-out
+/// works as in an annunciator of ISA-18.1: it keeps the number of the first input that dropped after all were
+/// true, even if other inputs drop or return later.
 class Permissives {
  public:
-  /// Returns whether the action is permitted. `used` holds the connected inputs, `given` the inputs that are
-  /// true. With `latching`, permission returns only on a `reset` while all used inputs are true.
+  /// Makes one step. Returns true if the action is permitted. `used` holds the connected inputs, `given` the
+  /// inputs that are true. With `latching`, permission returns only on a `reset` while all used inputs are
+  /// true.
   bool step(std::uint32_t used, std::uint32_t given, bool latching, bool reset) noexcept {
     const std::uint32_t missing = used & ~given;
     const bool all = used != 0 && missing == 0;

@@ -43,7 +43,7 @@ class JointStates : public takt::Component {
 
   void run(const takt::Cycle&) noexcept override {
     if (!measured.read()) return;
-    // ROS 2 expects wall-clock time. Reading it takes no system call.
+    // ROS 2 expects wall-clock time. Reading the clock makes no system call.
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
     message_.header().stamp().sec(static_cast<std::int32_t>(seconds.count()));

@@ -41,7 +41,7 @@ TEST(JointStates, RejectsNamesForOnlyThreeAxes) {
   ASSERT_TRUE(module.set("names", "a b c"));
   EXPECT_NE(module.initialize().text().find("'names' has 3 names"), std::string::npos);
 }
-TEST(JointStates, RejectsANameAbove63Characters) {
+TEST(JointStates, RejectsANameLongerThan63Characters) {
   takt::testing::Module module{{}};
   ASSERT_TRUE(module.set("names", "a b c d e " + std::string(64, 'x')));
   EXPECT_NE(module.initialize().text().find("is too long"), std::string::npos);

@@ -1,5 +1,5 @@
-// The mathematics of latch: the bistable function blocks of IEC 61131-3. Real-time threads may use everything
-// here.
+// The mathematics of the component latch: the bistable function blocks of IEC 61131-3. Real-time threads may
+// use everything here.
 #pragma once
 
 namespace latch {

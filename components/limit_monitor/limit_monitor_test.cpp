@@ -119,7 +119,7 @@ TEST_F(LimitMonitor, CountsMissedReleasesInItsDelay) {
   ASSERT_TRUE(module.start());
   is(20);
   module.miss(3);
-  module.step();  // 40 ms
+  module.step();  // the value has been beyond the limit for 40 ms
   EXPECT_FALSE(high.value().value());
   module.step();
   EXPECT_TRUE(high.value().value());

@@ -1,4 +1,5 @@
-// The mathematics of logic_gate: a gate with several inputs. Real-time threads may use everything here.
+// The mathematics of the component logic_gate: a gate with several inputs. Real-time threads may use
+// everything here.
 #pragma once
 
 #include <bit>

@@ -1,5 +1,5 @@
-// The mathematics of low_pass: a Butterworth low-pass of first or second order. Real-time threads may use
-// everything here.
+// The mathematics of the component low_pass: a Butterworth low-pass of first or second order. Real-time
+// threads may use everything here.
 #pragma once
 
 #include <numbers>

@@ -1,6 +1,6 @@
-// A process module in C++: a Modbus TCP device. Its ports are the points of the property `map`; its master
-// uses the same map. Masters read the values of the input ports. The values that masters write appear on the
-// output ports.
+// A process module in C++: a Modbus TCP device. The module has a port for each point of the property `map`;
+// its master uses the same map. Masters read the values of the input ports. The values that masters write
+// appear on the output ports.
 #include <takt/process.hpp>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Tests the device program on virtual time. The client of libmodbus plays the master.
+// Tests modbus_device on virtual time. The client of libmodbus plays the master.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

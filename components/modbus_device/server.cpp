@@ -14,8 +14,8 @@ namespace modbus {
 
 namespace {
 
-// The server disconnects a master that does not complete a request within this time, so the other masters
-// wait no longer.
+// The server disconnects a master that does not complete a request within this time, so that such a master
+// delays the other masters no longer than this.
 constexpr std::uint32_t kRequestLimitUs = 100'000;
 
 struct Span {
@@ -77,7 +77,7 @@ std::string Server::listen() {
   }
   modbus_set_indication_timeout(context_.get(), 0, kRequestLimitUs);
   modbus_set_byte_timeout(context_.get(), 0, 0);
-  // libmodbus waits for this time before it rejects an unknown request.
+  // Before it rejects an unknown request, libmodbus waits for this timeout: 1 ms.
   modbus_set_response_timeout(context_.get(), 0, 1000);
   return "";
 }
@@ -107,8 +107,8 @@ void Server::accept_client() {
     ::close(client);
     return;
   }
-  // Limits how long a master that does not fetch its answers can delay the others: as long as a master that
-  // does not complete its requests.
+  // Limit the time for which one master can delay the other masters by not reading its answers or by not
+  // completing its requests.
   const timeval limit{.tv_sec = 0, .tv_usec = kRequestLimitUs};
   for (const int direction : {SO_SNDTIMEO, SO_RCVTIMEO})
     static_cast<void>(::setsockopt(client, SOL_SOCKET, direction, &limit, sizeof limit));
@@ -121,8 +121,8 @@ bool Server::serve(int socket) {
   const int length = modbus_receive(context_.get(), request.data());
   if (length < 0) return false;
   // The header has two bytes that identify Modbus and two that hold the length of the request. libmodbus does
-  // not use this length: it derives one from the function code, and leaves the rest of an unknown request
-  // unread.
+  // not use this length. It derives a length from the function code, and leaves the rest of an unknown
+  // request unread.
   constexpr int kHeader = 6;
   if (length <= kHeader || two_bytes(&request[2]) != 0) return false;
   const int behind = static_cast<int>(two_bytes(&request[4])) + kHeader - length;

@@ -29,7 +29,7 @@ struct Inputs {
 /// The values that masters wrote.
 struct Image {
   std::array<double, kMaxPoints> value{};
-  std::array<std::uint32_t, kMaxPoints> writes{};  ///< number of writes; rises when a master writes
+  std::array<std::uint32_t, kMaxPoints> writes{};  ///< how often masters have written each point
   std::int64_t clients = 0;                        ///< connected masters
   std::int64_t requests = 0;                       ///< answered requests, including rejected ones
 };
@@ -48,7 +48,7 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// The cyclic body may use these two in real time.
+  /// The cyclic body may use `inputs` and `image`; both are real-time capable.
   Latest<Inputs> inputs;
   Latest<Image> image;
 
@@ -56,7 +56,7 @@ class Server {
   std::string listen();
   /// Serves the masters in the calling thread; never returns.
   [[noreturn]] void work();
-  /// Used by work(): reads and answers the next request of a master. If it returns false, work() disconnects
+  /// Used by work(): reads and answers the next request of a master. Returns false if work() must disconnect
   /// the master.
   [[nodiscard]] bool serve(int socket);
   /// Used by work(): copies all writes so far to `image`.

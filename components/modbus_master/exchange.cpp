@@ -63,7 +63,7 @@ void Exchange::work() {
     exchange_all();
     const auto now = Clock::now();
     next += std::chrono::duration_cast<Clock::duration>(settings_.cycle);
-    if (next < now) next = now;  // skips missed exchanges
+    if (next < now) next = now;  // after a delay, skip the missed exchanges
     lock.lock();
     changed_.wait_until(lock, next, [this] { return end_; });
   }
@@ -86,7 +86,7 @@ void Exchange::exchange_all() {
   const Outputs& outputs_now = wanted_outputs();
   if (device_ == nullptr && (Clock::now() < retry_at_ || !connect())) return;
   ok_ = true;
-  // The outputs come first, because they are already one cycle old.
+  // Write the outputs before reading the inputs, because the outputs are already one cycle old.
   for (const Group& group : writes_) {
     if (device_ != nullptr) write(group, outputs_now);
   }
@@ -103,8 +103,8 @@ void Exchange::exchange_all() {
   image.publish();
 }
 
-/// Returns the body's last outputs. If the module was stopped or hangs, so that the body has sent nothing for
-/// too long, returns the safe values.
+/// Returns the last outputs of the cyclic body. If the body has sent no outputs for too long, because the
+/// module was stopped or hangs, returns the safe values instead, unless the map has none.
 const Outputs& Exchange::wanted_outputs() {
   const auto now = Clock::now();
   if (outputs.take()) {
@@ -147,7 +147,7 @@ void Exchange::disconnect() {
   device_ = nullptr;
 }
 
-/// Handles a failed connection. Closes it, because its data may still be in transit; the next exchange opens
+/// Handles a failed connection: closes it, because its data may still be in transit. The next exchange opens
 /// a new connection.
 void Exchange::failed(const std::string& what) {
   disconnect();
@@ -205,8 +205,8 @@ void Exchange::read(const Group& group) {
   }
 }
 
-/// Writes the points that have a value, and adjacent points in one request. The device keeps the other points
-/// unchanged.
+/// Writes the points that have a value, with one request for adjacent points. Points without a value do not
+/// change in the device.
 void Exchange::write(const Group& group, const Outputs& from) {
   std::size_t first = 0;
   const auto known = [&](std::size_t place) {

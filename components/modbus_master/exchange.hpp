@@ -31,7 +31,7 @@ struct Settings {
   Seconds cycle{};     ///< time from one exchange to the next
   Seconds timeout{};   ///< limit for a connection attempt, and for each answer
   Seconds backoff{};   ///< maximum time between two attempts to connect; the first time is 0.1 s
-  Seconds watchdog{};  ///< outputs take their safe values if the body is silent for this long
+  Seconds watchdog{};  ///< outputs take their safe values if the body sends no outputs for this long
 };
 
 /// Values of the cell's input ports, indexed like the points of the map.
@@ -43,7 +43,7 @@ struct Outputs {
 /// The values that the device sent.
 struct Image {
   std::array<double, kMaxPoints> value{};
-  std::array<std::uint32_t, kMaxPoints> reads{};  ///< number of reads; rises when a value arrives
+  std::array<std::uint32_t, kMaxPoints> reads{};  ///< how often each point was read from the device
   bool connected = false;                         ///< whether the last exchange succeeded completely
   std::int64_t exchanges = 0;                     ///< number of exchanges that succeeded completely
   std::int64_t failures = 0;                      ///< number of failed requests and connections
@@ -55,13 +55,14 @@ class Exchange {
   /// when the fault ends.
   Exchange(std::vector<Point> points, Settings settings, std::function<void(const std::string&)> report);
 
-  /// The cyclic body may use these two in real time.
+  /// The cyclic body may use `outputs` and `image`; both are real-time capable.
   Latest<Outputs> outputs;
   Latest<Image> image;
 
-  /// Exchanges values in the calling thread. Returns after end() was called and the safe values are written.
+  /// Exchanges values in the calling thread, until end() is called. Then writes the safe values and returns.
   void work();
-  /// Ends the thread and waits for it, at most for `limit`. Call this once, from the thread of the body.
+  /// Makes work() return, and waits until it has written the safe values, at most for `limit`. The body calls
+  /// this once.
   void end(Seconds limit);
 
  private:
@@ -89,12 +90,12 @@ class Exchange {
 
   _modbus* device_ = nullptr;  ///< null while not connected
   Image now_;
-  bool ok_ = false;      ///< whether the current exchange has had no fault so far
-  bool faulty_ = false;  ///< whether a fault is present; it has been reported
+  bool ok_ = false;      ///< true: the current exchange has had no fault so far
+  bool faulty_ = false;  ///< true: a fault is present and has been reported
   Clock::time_point faulty_since_{};
   Clock::time_point heard_{};  ///< time of the body's last outputs
   bool ever_heard_ = false;
-  bool silent_ = false;  ///< whether the body is silent; this has been reported
+  bool silent_ = false;  ///< true: the body sends no outputs, and this has been reported
   Clock::time_point retry_at_{};
   Seconds retry_after_{};
 

@@ -1,4 +1,4 @@
-// A process module in C++: the master of a Modbus TCP device. Its ports are the points of the property `map`.
+// A process module in C++: the master of a Modbus TCP device. It has a port for each point of its map.
 #include <takt/process.hpp>
 
 #include <algorithm>
@@ -52,8 +52,8 @@ takt::OutPort<basic::Count> exchanges{"exchanges",
                                       {.text = "Number of exchanges that succeeded completely."}};
 takt::OutPort<basic::Count> failures{"failures", {.text = "Number of failed requests and connections."}};
 
-// The exchange lives until the process ends. When the program ends, it waits for the exchange thread, but not
-// longer than the node waits for the program.
+// The exchange lives until the process ends. At the end of the process, it waits for the exchange thread, but
+// at most for kEndLimit, because the node does not wait for the process much longer.
 modbus::Exchange* exchange = nullptr;
 constexpr modbus::Seconds kEndLimit{0.9};
 
@@ -91,7 +91,7 @@ int main() {
       from_device[i] = std::make_unique<modbus::PointOutput>(points[i]);
   }
   initPeriodExe();
-  // Three periods at least, so that a body with a long period does not trigger the watchdog.
+  // The watchdog waits for at least three periods, so that a body with a long period does not trigger it.
   settings.watchdog =
       std::max(settings.watchdog, modbus::Seconds{3e-9 * static_cast<double>(takt_period_ns())});
 
@@ -117,8 +117,8 @@ int main() {
     exchange->image.take();
     const modbus::Image& image = exchange->image.taken();
     for (std::size_t i = 0; i < points.size(); ++i) {
-      // Writes a port only if its value was read again, so that a deadline at the connection can make an old
-      // value stale.
+      // Write a port only if the device's value was read since the last write. So a value that is no longer
+      // read becomes stale, if the connection has a deadline.
       if (!from_device[i] || std::exchange(seen[i], image.reads[i]) == image.reads[i]) continue;
       from_device[i]->write(image.value[i]);
     }

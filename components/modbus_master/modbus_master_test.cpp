@@ -1,5 +1,4 @@
-// Tests the master program on virtual time. The server of libmodbus, on a thread of the test, plays the
-// device.
+// Tests modbus_master on virtual time. The server of libmodbus, on a thread of the test, plays the device.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

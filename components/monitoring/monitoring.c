@@ -1,6 +1,6 @@
-/* A non-real-time module is a plain program: the node starts it, it gets idle time, and SIGTERM ends it. This
- * one prints the machine's load and memory once a second. It calls no Takt function; its sentence for `takt
- * describe` is a constant. */
+/* A non-real-time module is a plain program: the node starts it, it gets idle CPU time, and SIGTERM ends it.
+ * This module prints the machine's load and memory once a second. The program calls no Takt function; a
+ * constant contains its sentence for `takt describe`. */
 #define _POSIX_C_SOURCE 200809L
 #include "machine.h"
 
@@ -26,8 +26,8 @@ static const char* text_of(const char* path) {
 
 int main(void) {
   setvbuf(stdout, NULL, _IOLBF, 0);
-  /* The signals are blocked and waited for. So no handler is needed, and no signal is lost between check and
-   * sleep. */
+  /* The program blocks the signals and waits for them. So it needs no handler, and no signal is lost between
+   * a check and the sleep. */
   sigset_t ends;
   sigemptyset(&ends);
   sigaddset(&ends, SIGTERM);

@@ -1,12 +1,13 @@
-// The mathematics of notch: a filter that removes one frequency from a signal. Real-time threads may use
-// everything here.
+// The mathematics of the component notch: a filter that removes one frequency from a signal. Real-time
+// threads may use everything here.
 #pragma once
 
 #include "../common/state_variable_filter.hpp"
 
 namespace notch {
 
-/// Limits of both frequencies, as fractions of the sampling rate. low_pass_filter.hpp explains them.
+/// Limits of the frequency and the width, as fractions of the sampling rate. low_pass_filter.hpp gives the
+/// reasons.
 inline constexpr double kLowest = 1e-6;
 inline constexpr double kHighest = 0.49;
 

@@ -1,5 +1,5 @@
-// The mathematics of panel: predicts how many parts a cell should have placed so far. Times are in s.
-// Real-time threads may use everything here.
+// The mathematics of the component panel: predicts how many parts a cell should have placed so far. Times are
+// in s. Real-time threads may use everything here.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,13 @@ struct ArmPlan {
   double ended = 0;
 };
 
-/// Predicts the number of placed parts. It assumes that parts come one after the other: while the arm goes
-/// home from one part, the belt brings the next one. Then the arm needs the time of its plan. All these times
-/// are known before the arm places the part. The time of an emergency stop does not count.
+/// Predicts the number of placed parts. The prediction assumes that parts come one after the other: while the
+/// arm goes home from one part, the belt brings the next one. Then the arm needs the time of its plan. All
+/// these times are known before the arm places the part. The time of an emergency stop does not count.
 class Expected {
  public:
-  /// Sets the time from the placing of a part, or from the start, to the next pick request. 0: no prediction.
+  /// Sets the expected time from placing a part, or from the start, to the next pick request. 0 turns the
+  /// prediction off.
   void bring(double seconds) noexcept { bring_ = seconds; }
 
   /// Records that the arm has begun a part. A repeated plan has no effect.

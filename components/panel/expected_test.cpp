@@ -10,7 +10,7 @@ void pass(Expected& expected, double seconds, bool permitted = true) {
   for (int i = 0; i < static_cast<int>(seconds * 10 + 0.5); ++i) expected.pass(0.1, permitted);
 }
 
-TEST(PartPrediction, IsZeroWithoutABringTime) {
+TEST(PartPrediction, IsOffIfTheTimeToBringAPartIsZero) {
   Expected expected;
   expected.planned({.number = 1, .placed = 2, .ended = 3});
   pass(expected, 100);
@@ -35,7 +35,7 @@ TEST(PartPrediction, AssumesThatFurtherPartsTakeAsLongAsTheLast) {
   pass(expected, 30.1);  // each part takes 3 s
   EXPECT_EQ(expected.parts(), 10U);
 }
-TEST(PartPrediction, StartsThePartOnlyWhenTheArmIsHome) {
+TEST(PartPrediction, AssumesThatAPartStartsOnlyWhenTheArmIsHome) {
   Expected expected;
   expected.bring(1);
   expected.planned({.number = 1, .placed = 2, .ended = 4});

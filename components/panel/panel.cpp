@@ -1,5 +1,5 @@
-// A process module in C++: the operator's panel of a station. It sets the belt speed, prints the state of the
-// cell, counts the placed parts, and predicts their number from the timing of the cell.
+// A process module in C++: the operator's panel of a station. The panel sets the belt speed, prints the state
+// of the cell, counts the placed parts, and predicts their number from the timing of the cell.
 #include <takt/process.hpp>
 
 #include <atomic>
@@ -29,7 +29,8 @@ takt::Property<double> bring{
     {.unit = "s",
      .min = 0,
      .max = 3600,
-     .text = "Time from the placing of a part to the next pick request; 0: no prediction."}};
+     .text =
+         "Expected time from placing a part to the next pick request; 0: no prediction of placed parts."}};
 
 takt::OutPort<line::BeltCommand> command{"command", {.text = "Wanted speed of the belt."}};
 takt::OutPort<basic::Number> placed{"placed", {.text = "Number of placed parts, for a display."}};
@@ -42,8 +43,8 @@ takt::InPort<motion::PickDone> done{"done", {.text = "Result of a pick request; 
 takt::InPort<basic::Flag> run_permitted{"run_permitted",
                                         {.text = "False: emergency stop. Always true if not connected."}};
 
-/// The values to print. The real-time body passes them to a separate thread, because printing may block. The
-/// values may be from different periods; a display needs no more.
+/// The values to print. The real-time body passes them to a separate thread, because printing may block. Two
+/// values may come from different periods, which is good enough for a display.
 struct Shown {
   std::atomic<bool> any{false};
   std::atomic<bool> has_belt{false};
@@ -73,7 +74,7 @@ void show(std::chrono::duration<double> pause) {
   }
 }
 
-/// Prints a summary at the end of the program.
+/// Prints a summary when the process ends.
 void print_summary() {
   std::printf("parts placed: %u", shown.placed.load());
   if (expected.part_time() > 0) {
@@ -96,7 +97,7 @@ int main() {
   std::uint32_t last_done = 0;
 
   std::atexit(print_summary);
-  // This thread runs until the program ends.
+  // This thread runs until the process ends.
   std::thread{show, std::chrono::duration<double>{every}}.detach();
   while (true) {
     waitPeriod();
@@ -111,7 +112,7 @@ int main() {
           {.number = announced.number(), .placed = announced.placed(), .ended = announced.ended()});
     }
     while (done.read()) {
-      // The arm reports a part twice if it was requested twice.
+      // Count each part once. The arm reports a part twice if it was requested twice.
       if (std::exchange(last_done, done.value().number()) == done.value().number()) continue;
       ++(done.value().result() == motion::PICK_PLACED ? shown.placed : shown.failed);
     }

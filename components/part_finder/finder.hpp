@@ -1,5 +1,5 @@
-// The image processing of part_finder: finds parts in a grey image of a belt. OpenCV allocates memory, so
-// real-time threads must not use it.
+// The image processing of the component part_finder: finds parts in a grey image of a belt. OpenCV allocates
+// memory, so real-time threads must not call these functions.
 #pragma once
 
 #include <cmath>

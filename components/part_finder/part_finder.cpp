@@ -1,6 +1,6 @@
 // A process module in C++: the camera over a belt's light barrier. Every period it takes an image and finds
-// the parts in it. There is no real camera, so it renders the image from the parts on the belt. When the belt
-// holds a part at the barrier, the module publishes the part's number, kind, position and angle.
+// the parts in it. There is no real camera, so the module renders the image from the parts on the belt. When
+// the belt holds a part at the barrier, the module publishes the part's number, kind, position and angle.
 #include <takt/process.hpp>
 
 #include <algorithm>
@@ -47,8 +47,8 @@ takt::InPort<line::BeltState> belt{"belt", {.text = "State of the belt."}};
 takt::OutPort<line::Scene> seen{"seen", {.text = "Every part in the last image."}};
 takt::OutPort<line::Part> part{"part", {.text = "The part that waits at the light barrier."}};
 
-/// What the body passes to the image thread (Shutter), and what it gets back (Sight). Image processing
-/// allocates memory and takes milliseconds, so it cannot run in the real-time body.
+/// The body passes a Shutter to the image thread and gets a Sight (the parts in the image) back. Image
+/// processing allocates memory and takes milliseconds, so it cannot run in the real-time body.
 struct Shutter {
   std::uint32_t waiting = 0;  ///< number of the part that the belt holds; 0: none
   double position = 0;        ///< m, position of the belt
@@ -132,10 +132,10 @@ int main() {
   std::atexit(print_summary);
   const vision::Camera::Settings camera{
       .noise = noise, .light = light, .seed = static_cast<std::uint64_t>(seed.value())};
-  // This thread runs until the program ends.
+  // This thread runs until the process ends.
   std::thread{process_images, camera, vision::FinderSettings{.contrast = contrast}}.detach();
   std::uint32_t number = 0;  // number of the part that was published last
-  double waited = 0;         // s, since that publication
+  double waited = 0;         // s, since the last publication
   line::Scene all;
   all.parts().reserve(line::MAX_PARTS);
 

@@ -29,8 +29,8 @@ double between_axes(double a, double b) {
 }
 
 struct Worst {
-  double place = 0;  // m
-  double angle = 0;  // rad
+  double place = 0;  // m, error of the position
+  double angle = 0;  // rad, error of the angle
 };
 
 /// Places one part at random positions in 500 images and returns the largest errors of the search.

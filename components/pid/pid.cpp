@@ -50,7 +50,7 @@ class Pid : public takt::Component {
   takt::Property<double> output_max{
       *this, "output_max", 1, {.text = "Upper limit of the output; above output_min."}};
 
-  takt::Saved<double> kept_{*this, 1};  // the output
+  takt::Saved<double> kept_{*this, 1};  // the last output
   pid::PidLoop loop_;
   common::Releases releases_;
   basic::Number output_;

@@ -1,5 +1,5 @@
-// The mathematics of pid: a PID controller in the ISA standard form. Real-time threads may use everything
-// here.
+// The mathematics of the component pid: a PID controller in the ISA standard form. Real-time threads may use
+// everything here.
 #pragma once
 
 #include <algorithm>
@@ -24,12 +24,13 @@ struct Tuning {
 /// Controls a process as Astroem and Haegglund describe in Advanced PID Control. The integral is trapezoidal
 /// (bilinear), so it is exact for an error that changes linearly between releases. The derivative is a
 /// backward difference, so it does not ring, however short its filter is compared with the period. The
-/// anti-windup is exact for a constant excess, so it is stable for any tracking time.
+/// anti-windup is exact for an output that exceeds its limit by a constant amount, so it is stable for any
+/// tracking time.
 class PidLoop {
  public:
   /// Sets the tuning for the following steps. The integral compensates for the change: for the inputs of the
   /// last step, both tunings give the same output. Without integral action, nothing compensates, and the
-  /// output jumps; this is also true of the functions below.
+  /// output jumps after tune(), reset() and manual().
   void tune(const Tuning& tuning) noexcept {
     if (tuning == tuning_) return;
     const double before = proportional(setpoint_, measured_) + derivative();
@@ -102,7 +103,7 @@ class PidLoop {
   Tuning tuning_;
   bool begun_ = false;
   double setpoint_ = 0, measured_ = 0;
-  double filtered_ = 0;  // the measurement after the derivative's filter
+  double filtered_ = 0;  // the measurement after the low-pass of the derivative
   double integral_ = 0;
   double output_ = 0;
 };

@@ -67,7 +67,7 @@ TEST(PidLoop, DifferentiatesTheFilteredMeasurement) {
   Tuning tuning = kWide;
   tuning.gain = 2;
   tuning.derivative_time = 0.5;
-  tuning.derivative_filter = 5;  // 0.1 s
+  tuning.derivative_filter = 5;  // a filter time of 0.1 s
   PidLoop loop;
   loop.tune(tuning);
   loop.automatic(0, 0, kPeriod);
@@ -87,7 +87,7 @@ TEST(PidLoop, DoesNotDifferentiateTheSetPoint) {
   PidLoop loop;
   loop.tune(tuning);
   loop.automatic(0, 0, kPeriod);
-  EXPECT_DOUBLE_EQ(loop.automatic(1, 0, kPeriod), 1);  // P alone
+  EXPECT_DOUBLE_EQ(loop.automatic(1, 0, kPeriod), 1);  // the output is only the proportional part
 }
 
 TEST(PidLoop, DoesNotRingWithADerivativeFilterShorterThanThePeriod) {
@@ -107,8 +107,8 @@ TEST(PidLoop, DoesNotRingWithADerivativeFilterShorterThanThePeriod) {
   EXPECT_LT(last, 1e-12);
 }
 
-/// Sets a set point that the output cannot reach, and then a set point that it can reach. Returns for how
-/// many further steps the output stays at its limit.
+/// Sets a set point for which the output must stay at its limit, and then a set point for which it need not.
+/// Returns for how many steps after this change the output stays at its limit.
 int steps_at_the_limit(double tracking_time) {
   Tuning tuning = pi();
   tuning.low = 0;
@@ -124,13 +124,13 @@ int steps_at_the_limit(double tracking_time) {
 }
 
 TEST(PidLoop, LeavesItsLimitSoonerWithAShorterTrackingTime) {
-  EXPECT_LE(steps_at_the_limit(1e-6), 1);  // a time far below the period is still stable
+  EXPECT_LE(steps_at_the_limit(1e-6), 1);  // the loop is stable even if this time is far below the period
   // While the output rests at its limit, the integral changes by K error / Ti - e / Tt = 0, so the excess e
   // is K error Tt / Ti = 40 Tt. The step of the set point then removes K 10.1 = 20.2 at once. With Tt = 0.5
   // s, this is all of e.
   EXPECT_LE(steps_at_the_limit(0.5), 1);
-  // With Tt = 2 s, 59.8 of e remain. They decay by de/dt = -e / Tt - 0.4 within Tt ln((59.8 + 0.8) / 0.8) =
-  // 8.65 s.
+  // With Tt = 2 s, an excess e of 59.8 remains, which decays by de/dt = -e / Tt - 0.4 within
+  // Tt ln((59.8 + 0.8) / 0.8) = 8.65 s.
   const int slow = steps_at_the_limit(2);
   EXPECT_NEAR(slow, 865, 3);
   EXPECT_GT(steps_at_the_limit(1e6), 100 * slow);  // practically without tracking, the integral winds up
@@ -171,7 +171,7 @@ TEST(PidLoop, SwitchesFromManualWithoutAJump) {
     const double measured = value(random);
     const double by_hand = value(random);
     for (int i = 0; i < 1000; ++i) loop.manual(setpoint, measured, by_hand, kPeriod);
-    // The two outputs differ only by one step of the integral.
+    // The first automatic output differs from the manual output only by one step of the integral.
     EXPECT_NEAR(loop.automatic(setpoint, measured, kPeriod),
                 by_hand + 2 * (setpoint - measured) * kPeriod / 0.5, 1e-9);
   }
@@ -276,7 +276,7 @@ TEST_F(PidModule, WritesNothingBeforeItHasAMeasurement) {
   EXPECT_TRUE(output.has_value());
 }
 
-TEST_F(PidModule, IntegratesFromItsPresentOutput) {
+TEST_F(PidModule, StartsWithoutAJumpAndThenIntegratesTheError) {
   ASSERT_TRUE(module.set("setpoint", "3"));
   ASSERT_TRUE(module.start());
   measured.write(number(1));
@@ -315,7 +315,7 @@ TEST_F(PidModule, SwitchesToManualAndBackWithoutAJump) {
   EXPECT_EQ(output.value().value(), 42);
   by_hand.write(number(1000));
   module.step();
-  EXPECT_EQ(output.value().value(), 100);  // its limit
+  EXPECT_EQ(output.value().value(), 100);  // the upper limit of the output
   by_hand.write(number(42));
   module.step();
   manual.write(flag(false));
@@ -373,7 +373,7 @@ TEST_F(PidModule, KeepsItsTuningWhileNewValuesAreInconsistent) {
   ASSERT_TRUE(module.start());
   measured.write(number(0));
   module.step(100);
-  ASSERT_TRUE(module.set("output_max", "-200"));  // below output_min
+  ASSERT_TRUE(module.set("output_max", "-200"));  // below output_min, so inconsistent
   module.step();
   EXPECT_EQ(output.value().value(), 100);
   ASSERT_TRUE(module.set("output_min", "-300"));

@@ -1,5 +1,5 @@
-// The mathematics of process_model: a simulated process on which to test a controller. Real-time threads may
-// use everything here.
+// The mathematics of the component process_model: a simulated process on which to test a controller.
+// Real-time threads may use everything here.
 #pragma once
 
 #include <array>
@@ -8,8 +8,9 @@
 
 namespace process_model {
 
-/// Simulates dy/dt = (gain u - y) / time_constant, with u delayed by a dead time. This is a good model for
-/// most temperature, flow or speed loops. The result is exact for an input that is constant between steps.
+/// Simulates dy/dt = (gain u - y) / time_constant, with u delayed by a dead time. This equation is a good
+/// model for most temperature, flow or speed loops. The result is exact if the input is constant between
+/// steps.
 class FirstOrder {
  public:
   static constexpr std::size_t kMostDelay = 4096;  ///< maximum dead time, in steps

@@ -18,9 +18,9 @@ class RateLimiter : public takt::Component {
   takt::OutPort<basic::Flag> limiting{
       *this, "limiting", {.text = "True while the output differs from the input."}};
   takt::Property<double> rate_up{
-      *this, "rate_up", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "Maximum rise."}};
+      *this, "rate_up", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "Maximum rate of a rise."}};
   takt::Property<double> rate_down{
-      *this, "rate_down", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "Maximum fall."}};
+      *this, "rate_down", 1, {.unit = "1/s", .min = 0, .max = 1e12, .text = "Maximum rate of a fall."}};
   takt::Property<double> jerk{
       *this,
       "jerk",

@@ -1,5 +1,5 @@
-// The mathematics of rate_limiter: limits the rate and the jerk of a value. Real-time threads may use
-// everything here.
+// The mathematics of the component rate_limiter: limits the rate and the jerk of a value. Real-time threads
+// may use everything here.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class SlewLimiter {
     const double error = wanted - value_;
     if (limits.jerk <= 0) {
       const double change = std::clamp(error, -limits.down * dt, limits.up * dt);
-      // A rounding error must not cost another step.
+      // Compare with a tolerance, so that a rounding error does not cost one more step.
       const bool there = std::abs(error - change) <= 1e-12 * std::abs(change);
       value_ = there ? wanted : value_ + change;
       rate_ = change / dt;
@@ -37,7 +37,7 @@ class SlewLimiter {
     const double change = limits.jerk * dt;
     const double next =
         std::clamp(std::clamp(braking, -limits.down, limits.up), rate_ - change, rate_ + change);
-    const bool there = next == braking && std::abs(error) <= change * dt;  // at the target in this step
+    const bool there = next == braking && std::abs(error) <= change * dt;  // reaches the target now
     value_ = there ? wanted : value_ + next * dt;
     rate_ = next;
     return value_;
@@ -47,8 +47,8 @@ class SlewLimiter {
 
  private:
   /// Returns the rate at which the value must move now to stop exactly at the distance `error`, if the rate
-  /// falls by jerk * dt per step. For error = (n + 1)(n / 2 + part) * jerk * dt^2, this is (n + part) * jerk
-  /// * dt.
+  /// falls by jerk * dt per step. For error = (n + 1)(n / 2 + part) * jerk * dt^2, the rate is
+  /// (n + part) * jerk * dt.
   static double braking_rate(double error, double jerk, double dt) noexcept {
     const double steps = std::abs(error) / (jerk * dt * dt);
     const double n = std::floor((std::sqrt(1 + 8 * steps) - 1) / 2);

@@ -1,5 +1,5 @@
-// The mathematics of resampler: converts samples from one period to another. Real-time threads may use
-// everything here.
+// The mathematics of the component resampler: converts samples from one period to another. Real-time threads
+// may use everything here.
 #pragma once
 
 #include <algorithm>
@@ -14,11 +14,11 @@ enum class Method {
 };
 
 /// Converts a signal. add() takes the samples in order of time, with the times at which they were written.
-/// You may call output() at any other times.
+/// output() may be called at other times than those of the samples.
 class RateConverter {
  public:
   void add(double value, std::int64_t time_ns) noexcept {
-    // Assumes that the signal already had its first value before.
+    // Assumes that the signal already had this value before its first sample.
     before_ = count_ == 0 ? value : newest_;
     before_ns_ = count_ == 0 ? time_ns : newest_ns_;
     newest_ = value;
@@ -29,7 +29,7 @@ class RateConverter {
     sum_ += value;
   }
   void reset() noexcept { *this = {}; }
-  /// Returns whether add() has been called.
+  /// Returns true if add() has been called.
   [[nodiscard]] bool begun() const noexcept { return count_ > 0; }
 
   /// Computes the next output. Call this once per output, and only if begun() returns true.

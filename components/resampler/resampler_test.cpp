@@ -65,7 +65,7 @@ TEST(RateConverter, AveragesTheSamplesSinceTheLastOutput) {
 }
 
 TEST(RateConverter, SuppressesMultiplesOfTheOutputRateInItsAverage) {
-  // With 10 samples per output, sampling would turn 1/10, 2/10 ... of the input rate into an alias at 0 Hz.
+  // With 10 samples per output, frequencies of 1/10, 2/10, ... of the input rate would alias to 0 Hz.
   for (int k = 1; k <= 5; ++k) {
     RateConverter converter;
     for (int i = 0; i < 1000; ++i) {

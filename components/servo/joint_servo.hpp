@@ -1,5 +1,6 @@
-// The mathematics of servo: the position loop of an arm's joints, with the inverse dynamics of Orocos KDL. SI
-// units, rad. The constructor allocates memory; real-time threads may call all other functions.
+// The mathematics of the component servo: the position loop of an arm's joints, with the inverse dynamics of
+// Orocos KDL. SI units, rad. The constructor allocates memory; real-time threads may call all other
+// functions.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +41,7 @@ class JointServo {
   static constexpr double kDryBand = 0.05;
 
   /// Returns the torques in N m, within the limits of the drives. `last` is the set point from `dt` seconds
-  /// ago. It caused the measured motion `is`, so the loop compares `is` with `last`.
+  /// ago. That set point caused the measured motion `is`, so the loop compares `is` with `last`.
   [[nodiscard]] Joints torque(const Motion& wanted, const Motion& last, const Motion& is,
                               double dt) noexcept {
     const double spring = std::pow(2 * std::numbers::pi * bandwidth, 2);

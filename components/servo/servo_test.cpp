@@ -45,8 +45,8 @@ TEST(JointServo, NeverExceedsTheTorqueLimitsOfTheDrives) {
   EXPECT_EQ(torque[1], figures()[1].torque);
 }
 
-// Runs path, servo and arm together, with the delay of modules in one table: the servo reads the measurement
-// of the previous period.
+// The results of follow(), which runs path, servo and arm together. The servo reads the measurement of the
+// previous period, as it does in a cell in which the servo runs before the arm.
 struct Followed {
   double axis = 0;     // rad, largest error of an axis
   double tool = 0;     // m, largest error on the whole path
@@ -89,17 +89,19 @@ Followed follow(const WholePlan& planned, const std::function<void(servo::JointS
 TEST(JointServo, FollowsAWholeCycleWithinATenthOfAMillimetre) {
   const Followed followed = follow(plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1)));
   std::printf(
-      "largest errors: axis %.2g rad, tool %.2g m, tool at the parts %.2g m; torque %.2f of the limit\n",
+      "largest errors: axis %.2g rad, tool %.2g m, tool when it grips or releases a part %.2g m; torque %.2f "
+      "of the limit\n",
       followed.axis, followed.tool, followed.at_part, followed.torque);
   EXPECT_LT(followed.tool, 1e-4);
   EXPECT_LT(followed.at_part, 1e-6);
   EXPECT_LT(followed.torque, 1);
 }
 
-TEST(JointServo, StaysWithinAMillimetreAtThePartsWithAnUnknownLoad) {
+TEST(JointServo, GripsAndReleasesWithinAMillimetreDespiteAnUnknownLoad) {
   const Followed followed = follow(plan(down(0.75, 0.45, 0.3), down(0.5, -0.7, 0.2, 1)), {}, 5);
-  std::printf("largest errors with a load of 5 kg: tool %.2g m, tool at the parts %.2g m\n", followed.tool,
-              followed.at_part);
+  std::printf(
+      "largest errors with a load of 5 kg: tool %.2g m, tool when it grips or releases a part %.2g m\n",
+      followed.tool, followed.at_part);
   EXPECT_LT(followed.tool, 3e-3);
   EXPECT_LT(followed.at_part, 1e-3);
   EXPECT_GT(followed.at_part, 1e-5) << "the load has no effect";

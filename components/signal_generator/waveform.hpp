@@ -1,4 +1,4 @@
-// The mathematics of signal_generator. Real-time threads may use everything here.
+// The mathematics of the component signal_generator. Real-time threads may use everything here.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// The mathematics of timer: the timers of IEC 61131-3. Real-time threads may use everything here.
+// The mathematics of the component timer: the timers of IEC 61131-3. Real-time threads may use everything
+// here.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@ enum class Kind {
   pulse,      ///< TP: a rising edge makes Q true for the preset time; edges during the pulse have no effect
 };
 
-/// A timer. Its time begins at the step that saw the edge.
+/// A timer. Its time begins at the step that detects the edge of the input.
 class IecTimer {
  public:
   /// Makes one step and returns Q. `passed_ns`: time since the last step. `preset_ns`: the preset time PT, at

@@ -108,7 +108,7 @@ TEST(IecTimer, MatchesASlowReferenceForRandomInputsAndGaps) {
   }
 }
 
-TEST(Timer, CountsFromTheReleaseThatSawTheEdge) {
+TEST(Timer, CountsFromTheReleaseThatDetectsTheEdge) {
   takt::testing::Module module{{.period = milliseconds{10}}};
   auto& in = module.in<basic::Flag>("in");
   auto& q = module.out<basic::Flag>("q");
@@ -130,7 +130,7 @@ TEST(Timer, CountsTheTimeOfMissedReleases) {
   auto& in = module.in<basic::Flag>("in");
   auto& q = module.out<basic::Flag>("q");
   auto& et = module.out<basic::Number>("et");
-  ASSERT_TRUE(module.start());  // 1 s
+  ASSERT_TRUE(module.start());  // the default time is 1 s
   in.write(flag(true));
   module.step();
   module.miss(98);
@@ -163,7 +163,7 @@ TEST(Timer, RestartsWhenItsKindChanges) {
   auto& q = module.out<basic::Flag>("q");
   auto& et = module.out<basic::Number>("et");
   ASSERT_TRUE(module.set("kind", "TP"));
-  ASSERT_TRUE(module.start());  // 1 s
+  ASSERT_TRUE(module.start());  // the default time is 1 s
   in.write(flag(true));
   module.step(60);
   EXPECT_TRUE(q.value().value());

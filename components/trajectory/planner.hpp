@@ -1,5 +1,6 @@
-// Plans the legs of a cycle for a request, a bounded amount of work each period (see Search). The planner
-// rejects an impossible request before the arm moves. SI units, rad. Only the constructor allocates memory.
+// Plans the legs of a cycle for a request, with a bounded amount of work in each period (see Search). The
+// planner rejects an impossible request before the arm moves. SI units, rad. Only the constructor allocates
+// memory.
 #pragma once
 
 #include <array>
@@ -40,15 +41,15 @@ struct Plan {
 
 class Planner {
  public:
-  static constexpr int kSearchSteps = 6;  ///< per period
+  static constexpr int kSearchSteps = 6;  ///< maximum number of Search::step() calls per step()
 
   enum class State { idle, planning, planned, out_of_reach, joint_limit, singular };
 
-  /// Allocates memory.
+  /// Creates a planner for this arm. Allocates memory.
   explicit Planner(const arm_model::Parameters& parameters) : kinematics_(parameters) {}
 
-  /// Begins to plan a cycle that starts and ends at `rest`. `plan` must keep its address. It is complete when
-  /// step() returns State::planned.
+  /// Begins to plan a cycle that starts and ends at `rest`, and stores it in `plan`. Do not move `plan`: its
+  /// legs contain pointers to its lines. The plan is complete when step() returns State::planned.
   void begin(const Task& task, const Joints& rest, Plan& plan) noexcept {
     task_ = task;
     rest_ = rest;
@@ -57,7 +58,7 @@ class Planner {
     state_ = State::planning;
   }
 
-  /// Continues the planning for at most 40 us. Returns the new state.
+  /// Continues the planning for at most 40 us. Returns the new state of the planner.
   State step() noexcept {
     if (state_ != State::planning) return state_;
     if (searching_)
@@ -112,7 +113,7 @@ class Planner {
     const Joints above = line().at(1).position;
     const Leg up = Leg::along(line(), false, limits);
     Leg down = up;
-    down.kind = Leg::Kind::line_back;  // the line from the part upwards, backwards
+    down.kind = Leg::Kind::line_back;  // moves along the line above the part, in reverse
     if (at_pick_) {
       plan_->leg(Step::to_pick) = Leg::turn(rest_, above, limits);
       plan_->leg(Step::down) = down;

@@ -97,7 +97,7 @@ class Trajectory : public takt::Component {
     most_acceleration_ = trajectory::Path::most_acceleration(arm_);
     path_ = trajectory::Path{home_};
     planner_.emplace(arm_);
-    report_.result(motion::PICK_REFUSED);  // no part has been placed yet
+    report_.result(motion::PICK_REFUSED);  // any result but PICK_PLACED: no part has been placed yet
     began_ = planning_ = false;
     return {};
   }
@@ -148,8 +148,8 @@ class Trajectory : public takt::Component {
     return arm_model::frame({pose.x(), pose.y(), pose.z(), pose.roll(), pose.pitch(), pose.yaw()});
   }
 
-  // Begins to plan a request. If the request is for the part placed last, its result was lost in the network,
-  // so this sends the result again.
+  // Begins to plan a request. A request for the part that was placed last means that the network has lost the
+  // result. In this case, sends the result again.
   void begin_request(const motion::PickRequest& part) noexcept {
     if (part.number() == report_.number() && report_.result() == motion::PICK_PLACED) {
       done.write(report_);

@@ -1,4 +1,5 @@
-// The mathematics of up_down_counter: the counters of IEC 61131-3. Real-time threads may use everything here.
+// The mathematics of the component up_down_counter: the counters of IEC 61131-3. Real-time threads may use
+// everything here.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +7,8 @@
 
 namespace up_down_counter {
 
-/// The counter CTUD. If `down` and `load` stay unused, it is CTU; if `up` and `reset` stay unused, it is CTD.
-/// Its value saturates at the limits of 64 bits.
+/// The counter CTUD. Without the inputs `down` and `load`, the counter is a CTU; without `up` and `reset`, it
+/// is a CTD. The value saturates at the limits of 64 bits.
 class IecCounter {
  public:
   struct Inputs {

@@ -1,5 +1,5 @@
-// The mathematics of vision: a simulated camera, and the measurement of a bright disc's centre in its images.
-// Lengths are in pixels; the centre of the corner pixel is (0, 0).
+// The mathematics of the component vision: a simulated camera, and the measurement of a bright disc's centre
+// in its images. Lengths are in pixels; the centre of the corner pixel is (0, 0).
 #pragma once
 
 #include <algorithm>
@@ -64,7 +64,7 @@ struct Blob {
 
 /// Finds the centre of the pixels above the threshold: first moments divided by the zeroth moment. The weight
 /// of a pixel is its brightness above the threshold. Returns nothing if fewer than `least` pixels are above
-/// the threshold, because they are then only noise.
+/// the threshold, because so few pixels are only noise.
 inline std::optional<Blob> find(const Frame& frame, std::uint8_t threshold, int least) noexcept {
   std::int64_t weight = 0;
   std::int64_t moment_x = 0;

@@ -1,6 +1,6 @@
 // A sporadic process module in the form of the paper's Figure 11. Every `every` releases, it takes an image
-// of a part that moves in a circle, and measures the part's position. It prints the measurement errors only
-// at the end, because its body is real-time.
+// of a part that moves in a circle, and measures the part's position. The module prints the measurement
+// errors only at the end, because its body is real-time code.
 #include <takt/process.h>
 
 #include <cstdio>

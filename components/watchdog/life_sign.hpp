@@ -1,12 +1,13 @@
-// The mathematics of watchdog: monitors signs of life. Real-time threads may use everything here.
+// The mathematics of the component watchdog: monitors signs of life. Real-time threads may use everything
+// here.
 #pragma once
 
 #include <cstdint>
 
 namespace watchdog {
 
-/// Monitors one input. After the start, the input is neither alive nor dead until its first sign, for at most
-/// the timeout.
+/// Monitors one input. After the start, the input is neither alive nor dead until the first sign arrives or
+/// the timeout has passed.
 class LifeSign {
  public:
   /// Makes one step. `sign`: whether a sign has arrived; `passed_ns`: time since the last step; `timeout_ns`:
@@ -17,9 +18,9 @@ class LifeSign {
     seen_ = !dead_ && (seen_ || sign);
   }
   void reset() noexcept { *this = {}; }
-  /// Returns whether a sign has arrived, and each further sign in time.
+  /// Returns true if a sign has arrived, and the last one is not older than the timeout.
   [[nodiscard]] bool alive() const noexcept { return seen_; }
-  /// Returns whether the last sign is older than the timeout.
+  /// Returns true if no sign has arrived for longer than the timeout.
   [[nodiscard]] bool dead() const noexcept { return dead_; }
 
  private:

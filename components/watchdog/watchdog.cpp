@@ -75,7 +75,7 @@ class Watchdog : public takt::Component {
     while (port.read()) {
       const T value = port.value().value();
       if constexpr (std::is_same_v<T, double>) {
-        if (!std::isfinite(value)) continue;  // a broken sensor may send this: no sign of life
+        if (!std::isfinite(value)) continue;  // NaN or infinity from a broken sensor is no sign of life
       }
       any = any || sign.value() == "sample" || watched.last != value;
       watched.last = value;

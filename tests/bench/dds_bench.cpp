@@ -1,6 +1,6 @@
-// Measures the latency between two devices: module, link, gateway, DDS, gateway, link, module. For
-// comparison, it also measures the same Fast DDS entities without Takt, in turns within the same run. Uses
-// two processes on the loopback interface. Prints the results and asserts nothing.
+// Measures the latency from a module on one device to a module on another device: through link, gateway, DDS,
+// gateway and link. For comparison, the benchmark alternately measures the same Fast DDS entities without
+// Takt. Uses two processes on the loopback interface. Prints the results and asserts nothing.
 //
 //   dds_bench [ROUND TRIPS PER TURN]
 #include <fcntl.h>
@@ -25,10 +25,10 @@
 #include <takt/channel/link.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/dds/gateway.hpp>
-#include "raw.hpp"
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/platform.hpp>
+#include "raw.hpp"
 
 extern char** environ;
 
@@ -191,13 +191,13 @@ class Handover {
   std::atomic<std::uint32_t> count_{0};
 };
 
-// ---- The other process, which sends every sample back
+// ---- The second process, which sends every sample back
 
 struct Way {
   const char* name;
   bool reliable;
   bool bare;
-  bool thread;  // whether a thread at each end waits for the sample; if not, the callback handles it
+  bool thread;  // true: a thread at each end waits for the sample; false: the callback of DDS handles it
 };
 constexpr std::array<Way, 8> kWays{{{"bare/listener", false, true, false},
                                     {"gateway/links", false, false, false},
@@ -245,7 +245,7 @@ int echo() {
           if (hand.take(seen)) self.write(hand.bytes());
         }
       });
-    } else if (!way.thread) {  // the gateway both writes and reads this link
+    } else if (!way.thread) {  // the gateway both writes this link and reads it
       memory.push_back(std::make_unique<Memory>(queue(channel::kGatewayBit)));
       if (!(*gateway)->add_outgoing(flow(back(way), way.reliable), memory.back()->link())) return 1;
       if (!(*gateway)->add_incoming(flow(there(way), way.reliable), {memory.back()->link()})) return 1;
@@ -279,7 +279,7 @@ int echo() {
   return 0;
 }
 
-// ---- This process
+// ---- The first process, which sends pings and measures
 
 struct Times {
   std::vector<double> us;
@@ -381,8 +381,8 @@ void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gate
   }
 }
 
-/// Measures the time from the write of an event to the increment of the wake word that wakes its module, in
-/// one process.
+/// Measures, in one process, the time from writing an event to incrementing the wake word of the module that
+/// receives the event.
 void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
                    channel::WakeWord& wake_word, int count) {
   const Memory in{queue(channel::kSporadicBit)};

@@ -43,7 +43,8 @@ std::vector<Task> thousand_modules() {
 void TableOfAThousandModules(benchmark::State& state) { build(state, thousand_modules()); }
 BENCHMARK(TableOfAThousandModules)->Unit(benchmark::kMillisecond);
 
-/// These three benchmarks build the largest accepted table with one row, a thousand rows and a million rows.
+/// Builds a table with the maximum number of entries, in a single row. The next two benchmarks build such a
+/// table with a thousand rows and with a million rows.
 void TableOfAMillionEntriesInOneRow(benchmark::State& state) {
   build(state, std::vector<Task>(kMaxEntries, Task{1ms, 0}));
 }
@@ -62,8 +63,8 @@ void TableOfAMillionEntriesInAMillionRows(benchmark::State& state) {
 }
 BENCHMARK(TableOfAMillionEntriesInAMillionRows)->Unit(benchmark::kMillisecond);
 
-/// A rejection names the pair of periods that makes the table too long. Here it is searched for among ten
-/// thousand different periods.
+/// Tries to build a table that is too long, from ten thousand different periods. The rejection must find the
+/// pair of periods that makes the table too long.
 void RejectionOfTenThousandPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 0; i < 10'000; ++i) tasks.push_back({1us * (100'000 + i), 0});
@@ -71,8 +72,8 @@ void RejectionOfTenThousandPeriods(benchmark::State& state) {
 }
 BENCHMARK(RejectionOfTenThousandPeriods)->Unit(benchmark::kMillisecond);
 
-/// Like RejectionOfTenThousandPeriods, but the periods have many common factors, so their products are much
-/// larger than their least common multiples.
+/// Like RejectionOfTenThousandPeriods, but many pairs of periods have large common factors. So the product of
+/// two periods is often much larger than their least common multiple.
 void RejectionOfRoundPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 1; i <= 10'000; ++i) tasks.push_back({1us * i, 0});

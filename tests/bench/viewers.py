@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures how much open pages of takt web change the jitter of an executor's rows.
+"""Measures by how much the open pages of takt web change the jitter of an executor's rows.
 
     tests/bench/viewers.py [--modules 100] [--browsers 3] [--turns 3] [--seconds 20] [--build build/release]
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks docs/descriptor.md: it has exactly the elements and attributes of the schema, with their values, bounds and defaults. Its bounds
-equal those of the code, and `takt check` accepts its examples.
+"""Checks docs/descriptor.md: the page has exactly the elements and attributes of the schema, with their values, bounds and defaults. The
+bounds equal those of the code, and `takt check` accepts the examples.
 
 Usage: descriptor_page_test.py BUILD_DIRECTORY SOURCE_DIRECTORY"""
 import os
@@ -68,7 +68,7 @@ def walk(name, node, elements):
             walk(child.get("name"), child, elements)
     if rows:
         if elements.get(name, rows).keys() != rows.keys():
-            # <executor> and <deadline> occur in two places. The section is about the one with attributes.
+            # <executor> and <deadline> each occur in two places. The section describes the element that has attributes.
             rows = {**elements[name], **rows}
         elements[name] = rows
 
@@ -105,7 +105,7 @@ for name in set(elements) & set(sections):
                 if not re.search(r"(?<![\w-])" + re.escape(word) + r"(?![\w-])", where):
                     failures.append(f"<{name}>: the row of {row} does not say {word}: {where.strip()}")
 
-# The page names the bounds in the code.
+# The page must state the value of each bound that these headers define.
 for header in ("framework/model/include/takt/model/validate.hpp", "framework/descriptor/src/well_formed.hpp", "framework/descriptor/src/include.hpp",
                "framework/descriptor/src/template.hpp"):
     code = open(os.path.join(source, header), encoding="utf-8").read()
@@ -114,7 +114,7 @@ for header in ("framework/model/include/takt/model/validate.hpp", "framework/des
         failures.append(f"{header} has no bounds")
     for constant, value in bounds:
         if constant == "kMaxProblems":
-            continue  # a limit of reports, not of descriptors
+            continue  # this constant limits reports, not descriptors
         value = value.replace("'", "")
         if not re.search(r"(?<!\d)" + value + r"(?!\d)", page):
             failures.append(f"{header}: {constant} is {value}, but the page does not name this value")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the projects that `takt new` writes: each kind of component, and a cell. They build outside the repository, pass their tests, and
-run.
+"""Checks the projects that `takt new` writes: each kind of component, and a cell. A project must build outside the repository, pass its
+tests, and run.
 
 Usage: new_test.py PREFIX      PREFIX: where Takt is installed"""
 import itertools
@@ -20,7 +20,7 @@ environment = {name: value for name, value in os.environ.items() if not name.sta
 environment.update({"PATH": os.path.join(prefix, "bin") + ":" + environment["PATH"], "CMAKE_PREFIX_PATH": prefix,
                     "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": str(takt_system.free_domain())})
 KINDS = list(itertools.product(("thread", "process"), ("periodic", "sporadic"), ("c++", "c")))
-if not takt_system.FULL:  # half of the kinds, which still cover each pair of choices
+if not takt_system.FULL:  # half of the kinds; these still contain each combination of two choices
     KINDS = [kind for kind in KINDS if (kind[0] == "thread") ^ (kind[1] == "periodic") ^ (kind[2] == "c++")]
 
 
@@ -45,8 +45,14 @@ def test_a_new_component_of_every_kind_builds_and_runs(folder):
         file.writelines(f"add_subdirectory({name_of(kind)})\n" for kind in KINDS[1:])
     alone = os.path.join(folder, name_of(KINDS[0]))
     for project, count in ((folder, len(KINDS) - 1), (alone, 1)):
-        run("cmake", "-S", ".", "-B", "build", "-G", "Ninja", cwd=project)
+        configured = run("cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", cwd=project).stdout
+        assert configured.count("takt: the build type is RelWithDebInfo, because none was given") == 1, configured
         run("cmake", "--build", "build", cwd=project)
+        with open(os.path.join(project, "build", "CMakeCache.txt"), encoding="utf-8") as file:
+            assert "FASTDDSGEN" not in file.read().upper(), "takt_add_idl must not need fastddsgen, which needs Java"
+        with open(os.path.join(project, "build", "compile_commands.json"), encoding="utf-8") as file:
+            commands = [entry["command"] for entry in json.load(file)]
+        assert all(" -O2 -g " in command for command in commands), commands
         passed = run("ctest", "--test-dir", "build", cwd=project).stdout
         assert f"0 tests failed out of {3 * count}" in passed, passed
     environment["TAKT_COMPONENT_PATH"] = ":".join(os.path.join(project, "build", "components") for project in (folder, alone))
@@ -64,6 +70,14 @@ def test_a_new_component_of_every_kind_builds_and_runs(folder):
             assert module["cycles"] > 0 and module["cycles"] + executor["missed"] > 500, (module, executor)
         refused = run("takt", "new", name, cwd=folder, status=1)
         assert "already exists" in refused.stderr, refused.stderr
+
+
+def test_a_new_component_keeps_the_given_build_type(folder):
+    run("takt", "new", "pump", cwd=folder)
+    configured = run("cmake", "-S", "pump", "-B", "build", "-DCMAKE_BUILD_TYPE=Debug", cwd=folder).stdout
+    with open(os.path.join(folder, "build", "CMakeCache.txt"), encoding="utf-8") as file:
+        assert "CMAKE_BUILD_TYPE:STRING=Debug" in file.read().split()
+    assert "RelWithDebInfo" not in configured, configured
 
 
 def test_a_new_cell_runs(folder):
@@ -87,7 +101,7 @@ def test_takt_new_rejects_invalid_names_and_options(folder):
     assert os.listdir(folder) == [], "takt new must not write anything after an error"
 
 
-for test in (test_takt_new_rejects_invalid_names_and_options, test_a_new_cell_runs,
+for test in (test_takt_new_rejects_invalid_names_and_options, test_a_new_component_keeps_the_given_build_type, test_a_new_cell_runs,
              test_a_new_component_of_every_kind_builds_and_runs):
     with tempfile.TemporaryDirectory(prefix="takt-new-") as scratch:
         test(scratch)

@@ -8,7 +8,8 @@ Marks in a page:
   <!-- file: NAME -->        before a fenced block: the content of this file
   ```console                 "$ " begins a command, "> " continues it. The lines below it must be printed in this order; other lines
                              may come between them. A number matches any number, "..." matches anything. A command must exit with
-                             status 0, or with the status in "$ command  # exit status 1"
+                             status 0, or with the status in "$ command  # exit status 1". A command that only shows something is
+                             repeated for up to 30 s until it prints these lines
   <!-- not run: why -->      before a block that cannot be run here
   <!-- shown: why -->        before a block that is neither a file nor a command; every other fenced block needs one of these comments
 """
@@ -18,12 +19,14 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 sys.dont_write_bytecode = True  # leave no bytecode of takt_system in the source tree
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "system"))
 import takt_system
 
 FENCE = re.compile(r"^(?:<!-- (?P<mark>file|not run|shown): (?P<value>.*?) -->\n)?```(?P<kind>\S*)\n(?P<text>.*?)^```$", re.M | re.S)
+ONLY_SHOWS = re.compile(r"(grep|takt (status|log|get|echo)) ")
 NUMBER = r"[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?"
 
 
@@ -150,6 +153,13 @@ def run_page(path, source, environment):
     return ran
 
 
+def check_command(shell, command, status, expected):
+    ended, printed = shell.run(command)
+    if ended != status:
+        raise Wrong(f"the command ended with status {ended}, not {status}; the output was:\n{printed}")
+    check_output(expected, printed)
+
+
 def run_block(block, shell):
     mark, value, kind, text = block["mark"], block["value"], block["kind"], block["text"]
     if mark in ("not run", "shown"):
@@ -164,13 +174,15 @@ def run_block(block, shell):
         raise Wrong(f"this block of kind '{kind}' is neither a file nor a command; say what it is in a comment before it")
     commands = commands_of(text)
     for command, status, expected in commands:
-        try:
-            ended, printed = shell.run(command)
-            if ended != status:
-                raise Wrong(f"the command ended with status {ended}, not {status}; the output was:\n{printed}")
-            check_output(expected, printed)
-        except Wrong as wrong:
-            raise Wrong(f"$ {command}\n{wrong}") from None
+        end = time.monotonic() + (30 if ONLY_SHOWS.match(command) else 0)
+        while True:
+            try:
+                check_command(shell, command, status, expected)
+                break
+            except Wrong as wrong:
+                if time.monotonic() > end:
+                    raise Wrong(f"$ {command}\n{wrong}") from None
+                time.sleep(1)
     return len(commands)
 
 

@@ -1,4 +1,4 @@
-// Tests of ports without safe values.
+// Tests ports that have no safe value.
 #include "ways.hpp"
 
 namespace takt::ports_test {
@@ -225,7 +225,7 @@ TYPED_TEST(Ports, NeverShowATornSample) {
   }
 }
 
-// This test is only for links with bytes, which outlive a process.
+// Tests only links that hold bytes in shared memory, because these links outlive a process.
 TEST(RingPorts, KeepTheLatestValueForANewInstanceOfTheReader) {
   for (const bool is_queue : {false, true}) {
     Ring ring{Quality{.depth = is_queue ? 4U : 1U}};
@@ -254,7 +254,8 @@ TEST(RingPorts, KeepTheLatestValueForANewInstanceOfTheReader) {
   }
 }
 
-// This test is only for links with bytes, because another process can write any bytes.
+// Tests only links that hold bytes in shared memory, because another process can write invalid bytes into
+// them.
 TEST(RingPorts, SkipInvalidBytesAndKeepTheLastSample) {
   const channel::Link::Options options{
       .depth = 4, .payload = PortType<Sample>::info.max_size, .is_queue = true};

@@ -1,4 +1,4 @@
-// Tests of ports with a safe value, which readers get while the writer is not in EXECUTING.
+// Tests ports with a safe value. Readers get the safe value while the writer is not in EXECUTING.
 #include "ways.hpp"
 
 namespace takt::safe_ports_test {
@@ -53,7 +53,7 @@ TYPED_TEST(SafePorts, DeliverSamplesAgainOnceTheWriterExecutes) {
   ASSERT_TRUE(reader.in.read());
   EXPECT_FALSE(reader.in.is_safe());
   EXPECT_EQ(reader.in.value().number(), 2U);
-  way.at_reader().trust();  // a second call changes nothing
+  way.at_reader().trust();  // a second call of trust() changes nothing
   EXPECT_FALSE(reader.in.read());
   EXPECT_EQ(reader.in.value().number(), 2U);
 }
@@ -118,7 +118,7 @@ TYPED_TEST(SafePorts, ReplaceASampleOlderThanTheDeadlineByTheSafeValue) {
   EXPECT_EQ(reader.in.value().number(), 3U);
 }
 
-TYPED_TEST(SafePorts, DeliverSamplesUntilASafeValueIsGiven) {
+TYPED_TEST(SafePorts, DeliverSamplesUntilTheReaderGetsASafeValue) {
   TypeParam way{Quality{.safe = true}};
   Writer writer;
   Reader reader;
@@ -145,7 +145,7 @@ TYPED_TEST(SafePorts, NeverShowSamplesWrittenWhileTheWriterDidNotExecute) {
   way.connect(reader.in);
   std::atomic<bool> over{false};
   std::thread thread{[&] {
-    std::uint64_t number = 0;  // the writer writes odd numbers while it executes
+    std::uint64_t number = 0;  // odd numbers are written while the link is trusted, even ones while it is not
     for (std::uint64_t round = 0; round < TypeParam::kMany / 10; ++round) {
       way.at_reader().trust();
       for (int i = 0; i < 5; ++i) writer.write(number += number % 2 == 0 ? 1 : 2);

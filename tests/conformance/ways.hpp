@@ -1,5 +1,5 @@
-// The ways in which a connection can carry samples. A way is a class that connects ports; every test runs
-// with each of them. To add a way, give it the functions of InHost and add it to Ways.
+// The ways in which a connection can carry samples. Each way is a class that connects ports. Every typed test
+// runs once for each way. To add a way, write a class with the same functions as InHost and add it to Ways.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,6 +18,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/shared_memory.hpp>
+#include <takt/process.hpp>
 
 #include "../system/components/sample.hpp"
 #include "dds/domain.hpp"
@@ -33,7 +34,7 @@ struct Quality {
   [[nodiscard]] std::uint32_t safe_room() const { return safe ? PortType<Sample>::info.max_size : 0; }
 };
 
-/// A safe value that no writer ever writes.
+/// Returns a safe value that differs from every sample that the tests write.
 inline Sample safe_sample() {
   Sample sample;
   sample.number(1'000'000);
@@ -47,13 +48,14 @@ inline void give_safe(const channel::Link& link) {
   link.give_safe(bytes);
 }
 
-/// One writer, one reader, and a link between them. A reader can read each sample at once.
+/// A link with one writer and one reader. The reader can read each sample as soon as it is published. The
+/// link holds objects if kObjects is true, and bytes otherwise.
 template <bool kObjects>
 class Link {
  public:
-  /// True if a reader can read a written sample at once, and gets the writer's number for it.
+  /// True if a reader can read a sample as soon as it is published.
   static constexpr bool kAtOnce = true;
-  static constexpr Nanoseconds kTolerance{0};  ///< for the age of a sample
+  static constexpr Nanoseconds kTolerance{0};  ///< by how much the age of a sample may be wrong
   static constexpr std::uint64_t kMany = 200'000;
 
   explicit Link(Quality quality) {
@@ -67,7 +69,7 @@ class Link {
     if (kObjects) values_ = OutPort<Sample>{"any"}.make_values(link().buffers());
   }
   void connect(PortBase& port) { port.connect(link(), values_); }
-  /// Returns once every written sample can be read or is lost.
+  /// Waits until every published sample can be read or is lost. For a Link, this is always so.
   void settle() const {}
   [[nodiscard]] channel::Link at_reader() const { return link(); }
   [[nodiscard]] std::uint64_t dropped() const { return link().block().overwritten.load(); }
@@ -79,16 +81,16 @@ class Link {
   void* values_ = nullptr;
 };
 
-using InHost = Link<true>;  // objects in the host's memory
-using Ring = Link<false>;   // bytes in shared memory
+using InHost = Link<true>;  // holds objects in the host's memory
+using Ring = Link<false>;   // holds bytes in shared memory
 
-/// Over DDS: a gateway in this process takes the samples, and a bridge process writes them to the reader's
-/// link.
+/// A connection over DDS: a gateway in this process sends the samples to DDS, and a bridge process writes
+/// them into the reader's link.
 class BetweenDevices {
  public:
   static constexpr bool kAtOnce = false;
   static constexpr Nanoseconds kTolerance =
-      std::chrono::milliseconds{100};  // the two clocks are not read at the same instant
+      std::chrono::milliseconds{100};  // tolerance for the conversion between two clocks
   static constexpr std::uint64_t kMany = 5'000;
 
   explicit BetweenDevices(Quality quality) {
@@ -106,7 +108,7 @@ class BetweenDevices {
         .topic = "takt/ports/" + std::to_string(++made_),
         .type = model::parse_type(PortType<Sample>::info.description).value(),
         .quality = {.reliable = true, .depth = quality.depth, .deadline = {}, .lifespan = {}}};
-    setenv("TAKT_INTERFACE", "127.0.0.1", 1);  // for the bridge process
+    setenv("TAKT_INTERFACE", "127.0.0.1", 1);  // the bridge process reads this variable
     out_ = gateway().add_outgoing(flow, link(from_)).value();
     bridge_ = node::Bridge::start({.device = "test",
                                    .domain = domain(),
@@ -119,7 +121,9 @@ class BetweenDevices {
       return bridge_->opened() && gateway().health(out_).matched == 1 && bridge_->health(0).matched == 1;
     });
   }
-  ~BetweenDevices() { gateway().remove(out_); }
+  ~BetweenDevices() {
+    until([this] { return gateway().remove(out_); });
+  }
   BetweenDevices(const BetweenDevices&) = delete;
   BetweenDevices& operator=(const BetweenDevices&) = delete;
 
@@ -153,7 +157,7 @@ class BetweenDevices {
   static channel::WakeWord& wake_word() {
     return *reinterpret_cast<channel::WakeWord*>(wake_word_memory().data());
   }
-  // All tests share this gateway, because a process may have only one participant.
+  // One gateway for all tests, because a process may have only one DDS participant.
   static dds::Gateway& gateway() {
     static const auto made =
         dds::Gateway::create(
@@ -181,7 +185,7 @@ class BetweenDevices {
   std::unique_ptr<node::Bridge> bridge_;
 };
 
-/// A module with an output that runs at a given time.
+/// A module with one output. write() sets the time of the module's run and writes a sample.
 struct Writer {
   Writer() { out.serve(context); }
   Written write(std::uint64_t number, std::int64_t start_ns = 1000) {
@@ -193,7 +197,7 @@ struct Writer {
   Sample sample;
   OutPort<Sample> out{"out"};
 };
-/// A module with an input that runs at a given time.
+/// A module with one input. The tests set the time of its run in `context`.
 struct Reader {
   Reader() { in.serve(context); }
   std::vector<std::uint64_t> read_all() {

@@ -1,4 +1,4 @@
-// Reads values from the input of a fuzzer, one after the other. After the end of the input, all values are
+// Reads values one after the other from the input of a fuzzer. After the end of the input, all values are
 // zero or empty.
 #pragma once
 
@@ -27,7 +27,7 @@ class Bytes {
     left_.remove_prefix(taken.size());
     return taken;
   }
-  /// Reads a length of two bytes, and then that many bytes.
+  /// Reads a length from two bytes, and then that many bytes.
   std::string_view take_counted() { return take(take<std::uint16_t>()); }
   std::string_view rest() { return take(left_.size()); }
 

@@ -1,6 +1,6 @@
-// Sends a node forged commands and forged states of other nodes, whole or in parts, while events happen on
-// the device. The node must answer each valid command once. Everything that it publishes must pass
-// validation.hpp.
+// Sends a node forged commands and forged states of other nodes, complete or in parts, while events happen on
+// the device. The node must answer each valid command exactly once. Every message that the node publishes
+// must pass the checks of validation.hpp.
 //
 // An input is a list of steps. Each step begins with a letter, which selects the action (see Play).
 #include <array>
@@ -26,7 +26,8 @@ using namespace takt;
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 
-/// Decodes a sample in the same way as the generated type support and dds/checked_type.hpp.
+/// Decodes a sample as the generated type support and dds/checked_type.hpp do. Returns false if the bytes are
+/// invalid.
 template <class T>
 bool decode(std::string_view bytes, T& value) {
   std::string copy{bytes};
@@ -51,7 +52,7 @@ void check_same_again(const T& value) {
   TAKT_CHECK(decode({buffer.getBuffer(), cdr.getSerializedDataLength()}, again) && again == value);
 }
 
-/// Decodes and validates a sample. Returns false if it is rejected.
+/// Decodes and validates a sample. Returns false if the sample is invalid.
 template <class T>
 bool take(std::string_view bytes, T& value) {
   if (!decode(bytes, value) || !wire::validate(value)) return false;
@@ -104,7 +105,7 @@ class Play {
       case 'o':
         return outcomes(bytes_.take<std::uint8_t>());
       case 'g':
-        device_.agent.others().gone(heard_, 1);
+        device_.agent.others().remove(heard_, 1);
         return device_.agent.step();
       case 'l':
         device_.agent.others().lost(1);
@@ -130,14 +131,14 @@ class Play {
     if (!take(bytes_.take_counted(), status)) return;
     if constexpr (std::is_same_v<Status, DeviceStatus>) {
       heard_ = status;
-      device_.agent.others().heard(status, 1);
+      device_.agent.receive(status, 1, device_.now);
     } else {
-      device_.agent.others().heard(status);
+      device_.agent.others().receive(status);
     }
     device_.agent.step();
   }
 
-  // Returns a result like that of a real inspection: a file for each module.
+  // Returns the result of an inspection as a real inspection would: one path for each module of the device.
   [[nodiscard]] agent::Inspected found() const {
     agent::Inspected inspected{
         .paths = {}, .description = R"({"modules":[{"name":"servo","properties":[{"name":"gain"}]}]})"};
@@ -155,10 +156,10 @@ class Play {
     device_.agent.step();
     device_.work.inspected.reset();
   }
-  // Moves the deployment to the phase `to`, but never to an earlier phase.
+  // Moves the deployment to the phase `to`. Does nothing if the deployment has passed this phase.
   void phase(agent::Supervised::Phase to) {
     if (device_.work.supervised == 0 || device_.work.phase > to) return;
-    // When the deployment ends, every pending request gets an outcome.
+    // A deployment completes all pending requests before it ends.
     while (to == agent::Supervised::Phase::ended && !device_.work.done.empty()) outcomes(REPLY_FAILED);
     device_.work.phase = to;
     device_.agent.step();
@@ -174,7 +175,7 @@ class Play {
     device_.agent.step();
   }
 
-  // Ends all deployments and requests that are in progress.
+  // Ends all deployments and completes all requests.
   void end() {
     device_.agent.end(true);
     inspected(fail("it ends"));

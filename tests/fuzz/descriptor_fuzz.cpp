@@ -1,5 +1,5 @@
-// Parses arbitrary bytes as a descriptor. The result must be either a cell that satisfies every rule of the
-// model, or readable problems. tinyxml2 must be able to read everything that Takt's own scanner accepts.
+// Parses arbitrary bytes as a descriptor. The parser must return either a cell that satisfies every rule of
+// the model, or readable problems. tinyxml2 must be able to read every text that Takt's own scanner accepts.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -19,7 +19,7 @@ bool is_plain(const std::string& text) { return !text.empty() && takt::on_one_li
 void check_problem(const takt::Problem& problem, int last_line, bool bundle) {
   TAKT_CHECK(is_plain(problem.what));
   TAKT_CHECK(is_plain(problem.fix));
-  if (bundle) return;  // the problems of a bundle name its own files and lines, so they are not checked
+  if (bundle) return;  // a bundle names its own files and lines, which this function does not know
   TAKT_CHECK(problem.what.size() < 1000 && problem.fix.size() < 4000);
   TAKT_CHECK(problem.where.starts_with(kFile));
   const int line = std::stoi(problem.where.substr(kFile.size()));
@@ -28,7 +28,7 @@ void check_problem(const takt::Problem& problem, int last_line, bool bundle) {
   TAKT_CHECK(!problem.what.starts_with("the XML cannot be read"));
 }
 
-/// Checks the properties of an accepted cell on which other code relies.
+/// Checks that an accepted cell has the properties on which other code relies.
 void check_cell(const takt::model::Cell& cell) {
   using namespace takt::model;
   TAKT_CHECK(validate(cell).empty());

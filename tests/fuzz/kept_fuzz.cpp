@@ -1,9 +1,10 @@
-// Reads arbitrary bytes as a file that a node finds on its disk when it starts: its deployment, the saved
-// state of a module, or the fault record. If the node accepts a file, writing and reading the content must
-// not change it. A fault record must continue after its last event.
+// Reads arbitrary bytes as a file that a node finds on its disk when it starts: the node's deployment, the
+// saved state of a module, or the fault record. If the node accepts a file, writing and reading its content
+// must not change the content. New events in an accepted fault record must get higher numbers than its last
+// event.
 //
-// The first letter of an input selects the file (see LLVMFuzzerTestOneInput). If it is in lower case, the
-// fuzzer adds a correct checksum of the body.
+// The first letter of an input selects the file (see LLVMFuzzerTestOneInput). If the letter is in lower case,
+// the fuzzer adds a correct checksum of the body.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +36,7 @@ namespace {
 using namespace takt;
 
 /// A private folder of this process, in memory if possible. A fuzzer that finds a bug aborts without running
-/// destructors. So a helper process removes the folder when this process has ended.
+/// destructors. So a helper process waits for the end of this process and then removes the folder.
 class Folder {
  public:
   Folder() {
@@ -81,7 +82,7 @@ std::uint64_t checksum(std::string_view bytes) {
   return hash;
 }
 
-/// Returns a file in the format of node/whole_file.hpp.
+/// Returns the content of a file in the format of node/whole_file.hpp, with a correct checksum.
 std::string whole(const std::string& format, std::string_view body) {
   std::array<char, 24> digits{};
   std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(checksum(body)));
@@ -101,8 +102,8 @@ void check_deployment(std::string_view content) {
   TAKT_CHECK(kept->has_value());
   TAKT_CHECK(file.keep(**kept));
   const auto again = file.kept();
-  // Reading the file replaces bytes that are not valid UTF-8, and keep() writes the text with the
-  // replacements.
+  // kept() replaces bytes that are not valid UTF-8, and keep() writes the replaced text. So the second kept()
+  // returns the same deployment.
   TAKT_CHECK(again && *again && **again == **kept);
   static_cast<void>(model::parse_safe((*kept)->safe));
 }
@@ -141,14 +142,15 @@ void check_record(std::string_view content) {
     for (const model::Fault& fault : recorded->events) {
       TAKT_CHECK(fault.sequence > last);
       last = fault.sequence;
-      // Encoding shortens a text that has no terminating zero.
+      // encode_slot() shortens a text that has no terminating zero. So this checks only that encoding an
+      // event a second time does not change it.
       const auto again = node::decode_slot(node::encode_slot(fault));
       TAKT_CHECK(again && node::decode_slot(node::encode_slot(*again)) == *again);
       static_cast<void>(wire::to_wire(fault));
     }
   }
   const std::uint64_t newest = record.events().empty() ? 0 : record.events().back().sequence;
-  // Numbers near the maximum leave no room for further events.
+  // Sequence numbers near the maximum leave no room for the three events that follow here.
   if (newest > (std::uint64_t{1} << 62U) - 3) return;
   for (int i = 1; i <= 3; ++i) {
     model::Fault fault{
@@ -161,7 +163,7 @@ void check_record(std::string_view content) {
   TAKT_CHECK(on_disk && on_disk->events == record.events());
 }
 
-/// Returns a record with valid slots, whose fields have arbitrary contents.
+/// Returns a fault record with valid checksums, whose events have arbitrary contents.
 std::string forged_record(fuzz::Bytes bytes) {
   constexpr std::size_t kHeader = 4096;
   constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;

@@ -1,7 +1,7 @@
 // Parses arbitrary text as a map of Modbus points, and sends arbitrary bytes from a master to a device with
-// that map. The parser must accept the map or report all its mistakes. Accepted points must be valid, and a
-// value must survive the conversion to registers and back. The master must get only well-formed frames, and
-// must be able to write only outputs.
+// that map. The parser must accept the map or report all its mistakes. Accepted points must be valid, and
+// converting a value to registers and back must not change it. The device must send the master only
+// well-formed frames, and must let the master write only outputs.
 //
 // An input consists of the map, a zero byte, and the bytes that the master sends.
 #include <array>
@@ -75,7 +75,7 @@ void check_points(const std::vector<Point>& points) {
   check_groups(points, false, kReadLimits);
 }
 
-/// Checks that the device has answered with complete frames only.
+/// Checks that the device has sent the master only complete frames.
 void check_answers(std::string_view bytes) {
   while (!bytes.empty()) {
     TAKT_CHECK(bytes.size() >= 9 && bytes[2] == 0 && bytes[3] == 0);

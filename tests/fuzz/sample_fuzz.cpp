@@ -1,6 +1,6 @@
 // Decodes arbitrary bytes as a sample of a port. Three decoders must agree on whether the sample is valid:
-// the decoder of C++ components, the decoder of C components, and the decoder that knows the type only from
-// its description (dds/raw.cpp). Decoding and encoding must not change a valid sample.
+// the decoder of C++ components, the decoder of C components, and the decoder that knows only the description
+// of the type (dds/raw.cpp). Decoding a valid sample and encoding it again must not change its values.
 //
 // The first byte of an input selects the type.
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace {
 
 using Sample = std::vector<std::byte>;
 
-/// Number of extra bytes in the output buffer, after the maximum size of a sample.
+/// Number of bytes in the output buffer beyond the maximum size of a sample.
 constexpr std::size_t kGuard = 16;
 
 template <class T>

@@ -59,12 +59,17 @@ def counted(data):
     return struct.pack("<H", len(data)) + data
 
 
-def device(state, name="line", health=0, stops=False, deployment="d1"):
+WAITING, RUNNING_STATE, ENDED = 0, 5, 7  # values of DeviceState
+
+
+def device(state, name="line", health=0, stops=False, deployment="d1", undeployed="", update="",
+           update_state=0):
     cdr = Cdr()
     for text in ("cell/" + name, "cell", name, "there", "elsewhere"):
         cdr.text(text)
-    cdr.number("I", state).number("I", health).text("why").number("B", stops).text(deployment).number("B", 1)
+    cdr.number("I", state).number("I", health).text("why").number("B", stops).text(deployment).number("q", NOW).text(undeployed).text(update).number("I", update_state).number("B", 1)
     cdr.number("i", 42).number("i", 43).number("I", 0).number("I", 1).number("I", 1).number("Q", 5).number("q", NOW)
+    cdr.number("q", 7 * 10**9).number("I", 1).text("here").number("q", 5 * 10**9 - 10**6).number("q", 10**5)  # an answer
     return b"d" + counted(cdr.bytes())
 
 
@@ -78,7 +83,7 @@ def module(state):
 
 PREPARED = command(PREPARE, data=CELL.encode(), value="cell.xml")
 RUNNING = PREPARED + b"ir" + command(RUN, time=NOW + 5 * 10**8,
-                                     data=json.dumps([{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]).encode()) + b"s\3"
+                                     data=json.dumps([{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]).encode()) + b"t\x09s\3"
 
 
 def update(gain):
@@ -99,8 +104,9 @@ COMMANDS = {
     "log": command(LOG, data=json.dumps({"module": "servo", "kinds": ["error", "overrun"], "after": 1, "since_ns": 5,
                                          "last": 10}).encode()) + command(TRACE, value="1000000"),
     "trace": RUNNING + command(TRACE, value="1000000"),
-    "others": RUNNING + device(3) + module(3) + b"t\x0a" + command(REPORT) + b"l" + device(5, health=2, stops=True) + b"g",
-    "namesake": device(0, name="robot", deployment="") + command(PREPARE, data=CELL.encode()),
+    "others": RUNNING + device(RUNNING_STATE) + module(3) + b"t\x0a" + command(REPORT) + b"l" + device(ENDED, health=2, stops=True) + b"g",
+    "undeployed": RUNNING + command(UNDEPLOY) + b"e" + device(RUNNING_STATE) + device(WAITING, deployment="", undeployed="d1"),
+    "namesake": device(WAITING, name="robot", deployment="") + command(PREPARE, data=CELL.encode()),
     "never": PREPARED + b"ir" + b"t\x0f" + b"t\x0f" + b"e",
     "swap": RUNNING + command(SWAP, module="servo", value="servo2.so") + b"i" + b"o\0",
     "in_place": RUNNING + update('"gain">2').replace(b"servo.so", b"serv2.so") + b"i" + command(CHANGE, name="u") + b"o\0" * 3 +

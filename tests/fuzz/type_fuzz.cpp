@@ -1,6 +1,6 @@
-// Parses arbitrary bytes as the description of a type, and as a sample of a type. A description must give
-// either problems, or a type within its limits that printing and parsing does not change. A sample must be
-// either invalid, or one that can be printed and built again from the text.
+// Parses arbitrary bytes as the description of a type, and as a sample of a type. The parser must either
+// report problems or return a type within the limits. Printing and parsing this type must not change it. A
+// sample must either be invalid, or survive being printed as JSON and built again from the JSON.
 //
 // An input that begins with a digit is a sample of the type with that index in kTypes. Any other input is a
 // description up to the first line feed, followed by a sample as bytes or as JSON.
@@ -39,7 +39,8 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// The fuzzer skips larger types, because their samples take long to build and find no other bugs.
+/// Maximum size, in bytes, of the types whose samples the fuzzer builds. Samples of larger types take long to
+/// build and find no other bugs.
 constexpr std::size_t kLarge = 64 * 1024;
 
 void check_sample(const Type& type, std::string_view input) {
@@ -51,7 +52,8 @@ void check_sample(const Type& type, std::string_view input) {
     TAKT_CHECK(is_utf8(json) && json.find('\n') == std::string::npos);
     if (takt::model::max_size(type) > kLarge) return;
     const auto again = takt::model::sample_bytes(type, json);
-    // A byte that is not valid UTF-8 is printed as three bytes, which may exceed the bound.
+    // sample_json() prints a byte that is not valid UTF-8 as three bytes, which may exceed the bound of a
+    // string.
     if (!again.ok()) return TAKT_CHECK(json.find("\xEF\xBF\xBD") != std::string::npos);
     TAKT_CHECK(takt::model::is_sample(type, again->data(), again->size()));
     TAKT_CHECK(takt::model::sample_json(type, again->data(), again->size()) == json);

@@ -88,6 +88,11 @@ class Networks:
                                             text=True, bufsize=1)
         self._switch.stdin.write("link set dev %s state %d\n" % (self._cable(machine), state))
 
+    def lose_packets(self, sender, receiver):
+        """Loses all unicast packets from one machine to another, but not those in the opposite direction."""
+        self._ip("-n", self._space(sender), "neigh", "replace", self.address(receiver), "lladdr", "02:00:00:00:00:01", "dev", "eth0",
+                 "nud", "permanent")
+
     def no_multicast(self):
         """Makes the bridge forward only unicast packets, as many managed switches do."""
         for machine in self.machines:

@@ -4,7 +4,7 @@ A test derives from Case. Each program that it starts has a unique mark in its e
 a test finds all processes of one run, whatever their parent is now, and never those of another run on the same machine.
 
 TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test program runs in its own namespaces
-(machine.py). Each test uses a free DDS domain out of TAKT_TEST_DOMAINS ("1-100" unless set), and only the loopback interface.
+(machine.py). Each test uses a free DDS domain out of TAKT_TEST_DOMAINS ("1-76" unless set), and only the loopback interface.
 TAKT_TEST_FULL=1 runs the full form of the tests that have a short form.
 """
 
@@ -49,15 +49,23 @@ def how_much(variable, short, full):
 
 
 def timing(why):
-    """Marks a test that asserts durations in real time. `why` says why a test on virtual time could not check the same. CTest runs only one
-    such test at a time."""
+    """Marks a test that asserts durations in real time. `why` says why a test on virtual time could not check the same thing. CTest runs
+    only one such test at a time."""
     assert why
     return lambda test: test
 
 
 def alone(why):
-    """Marks a test that CTest runs alone; `why` says why. All tests place their executors on the last CPU. An executor that keeps this CPU
-    busy would starve the executors of other tests. A test that counts missed rows would count rows that other tests made it miss."""
+    """Marks a test during which CTest runs no other test with executors; `why` says why. All tests place their executors on the last CPU. An
+    executor that keeps this CPU busy would starve the executors of other tests. A test that counts missed rows would count rows that other
+    tests made it miss."""
+    assert why
+    return lambda test: test
+
+
+def quiet(why):
+    """Marks a test during which CTest runs no other test; `why` says why. Such a test asserts how soon threads without a real-time priority
+    act, and other tests would take CPU time from these threads."""
     assert why
     return lambda test: test
 
@@ -123,8 +131,8 @@ _claims = []  # one socket for each domain that the current test has claimed
 
 
 def claim_domain(domain):
-    """Claims the domain until release_domains() is called. Returns False if another process uses the domain or another test has claimed
-    it."""
+    """Claims the domain until release_domains() is called. Returns False if another process uses the domain, or if another test has
+    claimed it."""
     claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
@@ -146,8 +154,9 @@ def progress(text):
 
 def free_domain():
     """Claims a DDS domain whose first port is free, so that no process on this machine uses the domain. The claim lasts until
-    release_domains(), also while no program of this test runs."""
-    first, last = (int(n) for n in os.environ.get("TAKT_TEST_DOMAINS", "1-100").split("-"))
+    release_domains() is called, even while no program of this test runs. Pages of the documentation name domain 77, so only the tests of
+    these pages use it."""
+    first, last = (int(n) for n in os.environ.get("TAKT_TEST_DOMAINS", "1-76").split("-"))
     domains = list(range(first, last + 1))
     random.shuffle(domains)
     for domain in domains:
@@ -165,7 +174,7 @@ def wait_until(condition, limit=10.0, what="the condition"):
     """Returns the value of `condition` as soon as it is true. Fails if it is still false after `limit` seconds."""
     end = time.monotonic() + limit
     while True:
-        late = time.monotonic() > end  # read the clock before the check, so that a test that was stalled still checks once more
+        late = time.monotonic() > end  # read the clock before the check: if the machine stalls in between, the loop checks once more
         value = condition()
         if value:
             return value
@@ -181,7 +190,7 @@ class Run:
                  error=subprocess.PIPE):
         self.mark = uuid.uuid4().hex
         self.began = time.monotonic()
-        self._seen = set()  # memories
+        self._seen = set()  # the shared memories that processes of this run have had open
         everything = dict(os.environ, **(environment or {}))
         everything[MARK] = self.mark
         everything.setdefault("NO_COLOR", "1")
@@ -208,10 +217,10 @@ class Run:
         for line in self._process.stderr:
             self.raw.append(line.decode(errors="replace").rstrip("\n"))
 
-    # While it runs
+    # Functions to use while the program runs.
 
     def processes(self, program=None):
-        """Returns all processes of this run. Leaves out zombies, and children between fork and exec, which are still copies of their
+        """Returns all processes of this run. Leaves out zombies, and children between fork() and exec(), which are still copies of their
         parent."""
         wanted = ("%s=%s" % (MARK, self.mark)).encode()
         all_of_it = {}
@@ -267,8 +276,15 @@ class Run:
             wait_until(self._is_stopped, 10, "every thread to stop")
         return now
 
+    def halt(self):
+        """Stops the program with SIGSTOP. Returns false if the program has ended before."""
+        if self._process.poll() is None:
+            os.kill(self.pid, signal.SIGSTOP)
+            wait_until(lambda: self._process.poll() is not None or self._is_stopped(), 10, "every thread to stop")
+        return self._process.poll() is None
+
     def _is_stopped(self):
-        """Whether every thread is stopped. A busy machine stops them some milliseconds after the signal."""
+        """Returns whether every thread is stopped. A busy machine stops the threads some milliseconds after the signal."""
         for stat in glob.glob("/proc/%d/task/*/stat" % self.pid):
             with open(stat) as file:
                 if file.read().rpartition(")")[2].split()[0] != "T":
@@ -303,7 +319,7 @@ class Run:
             if pipe is not None and not reader.is_alive():
                 pipe.close()
 
-    # Its output
+    # Functions that read the output of the program.
 
     @property
     def status(self):
@@ -405,8 +421,8 @@ class Watcher:
                 self._whole[match[1]] = "EXECUTING" if match[3] and match[3] == match[4] else match[2]
 
     def holds(self, wanted):
-        """Returns whether takt watch has shown these states (see Case.wait_for_states()). The answer may be wrong if it still shows modules
-        of an earlier deployment."""
+        """Returns whether takt watch has shown these states (see Case.wait_for_states()). The answer may be wrong while takt watch still
+        shows modules of an earlier deployment."""
         self._hear()
         for device, states in wanted.items():
             found = self._modules.get(device, {})
@@ -423,7 +439,7 @@ class Watcher:
 
 
 class Case(unittest.TestCase):
-    """The base class of all system tests. It gives each test its own folder, and checks that the test leaves nothing behind."""
+    """The base class of all system tests. Case gives each test its own folder, and checks that the test leaves nothing behind."""
 
     def setUp(self):
         self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
@@ -502,11 +518,12 @@ class Case(unittest.TestCase):
         return self.agreed(lambda: self.takt("deploy", descriptor, *options))
 
     def agreed(self, deploy):
-        """Runs a command that deploys a cell, and returns its run. If the machine stalls, takt may miss two limits: 3 s to find the devices, and
-        0.8 s to agree on the instant of the start. No module has run in this case, so this function repeats the command."""
+        """Runs a command that deploys a cell, and returns its run. If the machine stalls, takt and the devices may miss one of three limits:
+        3 s to find the devices, 0.8 s to confirm the instant of the start, and 1 s until every device knows that all others have confirmed
+        it. In this case no module has run, so this function repeats the command."""
         for _ in range(3):
             run = deploy()
-            if "no answer to command run within" not in run.err and "not found on domain" not in run.err:
+            if not re.search("no answer to command run within|not found on domain|T0 came before", run.err):
                 break
             print("takt deploy is repeated: " + run.err)
         self.assertEqual(0, run.status, run.err)
@@ -514,7 +531,7 @@ class Case(unittest.TestCase):
 
     def wait_for_states(self, wanted, limit=15.0):
         """Waits until takt status shows these states: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns the status by
-        device. It runs takt status once takt watch has shown the states, and every second."""
+        device. Runs takt status once takt watch has shown the states, and every second."""
         if self._watcher is None:
             self._watcher = Watcher(self.start("watch"))
         asked = 0.0

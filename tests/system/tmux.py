@@ -16,7 +16,7 @@ class Tmux:
         settings = os.path.join(folder, "tmux.conf")
         with open(settings, "w", encoding="utf-8") as file:
             file.write("set -g status off\nset -g default-shell /bin/sh\n")
-        # The screen uses UTF-8, independent of the locale of the test.
+        # The screen uses UTF-8, whatever the locale of the test is.
         self._environment = dict(os.environ, LC_ALL="C.UTF-8", **(environment or {}))
         self._do("-f", settings, "new-session", "-d", "-x", str(columns), "-y", str(rows), "-c", folder,
                  shlex.join(arguments))

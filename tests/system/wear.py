@@ -28,14 +28,14 @@ class Wear:
 
     @property
     def ends(self):
-        """The first values after the warm-up, the last values, and the numbers of measurements and processes."""
+        """Returns the first values after the warm-up, the last values, and the numbers of measurements and processes."""
         looks = [look for life in self.lives for look in life]
         return {"first": looks[min(1, len(looks) - 1)], "last": looks[-1], "looks": len(looks), "lives": len(self.lives)} if looks else {}
 
     def assert_none(self, test, memory_from=4):
         """Fails if the use of a resource has grown. Ignores the memory of a process that was measured less than `memory_from` times."""
-        # A process needs more memory after it has written its first fault trace. So this compares the last values with the first half of
-        # its life, not with its start. half.
+        # A process needs more memory after it has written its first fault trace. So this function compares the last values with those of the
+        # first half of the process's life, not with those of its start.
         for life in self.lives:
             first, second = life[1:len(life) // 2], life[len(life) // 2:]
             if not first:

@@ -1,3 +1,8 @@
 #include <takt/host/host.hpp>
 
-int main() { return takt::host::run_host(); }
+#include "signatures.hpp"
+
+int main() {
+  takt::tool::require_signatures();
+  return takt::host::run_host();
+}

@@ -21,8 +21,8 @@
 
 namespace {
 
-// The terminate handler. When the system denies memory or a thread, the standard library throws an exception.
-// Code of Fast DDS may throw it on a thread of its own, where nothing catches it.
+// The terminate handler: reports that the system denied takt-node memory or a thread. In this case the
+// standard library throws an exception, and no code catches it on a thread of Fast DDS.
 [[noreturn]] void report_exhaustion() {
   const auto report = [](const char* what) {
     std::fprintf(
@@ -46,7 +46,7 @@ namespace {
 }  // namespace
 
 int main(int argc, char** argv) {
-  takt::tool::require_signatures();  // comes first because run_inspection() needs it too
+  takt::tool::require_signatures();  // before run_inspection(), which must accept only signed components too
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
   if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
     const int status = takt::node::run_bridge(takt::client::interfaces());
@@ -69,7 +69,8 @@ int main(int argc, char** argv) {
   takt::tool::add_network_options(app, network);
   std::uint16_t port = 0;
   app.add_option("--serve-discovery", port, "also act as the discovery server, on this port")
-      ->type_name("PORT");
+      ->type_name("PORT")
+      ->check(CLI::Range(1, 65535).description(""));
   const auto* state_folder =
       app.add_option("--state-dir", options.state_folder,
                      "folder for the fault record and for the deployment that --resume restores (default: "
@@ -111,7 +112,7 @@ Status: 0 clean shutdown, 1 rejected or failed (the reason is on standard error)
   }
   options.domain = *domain;
   options.state_folder_given = state_folder->count() != 0;
-  // Programs of the cell that use DDS directly, such as the recorder, read the cell's domain from
+  // Process modules that use DDS directly, such as the recorder, read the domain of their cell from
   // TAKT_DOMAIN.
   takt::os::set_environment("TAKT_DOMAIN", std::to_string(*domain));
   options.discovery = takt::client::discovery_of(network);

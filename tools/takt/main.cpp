@@ -1,4 +1,5 @@
 // The program takt: parses the command line and runs the chosen command.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -40,10 +41,21 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
   shorten_errors(app);
   if (argc == 3 && std::string_view{argv[1]} == kWritePages) return write_pages(app, argv[2], 1);
 
+  // `takt help COMMAND` is `takt COMMAND --help`.
+  std::vector<char*> words(argv, argv + argc);
+  std::string help = "--help";
+  if (argc > 1 && std::string_view{argv[1]} == "help") {
+    words.erase(words.begin() + 1);
+    words.insert(words.begin() + std::min(argc - 1, 2), help.data());
+    argv = words.data();
+  }
+
   const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
     std::vector<std::string> names;
-    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    for (const CLI::App* command : app.get_subcommands({})) {
+      if (!command->get_group().empty()) names.push_back(command->get_name());
+    }
     const std::string_view meant = takt::nearest(argv[1], {names.begin(), names.end()});
     const std::string wrong = "takt: there is no command " + takt::in_quotes(argv[1]);
     if (meant.empty())
@@ -51,6 +63,22 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
     else
       std::fprintf(stderr, "%s; did you mean %s?\n", wrong.c_str(), std::string{meant}.c_str());
     return 2;
+  }
+  if (argc > 2 && argv[2][0] != '-') {
+    const std::vector<CLI::App*> of_command = app.get_subcommand(argv[1])->get_subcommands({});
+    std::string known;
+    bool is_known = of_command.empty();
+    for (const CLI::App* command : of_command) {
+      if (!command->get_group().empty()) known += (known.empty() ? "" : ", ") + command->get_name();
+      is_known |= command->get_name() == argv[2];
+    }
+    if (!is_known) {
+      std::fprintf(stderr,
+                   "takt %s: there is no command %s; the commands are %s\n"
+                   "Usage: takt %s SUBCOMMAND [OPTIONS]\ntakt %s --help explains all commands\n",
+                   argv[1], takt::in_quotes(argv[2]).c_str(), known.c_str(), argv[1], argv[1]);
+      return 2;
+    }
   }
   require_signatures();
   try {

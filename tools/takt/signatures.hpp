@@ -3,8 +3,8 @@
 
 namespace takt::tool {
 
-/// If TAKT_SIGNED_BY names a certificate, this process rejects all components not signed with the
-/// certificate's key from now on. Call this function before the process starts other threads.
+/// If the environment variable TAKT_SIGNED_BY names a certificate, this process from now on rejects every
+/// component that is not signed with its key. Call this function before the process starts other threads.
 void require_signatures();
 
 }  // namespace takt::tool

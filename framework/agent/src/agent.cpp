@@ -23,7 +23,13 @@ Agent::Agent(Options options, Factories factories, Publisher& publisher)
         if (kept && record.file().empty())
           log("warning: the fault record is only in memory now: " + in_words(record.problems()));
         publisher_.publish(wire::to_wire(fault));
-      }) {}
+      }) {
+  if (!options_.store) return;
+  if (const auto kept = options_.store->undeployed())
+    undeployed_ = *kept;
+  else
+    log("warning: " + in_words(kept.problems()));
+}
 
 Agent::~Agent() = default;
 
@@ -44,15 +50,19 @@ void Agent::end(bool at_once) {
 bool Agent::ended() const {
   if (!ending_) return false;
   if (deployment_ && !deployment_->over) return false;
-  // takt run closes the lifetime descriptor once it has the report; until then the answer may be on its way.
+  // `takt run` closes the lifetime descriptor once it has received the final report. Until then, the answer
+  // to `takt run` may still be on its way.
   return at_once_ || !options_.temporary || !ended_at_ || options_.now() - *ended_at_ > kReportFetched;
 }
 
 void Agent::step() {
-  watch_names();
-  watch_devices();
-  watch_cell();
-  watch_disk();
+  check_names();
+  check_interruption();
+  check_devices();
+  check_clocks();
+  check_cell();
+  check_undeployed();
+  check_disk();
   check_inspection();
   step_supervised();
   check_description();
@@ -63,27 +73,10 @@ void Agent::step() {
   filter_.step(options_.now());
 }
 
-// Looks for other nodes with this node's name. Both would answer commands, and a cell could run on either or
-// both.
-void Agent::watch_names() {
-  std::string clash;
-  for (const wire::ObservedDevice& other : others_.devices(options_.device)) {
-    if (!other.alive || other.node() == options_.node) continue;
-    clash = "another node named " + options_.device + " is on domain " + std::to_string(options_.domain) +
-            ": process " + std::to_string(other.status.process_id()) + " on " +
-            other.status.host_name().to_string();
-  }
-  if (clash == name_clash_) return;
-  log(clash.empty()
-          ? "the other node with this name is gone"
-          : clash + "; end or rename one of them: no cell can be deployed to either while both run");
-  name_clash_ = clash;
-}
-
 // Stops this device when a failure stops the whole cell. The loss of a device that has a stop-cell module
-// counts as such a failure, because the lost device could not report one. A device with such a module also
-// stops if it loses contact with all other devices, because they see it as lost.
-void Agent::watch_cell() {
+// counts as such a failure, because a lost device cannot report a failure. If this device has a stop-cell
+// module, it also stops when it loses contact with all other devices, because they treat this device as lost.
+void Agent::check_cell() {
   if (!deployment_ || !deployment_->supervised) return;
   const Deployment& d = *deployment_;
   const Phase phase = d.supervised->phase();
@@ -94,12 +87,13 @@ void Agent::watch_cell() {
   constexpr const char* kCure = "check its machine and network, then undeploy the cell and deploy it again";
   std::string lost;
   bool alone = true;
-  for (const wire::CellState::Heard& other : others_.of_deployment(d.id, options_.device)) {
+  for (const wire::CellState::LastStatus& other : others_.of_deployment(d.id, options_.device)) {
     const std::string name = other.status.device().to_string();
     if (other.status.stops_cell())
       return stop(options_.device, "stops with its cell: " + other.status.text().to_string());
     const DeviceState state = other.status.state();
-    const bool ran = state == DEVICE_READY || state == DEVICE_RUNNING;
+    const bool ran =
+        state == DEVICE_READY || state == DEVICE_ARMED || state == DEVICE_STARTED || state == DEVICE_RUNNING;
     if (other.alive) alone = false;
     if (other.alive || !ran) continue;
     const auto device = std::find_if(d.cell.devices.begin(), d.cell.devices.end(),
@@ -135,6 +129,8 @@ DeviceStatus Agent::status() const {
   if (d != nullptr) {
     wire::set(status.deployment(), d->id);
     status.state(DEVICE_PREPARING);
+    status.t0_ns(d->t0_wall_ns.value_or(0));
+    status.uninterrupted_s(static_cast<std::uint32_t>(uninterrupted().count()));
     status.modules(static_cast<std::uint32_t>(d->of_device().modules.size()));
   }
   if (d != nullptr && d->supervised) {
@@ -148,10 +144,12 @@ DeviceStatus Agent::status() const {
       case Phase::preparing:
         break;
       case Phase::ready:
-        status.state(DEVICE_READY);
+        status.state(d->start ? DEVICE_ARMED : DEVICE_READY);
         break;
       case Phase::running:
-        status.state(DEVICE_RUNNING);
+        status.state(!d->is_starting()                                 ? DEVICE_RUNNING
+                     : d->start->stage() == JointStart::Stage::started ? DEVICE_STARTED
+                                                                       : DEVICE_ARMED);
         break;
       case Phase::stopping:
         status.state(DEVICE_STOPPING);
@@ -171,6 +169,9 @@ DeviceStatus Agent::status() const {
     }
   }
   wire::set(status.text(), text);
+  wire::set(status.undeployed(), undeployed_but_held());
+  wire::set(status.update(), update_ ? update_->id() : update_id_);
+  status.update_state(update_ ? update_->state() : update_end_);
   return status;
 }
 
@@ -180,9 +181,12 @@ void Agent::publish_status() {
   if (published_once_ &&
       same([](const auto& s) { return s.path(); }, [](const auto& s) { return s.state(); },
            [](const auto& s) { return s.health(); }, [](const auto& s) { return s.text(); },
-           [](const auto& s) { return s.deployment(); }, [](const auto& s) { return s.real_time(); },
-           [](const auto& s) { return s.host_process_id(); }, [](const auto& s) { return s.host_restarts(); },
-           [](const auto& s) { return s.modules(); }, [](const auto& s) { return s.executing(); })) {
+           [](const auto& s) { return s.deployment(); }, [](const auto& s) { return s.t0_ns(); },
+           [](const auto& s) { return s.uninterrupted_s(); }, [](const auto& s) { return s.undeployed(); },
+           [](const auto& s) { return s.update(); }, [](const auto& s) { return s.update_state(); },
+           [](const auto& s) { return s.real_time(); }, [](const auto& s) { return s.host_process_id(); },
+           [](const auto& s) { return s.host_restarts(); }, [](const auto& s) { return s.modules(); },
+           [](const auto& s) { return s.executing(); })) {
     return;
   }
   published_ = now;

@@ -1,5 +1,5 @@
-// How a device carries out an update, and undoes it: either changes its running modules one after the other,
-// or ends its deployment and brings another one up.
+// Carries out an update on a device, or undoes it. Either the agent changes the running modules one after the
+// other, or it ends the present deployment and starts the new one.
 #include <utility>
 
 #include "update.hpp"
@@ -15,7 +15,7 @@ void Agent::begin_again(const Deployment& description) {
   bring_up();
 }
 
-// Sets a property of a module to `value`, or swaps in the file `value`.
+// Sets the property of a module to `value`, or swaps the module to the file `value`.
 void Agent::Update::apply_change(const model::ModuleChange& change, const std::string& value,
                                  const std::function<void(const Outcome&)>& done) {
   const std::size_t index = agent_.deployment_->index_of(change.module);
@@ -27,12 +27,23 @@ void Agent::Update::apply_change(const model::ModuleChange& change, const std::s
     agent_.deployment_->supervised->set(module, change.property, value, done_if_alive);
     return;
   }
-  agent_.deployment_->supervised->swap(module, value,
-                                       [this, done_if_alive, index, value](const Outcome& outcome) {
-                                         if (outcome.code == REPLY_OK && agent_.deployment_)
-                                           agent_.deployment_->found.paths.at(index) = value;
-                                         done_if_alive(outcome);
-                                       });
+  agent_.deployment_->supervised->swap(
+      module, value, [this, alive = weak_from_this(), done, index, value](const Outcome& outcome) {
+        if (alive.expired()) return;
+        if (outcome.code == REPLY_OK && agent_.deployment_) {
+          agent_.deployment_->found.paths.at(index) = value;
+          note_build(index);
+        }
+        done(outcome);
+      });
+}
+
+// Records the build of a module's component after a swap.
+void Agent::Update::note_build(std::size_t index) {
+  Inspected& found = agent_.deployment_->found;
+  const Inspected& after = after_->found;
+  if (index >= found.builds.size() || index >= after.builds.size()) return;
+  found.builds[index] = found.paths.at(index) == after.paths.at(index) ? after.builds[index] : builds_[index];
 }
 
 void Agent::Update::change_next() {
@@ -66,10 +77,16 @@ void Agent::Update::undo_last() {
   const model::ModuleChange& last = difference_.in_place[replaced_.size() - 1];
   const std::string value = replaced_.back();
   replaced_.pop_back();
-  apply_change(last, value, [this, &last](const Outcome& outcome) {
+  const std::string module = "module " + agent_.options_.device + "." + last.module;
+  if (last.property.empty() && value == after_->found.paths.at(agent_.deployment_->index_of(last.module))) {
+    left_.push_back(
+        {module, "its change could not be undone, because the new component has overwritten the previous one",
+         "restore the previous file and run takt deploy --update again"});
+    return undo_last();
+  }
+  apply_change(last, value, [this, &last, module](const Outcome& outcome) {
     if (outcome.code != REPLY_OK)
-      left_.push_back({"module " + agent_.options_.device + "." + last.module,
-                       last.words + " could not be undone: " + outcome.text,
+      left_.push_back({module, last.words + " could not be undone: " + outcome.text,
                        "undeploy the cell and deploy it again"});
     undo_last();
   });

@@ -36,16 +36,47 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
   note_answer(command, code, text);
 }
 
+namespace {
+
+/// Returns true if two nodes with the same device name could both carry out the command, or give different
+/// answers. Returns false for a command that continues or ends a deployment or an update, because only the
+/// node that has begun the deployment or update can carry out such a command; and for the request for a
+/// report, which shows the conflict.
+bool is_ambiguous(const Command& command) {
+  switch (command.kind()) {
+    case COMMAND_RUN:
+    case COMMAND_UNDEPLOY:
+      return command.deployment().size() == 0;
+    case COMMAND_CHANGE:
+    case COMMAND_KEEP:
+    case COMMAND_PUT_BACK:
+    case COMMAND_REPORT:
+      return false;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
 void Agent::receive(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const Nanoseconds late = span(head.deadline_ns(), options_.wall_ns());
-  // Questions are answered even after their deadline, so that a device whose clock differs can still be
+  // The agent answers a question even after its deadline, so that a device whose clock differs can be
   // observed.
   if (head.deadline_ns() != 0 && late > Nanoseconds{0} && !wire::is_question(head.kind())) {
     answer(head, REPLY_LATE,
            std::string{takt::to_text(head.kind())} + " arrived " + takt::to_text(late) +
                " after its deadline; synchronise the clocks of the devices, or allow the command more time");
     return;
+  }
+  if (!name_clash_.empty() && is_ambiguous(head)) {
+    std::vector<DeviceStatus> nodes{published_};
+    for (const wire::ObservedDevice& other : others_.devices(options_.device)) {
+      if (other.alive && other.node() != options_.node) nodes.push_back(other.status);
+    }
+    return answer(head, REPLY_REFUSED,
+                  wire::nodes_of_one_name(nodes, options_.domain) + "; end all but one of them");
   }
   switch (head.kind()) {
     case COMMAND_REPORT:
@@ -89,20 +120,16 @@ void Agent::receive(const wire::WholeCommand& command) {
       if (Update* const update = update_of(head)) update->change(command);
       return;
     case COMMAND_KEEP:
-      if (Update* const update = update_of(head)) update->keep(head);
-      return;
+      return keep(head);
     case COMMAND_PUT_BACK:
-      // Without this update there is nothing to undo.
-      if (!update_ || update_->id() != head.property().to_string())
-        return answer(head, REPLY_OK, "", {}, {}, wire::kAsBefore);
-      return update_->cancel(head);
+      return put_back(head);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));
 }
 
 void Agent::report(const Command& command) {
-  // While other devices still prepare, these requests are the keep-alives of the deploying program.
+  // While this device waits for slower devices, `takt deploy` sends this request as a keep-alive.
   if (deployment_ && deployment_->ready_since && deployment_->id == command.deployment().to_string())
     deployment_->ready_since = options_.now();
   if (update_ && update_->leads_to(command.deployment().to_string())) update_->renew();
@@ -111,11 +138,24 @@ void Agent::report(const Command& command) {
               {"real_time", options_.real_time},
               {"executors", json::array()},
               {"modules", json::array()}};
-  if (deployment_ && deployment_->supervised) report = deployment_->supervised->report();
+  if (deployment_ && deployment_->supervised) {
+    report = deployment_->supervised->report();
+    const Inspected& found = deployment_->found;
+    for (std::size_t i = 0; i < std::min(report["modules"].size(), found.builds.size()); ++i) {
+      report["modules"][i]["file"] = found.paths.at(i);
+      report["modules"][i]["version"] = found.builds[i].version;
+      report["modules"][i]["hash"] = found.builds[i].hash;
+    }
+  }
   const DeviceStatus now = status();
   report["cell"] = deployment_ ? json(deployment_->cell.name) : json(nullptr);
+  report["deployment"] = deployment_ ? json(deployment_->id) : json(nullptr);
+  report["update"] = deployment_ && !deployment_->update.empty() ? json(deployment_->update) : json(nullptr);
+  report["update_state"] = takt::to_text(now.update_state());
   report["state"] = takt::to_text(now.state());
-  if (now.text().size() != 0) report["text"] = now.text().to_string();
+  if (!name_clash_.empty()) report["conflict"] = name_clash_;
+  if (now.text().size() != 0 && now.text().to_string() != name_clash_)
+    report["text"] = now.text().to_string();
   report["lost"] = lost_devices();
   report["devices"] = json::array();
   if (deployment_) {
@@ -125,12 +165,13 @@ void Agent::report(const Command& command) {
   for (const wire::ObservedDevice& other : others_.devices()) {
     if (other.alive) report["heard"].push_back(other.node());
   }
+  report["clock"] = clock_report();
   report["searching"] = options_.now() - began_ < kFindsOthers;
   answer(command, REPLY_OK, "", model::json_text(report));
 }
 
-// The lost devices of this cell, with the last received states of their modules. Programs that start later
-// cannot get them from the lost devices themselves.
+// Returns the lost devices of this cell, with the states of their modules that this node received last. A
+// program that starts after the loss cannot get these states from the lost devices themselves.
 json Agent::lost_devices() const {
   json list = json::array();
   if (!deployment_) return list;
@@ -208,23 +249,24 @@ void Agent::described(const Result<Inspected>& result) {
   }
 }
 
-/// A command to every module of the device, answered when all modules have answered.
+/// A command to every module of the device. The agent answers the command when all modules have answered.
 struct Agent::WholeDevice {
   Command command;
   json outcomes = json::array();
   std::size_t open = 0;
   std::size_t done = 0;
   std::size_t refused = 0;
-  std::string why;  ///< why the first of the failed modules failed
+  std::string why;  ///< the reason why the first failed module failed
 };
 
 bool Agent::runs(const Command& command) {
   if (deployment_ && deployment_->supervised && deployment_->supervised->phase() == Phase::running)
     return true;
-  answer(command, REPLY_REFUSED,
-         deployment_ ? "device " + options_.device + " is not running: its state is " +
-                           takt::to_text(published_.state())
-                     : "device " + options_.device + " has no deployment");
+  answer(
+      command, REPLY_REFUSED,
+      deployment_
+          ? "device " + options_.device + " is not running: its state is " + takt::to_text(published_.state())
+          : "device " + options_.device + " has no deployment; deploy a cell to it first: takt deploy CELL");
   return false;
 }
 
@@ -266,7 +308,8 @@ void Agent::tap(const Command& command) {
   if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  // The requested end may be wrong if the requester's clock differs. So its distance is limited.
+  // The requested end of the tap may be wrong, because the clock of the requesting machine may differ. So the
+  // tap stays open for at most kLongestTap.
   const Nanoseconds asked = span(options_.wall_ns(), command.time_ns());
   const Nanoseconds longer = asked > Nanoseconds{0} ? std::min(asked, kLongestTap) : kLongestTap;
   const auto tapped =
@@ -357,18 +400,21 @@ void Agent::check_swap() {
   if (!*result) {
     const Command command = *std::exchange(d.swap, std::nullopt);
     Problems problems = result->problems();
-    // The operator named a file, so the module's line in the descriptor would not help.
+    // The operator gave the file on the command line. So the problems name this file instead of the module's
+    // line in the descriptor.
     for (Problem& problem : problems) problem.where = "file " + command.value().to_string();
     reply_problems(command, REPLY_REFUSED, problems);
     return;
   }
   const std::string path = (*result)->paths.at(0);
-  d.supervised->swap(*module, path, [this, path, index = *module](const Outcome& outcome) {
+  const model::Build build = (*result)->builds.empty() ? model::Build{} : (*result)->builds[0];
+  d.supervised->swap(*module, path, [this, path, build, index = *module](const Outcome& outcome) {
     Deployment& swapped = *deployment_;
     const Command command = *std::exchange(swapped.swap, std::nullopt);
     if (outcome.code == REPLY_OK) {
       swapped.swapped[command.module_name().to_string()] = path;
       swapped.found.paths.at(index) = path;
+      if (index < swapped.found.builds.size()) swapped.found.builds[index] = build;
       swapped.description.clear();
     }
     const bool ok = outcome.code == REPLY_OK;

@@ -1,4 +1,4 @@
-// The state of an agent's deployment.
+// The data of the deployment that an agent carries out.
 #pragma once
 
 #include <map>
@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <takt/agent/agent.hpp>
+#include <takt/agent/joint_start.hpp>
 
 namespace takt::agent {
 
@@ -22,37 +23,47 @@ struct Agent::Deployment {
   std::size_t device = 0;
 
   std::unique_ptr<Inspection> inspection;  ///< the inspection, while it is in progress
-  Inspected found;                         ///< its result; later swaps change `paths`
+  Inspected found;  ///< the result of `inspection`; later swaps change `paths` and `builds`
   std::unique_ptr<Supervised> supervised;  ///< null until the inspection has succeeded
   std::string description;                 ///< JSON; empty until it is requested
   std::unique_ptr<Inspection> describing;  ///< the inspection that makes the description
-  std::vector<Command> describers;         ///< to be answered with the description
-  std::optional<Command> swap;             ///< the swap whose file is inspected or that is carried out
+  std::vector<Command> describers;         ///< commands to be answered with the description
+  std::optional<Command> swap;             ///< the swap in progress; it begins with `swap_inspection`
   std::unique_ptr<Inspection> swap_inspection;
   std::map<std::string, std::string> swapped;  ///< by module: files swapped in since the deployment
   std::map<std::string, std::map<std::string, std::string>> set;  ///< by module: properties set since the
                                                                   ///< deployment
-  std::vector<LifecycleStatus> modules;                           ///< as last published
+  std::vector<LifecycleStatus> modules;  ///< the status of each module, as published last
 
-  std::vector<Command> preparers;    ///< to be answered when every module is in START, or on failure
-  std::vector<Command> undeployers;  ///< to be answered when the deployment has ended
-  std::optional<Instant> ready_since;
+  std::vector<Command> preparers;    ///< commands to be answered when every module is in START, or on failure
+  std::vector<Command> undeployers;  ///< commands to be answered when the deployment has ended
+  std::optional<Instant> prepared_at;      ///< when every module was in START
+  std::optional<Instant> ready_since;      ///< since when this node has also found all other devices
   std::optional<std::int64_t> t0_wall_ns;  ///< T0 on the wall clock
   std::optional<Instant> t0;               ///< T0 on the monotonic clock, converted once
-  bool unsaved = false;                    ///< writing it to disk has failed and is tried again
-  std::string safe;    ///< safe values of the cell's outputs, in the format of model::parse_safe()
-  std::string undone;  ///< why it is undone before it has run; empty if it is not undone
-  bool over = false;   ///< it ended by itself and is kept for its status
+  std::optional<JointStart> start;         ///< set when T0 has arrived; empty if the deployment was restored
+  bool unsaved = false;  ///< the deployment could not be written to disk; the agent will try again
+  std::string update;    ///< id of the last update of this deployment; empty if there was none
+  std::string safe;      ///< safe values of the cell's outputs, in the format of model::parse_safe()
+  std::string undone;    ///< the reason why the agent undoes the deployment without a command; empty if the
+                         ///< agent does not
+  bool over = false;     ///< true: the deployment has ended by itself; its status can still be read
 
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
-  /// The index of a module, which the device must have.
+  /// True if the device has not heard yet that all other devices run.
+  [[nodiscard]] bool is_starting() const { return start && start->stage() != JointStart::Stage::running; }
+  /// Returns the index of a module, which the device must have.
   [[nodiscard]] std::size_t index_of(const std::string& module) const;
-  /// The ports of its modules: {"modules": [{"name", "ports": [...] or null}]}.
+  /// Returns the file and build of a module's component, for example "servo.so 1.2.0 3fa91c02". Empty if the
+  /// module or the build is not known.
+  [[nodiscard]] std::string component_of(const std::string& module) const;
+  /// Returns the ports of the device's modules as JSON: {"modules": [{"name", "ports": [...] or null}]}.
   [[nodiscard]] static nlohmann::ordered_json ports_of(const model::Device& device, const Inspected& found);
-  /// Takes over the swaps and property values that operators made in another deployment, wherever both
-  /// descriptors agree.
+  /// Copies the swaps and property values that operators made in deployment `other`, if both descriptors
+  /// state the same file or property value.
   void inherit(const Deployment& other);
-  /// A copy that can be brought up again on the same grid.
+  /// Returns a copy of the deployment that has not been started yet. The copy has the same T0, so its
+  /// releases are at the same instants.
   [[nodiscard]] std::unique_ptr<Deployment> afresh() const;
 };
 

@@ -1,4 +1,4 @@
-// The agent's commands prepare, run and undeploy, and the deployment saved on disk.
+// Carries out the commands prepare, run and undeploy, and saves and restores the deployment.
 #include "update.hpp"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include <takt/model/json.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/wire/words.hpp>
+#include "clocks.hpp"
 #include "limits.hpp"
 
 namespace takt::agent {
@@ -20,12 +21,13 @@ using Phase = Supervised::Phase;
 
 namespace {
 
-// Finds the device in a descriptor's text. Also plans the device's schedule, so that no later step can fail
-// because of it.
+// A cell, and the index of this device in it.
 struct Found {
   model::Cell cell;
   std::size_t device;
 };
+// Finds a device in the text of a descriptor. Also plans the device's schedule, so that no later step can
+// fail because there is no schedule.
 Result<Found> find_device(const std::string& text, const std::string& file, const std::string& name) {
   auto cell = descriptor::parse(text, file);
   if (!cell) return cell.problems();
@@ -41,6 +43,17 @@ Result<Found> find_device(const std::string& text, const std::string& file, cons
 }
 
 }  // namespace
+
+std::string Agent::Deployment::component_of(const std::string& module) const {
+  if (cell.devices.empty()) return "";
+  const auto& mine = of_device().modules;
+  for (std::size_t i = 0; i < std::min(mine.size(), found.builds.size()); ++i) {
+    if (mine[i].name != module || found.builds[i].hash.empty()) continue;
+    const std::string& path = found.paths.at(i);
+    return path.substr(path.rfind('/') + 1) + " " + model::to_text(found.builds[i]);
+  }
+  return "";
+}
 
 nlohmann::ordered_json Agent::Deployment::ports_of(const model::Device& device, const Inspected& found) {
   json modules = json::array();
@@ -66,11 +79,12 @@ std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
   again->set = set;
   again->t0_wall_ns = t0_wall_ns;
   again->t0 = t0;
+  again->update = update;
   again->safe = safe;
   return again;
 }
 
-// Returns why the device cannot accept another deployment now.
+// Returns why the device cannot accept a new deployment now.
 std::string Agent::occupied() const {
   const std::string cell = " cell " + deployment_->cell.name;
   const std::string device = "device " + options_.device;
@@ -85,17 +99,16 @@ std::string Agent::occupied() const {
 void Agent::prepare(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const std::string id = head.deployment().to_string();
-  if (!name_clash_.empty()) {
-    answer(head, REPLY_REFUSED, name_clash_,
-           model::json_text(problems_json({{"device " + options_.device, name_clash_, "end one of them"}})));
-    return;
-  }
   if (ending_) {
     answer(head, REPLY_REFUSED, "the node of device " + options_.device + " is shutting down");
     return;
   }
   if (update_) {
     answer(head, REPLY_REFUSED, "device " + options_.device + " is being updated; try again later");
+    return;
+  }
+  if (std::find(undeployed_.begin(), undeployed_.end(), id) != undeployed_.end()) {
+    answer(head, REPLY_REFUSED, "device " + options_.device + " has already ended this deployment");
     return;
   }
   if (deployment_ && deployment_->id == id && !deployment_->over && deployment_->undeployers.empty()) {
@@ -121,6 +134,7 @@ void Agent::prepare(const wire::WholeCommand& command) {
 }
 
 void Agent::begin(std::unique_ptr<Deployment> deployment) {
+  resuming_ = false;
   last_refusal_.clear();
   deployment_ = std::move(deployment);
   auto found = find_device(deployment_->text, deployment_->file, options_.device);
@@ -204,7 +218,11 @@ void Agent::bring_up() {
        .executes =
            [this](const std::string& device, const std::string& module) {
              return others_.executes(deployment_->cell.name, device, module);
-           }});
+           },
+       .latest_clock = [this](const std::string& device) -> std::optional<std::int64_t> {
+         const auto bounds = clock_of(device);
+         return bounds ? std::optional{bounds->high_ns} : std::nullopt;
+       }});
   if (const auto prepared = d.supervised->prepare(); !prepared) abandon(prepared.problems());
 }
 
@@ -217,10 +235,11 @@ void Agent::stepped(const Step& step) {
   wire::set(status.text(), step.text);
   status.sequence_number(step.transition.sequence);
   status.time_ns(options_.wall_ns());
-  publisher_.publish(status);
+  // When this node gives way, the other node has published the states of the device's modules.
+  if (!has_given_way_) publisher_.publish(status);
 }
 
-// Ends a deployment that could not be brought up, and answers with the problems.
+// Ends a deployment that could not be started, and answers the waiting commands with the problems.
 void Agent::abandon(const Problems& problems) {
   if (update_ && update_->in_transit()) {
     update_->taken_down(problems);
@@ -240,32 +259,56 @@ void Agent::step_supervised() {
   if (!deployment_ || !deployment_->supervised || deployment_->over) return;
   Deployment& d = *deployment_;
   d.supervised->step();
+  step_start();
   switch (d.supervised->phase()) {
     case Phase::preparing:
     case Phase::running:
     case Phase::stopping:
       break;
     case Phase::ready:
+      if (!d.ready_since && !d.t0_wall_ns && !check_others()) break;
       if (!d.ready_since) {
-        d.ready_since = options_.now();
+        // Count from the end of the preparation, not from now: the client sent no message while this node
+        // searched for the other devices.
+        d.ready_since = d.prepared_at.value_or(options_.now());
         for (const Command& preparer : d.preparers)
           answer(preparer, REPLY_OK, "", model::json_text(Deployment::ports_of(d.of_device(), d.found)));
         d.preparers.clear();
         if (d.t0_wall_ns) {
-          go(*d.t0_wall_ns);
+          go();
           if (!update_) keep_for_restart();
         }
         if (update_ && update_->in_transit()) update_->brought_up();
-      } else if (options_.now() - *d.ready_since > kRunAwaited) {
-        d.undone = "no run command arrived within " + takt::to_text(kRunAwaited);
-        log("the deployment of cell " + d.cell.name + " is undone: " + d.undone);
-        d.supervised->stop();
+      } else if (!d.start && options_.now() - *d.ready_since > kRunAwaited) {
+        undo("no run command arrived within " + takt::to_text(kRunAwaited));
       }
       break;
     case Phase::ended:
       finish();
       break;
   }
+}
+
+// Returns true if this node has found the nodes of all other devices of the cell, with which it decides
+// whether the cell starts, and has compared its clock with theirs. Undoes the deployment if this takes too
+// long, or if the clocks differ too much: the devices begin at the same time of their wall clocks.
+bool Agent::check_others() {
+  Deployment& d = *deployment_;
+  if (!d.prepared_at) d.prepared_at = options_.now();
+  for (const model::Device& device : d.cell.devices) {
+    const auto nodes = others_.of_device(device.name);
+    const bool found = std::any_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.alive; });
+    if (device.name == options_.device) continue;
+    const auto clock = ahead(device.name);
+    if (found && clock && !differ(*clock)) continue;
+    if (found && clock)
+      undo(difference_text(options_.device, device.name, *clock));
+    else if (options_.now() - *d.prepared_at > kOthersFound)
+      undo((found ? "it has had no answer from device " : "it has not found device ") + device.name +
+           "; check the network between the two devices");
+    return false;
+  }
+  return true;
 }
 
 void Agent::run(const wire::WholeCommand& whole) {
@@ -277,36 +320,141 @@ void Agent::run(const wire::WholeCommand& whole) {
                (deployment_ ? "this deployment" : "a deployment"));
     return;
   }
-  if (deployment_->t0_wall_ns == command.time_ns()) {  // a repeated command
+  if (deployment_->t0_wall_ns == command.time_ns()) {  // the client has repeated the command
     answer(command, REPLY_OK, "");
     return;
   }
-  if (!deployment_->supervised || deployment_->supervised->phase() != Phase::ready) {
+  if (!deployment_->supervised || deployment_->supervised->phase() != Phase::ready || deployment_->start) {
     answer(command, REPLY_REFUSED, occupied());
     return;
   }
   const Nanoseconds ahead = span(options_.wall_ns(), command.time_ns());
   if (ahead <= Nanoseconds{0} || ahead > kFurthestStart) {
     answer(command, REPLY_REFUSED,
-           ahead <= Nanoseconds{0} ? "the start time passed " + takt::to_text(-ahead) + " ago on device " +
-                                         options_.device + "; synchronise the clocks of the devices"
-                                   : "the start time is " + takt::to_text(ahead) + " ahead on device " +
-                                         options_.device + "; synchronise the clocks of the devices");
+           ahead <= Nanoseconds{0}
+               ? "the start time passed " + takt::to_text(-ahead) + " ago on device " + options_.device +
+                     "; synchronise the clocks of the devices"
+               : "the start time is " + takt::to_text(ahead) + " in the future on device " + options_.device +
+                     ", more than the allowed " + takt::to_text(kFurthestStart) +
+                     "; synchronise the clocks of the devices");
     return;
   }
-  deployment_->safe = whole.data;
-  go(command.time_ns());
+  Deployment& d = *deployment_;
+  d.safe = whole.data;
+  d.t0_wall_ns = command.time_ns();
+  d.t0 = options_.instant_of_wall(command.time_ns());
+  d.start.emplace(*d.t0);
   answer(command, REPLY_OK, "");
-  keep_for_restart();  // after the answer, because the disk may take longer than the client waits
 }
 
-void Agent::go(std::int64_t t0_wall_ns) {
+Heard Agent::heard_from(const DeviceStatus& status) const {
+  const Deployment& d = *deployment_;
+  if (status.deployment() != d.id || status.undeployed() == d.id) return Heard::ended;
+  if (status.t0_ns() != *d.t0_wall_ns) return Heard::prepared;
+  switch (status.state()) {
+    case DEVICE_ARMED:
+      return Heard::armed;
+    case DEVICE_STARTED:
+      return Heard::started;
+    case DEVICE_RUNNING:
+      return Heard::running;
+    case DEVICE_STOPPING:
+    case DEVICE_ENDED:  // if T0 has passed, the device ran, and then failed by itself
+      return options_.now() < *d.t0 ? Heard::ended : Heard::running;
+    default:
+      return Heard::prepared;
+  }
+}
+
+// Returns what was heard last from each other device of the cell.
+std::map<std::string, Heard> Agent::heard() const {
+  const Deployment& d = *deployment_;
+  std::map<std::string, Heard> others;
+  for (const model::Device& device : d.cell.devices) {
+    if (device.name == options_.device) continue;
+    Heard& what = others[device.name];
+    for (const auto& [status, alive] : others_.of_device(device.name)) {
+      what = std::max(what, alive ? heard_from(status) : Heard::nothing);
+    }
+  }
+  return others;
+}
+
+void Agent::step_start() {
   Deployment& d = *deployment_;
-  d.t0_wall_ns = t0_wall_ns;
-  if (!d.t0) d.t0 = options_.instant_of_wall(t0_wall_ns);
+  const Phase phase = d.supervised->phase();
+  if (!d.is_starting() || (phase != Phase::ready && phase != Phase::running)) return;
+  d.start->step(options_.now(), heard());
+  if (d.start->stage() == JointStart::Stage::failed) return undo("not all devices run: " + d.start->why());
+  if (phase == Phase::running || d.start->stage() == JointStart::Stage::armed) return;
+  go();
+  keep_for_restart();
+}
+
+void Agent::go() {
+  Deployment& d = *deployment_;
+  if (!d.t0) d.t0 = options_.instant_of_wall(*d.t0_wall_ns);
   d.supervised->give_safe(model::parse_safe(d.safe));
   d.supervised->go(*d.t0);
-  note({.kind = model::FaultKind::deployed, .cause = "cell " + d.cell.name + " runs, from " + d.file});
+  std::string components;
+  for (const model::Module& module : d.of_device().modules) {
+    const std::string component = d.component_of(module.name);
+    if (!component.empty()) components += (components.empty() ? ": " : ", ") + component;
+  }
+  note({.kind = model::FaultKind::deployed,
+        .cause = "cell " + d.cell.name + " runs, from " + d.file + components});
+}
+
+// Ends the deployment without a command. The other devices hear this, and end it too.
+void Agent::undo(const std::string& why) {
+  Deployment& d = *deployment_;
+  d.undone = why;
+  log("the deployment of cell " + d.cell.name + " is undone: " + why);
+  remember_undeployed(d.id);
+  forget_kept();
+  if (update_) update_->drop("its deployment is undone");
+  if (!d.supervised)
+    abandon({fail(why)});
+  else if (d.over)
+    finish();
+  else
+    d.supervised->stop();
+}
+
+// Ends the deployment if another device of the cell has undeployed it. This device may have missed the
+// command, because it was lost then, or because the operator was lost before sending the command to all
+// devices.
+void Agent::check_undeployed() {
+  if (!deployment_ || !deployment_->undone.empty() || !deployment_->undeployers.empty() || ending_) return;
+  for (const model::Device& device : deployment_->cell.devices) {
+    if (device.name == options_.device) continue;
+    for (const auto& [status, alive] : others_.of_device(device.name)) {
+      if (alive && status.undeployed() == deployment_->id)
+        return undo("device " + device.name + " has ended it");
+    }
+  }
+}
+
+void Agent::remember_undeployed(const std::string& id) {
+  if (std::find(undeployed_.begin(), undeployed_.end(), id) != undeployed_.end()) return;
+  undeployed_.push_back(id);
+  if (undeployed_.size() > kUndeployedKept) undeployed_.erase(undeployed_.begin());
+  if (!options_.store) return;
+  if (const auto kept = options_.store->keep_undeployed(undeployed_); !kept)
+    log("warning: if this node restarts, it does not pass on that a deployment was undeployed: " +
+        in_words(kept.problems()));
+}
+
+// Returns the id of an undeployed deployment that another device still has, or that still ends on this
+// device.
+std::string Agent::undeployed_but_held() const {
+  for (const std::string& id : undeployed_) {
+    const auto others = others_.of_deployment(id, options_.device);
+    const bool held =
+        std::any_of(others.begin(), others.end(), [](const auto& other) { return other.alive; });
+    if (held || (deployment_ && deployment_->id == id)) return id;
+  }
+  return "";
 }
 
 void Agent::keep_for_restart() {
@@ -319,7 +467,8 @@ void Agent::keep_for_restart() {
                                           .t0_ns = *d.t0_wall_ns,
                                           .boot = options_.boot,
                                           .t0_monotonic_ns = to_ns(*d.t0),
-                                          .safe = d.safe});
+                                          .safe = d.safe,
+                                          .update = d.update});
   const bool again = std::exchange(d.unsaved, !kept);
   if (kept && again) log("cell " + d.cell.name + " is saved for --resume again");
   if (kept || again) return;
@@ -329,8 +478,9 @@ void Agent::keep_for_restart() {
   note({.kind = model::FaultKind::error, .cause = what});
 }
 
-// Tries again to write the files that could not be written, because there may be space on the disk again.
-void Agent::watch_disk() {
+// Tries again, every kDiskTriedEvery, to write the files that could not be written before. The disk may have
+// space again.
+void Agent::check_disk() {
   const Instant now = options_.now();
   if (now - disk_tried_at_ < kDiskTriedEvery) return;
   disk_tried_at_ = now;
@@ -348,6 +498,8 @@ void Agent::undeploy(const Command& command) {
   }
   if (update_) update_->drop("it was undeployed");
   if (!deployment_) {
+    resuming_ = false;
+    if (!id.empty()) remember_undeployed(id);
     forget_kept();
     last_refusal_.clear();
     answer(command, REPLY_OK, "device " + options_.device + " has no deployment",
@@ -355,6 +507,9 @@ void Agent::undeploy(const Command& command) {
     return;
   }
   deployment_->undeployers.push_back(command);
+  // `takt run` uses this command also to fetch the report of a device that has ended while the others
+  // continue.
+  if (!deployment_->over || !options_.temporary) remember_undeployed(deployment_->id);
   if (!deployment_->supervised) {
     abandon({fail("it was undeployed")});
   } else if (deployment_->over) {
@@ -364,7 +519,8 @@ void Agent::undeploy(const Command& command) {
   }
 }
 
-// Called when the deployment has ended, by a failure or on command.
+// Records the end of the deployment, and answers the waiting commands. Called when a failure or a command has
+// ended the deployment.
 void Agent::finish() {
   Deployment& d = *deployment_;
   const Problems failures = d.supervised->failures();
@@ -372,9 +528,15 @@ void Agent::finish() {
   const std::vector<Command> preparers = std::move(d.preparers);
   const std::vector<Command> undeployers = std::move(d.undeployers);
   const bool in_transit = update_ && update_->in_transit();
+  const Problems reasons =
+      failures.empty() ? Problems{fail(d.undone.empty() ? "it was undeployed" : d.undone)} : failures;
   ended_at_ = options_.now();
   nlohmann::ordered_json texts = nlohmann::ordered_json::array();
   for (const Problem& problem : failures) texts.push_back(to_text(problem));
+  // An operator has undeployed the cell on another device, which is no failure.
+  const bool passed_on = !d.undone.empty() && d.t0_wall_ns && !d.is_starting();
+  if (!d.undone.empty() && !passed_on)
+    texts.push_back(to_text(Problem{"device " + options_.device, d.undone, ""}));
   last_id_ = d.id;
   last_data_ = model::json_text({{"report", d.supervised->report()}, {"failures", texts}});
   if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
@@ -397,19 +559,19 @@ void Agent::finish() {
     return;
   }
   if (undeployers.empty() && started && d.undone.empty()) {
-    // An update that has replaced the deployment can still be undone.
+    // An update ends with the old deployment. But if the new deployment has ended, the update can still be
+    // undone.
     if (update_ && !update_->has_replaced())
       update_->drop("the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]})));
     d.over = true;
     return;
   }
-  if (!undeployers.empty()) {
-    forget_kept();
-    log("cell " + d.cell.name + " is undeployed");
-  }
+  if (!undeployers.empty()) forget_kept();
+  if (!undeployers.empty() || passed_on) log("cell " + d.cell.name + " is undeployed");
+  if (!d.undone.empty() && d.is_starting() && undeployers.empty())
+    last_refusal_ = "cell " + d.cell.name + " was not started: " + d.undone;
   clear();
-  publish_status();  // before the answer, so that its receiver sees that the device is free
-  const Problems reasons = failures.empty() ? Problems{fail("it was undeployed")} : failures;
+  publish_status();  // before the answers, so that a client with an answer sees that the device is free
   for (const Command& preparer : preparers)
     answer(preparer, REPLY_FAILED, in_words({reasons[0]}), model::json_text(problems_json(reasons)));
   for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
@@ -423,14 +585,13 @@ void Agent::forget_kept() {
 
 void Agent::clear() {
   if (!deployment_->describers.empty()) described(fail("the deployment ended before it was described"));
-  if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device is shutting down");
-  if (deployment_->supervised && !deployment_->modules.empty())
+  if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device is stopping");
+  if (deployment_->supervised && !deployment_->modules.empty() && !has_given_way_)
     publisher_.withdraw(deployment_->modules, deployment_->supervised->measures());
   deployment_.reset();
 }
 
-void Agent::resume() {
-  if (!options_.store) return;
+void Agent::restore() {
   const auto kept = options_.store->kept();
   if (!kept) {
     log("nothing is restored: " + in_words(kept.problems()));
@@ -438,15 +599,18 @@ void Agent::resume() {
     return;
   }
   if (!*kept) return;
-  // The wall clock may have been set, but the monotonic clock is valid until the machine is booted again.
+  // The wall clock may have been set since T0 was saved, but the monotonic clock is valid until the next boot
+  // of the machine.
   std::optional<Instant> t0;
   if (!options_.boot.empty() && (*kept)->boot == options_.boot) t0 = from_ns((*kept)->t0_monotonic_ns);
-  // Without this limit, the device would wait silently for T0, perhaps for years if a clock is wrong.
+  // Reject a T0 that is too far in the future. Otherwise the device would wait silently for T0, perhaps for
+  // years if a clock is wrong.
   const Nanoseconds ahead =
       t0 ? span(to_ns(options_.now()), to_ns(*t0)) : span(options_.wall_ns(), (*kept)->t0_ns);
   if (ahead > kFurthestStart) {
     last_refusal_ = "the start time of the saved deployment is " + takt::to_text(ahead) +
-                    " ahead; set the clock of device " + options_.device + ", or deploy the cell again";
+                    " in the future, which is too far; set the clock of device " + options_.device +
+                    ", or deploy the cell again";
     log("nothing is restored: " + last_refusal_);
     return;
   }
@@ -458,6 +622,11 @@ void Agent::resume() {
   deployment->t0_wall_ns = (*kept)->t0_ns;
   deployment->t0 = t0;
   deployment->safe = (*kept)->safe;
+  deployment->update = (*kept)->update;
+  if (!deployment->update.empty()) {
+    update_id_ = deployment->update;
+    update_end_ = UPDATE_KEPT;
+  }
   begin(std::move(deployment));
 }
 

@@ -19,10 +19,13 @@ bool may_flood(FaultKind kind) {
     case FaultKind::connection_back:
     case FaultKind::device_lost:
     case FaultKind::device_back:
+    case FaultKind::clocks_differ:
+    case FaultKind::clocks_agree:
     case FaultKind::refused_command:
     case FaultKind::refused_packet:
     case FaultKind::refused_authentication:
     case FaultKind::not_real_time:
+    case FaultKind::dropped_samples:
       return true;
     case FaultKind::given_up:
     case FaultKind::host_restart:
@@ -35,6 +38,10 @@ bool may_flood(FaultKind kind) {
     case FaultKind::undeployed:
     case FaultKind::command:
     case FaultKind::failed_command:
+    case FaultKind::log_error:  // the supervisor limits the rate of each module's log lines
+    case FaultKind::log_warning:
+    case FaultKind::log_info:
+    case FaultKind::log_debug:
       return false;
   }
   return true;

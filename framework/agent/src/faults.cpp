@@ -1,10 +1,12 @@
 // Events that the agent adds to the fault record (start, end, commands, lost devices), and the answer to
 // COMMAND_LOG.
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include <takt/core/span.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/wire/words.hpp>
@@ -17,7 +19,7 @@ using model::FaultKind;
 
 namespace {
 
-/// The text of a command in the fault record: "stop", "set gain = 2".
+/// Returns the text of a command for the fault record, such as "stop" or "set gain = 2".
 std::string command_text(const Command& command) {
   std::string text = takt::to_text(command.kind());
   if (command.kind() == COMMAND_GET || command.kind() == COMMAND_SET || command.kind() == COMMAND_TAP)
@@ -40,7 +42,7 @@ bool changes_something(CommandKind kind) {
     case COMMAND_SWAP:
       return true;
     default:
-      return false;  // deployments have events of their own; all other commands are questions
+      return false;  // deployments and updates record other events; all other commands are questions
   }
 }
 
@@ -67,10 +69,23 @@ void Agent::note_end() {
 }
 
 void Agent::note(model::Fault fault, const std::string& origin) {
-  fault.time_ns = options_.wall_ns();
+  // fault.time_ns is 0 or, for a log line, a time on the monotonic clock. The module itself wrote this time,
+  // so it may be any value.
+  const std::int64_t now_ns = to_ns(options_.now());
+  const Nanoseconds age = fault.time_ns == 0 ? Nanoseconds{0} : span(fault.time_ns, now_ns);
+  // The two clocks are not read at the same instant. If each event used a new difference of the clocks, the
+  // order of events that are close together would change.
+  const std::int64_t difference_ns = options_.wall_ns() - now_ns;
+  if (std::abs(difference_ns - wall_ahead_ns_) > 1'000'000) wall_ahead_ns_ = difference_ns;
+  fault.time_ns = now_ns + wall_ahead_ns_ -
+                  std::clamp<Nanoseconds>(age, Nanoseconds{0}, std::chrono::seconds{10}).count();
   fault.cell = deployment_ ? deployment_->cell.name : std::string{};
   if (fault.cell.empty()) fault.cell = wire::kNoCell;
   fault.device = options_.device;
+  if (fault.kind == FaultKind::error && deployment_) {
+    const std::string component = deployment_->component_of(fault.module);
+    if (!component.empty()) fault.cause += " (" + component + ")";
+  }
   fault.cause = on_one_line(fault.cause);
   filter_.put(std::move(fault), options_.now(), origin);
 }
@@ -78,13 +93,15 @@ void Agent::note(model::Fault fault, const std::string& origin) {
 void Agent::note_answer(const Command& command, ReplyCode code, const std::string& text) {
   const std::string module = command.module_name().to_string();
   if (code == REPLY_OK) {
-    if (changes_something(command.kind()))
-      note({.module = module,
-            .kind = FaultKind::command,
-            .cause = command_text(command) + " was carried out"});
+    if (!changes_something(command.kind())) return;
+    std::string cause = command_text(command) + " was carried out";
+    const std::string component = deployment_ ? deployment_->component_of(module) : "";
+    if (command.kind() == COMMAND_SWAP && !component.empty()) cause += ": now " + component;
+    note({.module = module, .kind = FaultKind::command, .cause = cause});
     return;
   }
-  // Commands of one client have ids that differ only after the last '-'.
+  // The ids of one client's commands differ only after the last '-', so the part before the '-' identifies
+  // the client.
   const std::string id = command.id().to_string();
   note({.module = module,
         .kind = code == REPLY_FAILED ? FaultKind::failed_command : FaultKind::refused_command,
@@ -93,8 +110,8 @@ void Agent::note_answer(const Command& command, ReplyCode code, const std::strin
 }
 
 // Records when other devices of the running cell are lost or come back.
-void Agent::watch_devices() {
-  if (!deployment_ || !deployment_->t0_wall_ns || deployment_->over) return;
+void Agent::check_devices() {
+  if (!deployment_ || !deployment_->t0_wall_ns || deployment_->is_starting() || deployment_->over) return;
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
     const auto seen = others_.devices(device.name);

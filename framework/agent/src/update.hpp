@@ -1,4 +1,4 @@
-// An update of the agent's deployment, on this device.
+// Changes the deployment of this device to a new descriptor (takt deploy --update).
 #pragma once
 
 #include <functional>
@@ -12,34 +12,41 @@
 
 namespace takt::agent {
 
-/// An update of the agent's deployment. It is checked, waits for the client, is carried out, waits for the
-/// client again, and is then kept or undone. So either all devices of a cell carry it out or none.
+/// An update of the agent's deployment. The agent checks the update, and makes the changes when the client
+/// commands this. It then keeps or undoes the changes, as the devices of the cell decide together
+/// (joint_update.hpp).
 class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
  public:
   Update(Agent& agent, const wire::WholeCommand& command);
 
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
-  /// Whether this is the id of the new deployment.
+  /// What this device tells the others about the update.
+  [[nodiscard]] UpdateState state() const noexcept {
+    return stage_ == Stage::changed ? UPDATE_CHANGED : stage_ == Stage::undoing ? UPDATE_UNDONE : UPDATE_OPEN;
+  }
+  /// True if `deployment` is the id of the new deployment.
   [[nodiscard]] bool leads_to(const std::string& deployment) const { return after_->id == deployment; }
-  /// Whether the update is ending a deployment or bringing one up at this moment.
+  /// True if the update is ending the old deployment or starting the new one, or is undoing these steps.
   [[nodiscard]] bool in_transit() const {
     const bool moves = stage_ == Stage::changing || stage_ == Stage::undoing;
     return moves && difference_.change != model::Change::none &&
            difference_.change != model::Change::in_place;
   }
-  /// Whether the new deployment was brought up, or is being brought up.
+  /// True if the update has started the new deployment, or is starting it.
   [[nodiscard]] bool has_replaced() const noexcept { return is_after_; }
 
-  /// Compares the descriptors, without the components.
+  /// Compares the running descriptor with the new one, without the components.
   Result<void> compare();
-  /// Inspects the components of the new descriptor, then answers the client. Call it once, after compare().
+  /// Inspects the components of the new descriptor, and then answers the client. Call this once, after
+  /// compare().
   void inspect();
   void step();
-  /// Records that the updating client is alive.
+  /// Records that the client has sent a message, so that the update is not undone.
   void renew() { renewed_ = agent_.options_.now(); }
 
   // Commands of the updating client
   void change(const wire::WholeCommand& command);
+  /// Records a command to be answered when the devices have decided.
   void keep(const Command& command);
   void cancel(const Command& command);
 
@@ -47,28 +54,33 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   void undo(const Problems& problems);
   /// Ends the update, because the deployment that it changes has ended.
   void drop(const std::string& why);
-  /// Called when the deployment that the update ends is down, or when the new one could not be brought up.
+  /// Called when the old deployment has ended, or when the new deployment has ended or could not be started.
   void taken_down(const Problems& problems);
   void brought_up();
 
  private:
   enum class Stage {
     checking,  ///< the components are being inspected
-    held,      ///< checked and accepted; nothing is changed yet
+    held,      ///< the update is checked and accepted; nothing is changed yet
     changing,
-    changed,  ///< carried out; it can still be undone
+    changed,  ///< the update is carried out; it can still be undone
     undoing,
   };
 
   // Checks (updates.cpp)
   void inspected(const Result<Inspected>& result);
+  void add_rebuilt(const Inspected& found);
   void judge_in_place(const Inspected& found);
   [[nodiscard]] Result<void> may_change_in_place() const;
   void changed();
   void undone();
-  // How it is carried out and undone (changes.cpp)
+  void kept();
+  [[nodiscard]] std::map<std::string, Vote> votes() const;
+  void over(UpdateState end, const Problems& problems);
+  // How the update is carried out and undone (changes.cpp)
   void apply_change(const model::ModuleChange& change, const std::string& value,
                     const std::function<void(const Outcome&)>& done);
+  void note_build(std::size_t index);
   void change_next();
   void undo_last();
   void bring_back();
@@ -77,17 +89,20 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   Stage stage_ = Stage::checking;
   const std::string id_;
   model::DeviceDifference difference_;
-  std::unique_ptr<Deployment> after_;   ///< the new deployment; not brought up if the device is removed
+  std::unique_ptr<Deployment> after_;   ///< the new deployment; not started if the device is removed
+  std::vector<model::Build> builds_;    ///< the builds of the components before the update
   std::unique_ptr<Deployment> before_;  ///< the deployment that the update has ended
-  bool is_after_ = false;               ///< `after_` was, or is being, brought up
-  std::vector<std::string> replaced_;   ///< for a change in place: the old value or file of each module
-                                        ///< changed so far
+  bool is_after_ = false;               ///< true: `after_` was started, or is being started
+  std::vector<std::string> replaced_;   ///< for a change in place: the old value or file of each module that
+                                        ///< was changed so far
   std::unique_ptr<Inspection> inspection_;
-  std::optional<Command> asker_;   ///< to be answered when the present stage is over
-  std::optional<Command> undoer_;  ///< to be answered when the update is undone
-  Instant renewed_{};                ///< when the updating client's last message arrived
-  Problems reasons_;               ///< why the update is undone
-  Problems left_;                  ///< what could not be undone
+  std::optional<Command> asker_;      ///< a command to be answered after the present stage
+  std::optional<Command> keeper_;     ///< a command to be answered when the devices have decided
+  std::optional<JointUpdate> joint_;  ///< set once the changes are made
+  std::optional<Command> undoer_;     ///< a command to be answered when the update is undone
+  Instant renewed_{};                 ///< when the updating client's last message arrived
+  Problems reasons_;                  ///< why the update is undone
+  Problems left_;                     ///< changes that could not be undone
 };
 
 }  // namespace takt::agent

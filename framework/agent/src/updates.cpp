@@ -1,8 +1,9 @@
 // Updates a running deployment to a new descriptor and changes only what differs (takt deploy --update).
 //
 // All devices of the cell take the same steps. The client commands the next step when all devices have
-// completed the one before. Until the last step this device can undo its changes, and does so by itself if it
-// receives nothing from the client for a while.
+// completed the previous step. Until this device has made its changes, it can give up the update by itself,
+// and does so if it receives nothing from the client for kChangeAwaited. Afterwards the devices decide
+// together whether they keep or undo the changes.
 #include "update.hpp"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/agent/problems_json.hpp>
+#include <takt/core/log_level.hpp>
 #include <takt/core/span.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
@@ -38,8 +40,8 @@ bool same_property(const model::Module& one, const model::Module& other, const s
   return first.ok() == second.ok() && (!first || *first == *second);
 }
 
-/// Whether the component declares the property. Only declared properties can be set while a module runs;
-/// others are read only in initialize().
+/// Returns true if the component declares the property that the change sets. Only declared properties can be
+/// set while a module runs; a module reads other properties only in initialize().
 bool declares(const std::string& description, const model::ModuleChange& change) {
   const json all = model::parse_json(description);
   if (!all.is_object()) return false;
@@ -55,7 +57,8 @@ bool declares(const std::string& description, const model::ModuleChange& change)
 model::ModulePorts ports_at(const Inspected& found, std::size_t module) {
   return module < found.ports.size() ? found.ports[module] : std::nullopt;
 }
-/// Compares everything that the links depend on.
+/// Returns true if both lists of ports can use the same links. Compares all properties on which the links
+/// depend.
 bool same_ports(const model::ModulePorts& before, const model::ModulePorts& after) {
   if (!before || !after) return !before && !after;
   return std::is_permutation(before->begin(), before->end(), after->begin(), after->end(),
@@ -99,7 +102,6 @@ void Agent::update(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const std::string device = "device " + options_.device;
   const auto refused = [&](Problem problem) { reply_problems(head, REPLY_REFUSED, {std::move(problem)}); };
-  if (!name_clash_.empty()) return refused({device, name_clash_, "end one of them"});
   if (ending_) return refused(fail("the node of " + device + " is shutting down"));
   if (update_)
     return refused({device, "another operator is updating it", "try again when that update is over"});
@@ -107,8 +109,8 @@ void Agent::update(const wire::WholeCommand& command) {
     return refused({device, "one of its modules is being swapped", "try again later"});
   if (deployment_ && deployment_->id != head.deployment().to_string())
     return refused({device, "it has another deployment, of cell " + deployment_->cell.name, ""});
-  const bool runs = deployment_ && !deployment_->over && deployment_->supervised &&
-                    deployment_->supervised->phase() == Phase::running;
+  const bool runs = deployment_ && !deployment_->over && !deployment_->is_starting() &&
+                    deployment_->supervised && deployment_->supervised->phase() == Phase::running;
   if (deployment_ && !runs)
     return refused({device, std::string{"it is not running: its state is "} + takt::to_text(status().state()),
                     "undeploy the cell and deploy it again"});
@@ -139,7 +141,7 @@ Agent::Update::Update(Agent& agent, const wire::WholeCommand& command)
   after_->text = command.data;
 }
 
-// Compares the descriptors, without the components.
+// Compares the running descriptor with the new one, without looking at the components.
 Result<void> Agent::Update::compare() {
   Deployment& after = *after_;
   auto cell = descriptor::parse(after.text, after.file);
@@ -171,9 +173,9 @@ Result<void> Agent::Update::compare() {
 
 void Agent::Update::inspect() {
   Deployment& after = *after_;
-  const Change change = difference_.change;
-  if (change == Change::none || change == Change::removed) return inspected(Inspected{});
-  // Only the components tell which properties can be set.
+  if (difference_.change == Change::removed) return inspected(Inspected{});
+  // If a change sets a property, the components must be described, because only their descriptions state
+  // which properties can be set.
   const auto& in_place = difference_.in_place;
   const bool sets =
       std::any_of(in_place.begin(), in_place.end(), [](const auto& one) { return !one.property.empty(); });
@@ -197,19 +199,65 @@ void Agent::Update::step() {
     inspected(*result);
     return;
   }
-  const bool waits = stage_ == Stage::held || stage_ == Stage::changed;
-  if (waits && agent_.options_.now() - renewed_ > kRunAwaited)
-    undo({fail("no further command of the update arrived within " + takt::to_text(kRunAwaited))});
+  if (stage_ == Stage::held && agent_.options_.now() - renewed_ > kChangeAwaited)
+    return undo({fail("no further command of the update arrived within " + takt::to_text(kChangeAwaited))});
+  if (stage_ != Stage::changed) return;
+  switch (joint_->step(agent_.options_.now(), votes())) {
+    case JointUpdate::Decision::wait:
+      return;
+    case JointUpdate::Decision::keep:
+      return kept();
+    case JointUpdate::Decision::undo:
+      return undo({fail(joint_->why())});
+  }
+}
+
+// Returns what was heard from each other device of the old and the new cell.
+std::map<std::string, Vote> Agent::Update::votes() const {
+  std::map<std::string, Vote> votes;
+  const auto add = [&](const model::Cell& cell) {
+    for (const model::Device& device : cell.devices) {
+      if (device.name != agent_.options_.device) votes[device.name] = agent_.vote_of(device.name, id_);
+    }
+  };
+  add(after_->cell);
+  if (before_)
+    add(before_->cell);
+  else if (agent_.deployment_)
+    add(agent_.deployment_->cell);
+  return votes;
+}
+
+Vote Agent::vote_of(const std::string& device, const std::string& update) const {
+  Vote vote = Vote::nothing;
+  for (const auto& [status, alive] : others_.of_device(device)) {
+    if (!alive) continue;
+    const bool same = status.update() == update;
+    vote = std::max(vote, !same || status.update_state() == UPDATE_NONE ? Vote::absent
+                          : status.update_state() == UPDATE_OPEN        ? Vote::open
+                          : status.update_state() == UPDATE_CHANGED     ? Vote::changed
+                          : status.update_state() == UPDATE_KEPT        ? Vote::kept
+                                                                        : Vote::undone);
+  }
+  return vote;
+}
+
+void Agent::Update::over(UpdateState end, const Problems& problems) {
+  agent_.update_id_ = id_;
+  agent_.update_end_ = end;
+  agent_.update_problems_ = problems;
 }
 
 void Agent::Update::inspected(const Result<Inspected>& result) {
   const auto refused = [this](const Problems& problems) {
-    const auto self =
-        std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+    const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
+    over(UPDATE_UNDONE, problems);
     agent_.reply_problems(*asker_, REPLY_REFUSED, problems);
   };
   if (!result) return refused(result.problems());
   Change& change = difference_.change;
+  if (agent_.deployment_) builds_ = agent_.deployment_->found.builds;
+  if (change == Change::none || change == Change::in_place) add_rebuilt(*result);
   const Inspected& found = change == Change::none ? agent_.deployment_->found : *result;
   if (change == Change::in_place) judge_in_place(*result);
   if (change == Change::in_place) {
@@ -229,8 +277,25 @@ void Agent::Update::inspected(const Result<Inspected>& result) {
   agent_.answer(*std::exchange(asker_, std::nullopt), REPLY_OK, "", model::json_text(data));
 }
 
-// Checks with the components whether the changes are possible while the modules run. If not, the device must
-// be restarted.
+// Adds to the changes each module whose file has the same name as before, but different contents.
+void Agent::Update::add_rebuilt(const Inspected& found) {
+  for (const model::Module& module : after_->of_device().modules) {
+    const auto& changes = difference_.in_place;
+    const bool has_new_file = std::any_of(changes.begin(), changes.end(), [&module](const auto& one) {
+      return one.module == module.name && one.property.empty();
+    });
+    const std::size_t index = agent_.deployment_->index_of(module.name);
+    if (has_new_file || index >= builds_.size() || index >= found.builds.size()) continue;
+    const model::Build& before = builds_[index];
+    const model::Build& after = found.builds[index];
+    if (before.hash.empty() || after.hash.empty() || before.hash == after.hash) continue;
+    difference_.add_file(module, found.paths.at(index),
+                         "file " + module.filename + ": " + to_text(before) + " -> " + to_text(after));
+  }
+}
+
+// Checks, with the information from the components, whether the changes are possible while the modules run.
+// If they are not, marks the device for a restart.
 void Agent::Update::judge_in_place(const Inspected& found) {
   model::DeviceDifference& difference = difference_;
   for (const model::ModuleChange& one : difference.in_place) {
@@ -239,7 +304,7 @@ void Agent::Update::judge_in_place(const Inspected& found) {
     if (one.property.empty() &&
         !same_ports(ports_at(agent_.deployment_->found, index), ports_at(found, index)))
       why += " has different ports in its new file";
-    else if (!one.property.empty() && !declares(found.description, one))
+    else if (!one.property.empty() && one.property != kLogLevelProperty && !declares(found.description, one))
       why += " reads property " + one.property + " only in initialize()";
     else
       continue;
@@ -257,7 +322,7 @@ Result<void> Agent::Update::may_change_in_place() const {
     if (one.property.empty()) {
       if (const auto may = d.supervised->may_swap(static_cast<std::uint32_t>(index)); !may)
         problems.insert(problems.end(), may.problems().begin(), may.problems().end());
-    } else if (state == STATE_IDLE || state == STATE_DESTRUCT) {
+    } else if (one.property != kLogLevelProperty && (state == STATE_IDLE || state == STATE_DESTRUCT)) {
       problems.push_back({"module " + agent_.options_.device + "." + one.module,
                           std::string{"it is in "} + takt::to_text(state) +
                               "; its properties can be set once it is in INITIALIZE",
@@ -302,9 +367,9 @@ void Agent::Update::change(const wire::WholeCommand& command) {
 }
 
 void Agent::Update::changed() {
-  stage_ = Stage::changed;
-  renewed_ = agent_.options_.now();
   if (undoer_) return undo({fail("the update was cancelled")});
+  stage_ = Stage::changed;
+  joint_.emplace(difference_.change == Change::added);
   agent_.answer(*std::exchange(asker_, std::nullopt), REPLY_OK, "");
 }
 
@@ -322,7 +387,8 @@ void Agent::Update::undo(const Problems& problems) {
 }
 
 void Agent::Update::undone() {
-  const auto self = std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+  const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
+  over(UPDATE_UNDONE, reasons_);
   agent_.log("is not updated: " + in_words(reasons_));
   if (!left_.empty()) {
     agent_.log("could not undo the update: " + in_words(left_));
@@ -335,6 +401,7 @@ void Agent::Update::undone() {
     all.insert(all.end(), left_.begin(), left_.end());
     agent_.reply_problems(*asker_, REPLY_FAILED, all, value);
   }
+  if (keeper_) agent_.reply_problems(*keeper_, REPLY_FAILED, reasons_, value);
   if (undoer_ && left_.empty())
     agent_.answer(*undoer_, REPLY_OK, "", {}, {}, value);
   else if (undoer_)
@@ -348,26 +415,45 @@ void Agent::Update::cancel(const Command& command) {
   switch (stage_) {
     case Stage::checking:
     case Stage::held:
-    case Stage::changed:
       return undo({fail("the update was cancelled")});
+    case Stage::changed:  // the devices decide together; kept() or undone() answers the command
+      return;
     case Stage::changing:
       if (in_transit() && is_after_) return undo({fail("the update was cancelled")});
-      return;  // the update is undone after the step that is in progress
+      return;  // change_next(), changed() or taken_down() undoes the update after the present step
     case Stage::undoing:
       return;
   }
 }
 
 void Agent::Update::keep(const Command& command) {
-  if (stage_ != Stage::changed || (agent_.deployment_ && agent_.deployment_->over)) {
-    agent_.reply_problems(
-        command, REPLY_REFUSED,
-        {{"device " + agent_.options_.device,
-          stage_ != Stage::changed ? "the update has not been carried out" : "it has ended in the meantime",
-          ""}});
+  if (stage_ == Stage::changed) {
+    keeper_ = command;
     return;
   }
-  const auto self = std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+  agent_.reply_problems(command, REPLY_REFUSED,
+                        {{"device " + agent_.options_.device, "the update has not been carried out", ""}});
+}
+
+void Agent::keep(const Command& command) {
+  const bool known = update_id_ == command.property().to_string();
+  if (known && update_end_ == UPDATE_KEPT) return answer(command, REPLY_OK, "");
+  if (known && !update_problems_.empty())
+    return reply_problems(command, REPLY_FAILED, update_problems_, wire::kAsBefore);
+  if (Update* const update = update_of(command)) update->keep(command);
+}
+
+void Agent::put_back(const Command& command) {
+  const std::string id = command.property().to_string();
+  if (update_ && update_->id() == id) return update_->cancel(command);
+  if (update_id_ == id && update_end_ == UPDATE_KEPT)
+    return reply_problems(command, REPLY_REFUSED, {fail("all devices have kept the update")}, wire::kKept);
+  answer(command, REPLY_OK, "", {}, {}, wire::kAsBefore);  // there is nothing to undo
+}
+
+void Agent::Update::kept() {
+  const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
+  over(UPDATE_KEPT, {});
   Deployment& after = *after_;
   if (difference_.change == Change::removed) {
     agent_.forget_kept();
@@ -383,6 +469,7 @@ void Agent::Update::keep(const Command& command) {
     d.cell = after.cell;
     d.device = after.device;
     d.safe = after.safe;
+    d.update = id_;
     d.description.clear();
     if (d.describing) {
       d.describing.reset();
@@ -397,13 +484,18 @@ void Agent::Update::keep(const Command& command) {
     agent_.note(
         {.kind = model::FaultKind::command, .cause = "update to " + after.file + " was carried out" + all});
   }
-  agent_.answer(command, REPLY_OK, "");
+  if (keeper_) agent_.answer(*keeper_, REPLY_OK, "");
+  if (undoer_)
+    agent_.reply_problems(*undoer_, REPLY_REFUSED, {fail("all devices have kept the update")}, wire::kKept);
 }
 
 void Agent::Update::drop(const std::string& why) {
-  const auto self = std::exchange(agent_.update_, nullptr);  // keeps it alive until the end of this function
+  const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
   const Problems problems{{"device " + agent_.options_.device, why, ""}};
-  for (const auto& waits : {asker_, undoer_}) {
+  // If this device had made its changes, the other devices may already have decided to keep the update. Then
+  // this device must not publish that the update is undone.
+  over(stage_ == Stage::changed ? UPDATE_CHANGED : UPDATE_UNDONE, problems);
+  for (const auto& waits : {asker_, keeper_, undoer_}) {
     if (waits) agent_.reply_problems(*waits, REPLY_FAILED, problems);
   }
 }

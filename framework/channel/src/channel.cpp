@@ -32,7 +32,7 @@ const char* to_text(Doing doing) noexcept {
 
 namespace {
 
-constexpr std::uint64_t kChannelMagic = 0x7461'6b74'0000'0008;  // "takt" in ASCII, then the layout version: 8
+constexpr std::uint64_t kChannelMagic = 0x7461'6b74'0000'0009;  // "takt" in ASCII, then the layout version: 9
 
 struct alignas(64) ChannelHeader {
   std::uint64_t magic;
@@ -83,7 +83,7 @@ Result<Channel> Channel::attach(os::Fd fd) {
   channel.executors_ = header.executors;
   channel.modules_ = header.modules;
   const std::size_t size = channel.memory_.size();
-  // Each number is at most the size in bytes, so the computation of the whole size cannot overflow.
+  // Each number is at most the size in bytes, so the computation of the total size cannot overflow.
   if (header.magic != kChannelMagic || header.hosts > size || header.executors > size ||
       header.modules > size || size != size_of(header.hosts, header.executors, header.modules)) {
     return fail("another version of Takt created the channel",

@@ -33,24 +33,24 @@ FlightSample FlightWriter::unpack(std::int64_t time_ns, std::uint64_t what) noex
           .value = what & kMostValue};
 }
 
-std::vector<FlightRecord::Place> FlightRecord::places_of(const std::vector<std::uint64_t>& capacities) {
-  std::vector<Place> places;
+std::vector<FlightRecord::RingLayout> FlightRecord::layouts_of(const std::vector<std::uint64_t>& capacities) {
+  std::vector<RingLayout> layouts;
   std::size_t at = sizeof(FlightHeader) + (capacities.size() * sizeof(std::uint64_t) + 63) / 64 * 64;
   for (const std::uint64_t capacity : capacities) {
-    places.push_back({at, capacity});
+    layouts.push_back({at, capacity});
     at += sizeof(FlightRing) + (capacity * sizeof(FlightEntry) + 63) / 64 * 64;
   }
-  places.push_back({at, 0});
-  return places;
+  layouts.push_back({at, 0});
+  return layouts;
 }
 
 Result<FlightRecord> FlightRecord::create(const std::vector<std::uint64_t>& capacities) {
   FlightRecord record;
-  record.places_ = places_of(capacities);
-  auto memory = os::SharedMemory::create("takt-flight", record.places_.back().at);
+  record.layouts_ = layouts_of(capacities);
+  auto memory = os::SharedMemory::create("takt-flight", record.layouts_.back().at);
   if (!memory) return memory.problems();
   record.memory_ = std::move(*memory);
-  record.places_.pop_back();
+  record.layouts_.pop_back();
   *flight_at<FlightHeader>(record.memory_, 0) = {.magic = kFlightMagic, .rings = capacities.size()};
   for (std::size_t i = 0; i < capacities.size(); ++i) {
     TAKT_CHECK(is_capacity(capacities[i]));
@@ -76,34 +76,34 @@ Result<FlightRecord> FlightRecord::attach(os::Fd fd) {
   for (std::size_t i = 0; i < header.rings; ++i) {
     capacities.push_back(
         *flight_at<std::uint64_t>(record.memory_, sizeof(FlightHeader) + i * sizeof(std::uint64_t)));
-    // Each capacity is at most the size in bytes, so the computation of the whole size cannot overflow.
+    // Each capacity is at most the size in bytes, so the computation of the total size cannot overflow.
     if (!is_capacity(capacities.back()) || capacities.back() > size) return other;
   }
-  record.places_ = places_of(capacities);
-  if (record.places_.back().at != size) return other;
-  record.places_.pop_back();
+  record.layouts_ = layouts_of(capacities);
+  if (record.layouts_.back().at != size) return other;
+  record.layouts_.pop_back();
   return record;
 }
 
 FlightRing& FlightRecord::ring(std::size_t index) const noexcept {
-  return *flight_at<FlightRing>(memory_, places_[index].at);
+  return *flight_at<FlightRing>(memory_, layouts_[index].at);
 }
 
 FlightEntry* FlightRecord::entries(std::size_t index) const noexcept {
-  return flight_at<FlightEntry>(memory_, places_[index].at + sizeof(FlightRing));
+  return flight_at<FlightEntry>(memory_, layouts_[index].at + sizeof(FlightRing));
 }
 
 FlightWriter FlightRecord::writer(std::size_t index) const noexcept {
-  if (index >= places_.size() || places_[index].capacity == 0) return {};
-  return {ring(index), entries(index), places_[index].capacity};
+  if (index >= layouts_.size() || layouts_[index].capacity == 0) return {};
+  return {ring(index), entries(index), layouts_[index].capacity};
 }
 
 FlightCopy FlightRecord::copy(std::size_t index) const {
   FlightCopy copy;
-  const std::uint64_t capacity = places_[index].capacity;
+  const std::uint64_t capacity = layouts_[index].capacity;
   if (capacity == 0) return copy;
   const FlightEntry* const place = entries(index);
-  const std::uint64_t end = ring(index).written.load(std::memory_order_acquire);  // SYNC: flight
+  const std::uint64_t end = ring(index).written.load(std::memory_order_acquire);  // pairs with add()
   const std::uint64_t begin = end > capacity ? end - capacity : 0;
   std::vector<FlightSample> all;
   all.reserve(end - begin);
@@ -112,12 +112,12 @@ FlightCopy FlightRecord::copy(std::size_t index) const {
     const std::int64_t time_ns = entry.time_ns.load(std::memory_order_acquire);
     all.push_back(FlightWriter::unpack(time_ns, entry.what.load(std::memory_order_acquire)));
   }
-  // The writer may already be overwriting the oldest entry with one that it has not counted yet. SYNC: flight
+  // The writer may already be overwriting the oldest entry with one that `written` does not count yet.
   const std::uint64_t now = ring(index).written.load(std::memory_order_relaxed);
   const std::uint64_t first = now + 1 > capacity ? now + 1 - capacity : 0;
   const std::uint64_t gone = first <= begin ? 0 : (first < end ? first : end) - begin;
-  // If the writer counted no entry during the copy, `gone` may exclude the oldest entry from the copy, but
-  // that entry does not count as lost.
+  // If the writer added no entry during the copy, `gone` may still exclude the oldest entry from the copy.
+  // That entry does not count as lost.
   copy.lost = now == end ? 0 : gone;
   copy.entries.assign(all.begin() + static_cast<std::ptrdiff_t>(gone), all.end());
   copy.written = end;

@@ -1,5 +1,5 @@
-// Replaces the C library's functions that allocate or may wait, and records their calls. Calls that these
-// functions make themselves are not recorded.
+// Replaces the functions of the C library that allocate memory or may wait. The replacements record the call
+// and then call the original function. Calls that the original function makes are not recorded.
 #include <dlfcn.h>
 #include <malloc.h>
 #include <pthread.h>
@@ -15,7 +15,8 @@
 namespace takt::check {
 namespace {
 
-/// Records a call of the function if a module makes the call. Then pauses recording until the call ends.
+/// Records a call of the C function `function` if a module makes the call. Pauses the recording until the
+/// call ends.
 class Call {
  public:
   Call(channel::ViolationKind kind, const char* function) noexcept {
@@ -41,7 +42,8 @@ void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
 void __libc_free(void* block) noexcept;
 }
 
-// operator new and operator delete also call these functions.
+// The compiler's operator new and operator delete call malloc() and free(), so calls of these operators are
+// recorded, too.
 #pragma GCC visibility push(default)
 extern "C" {
 
@@ -88,7 +90,9 @@ void free(void* block) noexcept {
   __libc_free(block);
 }
 
-// The functions of condition variables also exist in an old version, which dlsym() may find first.
+// Defines a function that records the call and then calls the C library's function. The C library also has an
+// old version of the functions of condition variables, and dlsym() may find the old version first. So the
+// macro requests version GLIBC_2.3.2.
 #define TAKT_IN_FRONT_OF(name, parameters, ...)                                                           \
   int name parameters noexcept(noexcept(::name(__VA_ARGS__))) {                                           \
     static std::atomic<int(*) parameters> real{nullptr};                                                  \

@@ -15,13 +15,14 @@ namespace takt::check {
 
 namespace {
 
-constexpr int kFromPerf = 6;  // TRAP_PERF
+// The value of TRAP_PERF, the si_code of a signal that reports a performance event.
+constexpr int kFromPerf = 6;
 
 thread_local bool only_counted = false;
 thread_local std::uint64_t counted = 0;
 
 void faulted(int signal, siginfo_t* info, void* /*context*/) {
-  if (info->si_code != kFromPerf) {  // the signal is a breakpoint without a debugger
+  if (info->si_code != kFromPerf) {  // caused by a breakpoint without a debugger, not by a page fault
     ::signal(signal, SIG_DFL);
     ::raise(signal);
     return;
@@ -45,7 +46,7 @@ void watch_page_faults() noexcept {
   wanted.exclude_hv = 1;
   wanted.sigtrap = 1;
   wanted.remove_on_exec = 1;
-  // The descriptor stays open until the process ends, because watched threads run until then.
+  // The file descriptor stays open until the process ends, because the watched threads run until then.
   const long fd = ::syscall(SYS_perf_event_open, &wanted, 0, -1, -1, PERF_FLAG_FD_CLOEXEC);
   only_counted = fd < 0;
   if (only_counted) is_blind(channel::ViolationLog::kNoFaultPlaces);

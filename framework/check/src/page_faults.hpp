@@ -1,14 +1,15 @@
-// Detects page faults with the kernel's signals or counters.
+// Detects page faults with signals or counters of the kernel.
 #pragma once
 
 namespace takt::check {
 
-/// Installs the signal handler of this process. Call it once.
+/// Installs this process's signal handler for page faults. Call it once.
 void serve_page_faults() noexcept;
-/// From now on, faults of the calling thread are detected. Call it once per thread.
+/// Starts to detect page faults of the calling thread. Call it once per thread.
 void watch_page_faults() noexcept;
-/// Counts the faults since the last call, if the kernel does not report their location. Records their number
-/// if `these_count` is true. This costs a system call. If the kernel reports the location, does nothing.
+/// Counts the page faults of the calling thread since the last call, and records their number if
+/// `these_count` is true. Makes one system call. Does nothing if the kernel signals each page fault with its
+/// location.
 void count_page_faults(bool these_count) noexcept;
 
 }  // namespace takt::check

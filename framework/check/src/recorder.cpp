@@ -30,22 +30,23 @@ using channel::ViolationLog;
 
 constexpr auto relaxed = std::memory_order_relaxed;
 
-// The values that the kernel reads in a selector (linux/prctl.h).
+// The values of a thread's selector byte. The kernel reads this byte to decide whether it intercepts a system
+// call (linux/prctl.h).
 constexpr char kAllow = 0;
 constexpr char kBlock = 1;
 
-/// The state of one thread.
+/// The data that the library stores for each thread.
 struct Mine {
   volatile char selector = kAllow;
   bool prepared = false;
-  std::uint64_t mark = 0;  ///< kInside, the hook and the module in one number
+  std::uint64_t mark = 0;  ///< kInside, the hook and the module, packed into one number
 };
 constexpr std::uint64_t kInside = std::uint64_t{1} << 63;
 
 thread_local Mine mine;
 
 ViolationLog* violation_log = nullptr;
-FixedText<256> program;            // path of this process's program
+FixedText<256> program;            // path of the program of this process
 const void* own_object = nullptr;  // address at which this library is loaded
 
 void take_log() noexcept {
@@ -59,7 +60,7 @@ void take_log() noexcept {
   if (memory == MAP_FAILED) return;
   ::close(number);
   ::unsetenv(channel::kCheckFd);
-  ::unsetenv("LD_PRELOAD");  // programs that this program starts are not checked
+  ::unsetenv("LD_PRELOAD");  // so programs that this process starts are not checked
   violation_log = static_cast<ViolationLog*>(memory);
 }
 
@@ -69,7 +70,8 @@ void take_log() noexcept {
   std::array<char, PATH_MAX> path{};
   const ssize_t length = ::readlink("/proc/self/exe", path.data(), path.size() - 1);
   program.assign({path.data(), length > 0 ? static_cast<std::size_t>(length) : 0});
-  // The first call of backtrace() loads a library and allocates, so it is made here.
+  // The first call of backtrace() loads a library and allocates memory. So make the first call here, before
+  // any thread is checked.
   std::array<void*, 2> frames{};
   ::backtrace(frames.data(), frames.size());
   take_log();
@@ -89,7 +91,7 @@ std::uint32_t object_number(std::string_view path) noexcept {
   if (mine_now >= ViolationLog::kObjects) return 0;
   LoadedObject& object = violation_log->objects[mine_now];
   object.path.assign(path);
-  object.ready.store(1, std::memory_order_release);  // SYNC: object
+  object.ready.store(1, std::memory_order_release);  // stored last, so that readers see the complete path
   return mine_now + 1;
 }
 
@@ -98,7 +100,8 @@ channel::CodePlace place_of(void* address) noexcept {
   if (::_dl_find_object(address, &object) != 0) return {0, reinterpret_cast<std::uintptr_t>(address)};
   const link_map* map = object.dlfo_link_map;
   const std::string_view name = map->l_name;
-  // A return address is the address after the call, so the call itself is one byte earlier.
+  // A return address is the address after the call instruction, so the byte before it belongs to the call
+  // instruction.
   return {object_number(name.empty() ? program.view() : name),
           reinterpret_cast<std::uintptr_t>(address) - map->l_addr - 1};
 }
@@ -108,7 +111,8 @@ bool is_in_this_library(void* address) noexcept {
   return ::_dl_find_object(address, &object) == 0 && object.dlfo_map_start == own_object;
 }
 
-// The entry of a violation. If `claimed`, this thread has just claimed the entry and must fill it in.
+// The log entry of a violation; null if the log is full. If `claimed` is true, this thread has just claimed
+// the entry and must fill it.
 struct Found {
   Violation* entry;
   bool claimed;
@@ -116,7 +120,7 @@ struct Found {
 Found entry_of(std::uint64_t key) noexcept {
   for (Violation& entry : violation_log->violations) {
     std::uint64_t there = entry.key.load(relaxed);
-    // SYNC: violation claimed. The thread that changes the key from 0 owns the entry.
+    // The thread that changes the key from 0 to another value owns the entry.
     if (there == 0 && entry.key.compare_exchange_strong(there, key, relaxed)) return {&entry, true};
     if (there == key) return {&entry, false};
   }
@@ -134,7 +138,7 @@ Pause::~Pause() { mine.selector = before_; }
 void is_blind(std::uint32_t bit) noexcept { violation_log->blind.fetch_or(bit, relaxed); }
 
 void record(const Occurrence& occurrence) noexcept {
-  // The innermost frames belong to this library, so they are skipped.
+  // Skip the innermost frames, which belong to this library. The array has room for kOwn such frames.
   constexpr int kOwn = 8;
   std::array<void*, Violation::kFrames + kOwn> frames{};
   const int all = occurrence.placed ? ::backtrace(frames.data(), static_cast<int>(frames.size())) : 0;
@@ -165,7 +169,7 @@ void record(const Occurrence& occurrence) noexcept {
   entry->depth = static_cast<std::uint32_t>(depth);
   for (std::size_t i = 0; i < depth; ++i) entry->frames[i] = place_of(stack[i]);
   if (occurrence.exact && depth > 0) ++entry->frames[0].address;
-  entry->ready.store(1, std::memory_order_release);  // SYNC: violation
+  entry->ready.store(1, std::memory_order_release);  // stored last, so that readers see the complete entry
 }
 
 }  // namespace takt::check
@@ -175,7 +179,7 @@ extern "C" {
 [[gnu::visibility("default")]] std::uint64_t takt_check_enter(std::uint32_t module, std::uint32_t hook) {
   using namespace takt::check;
   if (violation_log == nullptr) return 0;
-  mine.selector = kAllow;  // calls of a watched module may be nested
+  mine.selector = kAllow;  // stops the recording if the thread is already in a module
   if (!mine.prepared) {
     mine.prepared = true;
     watch_system_calls();

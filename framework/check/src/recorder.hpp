@@ -7,11 +7,12 @@
 
 namespace takt::check {
 
-/// Whether violations of the calling thread count. They count if the thread is in a module and not in this
-/// library's own code.
+/// Returns true if the library must record violations of the calling thread now. This is so if the thread is
+/// in the code of a module, and not in the library's own code.
 bool counts() noexcept;
 
-/// While this object exists, no violation of the calling thread counts.
+/// While this object exists, the library records no violation of the calling thread, and counts() returns
+/// false.
 class Pause {
  public:
   Pause() noexcept;
@@ -25,21 +26,25 @@ class Pause {
   char before_;
 };
 
-/// A violation of the calling thread. Record it only if counts() returns true, and only while a Pause exists.
+/// A violation of the calling thread. Call record() only if counts() has returned true, and only while a
+/// Pause exists.
 struct Occurrence {
   channel::ViolationKind kind = channel::ViolationKind::allocation;
   const char* function = "";
   std::int64_t system_call = 0;
   std::uint64_t times = 1;
-  bool exact = false;  ///< the innermost address is that of the instruction, not a return address
-  bool placed = true;  ///< whether the present call stack is that of the violation
+  bool exact = false;  ///< true: the innermost address is the instruction itself, not a return address
+  bool placed = true;  ///< false: the present call stack did not cause the violation, so the stack is not
+                       ///< recorded
 };
 void record(const Occurrence& occurrence) noexcept;
 
-/// Notes that this machine cannot detect a kind of violation.
+/// Stores in the log that this machine cannot detect a kind of violation. `bit`: ViolationLog::kNoSystemCalls
+/// or kNoFaultPlaces.
 void is_blind(std::uint32_t bit) noexcept;
 
-/// The byte from which the kernel reads whether the calling thread's system calls count.
+/// Returns the address of the calling thread's selector byte. The kernel reads this byte to decide whether it
+/// intercepts the thread's system calls.
 char* selector() noexcept;
 
 }  // namespace takt::check

@@ -1,5 +1,5 @@
-// Installs a signal handler that returns to the kernel through this library's gate. The kernel would
-// intercept any other return, because returning from a handler is also a system call.
+// Installs a signal handler that returns through this library's gate (system_calls.cpp). The return from a
+// handler is a system call, and the kernel intercepts all system calls that are not made in the gate.
 #pragma once
 
 #include <signal.h>
@@ -19,7 +19,7 @@ using SignalHandler = void (*)(int signal, siginfo_t* info, void* context);
 inline void handle(int signal, SignalHandler handler) noexcept {
 #if defined(__x86_64__)
   constexpr unsigned long kHasRestorer = 0x04000000;  // SA_RESTORER
-  // The structure that the kernel expects (asm/signal.h). It differs from the C library's.
+  // The structure that the kernel expects (asm/signal.h). The C library's structure is different.
   struct {
     SignalHandler handler;
     unsigned long flags;

@@ -21,9 +21,9 @@
 #define PR_SYS_DISPATCH_ON 1
 #endif
 
-// The gate is the only code whose system calls the kernel does not intercept. It contains the function that
-// makes the intercepted calls, and the code with which signal handlers return. The unwinder recognizes that
-// code by its bytes.
+// The gate is the only code whose system calls the kernel does not intercept. It contains
+// takt_check_system_call(), which makes the intercepted calls, and takt_check_restorer(), with which signal
+// handlers return. The unwinder recognizes takt_check_restorer() by its bytes.
 extern "C" {
 extern const char takt_check_gate[];      // NOLINT(modernize-avoid-c-arrays)
 extern const char takt_check_gate_end[];  // NOLINT(modernize-avoid-c-arrays)
@@ -58,10 +58,12 @@ namespace takt::check {
 
 namespace {
 
-constexpr int kUserDispatch = 2;  // SYS_USER_DISPATCH
-constexpr int kInstruction = 2;   // length of the instruction `syscall` in bytes
+// The value of SYS_USER_DISPATCH, the si_code of a signal that reports an intercepted system call.
+constexpr int kUserDispatch = 2;
+constexpr int kInstruction = 2;  // length of the instruction `syscall`, in bytes
 
-// Whether a system call would have no effect, or a wrong effect, if a signal handler made it for the thread.
+// Returns true if only the thread itself can make the system call. In a signal handler, such a call would
+// have no effect or a wrong effect.
 bool only_the_thread_can(int number) noexcept {
   switch (number) {
     case SYS_rt_sigreturn:

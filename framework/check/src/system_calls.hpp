@@ -1,11 +1,12 @@
-// Intercepts system calls with the help of the kernel.
+// Intercepts and records the system calls of modules, with the kernel's Syscall User Dispatch.
 #pragma once
 
 namespace takt::check {
 
-/// Installs the signal handler of this process. Call it once.
+/// Installs this process's signal handler for intercepted system calls. Call it once.
 void serve_system_calls() noexcept;
-/// From now on, system calls of the calling thread are intercepted while they count. Call it once per thread.
+/// From now on, makes the kernel intercept the system calls of the calling thread while counts() returns
+/// true. Call this once per thread.
 void watch_system_calls() noexcept;
 
 }  // namespace takt::check

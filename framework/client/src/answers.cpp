@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/client/answer_data.hpp>
 #include <takt/core/time.hpp>
 #include <takt/model/json.hpp>
 
@@ -38,38 +39,41 @@ Problems of_device(const std::string& device, Problems problems) {
   return problems;
 }
 
-model::CellPorts ports_of(const model::Cell& cell, const std::vector<wire::WholeReply>& replies) {
+Result<model::CellPorts> ports_of(const model::Cell& cell, const std::vector<wire::WholeReply>& replies) {
   model::CellPorts ports;
   for (const model::Device& device : cell.devices) ports.emplace_back(device.modules.size());
   for (const wire::WholeReply& reply : replies) {
-    const json data = model::parse_json(reply.data);
-    if (!data.is_object()) continue;
-    for (const json& entry : data.value("modules", json::array())) {
-      if (!entry.is_object() || !entry.contains("ports") || entry["ports"].is_null()) continue;
-      auto known = model::parse_ports(model::json_text(entry["ports"]));
-      for (std::size_t d = 0; known && d < cell.devices.size(); ++d) {
-        const model::Device& device = cell.devices[d];
-        for (std::size_t m = 0; reply.head.device() == device.name && m < device.modules.size(); ++m) {
-          if (device.modules[m].name == entry.value("name", "")) ports[d][m] = *known;
+    const auto of_reply = [&](const json& data) {
+      for (const json& entry : data.value("modules", json::array())) {
+        const auto name = entry.at("name").get<std::string>();
+        if (!entry.contains("ports") || entry.at("ports").is_null()) continue;
+        auto known = model::parse_ports(model::json_text(entry.at("ports")));
+        for (std::size_t d = 0; known && d < cell.devices.size(); ++d) {
+          const model::Device& device = cell.devices[d];
+          for (std::size_t m = 0; reply.head.device() == device.name && m < device.modules.size(); ++m) {
+            if (device.modules[m].name == name) ports[d][m] = *known;
+          }
         }
       }
-    }
+    };
+    if (const auto read = read_answer(reply.head.device().to_string(), reply.data, of_reply); !read)
+      return read.problems();
   }
   return ports;
 }
 
-void KeepAlive::send(Operator& asker, const std::vector<std::string>& devices,
-                     const std::function<Question(CommandKind, const std::string& device)>& question) {
+void KeepAlive::send(Operator& sender, const std::vector<std::string>& devices,
+                     const std::function<CommandRequest(CommandKind, const std::string& device)>& request) {
   constexpr std::chrono::seconds kEvery{4};
   constexpr std::chrono::milliseconds kAnswered{500};
   if (std::chrono::steady_clock::now() - last_ < kEvery) return;
   sent();
-  std::vector<Question> questions;
+  std::vector<CommandRequest> requests;
   for (const std::string& device : devices) {
-    questions.push_back(question(COMMAND_REPORT, device));
-    questions.back().limit = kAnswered;
+    requests.push_back(request(COMMAND_REPORT, device));
+    requests.back().limit = kAnswered;
   }
-  static_cast<void>(asker.ask(questions));
+  static_cast<void>(sender.send(requests));
 }
 
 }  // namespace takt::client

@@ -9,17 +9,18 @@ Result<Connection> connect(const Network& network, const model::Cell* cell, Obse
   if (!domain) return domain.problems();
   const auto security = identity_of(network);
   if (!security) return security.problems();
+  const model::Discovery discovery = discovery_of(network, cell);
   auto participant = dds::Participant::create({.name = "takt",
                                                .domain = *domain,
-                                               .discovery = discovery_of(network, cell),
+                                               .discovery = discovery,
                                                .interfaces = interfaces(),
                                                .security = *security});
   if (!participant) return participant.problems();
   auto observer = Observer::create(*participant, std::move(options));
   if (!observer) return observer.problems();
-  auto asker = Operator::create(*participant, **observer, *domain);
-  if (!asker) return asker.problems();
-  return Connection{std::move(*participant), std::move(*observer), std::move(*asker), *domain};
+  auto sender = Operator::create(*participant, **observer, *domain, options_of(*domain, discovery));
+  if (!sender) return sender.problems();
+  return Connection{std::move(*participant), std::move(*observer), std::move(*sender), *domain};
 }
 
 }  // namespace takt::client

@@ -1,15 +1,19 @@
 #include <takt/client/deploy.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include <nlohmann/json.hpp>
 
-#include <takt/wire/words.hpp>
+#include <takt/client/answer_data.hpp>
+#include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/ports.hpp>
 #include <takt/model/safe.hpp>
+#include <takt/wire/words.hpp>
 #include "answers.hpp"
+#include "reports.hpp"
 
 namespace takt::client {
 
@@ -17,15 +21,20 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+/// The longest time after T0 until every device runs, or has undone the deployment.
+constexpr Nanoseconds kStarted = std::chrono::seconds{6};
+
 class Deployment {
  public:
-  Deployment(Operator& asker, const model::Cell& cell, const DeployOptions& options)
-      : asker_(asker), cell_(cell), options_(options), id_(new_id()) {}
+  Deployment(Operator& sender, const model::Cell& cell, const DeployOptions& options)
+      : sender_(sender), cell_(cell), options_(options), id_(new_id()) {}
 
   Problems find();
   Problems prepare(const std::string& text);
   Problems run(std::int64_t t0_ns);
-  void undo();
+  Problems wait_until_all_run(std::int64_t t0_ns);
+  /// Ends the deployment on all devices, and adds the reasons that the devices give to `problems`.
+  Problems undo(Problems problems);
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
 
  private:
@@ -33,45 +42,49 @@ class Deployment {
   void show_progress(const std::string& text) const {
     if (options_.progress) options_.progress(text);
   }
-  Question question(CommandKind kind, const std::string& device) const;
-  // Sends the questions to the devices. Returns the problems of the devices that did not answer with
-  // REPLY_OK.
-  Problems ask(const std::vector<Question>& questions, std::vector<wire::WholeReply>* replies = nullptr);
+  CommandRequest request(CommandKind kind, const std::string& device) const;
+  // Sends the requests to the devices, and stores the answers with REPLY_OK in `replies`. Returns the
+  // problems of all other devices.
+  Problems send(const std::vector<CommandRequest>& requests,
+                std::vector<wire::WholeReply>* replies = nullptr);
 
-  Operator& asker_;
+  Operator& sender_;
   const model::Cell& cell_;
   const DeployOptions& options_;
   std::string id_;
-  std::string safe_;  // the safe values of all outputs of the cell, as JSON; each device gets them, because
+  std::string safe_;  // safe values of all outputs of the cell, as JSON; each device gets all values, because
                       // it knows only its own
   KeepAlive keep_alive_;
+  bool run_sent_ = false;
 };
 
-Question Deployment::question(CommandKind kind, const std::string& device) const {
-  Question question{.kind = kind, .device = device, .deployment = id_};
+CommandRequest Deployment::request(CommandKind kind, const std::string& device) const {
+  CommandRequest request{.kind = kind, .device = device, .deployment = id_};
   const auto process = options_.process_ids.find(device);
-  if (process != options_.process_ids.end()) question.process_id = process->second;
-  return question;
+  if (process != options_.process_ids.end()) request.process_id = process->second;
+  return request;
 }
 
-Problems Deployment::ask(const std::vector<Question>& questions, std::vector<wire::WholeReply>* replies) {
+Problems Deployment::send(const std::vector<CommandRequest>& requests,
+                          std::vector<wire::WholeReply>* replies) {
   Problems problems;
   std::vector<std::string> names;
   for (const model::Device& device : cell_.devices) names.push_back(device.name);
   keep_alive_.sent();
-  auto answers = asker_.ask(questions, [&] {
-    keep_alive_.send(asker_, names,
-                     [this](CommandKind kind, const std::string& name) { return question(kind, name); });
+  auto answers = sender_.send(requests, [&] {
+    keep_alive_.send(sender_, names,
+                     [this](CommandKind kind, const std::string& name) { return request(kind, name); });
     return cancelled();
   });
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const auto answer = accepted(std::move(answers[i]));
     if (answer && replies != nullptr) replies->push_back(*answer);
     if (answer) continue;
-    const Problems reasons = of_device(questions[i].device, answer.problems());
+    const Problems reasons = of_device(requests[i].device, answer.problems());
     problems.insert(problems.end(), reasons.begin(), reasons.end());
   }
-  if (cancelled()) return {fail("cancelled before all devices were ready")};
+  if (cancelled())
+    return {fail(run_sent_ ? "cancelled before all devices ran" : "cancelled before all devices were ready")};
   return problems;
 }
 
@@ -90,7 +103,7 @@ Problems Deployment::find() {
     return process == options_.process_ids.end() || process->second == seen.status.process_id();
   };
   std::set<std::string> missing;
-  asker_.observer().wait(
+  sender_.observer().wait(
       [&](const std::vector<wire::ObservedDevice>& devices) {
         std::set<std::string> now;
         for (const model::Device& device : cell_.devices) {
@@ -105,27 +118,26 @@ Problems Deployment::find() {
         missing = now;
         return missing.empty() || cancelled();
       },
-      std::max(options_.discovery, asker_.search_limit()));
+      std::max(options_.discovery, sender_.search_limit()));
   if (cancelled()) return {fail("cancelled before all devices were found")};
 
   Problems problems;
-  const auto devices = asker_.observer().devices();
-  const std::string domain = "domain " + std::to_string(asker_.domain());
+  const auto devices = sender_.observer().devices();
+  const std::string domain = "domain " + std::to_string(sender_.domain());
+  std::set<std::string> others = alive(devices);  // the nodes that are not for a device of this cell
+  for (const model::Device& device : cell_.devices) others.erase(device.name);
   for (const model::Device& device : cell_.devices) {
     const std::string where = "device " + device.name;
     const auto found = nodes(devices, device);
     if (found.empty()) {
+      const std::string meant{nearest(device.name, {others.begin(), others.end()})};
       problems.push_back({where, "not found on " + domain,
-                          "start its node with takt-node --device " + device.name + " --domain " +
-                              std::to_string(asker_.domain())});
+                          (meant.empty() ? "" : "did you mean " + meant + "? Otherwise ") +
+                              "start its node with " + sender_.node_command(device.name) + "; " + found_there(devices)});
     } else if (found.size() > 1) {
-      std::string places;
-      for (const wire::ObservedDevice& seen : found) {
-        places += (places.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
-                  " on " + seen.status.host_name().to_string();
-      }
-      problems.push_back({where,
-                          std::to_string(found.size()) + " nodes on " + domain + " have this name: " + places,
+      std::vector<DeviceStatus> all;
+      for (const wire::ObservedDevice& seen : found) all.push_back(seen.status);
+      problems.push_back({where, wire::nodes_of_one_name(all, sender_.domain()),
                           "end all but one of them, or use another domain"});
     } else if (!expected(found[0])) {
       problems.push_back({where, "another node on " + domain + " has this name", "use another domain"});
@@ -146,82 +158,171 @@ Problems Deployment::find() {
 Problems Deployment::prepare(const std::string& text) {
   show_progress("preparing " + std::to_string(cell_.devices.size()) +
                 (cell_.devices.size() == 1 ? " device" : " devices"));
-  std::vector<Question> questions;
+  std::vector<CommandRequest> requests;
   for (const model::Device& device : cell_.devices) {
-    Question q = question(COMMAND_PREPARE, device.name);
+    CommandRequest q = request(COMMAND_PREPARE, device.name);
     q.property = options_.require_real_time ? wire::kRequireRealTime : "";
     q.value = wire::cut(cell_.file, 255);
     q.data = text;
     q.limit.reset();
-    questions.push_back(std::move(q));
+    requests.push_back(std::move(q));
   }
   std::vector<wire::WholeReply> replies;
-  if (Problems problems = ask(questions, &replies); !problems.empty()) return problems;
-  const model::CellPorts ports = ports_of(cell_, replies);
-  safe_ = model::safe_json(model::safe_outputs(cell_, ports));
-  return model::check_connections(cell_, ports);
+  if (Problems problems = send(requests, &replies); !problems.empty()) return problems;
+  const auto ports = ports_of(cell_, replies);
+  if (!ports) return ports.problems();
+  safe_ = model::safe_json(model::safe_outputs(cell_, *ports));
+  return model::check_connections(cell_, *ports);
 }
 
 Problems Deployment::run(std::int64_t t0_ns) {
-  std::vector<Question> questions;
+  std::vector<CommandRequest> requests;
   for (const model::Device& device : cell_.devices) {
-    Question q = question(COMMAND_RUN, device.name);
+    CommandRequest q = request(COMMAND_RUN, device.name);
     q.time_ns = t0_ns;
     q.data = safe_;
     const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - options_.margin;
     q.limit = std::max(std::chrono::floor<std::chrono::milliseconds>(left), std::chrono::milliseconds{1});
-    questions.push_back(std::move(q));
+    requests.push_back(std::move(q));
   }
-  return ask(questions);
+  run_sent_ = true;
+  return send(requests);
 }
 
-void Deployment::undo() {
+// Waits until each device has heard that all others run. From then on no device undoes the deployment.
+Problems Deployment::wait_until_all_run(std::int64_t t0_ns) {
+  enum class Is { running, starting, lost, not_running };
+  const auto is = [&](const std::vector<wire::ObservedDevice>& devices, const model::Device& device) {
+    Is found = Is::lost;
+    for (const wire::ObservedDevice& seen : devices) {
+      if (!seen.alive || seen.name() != device.name) continue;
+      const DeviceStatus& status = seen.status;
+      const bool after_t0 = wall_ns() > t0_ns;
+      const bool has_t0 = status.deployment() == id_ && status.t0_ns() == t0_ns;
+      if (!has_t0 || status.undeployed() == id_) {
+        // Before T0, an older status may still be on its way.
+        if (found == Is::lost) found = after_t0 ? Is::not_running : Is::starting;
+      } else {
+        // A device that is stopping or has ended after T0 ran, and then failed by itself.
+        found = status.state() == DEVICE_RUNNING || (after_t0 && status.state() > DEVICE_RUNNING)
+                    ? Is::running
+                    : Is::starting;
+      }
+    }
+    return found;
+  };
+  sender_.observer().wait(
+      [&](const std::vector<wire::ObservedDevice>& devices) {
+        bool all = true;
+        bool any_failed = false;
+        for (const model::Device& device : cell_.devices) {
+          const Is now = is(devices, device);
+          all &= now == Is::running;
+          any_failed |= now == Is::not_running;
+        }
+        return all || any_failed || cancelled();
+      },
+      Nanoseconds{t0_ns - wall_ns()} + kStarted);
+  Problems problems;
+  const auto devices = sender_.observer().devices();
+  for (const model::Device& device : cell_.devices) {
+    const std::string where = "device " + device.name;
+    switch (is(devices, device)) {
+      case Is::running:
+        break;
+      case Is::starting:
+        problems.push_back({where, "it has not heard that all other devices run", "check the network"});
+        break;
+      case Is::lost:
+        problems.push_back({where, "it was lost before it ran", "check its machine and network"});
+        break;
+      case Is::not_running:
+        problems.push_back({where, "it did not start", ""});
+        break;
+    }
+  }
+  if (!problems.empty() && cancelled()) return {fail("cancelled before all devices ran")};
+  return problems;
+}
+
+Problems Deployment::undo(Problems problems) {
   show_progress("undoing the deployment");
   Devices devices{.names = {}, .process_ids = options_.process_ids, .deployment = id_};
+  std::vector<Undeployed> unreached;
   for (const model::Device& device : cell_.devices) {
-    // A device without a live node has nothing to undo, so it is not asked.
-    const auto seen = asker_.observer().devices(device.name);
+    // A device without a live node gets no command. If T0 was sent, the state of such a device is not known.
+    // Otherwise the device cannot start, and nothing is reported.
+    const auto seen = sender_.observer().devices(device.name);
     if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; }))
       devices.names.push_back(device.name);
+    else if (run_sent_)
+      unreached.push_back(
+          {.device = device.name,
+           .problems = {{"device " + device.name, "it is lost, so its state is not known", ""}}});
   }
-  auto undone = undeploy(asker_, devices, [this] { static_cast<void>(cancelled()); });
+  auto undone = undeploy(sender_, devices, [this] { static_cast<void>(cancelled()); });
+  undone.insert(undone.end(), unreached.begin(), unreached.end());
+  for (Undeployed& one : undone) {
+    if (!run_sent_) {
+      one.problems.clear();  // without T0 the device cannot start, and undoes its preparation by itself
+      continue;
+    }
+    problems.insert(problems.end(), one.problems.begin(), one.problems.end());
+    for (const std::string& failure : one.failures) {
+      const std::string where = "device " + one.device;
+      const bool placed = failure.starts_with(where + ": error: ");
+      problems.push_back({where, placed ? failure.substr(where.size() + 9) : failure, ""});
+    }
+  }
   if (options_.undone != nullptr) *options_.undone = std::move(undone);
+  return problems;
 }
 
 }  // namespace
 
-Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
+Result<Deployed> deploy(Operator& sender, const model::Cell& cell, const std::string& text,
                         const DeployOptions& options) {
   if (text.size() > wire::kMaxData)
     return fail("the descriptor is larger than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
                 "make it smaller");
-  Deployment deployment{asker, cell, options};
+  Deployment deployment{sender, cell, options};
   if (Problems problems = deployment.find(); !problems.empty()) return problems;
-  if (Problems problems = deployment.prepare(text); !problems.empty()) {
-    deployment.undo();
-    return problems;
-  }
+  if (Problems problems = deployment.prepare(text); !problems.empty())
+    return deployment.undo(std::move(problems));
   const std::int64_t t0_ns = wall_ns() + options.lead.count();
-  if (Problems problems = deployment.run(t0_ns); !problems.empty()) {
-    deployment.undo();
-    return problems;
-  }
+  if (Problems problems = deployment.run(t0_ns); !problems.empty())
+    return deployment.undo(std::move(problems));
+  if (Problems problems = deployment.wait_until_all_run(t0_ns); !problems.empty())
+    return deployment.undo(std::move(problems));
   return Deployed{.id = deployment.id(), .t0_ns = t0_ns};
 }
 
-std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
+Result<void> read_undeployed(const std::string& data, Undeployed& one) {
+  if (data.empty()) return {};  // the device had no deployment
+  return read_answer(one.device, data, [&one](const json& answer) {
+    if (const json report = answer.value("report", json{}); !report.is_null())
+      one.report = checked_report(report);
+    for (const std::string& failure : answer.value("failures", std::vector<std::string>{})) {
+      // Equal failure texts are reported only once.
+      if (std::find(one.failures.begin(), one.failures.end(), failure) == one.failures.end())
+        one.failures.push_back(failure);
+    }
+  });
+}
+
+std::vector<Undeployed> undeploy(Operator& sender, const Devices& devices,
                                  const std::function<void()>& meanwhile) {
-  std::vector<Question> questions;
+  std::vector<CommandRequest> requests;
   for (const std::string& device : devices.names) {
     const auto process = devices.process_ids.find(device);
-    questions.push_back({.kind = COMMAND_UNDEPLOY,
-                         .device = device,
-                         .deployment = devices.deployment,
-                         .limit = std::nullopt,
-                         .process_id = process == devices.process_ids.end() ? 0 : process->second});
+    requests.push_back({.kind = COMMAND_UNDEPLOY,
+                        .device = device,
+                        .deployment = devices.deployment,
+                        .limit = std::nullopt,
+                        .process_id = process == devices.process_ids.end() ? 0 : process->second});
   }
   std::vector<Undeployed> all;
-  auto answers = asker.ask(questions, [&meanwhile] {
+  auto answers = sender.send(requests, [&meanwhile] {
     if (meanwhile) meanwhile();
     return false;
   });
@@ -229,15 +330,7 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
     Undeployed one{.device = devices.names[i]};
     const auto answer = accepted(std::move(answers[i]));
     if (answer) {
-      const json data = model::parse_json(answer->data);
-      if (data.is_object()) {
-        one.report = data.value("report", json{});
-        for (const std::string& failure : data.value("failures", std::vector<std::string>{})) {
-          // Equal failure texts are reported only once.
-          if (std::find(one.failures.begin(), one.failures.end(), failure) == one.failures.end())
-            one.failures.push_back(failure);
-        }
-      }
+      if (const auto read = read_undeployed(answer->data, one); !read) one.problems = read.problems();
     } else {
       one.problems = of_device(one.device, answer.problems());
     }
@@ -246,19 +339,47 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
   return all;
 }
 
-Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
-  const Observer& observer = asker.observer();
-  const auto of_cell = [&cell](const std::vector<wire::ObservedDevice>& devices) {
-    std::set<std::string> names;
-    for (const wire::ObservedDevice& seen : devices) {
-      if (seen.alive && seen.status.cell() == cell) names.insert(seen.name());
+std::map<std::string, std::vector<std::string>> deployments_of(const std::vector<wire::ObservedDevice>& seen,
+                                                               const std::string& cell) {
+  std::map<std::string, std::vector<std::string>> found;
+  for (const wire::ObservedDevice& one : seen) {
+    const std::string id = one.status.deployment().to_string();
+    if (one.alive && !id.empty() && (one.status.cell() == cell || id == cell))
+      found[id].push_back(one.name());
+  }
+  return found;
+}
+
+CellDevices sort_devices(const std::vector<wire::ObservedDevice>& seen, const std::string& deployment,
+                         const std::set<std::string>& whole) {
+  CellDevices sorted{.deployment = deployment};
+  for (const std::string& name : whole) {
+    bool alive = false;
+    bool has_it = false;
+    bool waits = false;
+    for (const wire::ObservedDevice& one : seen) {
+      if (!one.alive || one.name() != name) continue;
+      alive = true;
+      has_it |= one.status.deployment() == deployment;
+      waits |= one.status.deployment().size() == 0;
     }
-    return names;
-  };
-  const Nanoseconds limit = asker.search_limit();
-  observer.wait([&](const auto& devices) { return !of_cell(devices).empty(); }, limit);
-  std::set<std::string> names = of_cell(observer.devices());
-  if (names.empty()) {
+    if (has_it)
+      sorted.names.push_back(name);
+    else if (waits)
+      sorted.waiting.push_back(name);
+    else if (!alive)
+      sorted.lost.push_back(name);
+  }
+  return sorted;
+}
+
+Result<CellDevices> devices_of(Operator& sender, const std::string& cell) {
+  const Observer& observer = sender.observer();
+  const Nanoseconds limit = sender.search_limit();
+  const std::string domain = "domain " + std::to_string(sender.domain());
+  observer.wait([&](const auto& seen) { return !deployments_of(seen, cell).empty(); }, limit);
+  const auto found = deployments_of(observer.devices(), cell);
+  if (found.empty()) {
     std::set<std::string> cells;
     for (const wire::ObservedDevice& seen : observer.devices()) {
       if (seen.alive && seen.status.cell() != std::string{wire::kNoCell})
@@ -266,32 +387,55 @@ Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
     }
     std::string list;
     for (const std::string& name : cells) list += (list.empty() ? "" : ", ") + name;
-    return fail("no device on domain " + std::to_string(asker.domain()) + " runs cell " + cell,
+    return fail("no device on " + domain + " runs cell " + cell,
                 list.empty() ? "no cell runs on this domain" : "cells on this domain: " + list);
   }
-  // Each device knows all devices of its cell. Asks the first one, then waits for those that are alive but
-  // not discovered yet.
-  const auto answer = accepted(asker.ask({.kind = COMMAND_REPORT, .device = *names.begin()}));
+  // Each node knows all devices of its cell, and all nodes that it has discovered. Asks one node for these
+  // devices and nodes, and then waits until this program has discovered all of them, too.
+  const auto& [deployment, first] = *found.begin();
+  std::set<std::string> whole;
   std::set<std::string> lost;
-  if (answer) {
-    const json report = model::parse_json(answer->data);
-    std::set<std::string> whole;
-    if (report.is_object()) {
-      for (const json& device : report.value("lost", json::array())) lost.insert(device.value("name", ""));
-      for (const json& device : report.value("devices", json::array()))
-        whole.insert(device.get<std::string>());
+  std::set<std::string> nodes;
+  Problems unanswered;
+  for (const std::string& device : first) {
+    const auto answer = accepted(sender.send({.kind = COMMAND_REPORT, .device = device}));
+    const auto read = answer ? read_answer(device, answer->data,
+                                           [&](const json& report) {
+                                             whole = report.at("devices").get<std::set<std::string>>();
+                                             lost.clear();
+                                             for (const json& other : report.at("lost"))
+                                               lost.insert(other.at("name").get<std::string>());
+                                             nodes = report.at("heard").get<std::set<std::string>>();
+                                           })
+                             : Result<void>{answer.problems()};
+    if (read) {
+      unanswered.clear();
+      break;
     }
-    for (const std::string& name : lost) whole.erase(name);
-    observer.wait(
-        [&](const auto& devices) {
-          const auto found = of_cell(devices);
-          return std::includes(found.begin(), found.end(), whole.begin(), whole.end());
-        },
-        limit);
-    names = of_cell(observer.devices());
+    unanswered.insert(unanswered.end(), read.problems().begin(), read.problems().end());
   }
-  for (const std::string& name : names) lost.erase(name);
-  return CellDevices{.names = {names.begin(), names.end()}, .lost = {lost.begin(), lost.end()}};
+  if (!unanswered.empty()) return unanswered;
+  whole.insert(first.begin(), first.end());
+  observer.wait(
+      [&, &deployment = deployment](const std::vector<wire::ObservedDevice>& seen) {
+        std::set<std::string> known;
+        for (const wire::ObservedDevice& one : seen) known.insert(one.node());
+        const CellDevices sorted = sort_devices(seen, deployment, whole);
+        return std::includes(known.begin(), known.end(), nodes.begin(), nodes.end()) &&
+               std::includes(lost.begin(), lost.end(), sorted.lost.begin(), sorted.lost.end());
+      },
+      limit);
+  const auto all = deployments_of(observer.devices(), cell);
+  if (all.size() > 1) {
+    std::string list;
+    for (const auto& [id, names] : all) {
+      list += (list.empty() ? "" : ", and ") + id + " on ";
+      for (const std::string& name : names) list += (name == names.front() ? "" : ", ") + name;
+    }
+    return fail(std::to_string(all.size()) + " deployments on " + domain + " are named " + cell + ": " + list,
+                "run takt undeploy with the id of the deployment that you want to end");
+  }
+  return sort_devices(observer.devices(), deployment, whole);
 }
 
 }  // namespace takt::client

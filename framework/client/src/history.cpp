@@ -8,14 +8,14 @@ namespace takt::client {
 
 namespace {
 
-/// A device publishes statistics about once a second. Statistics that follow the last entry sooner than this
-/// are skipped.
+/// A device publishes statistics about once a second. History skips statistics that a device publishes less
+/// than this time after the last entry.
 constexpr std::int64_t kApart_ms = 900;
 
 std::int64_t milliseconds_of(std::int64_t ns) { return ns / 1'000'000; }
 
-/// Computes the mean of the measurements made since the previous statistics, from the overall mean and count
-/// now and then.
+/// Computes the mean of only the measurements that were made since the previous statistics. `mean` and
+/// `count` are from the present statistics, `mean_before` and `count_before` from the previous statistics.
 double between(double mean, double count, double mean_before, double count_before) {
   return (mean * count - mean_before * count_before) / (count - count_before);
 }
@@ -42,7 +42,7 @@ void History::add(Module& module, const ModuleStatistics& now) {
                                   loaded_afresh ? 0 : mean_square(before.jitter_us()), count_before);
     const double run =
         between(now.run_us().mean(), count, loaded_afresh ? 0 : before.run_us().mean(), count_before);
-    // Rounding may make this mean slightly negative.
+    // Rounding may make `square` or `run` slightly negative.
     entry.jitter = value(std::sqrt(std::max(square, 0.0)));
     entry.run = value(std::max(run, 0.0));
   }
@@ -55,7 +55,7 @@ void History::add(Module& module, const ModuleStatistics& now) {
   module.next = (module.next + 1) % kSeconds;
 }
 
-void History::hear(const std::vector<wire::ObservedDevice>& devices) {
+void History::add(const std::vector<wire::ObservedDevice>& devices) {
   for (auto& [name, module] : modules_) module.seen = false;
   for (const wire::ObservedDevice& device : devices) {
     for (const auto& [name, statistics] : device.deployment.statistics) {

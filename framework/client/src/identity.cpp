@@ -19,7 +19,7 @@ Result<std::string> identity_of(const Network& network) {
   if (!identity) return identity.problems();
   const security::Subject& subject = identity->subject;
   if (!chosen.passed_over.empty()) {
-    // The fixes of these problems are not printed, because a revoked operator should not be told how to get a
+    // Do not print the fixes of these problems, because a revoked operator should not be told how to get a
     // new certificate.
     for (const Problem& problem : chosen.passed_over)
       std::fprintf(stderr, "%s: %s\n", problem.where.c_str(), problem.what.c_str());

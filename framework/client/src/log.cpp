@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -12,9 +13,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/wire/fault.hpp>
+#include <takt/client/answer_data.hpp>
+#include <takt/client/target.hpp>
 #include <takt/dds/topics.hpp>
 #include <takt/model/json.hpp>
+#include <takt/wire/fault.hpp>
 #include "reports.hpp"
 
 namespace takt::client {
@@ -24,98 +27,110 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
 
-/// Within this time after its discovery, a node sends its latest events again.
+/// A node sends its latest events to each new reader. These events arrive within this time after the node's
+/// discovery.
 constexpr std::chrono::seconds kLastEvents{3};
 
-Question question_of(const std::string& device, const model::FaultFilter& filter) {
+CommandRequest request_of(const std::string& device, const model::FaultFilter& filter) {
   return {.kind = COMMAND_LOG, .device = device, .data = model::json_text(model::to_json(filter))};
 }
 
-Problem unreadable(const std::string& device) {
-  return {"device " + device, "its answer is not a fault record",
-          "check that it runs the same version of Takt as this program"};
-}
-
-// Adds each problem only once. If two nodes have the same device name, every question to this device fails
-// with the same problem.
+// Adds the problems in `more` that are not in `problems` yet. If two nodes have the same device name, every
+// request to this device fails with the same problem.
 void add_new(Problems& problems, const Problems& more) {
   for (const Problem& problem : more) {
     if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
   }
 }
 
-// Adds the events in a node's answer to `log`, and the devices that the node has lost to `missed`.
+// Adds the events in a node's answer to `log`. If `missed` is not null, adds the devices that the node has
+// lost to `*missed`.
 void add_events_of(Log& log, const std::string& device, const wire::WholeReply& reply,
                    std::set<std::string>* missed) {
-  const json value = model::parse_json(reply.data);
-  try {
-    DeviceLog own{.device = device,
-                  .file = value.at("file").is_null() ? "" : value.at("file").get<std::string>(),
-                  .newest = value.at("newest"),
-                  .newest_time_ns = value.at("newest_time_ns"),
-                  .overwritten = value.at("overwritten"),
-                  .damaged = value.at("damaged")};
+  DeviceLog own;
+  std::vector<model::Fault> events;
+  std::set<std::string> lost;
+  const auto read = read_answer(device, reply.data, [&](const json& value) {
+    own = {.device = device,
+           .file = value.at("file").is_null() ? "" : value.at("file").get<std::string>(),
+           .newest = value.at("newest"),
+           .newest_time_ns = value.at("newest_time_ns"),
+           .overwritten = value.at("overwritten"),
+           .damaged = value.at("damaged")};
     for (const json& event : value.at("events")) {
       auto fault = model::fault_from(event);
       if (!fault) throw std::invalid_argument{"no event"};
-      log.events.push_back(std::move(*fault));
+      events.push_back(std::move(*fault));
     }
-    for (const json& name : value.at("lost")) {
-      if (missed != nullptr) missed->insert(name.get<std::string>());
-    }
-    log.devices.push_back(std::move(own));
-  } catch (const std::exception&) {
-    log.problems.push_back(unreadable(device));
-  }
+    lost = value.at("lost").get<std::set<std::string>>();
+  });
+  if (!read) return add_new(log.problems, read.problems());
+  log.devices.push_back(std::move(own));
+  log.events.insert(log.events.end(), events.begin(), events.end());
+  if (missed != nullptr) missed->insert(lost.begin(), lost.end());
 }
 
 }  // namespace
 
 void sort_by_time(std::vector<model::Fault>& events) {
-  // A node's rate limit may merge events. A merged event may have an earlier time than the event before it.
-  // So events of one device stay in the order of their sequence numbers.
   std::stable_sort(events.begin(), events.end(),
                    [](const auto& a, const auto& b) { return a.sequence < b.sequence; });
-  std::map<std::string, std::int64_t> newest;
+  struct Device {
+    std::int64_t newest_ns = std::numeric_limits<std::int64_t>::min();
+    std::int64_t set_back_ns = 0;  // the time by which the clock of the device has been set back
+  };
+  std::map<std::string, Device> devices;
   std::vector<std::pair<std::int64_t, model::Fault>> placed;
   for (model::Fault& event : events) {
-    std::int64_t& time = newest[event.device];
-    time = std::max(time, event.time_ns);
-    placed.emplace_back(time, std::move(event));
+    Device& device = devices[event.device];
+    // An event is recorded at most about a second after its time. So a larger backward step means that the
+    // clock was set back.
+    constexpr std::int64_t kStep = 2'000'000'000;
+    std::int64_t at = event.time_ns + device.set_back_ns;
+    if (device.newest_ns > at + kStep) {
+      device.set_back_ns += device.newest_ns - at;
+      at = device.newest_ns;
+    }
+    device.newest_ns = std::max(device.newest_ns, at);
+    placed.emplace_back(at, std::move(event));
   }
   std::stable_sort(placed.begin(), placed.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   events.clear();
-  for (auto& [time, event] : placed) events.push_back(std::move(event));
+  for (auto& [at, event] : placed) events.push_back(std::move(event));
 }
 
-Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limit) {
+Log read_log(Operator& sender, const model::FaultFilter& filter, Nanoseconds limit) {
   std::set<std::string> names;
   std::set<std::string> missed;
   std::set<std::string> not_found;
   Log log;
   if (!filter.device.empty()) {
+    if (const auto found = find_device(sender, filter.device, filter.module); !found) {
+      log.problems = found.problems();
+      return log;
+    }
     names.insert(filter.device);
   } else {
-    const auto reports = all_reports(asker, limit);
+    const auto reports = all_reports(sender, limit);
     if (!reports) {
       log.problems = reports.problems();
       log.problems[0].fix += "; to read the fault record of a stopped node, use --file";
       return log;
     }
     log.problems = reports->problems;
-    for (const wire::ObservedDevice& seen : asker.observer().devices())
+    for (const wire::ObservedDevice& seen : sender.observer().devices())
       (seen.alive ? names : missed).insert(seen.name());
     for (const auto& [name, modules] : reports->lost) missed.insert(name);
     not_found = reports->missing();
   }
-  std::vector<Question> questions;
-  for (const std::string& name : names) questions.push_back(question_of(name, filter));
-  auto answers = asker.ask(questions);
+  std::vector<CommandRequest> requests;
+  for (const std::string& name : names) requests.push_back(request_of(name, filter));
+  auto answers = sender.send(requests);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const auto answer = accepted(std::move(answers[i]));
     if (answer)
-      add_events_of(log, questions[i].device, *answer, filter.device.empty() ? &missed : nullptr);
+      add_events_of(log, requests[i].device, *answer, filter.device.empty() ? &missed : nullptr);
     else
       add_new(log.problems, answer.problems());
   }
@@ -138,18 +153,18 @@ Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limi
 }
 
 struct LogFollower::Inside {
-  struct Place {
+  struct Position {
     std::uint64_t sequence = 0;
     std::int64_t time_ns = 0;
-    /// When the follower discovered the device's node; empty if the log of go_on_after() already contains the
-    /// device.
+    /// When the follower received the first event of the device. Empty if the log passed to go_on_after()
+    /// contains the device.
     std::optional<Clock::time_point> found{};
   };
 
   std::mutex mutex;
   std::condition_variable came;
   std::deque<model::Fault> news;
-  std::map<std::string, Place> places;  ///< the last returned event of each device
+  std::map<std::string, Position> positions;  ///< the last returned event of each device
   std::int64_t began_ns = 0;
   // Must be the last member: it is destroyed first, so that no callback uses members that are already
   // destroyed.
@@ -161,16 +176,16 @@ LogFollower::~LogFollower() = default;
 
 Result<std::unique_ptr<LogFollower>> LogFollower::create(std::shared_ptr<dds::Participant> participant) {
   auto inside = std::make_unique<Inside>();
-  Inside* const place = inside.get();
-  place->began_ns =
+  Inside* const me = inside.get();
+  me->began_ns =
       std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
   auto reader = dds::Reader<FaultEvent>::create(std::move(participant),
-                                                {.sample = [place](const FaultEvent& event, wire::WriterId) {
+                                                {.sample = [me](const FaultEvent& event, wire::WriterId) {
                                                   {
-                                                    const std::lock_guard lock{place->mutex};
-                                                    place->news.push_back(wire::from_wire(event));
+                                                    const std::lock_guard lock{me->mutex};
+                                                    me->news.push_back(wire::from_wire(event));
                                                   }
-                                                  place->came.notify_all();
+                                                  me->came.notify_all();
                                                 }});
   if (!reader) return reader.problems();
   inside->reader.emplace(std::move(*reader));
@@ -179,10 +194,10 @@ Result<std::unique_ptr<LogFollower>> LogFollower::create(std::shared_ptr<dds::Pa
 
 void LogFollower::go_on_after(const Log& log) {
   for (const DeviceLog& device : log.devices)
-    inside_->places[device.device] = {device.newest, device.newest_time_ns};
+    inside_->positions[device.device] = {device.newest, device.newest_time_ns};
 }
 
-std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, Problems& problems) {
+std::vector<model::Fault> LogFollower::next(Operator& sender, Nanoseconds limit, Problems& problems) {
   std::deque<model::Fault> news;
   {
     std::unique_lock lock{inside_->mutex};
@@ -190,50 +205,51 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
     news.swap(inside_->news);
   }
   std::vector<model::Fault> events;
-  const auto add = [&events](Inside::Place& place, model::Fault fault) {
-    place.sequence = fault.sequence;
-    place.time_ns = std::max(place.time_ns, fault.time_ns);
+  const auto add = [&events](Inside::Position& position, model::Fault fault) {
+    position.sequence = fault.sequence;
+    position.time_ns = std::max(position.time_ns, fault.time_ns);
     events.push_back(std::move(fault));
   };
   for (model::Fault& fault : news) {
-    const auto [at, added] = inside_->places.try_emplace(fault.device);
-    Inside::Place& place = at->second;
+    const auto [at, added] = inside_->positions.try_emplace(fault.device);
+    Inside::Position& position = at->second;
     const auto now = Clock::now();
-    if (added) place.found = now;
-    // A node that is discovered later sends its latest events at once. Of these, the follower skips events
-    // from before its own start. After kLastEvents it accepts every event, because the node's clock may be
-    // slow.
-    if (place.found && now - *place.found < kLastEvents && fault.time_ns < inside_->began_ns) {
-      place.sequence = fault.sequence;
-      place.time_ns = std::max(place.time_ns, fault.time_ns);
+    if (added) position.found = now;
+    // A node that the follower discovers later first sends its latest events. Of these events, the follower
+    // skips those from before its own start. Later than kLastEvents after the first event, it accepts every
+    // event, because the node's clock may be behind.
+    if (position.found && now - *position.found < kLastEvents && fault.time_ns < inside_->began_ns) {
+      position.sequence = fault.sequence;
+      position.time_ns = std::max(position.time_ns, fault.time_ns);
       continue;
     }
     if (added) {
-      add(place, std::move(fault));
+      add(position, std::move(fault));
       continue;
     }
-    if (fault.sequence <= place.sequence) {
-      // A sequence number that is not new: the follower has already returned the event, or the node has lost
-      // its fault record and counts from 1 again. In the second case the time is later.
-      if (fault.time_ns > place.time_ns) add(place, std::move(fault));
+    if (fault.sequence <= position.sequence) {
+      // The sequence number is not new. So the follower has already returned the event, or the node has lost
+      // its fault record and counts from 1 again. In the second case, the event has a later time.
+      if (fault.time_ns > position.time_ns) add(position, std::move(fault));
       continue;
     }
-    if (fault.sequence > place.sequence + 1 && place.sequence != 0) {
-      model::FaultFilter missing{.after = place.sequence};
-      const auto answer = accepted(asker.ask(question_of(fault.device, missing)));
+    if (fault.sequence > position.sequence + 1 && position.sequence != 0) {
+      model::FaultFilter missing{.after = position.sequence};
+      const auto answer = accepted(sender.send(request_of(fault.device, missing)));
       Log log;
       if (answer) add_events_of(log, fault.device, *answer, nullptr);
       for (model::Fault& each : log.events) {
-        if (each.sequence > place.sequence && each.sequence < fault.sequence) add(place, std::move(each));
+        if (each.sequence > position.sequence && each.sequence < fault.sequence)
+          add(position, std::move(each));
       }
-      if (fault.sequence > place.sequence + 1) {
+      if (fault.sequence > position.sequence + 1) {
         problems.push_back({"device " + fault.device,
-                            std::to_string(fault.sequence - place.sequence - 1) + " events before event " +
+                            std::to_string(fault.sequence - position.sequence - 1) + " events before event " +
                                 std::to_string(fault.sequence) + " are missing",
                             ""});
       }
     }
-    add(place, std::move(fault));
+    add(position, std::move(fault));
   }
   return events;
 }

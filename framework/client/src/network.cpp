@@ -8,8 +8,6 @@
 
 namespace takt::client {
 
-namespace {
-
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
   std::size_t begin = 0;
@@ -21,8 +19,6 @@ std::vector<std::string> split(const std::string& text) {
   return parts;
 }
 
-}  // namespace
-
 Result<int> domain_of(const Network& network, const model::Cell* cell) {
   if (network.domain) return *network.domain;
   const std::string text = os::environment("TAKT_DOMAIN");
@@ -33,6 +29,14 @@ Result<int> domain_of(const Network& network, const model::Cell* cell) {
     return fail("TAKT_DOMAIN is " + in_quotes(text),
                 "set it to a number from 0 to " + std::to_string(model::kMaxDomain));
   return domain;
+}
+
+std::string domain_note(const Network& network, const model::Cell& cell) {
+  const auto domain = domain_of(network, &cell);
+  // Domain 0 is also the domain of a descriptor that names none.
+  if (network.domain || cell.domain == 0 || !domain || *domain == cell.domain) return {};
+  return "note: TAKT_DOMAIN sets domain " + std::to_string(*domain) + " instead of the descriptor's domain " +
+         std::to_string(cell.domain);
 }
 
 model::Discovery discovery_of(const Network& network, const model::Cell* cell) {
@@ -47,6 +51,17 @@ model::Discovery discovery_of(const Network& network, const model::Cell* cell) {
     discovery.server = network.server;
   }
   return discovery;
+}
+
+std::string options_of(int domain, const model::Discovery& discovery) {
+  std::string options = "--domain " + std::to_string(domain);
+  if (discovery.kind == model::Discovery::Kind::server) options += " --server " + discovery.server;
+  if (discovery.kind == model::Discovery::Kind::peers) {
+    options += " --peers ";
+    for (const std::string& peer : discovery.peers)
+      options += (options.back() == ' ' ? "" : ",") + peer;
+  }
+  return options;
 }
 
 std::string security_of(const Network& network) {

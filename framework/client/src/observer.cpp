@@ -40,14 +40,14 @@ void Observer::changed(const std::function<void(wire::CellState&)>& change) {
   changed_.notify_all();
 }
 
-void Observer::heard(const DeviceStatus& status, wire::WriterId writer) {
+void Observer::receive(const DeviceStatus& status, wire::WriterId writer) {
   std::optional<wire::ObservedDevice> news;
   {
     const std::lock_guard lock{mutex_};
     bool known = false;
     for (const wire::ObservedDevice& before : cell_state_.devices(status.device().to_string()))
       known |= before.alive && same(before.status, status);
-    cell_state_.heard(status, writer);
+    cell_state_.receive(status, writer);
     if (known) return;
     for (const wire::ObservedDevice& now : cell_state_.devices(status.device().to_string())) {
       if (now.status.node() == status.node()) news = now;
@@ -73,22 +73,22 @@ Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Particip
   keep(readers.modules, dds::Reader<LifecycleStatus>::create(
                             participant, {.sample =
                                               [self](const LifecycleStatus& status, wire::WriterId) {
-                                                self->changed([&](wire::CellState& p) { p.heard(status); });
+                                                self->changed([&](wire::CellState& p) { p.receive(status); });
                                                 if (self->options_.news.module)
                                                   self->options_.news.module(status);
                                               },
                                           .disposed =
                                               [self](const LifecycleStatus& key, wire::WriterId) {
-                                                self->changed([&](wire::CellState& p) { p.gone(key); });
+                                                self->changed([&](wire::CellState& p) { p.remove(key); });
                                               },
                                           .lost = {}}));
   keep(readers.devices,
        dds::Reader<DeviceStatus>::create(
            participant, {.sample = [self](const DeviceStatus& status,
-                                          wire::WriterId writer) { self->heard(status, writer); },
+                                          wire::WriterId writer) { self->receive(status, writer); },
                          .disposed =
                              [self](const DeviceStatus& key, wire::WriterId writer) {
-                               self->changed([&](wire::CellState& p) { p.gone(key, writer); });
+                               self->changed([&](wire::CellState& p) { p.remove(key, writer); });
                              },
                          .lost =
                              [self](wire::WriterId writer) {
@@ -109,15 +109,15 @@ Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Particip
   if (self->options_.statistics) {
     keep(readers.statistics, dds::Reader<ModuleStatistics>::create(
                                  participant, {.sample = [self](const ModuleStatistics& s, wire::WriterId) {
-                                   self->changed([&](wire::CellState& p) { p.heard(s); });
+                                   self->changed([&](wire::CellState& p) { p.receive(s); });
                                  }}));
     keep(readers.executors, dds::Reader<ExecutorStatistics>::create(
                                 participant, {.sample = [self](const ExecutorStatistics& s, wire::WriterId) {
-                                  self->changed([&](wire::CellState& p) { p.heard(s); });
+                                  self->changed([&](wire::CellState& p) { p.receive(s); });
                                 }}));
     keep(readers.ports,
          dds::Reader<PortStatus>::create(participant, {.sample = [self](const PortStatus& s, wire::WriterId) {
-                                           self->changed([&](wire::CellState& p) { p.heard(s); });
+                                           self->changed([&](wire::CellState& p) { p.receive(s); });
                                          }}));
   }
   if (!problems.empty()) return problems;

@@ -10,9 +10,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/wire/words.hpp>
+#include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
+#include <takt/wire/question.hpp>
+#include <takt/wire/validation.hpp>
+#include <takt/wire/words.hpp>
 #include "answers.hpp"
+#include "reports.hpp"
 
 namespace takt::client {
 
@@ -22,28 +26,60 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
 
-/// If the question has no time limit, the node must begin to execute the command within this time.
+/// The deadline of a command whose request has no time limit: the node must begin to execute the command
+/// within this time.
 constexpr std::chrono::seconds kBegun{10};
-/// How long to search for a node, without and with DDS Security.
+/// The longest time of the search for a node, without and with DDS Security.
 constexpr Nanoseconds kSearch = std::chrono::seconds{3};
 constexpr Nanoseconds kSecuredSearch = std::chrono::seconds{10};
-/// A node that is lost while a command waits for its answer may come back within this time, because perhaps
-/// its machine was only busy. After this time, the command fails.
+/// If a node is lost before it answers a command, send() waits this long for the node to come back, because
+/// the machine may only have been busy. Then the command fails.
 constexpr Nanoseconds kBack = milliseconds{700};
 
-std::string device_of(const Question& question) { return "device " + question.device; }
+std::string device_of(const CommandRequest& request) { return "device " + request.device; }
+
+/// The sizes of the names and of the value in takt::Command.
+constexpr std::size_t kLongestName = 63;
+constexpr std::size_t kLongestValue = 255;
+
+/// Returns the problem `what` of a device that has not answered, with what was tried: how often the command
+/// was sent, and when the last status of the device arrived. Each device sends its status ten times a second.
+Problem no_answer(const CommandRequest& request, const std::string& what, int sent, Nanoseconds silent) {
+  return {device_of(request),
+          what + "; the command was sent " + std::to_string(sent) + (sent == 1 ? " time" : " times") +
+              ", and the last status of the device arrived " + takt::to_text(silent) + " ago",
+          sent == 0 || wire::is_question(request.kind)
+              ? "check the network, and try again"
+              : "the device may have carried it out: check with takt status before you try again"};
+}
 
 }  // namespace
+
+Result<void> check(const CommandRequest& request) {
+  // A node would drop a request with an invalid name without an answer, or would read a longer name as
+  // another name. A longer value would be cut.
+  for (const std::string* name : {&request.device, &request.module, &request.property}) {
+    if (name->size() <= kLongestName && wire::is_name(*name)) continue;
+    return fail(in_quotes(*name) + " is not a valid name",
+                "a name has at most " + std::to_string(kLongestName) + " bytes, and no control characters");
+  }
+  if (request.value.size() > kLongestValue) {
+    return fail(
+        "the value " + in_quotes(request.value) + " has " + std::to_string(request.value.size()) + " bytes",
+        "give a value of at most " + std::to_string(kLongestValue) + " bytes");
+  }
+  return {};
+}
 
 struct Operator::Inside {
   std::mutex mutex;
   std::condition_variable answered;
-  std::map<std::string, std::optional<wire::WholeReply>> open;  // answers received so far, by command id
+  std::map<std::string, std::optional<wire::WholeReply>> open;  // by command id; empty: no answer yet
   std::uint64_t asked = 0;
   std::string name;  // the first part of every command id, unique to this program
   std::optional<dds::CommandClient> client;
 
-  void heard(const wire::WholeReply& reply) {
+  void receive(const wire::WholeReply& reply) {
     {
       const std::lock_guard lock{mutex};
       const auto found = open.find(reply.head.id().to_string());
@@ -55,43 +91,54 @@ struct Operator::Inside {
 };
 
 Operator::Operator(std::unique_ptr<Inside> inside, const Observer& observer, int domain,
-                   Nanoseconds search_limit)
-    : inside_(std::move(inside)), observer_(observer), domain_(domain), search_limit_(search_limit) {}
+                   std::string node_options, Nanoseconds search_limit)
+    : inside_(std::move(inside)),
+      observer_(observer),
+      domain_(domain),
+      node_options_(std::move(node_options)),
+      search_limit_(search_limit) {}
 
 Operator::~Operator() = default;
 
 Result<std::unique_ptr<Operator>> Operator::create(std::shared_ptr<dds::Participant> participant,
-                                                   const Observer& observer, int domain) {
+                                                   const Observer& observer, int domain,
+                                                   std::string node_options) {
   auto inside = std::make_unique<Inside>();
-  Inside* const place = inside.get();
+  Inside* const me = inside.get();
   std::random_device random;
   std::array<char, 17> digits{};
   std::snprintf(digits.data(), digits.size(), "%08x%08x", random(), random());
   inside->name = digits.data();
   const Nanoseconds search_limit = participant->identity() ? kSecuredSearch : kSearch;
   auto client = dds::CommandClient::create(std::move(participant),
-                                           [place](const wire::WholeReply& reply) { place->heard(reply); });
+                                           [me](const wire::WholeReply& reply) { me->receive(reply); });
   if (!client) return client.problems();
   inside->client.emplace(std::move(*client));
-  return std::unique_ptr<Operator>{new Operator{std::move(inside), observer, domain, search_limit}};
+  return std::unique_ptr<Operator>{
+      new Operator{std::move(inside), observer, domain, std::move(node_options), search_limit}};
 }
 
-Result<wire::WholeReply> Operator::ask(const Question& question) {
-  return std::move(ask(std::vector{question})[0]);
+Result<wire::WholeReply> Operator::send(const CommandRequest& request) {
+  return std::move(send(std::vector{request})[0]);
 }
 
-std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>& questions,
-                                                   const std::function<bool()>& give_up) {
-  // Each question passes through three stages: find the node, send the command, receive the answer.
+std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRequest>& requests,
+                                                     const std::function<bool()>& give_up) {
+  // Each request passes through three stages: find the node, send the command, receive the answer.
   struct State {
     std::string id;
     std::string node;
     std::optional<Clock::time_point> sent;
+    std::uint64_t last_status = 0;  // the sequence number of the node's last status, which arrived at `heard`
+    Clock::time_point heard;
     std::optional<Clock::time_point> gone_since;
     std::optional<Result<wire::WholeReply>> outcome;
   };
-  std::vector<State> states(questions.size());
+  std::vector<State> states(requests.size());
   const auto begun = Clock::now();
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    if (const auto valid = check(requests[i]); !valid) states[i].outcome = valid.problems();
+  }
   {
     const std::lock_guard lock{inside_->mutex};
     for (State& state : states) {
@@ -100,10 +147,11 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
     }
   }
 
-  const auto meant = [](const Question& q, const wire::ObservedDevice& seen) {
-    return q.process_id == 0 || seen.status.process_id() == q.process_id;
+  const auto meant = [](const CommandRequest& q, const wire::ObservedDevice& seen) {
+    return (q.process_id == 0 || seen.status.process_id() == q.process_id) &&
+           (q.node.empty() || seen.node() == q.node);
   };
-  const auto advance = [&](const Question& q, State& state) {
+  const auto advance = [&](const CommandRequest& q, State& state) {
     const Nanoseconds find_within = std::min(q.limit.value_or(search_limit_), search_limit_);
     std::vector<wire::ObservedDevice> alive;
     bool lost = false;
@@ -115,49 +163,56 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
         lost = true;
     }
     if (state.sent) {
-      const bool there = std::any_of(alive.begin(), alive.end(), [&](const wire::ObservedDevice& seen) {
-        return seen.node() == state.node;
+      const auto seen = std::find_if(alive.begin(), alive.end(), [&](const wire::ObservedDevice& one) {
+        return one.node() == state.node;
       });
+      const bool there = seen != alive.end();
+      if (there && seen->status.sequence_number() != state.last_status) {
+        state.last_status = seen->status.sequence_number();
+        state.heard = Clock::now();
+      }
       if (there) {
         state.gone_since.reset();
       } else if (!state.gone_since) {
         state.gone_since = Clock::now();
       }
-      if (!there && Clock::now() - *state.gone_since > kBack) {
+      if (inside_->client->is_too_late(state.id)) {
         state.outcome = Problem{device_of(q),
-                                std::string{"it was lost before it answered command "} + to_text(q.kind), ""};
-      } else if (q.limit && Clock::now() - *state.sent > *q.limit) {
-        state.outcome = Problem{
-            device_of(q),
-            std::string{"no answer to command "} + to_text(q.kind) + " within " + takt::to_text(*q.limit),
-            ""};
+                                std::string{"command "} + to_text(q.kind) + " could not be sent within " +
+                                    takt::to_text(q.limit.value_or(kBegun)),
+                                "the device did not get it; try again"};
+        return;
       }
+      const auto now = Clock::now();
+      const Nanoseconds limit = q.limit.value_or(kLongestCommand);
+      std::string what;
+      if (!there && now - *state.gone_since > kBack)
+        what = std::string{"it was lost before it answered command "} + to_text(q.kind);
+      else if (now - *state.sent > limit)
+        what = std::string{"no answer to command "} + to_text(q.kind) + " within " + takt::to_text(limit);
+      else
+        return;
+      state.outcome = no_answer(q, what, inside_->client->sent(state.id),
+                                std::chrono::duration_cast<milliseconds>(now - state.heard));
       return;
     }
     if (alive.size() > 1) {
-      std::string where;
-      for (const wire::ObservedDevice& seen : alive) {
-        where += (where.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
-                 " on " + seen.status.host_name().to_string();
-      }
-      state.outcome = Problem{device_of(q),
-                              std::to_string(alive.size()) + " nodes on domain " + std::to_string(domain_) +
-                                  " have this name: " + where,
-                              "end all but one of them"};
+      std::vector<DeviceStatus> nodes;
+      for (const wire::ObservedDevice& seen : alive) nodes.push_back(seen.status);
+      state.outcome =
+          Problem{device_of(q), wire::nodes_of_one_name(nodes, domain_), "end all but one of them"};
       return;
     }
     if (alive.empty()) {
       if (Clock::now() - begun <= find_within) return;
-      state.outcome = lost
-                          ? Problem{device_of(q), "it is lost: its node no longer answers",
-                                    "start its node again; with --resume, the node restores its deployment"}
-                          : Problem{device_of(q), "not found: no answer within " + takt::to_text(find_within),
-                                    "check that takt-node --device " + q.device + " is running on domain " +
-                                        std::to_string(domain_)};
+      state.outcome = lost ? Problem{device_of(q), "it is lost: its node no longer answers",
+                                     "start its node again; with --resume, the node restores its deployment"}
+                           : not_found(q.device, find_within);
       return;
     }
-    state.sent = Clock::now();
+    state.sent = state.heard = Clock::now();
     state.node = alive[0].node();
+    state.last_status = alive[0].status.sequence_number();
     wire::WholeCommand command;
     command.head.id(state.id);
     wire::set(command.head.device(), q.device);
@@ -178,7 +233,7 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
   };
   while (open()) {
     for (std::size_t i = 0; i < states.size(); ++i) {
-      if (!states[i].outcome) advance(questions[i], states[i]);
+      if (!states[i].outcome) advance(requests[i], states[i]);
     }
     const bool enough = give_up && give_up();
     std::unique_lock lock{inside_->mutex};
@@ -197,7 +252,7 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
     if (take()) continue;
     for (std::size_t i = 0; enough && i < states.size(); ++i) {
       if (!states[i].outcome)
-        states[i].outcome = Problem{device_of(questions[i]), "no answer before the wait was cancelled", ""};
+        states[i].outcome = Problem{device_of(requests[i]), "no answer before the wait was cancelled", ""};
     }
     if (open()) inside_->answered.wait_for(lock, milliseconds{10});
   }
@@ -213,13 +268,21 @@ std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>&
   return outcomes;
 }
 
+Problem Operator::not_found(const std::string& device, Nanoseconds within) const {
+  return {"device " + device, "not found: no answer within " + takt::to_text(within),
+          "check that " + node_command(device) + " is running; " + found_there(observer_.devices())};
+}
+
 Problems problems_of(const wire::WholeReply& reply) {
   Problems problems;
   const json list = model::parse_json(reply.data);
   if (list.is_array()) {
     for (const json& entry : list) {
       if (!entry.is_object() || !entry.contains("what")) continue;
-      problems.push_back({entry.value("where", ""), entry.value("what", ""), entry.value("fix", "")});
+      const auto text = [&entry](const char* name) {
+        return entry.contains(name) && entry[name].is_string() ? entry[name].get<std::string>() : "";
+      };
+      problems.push_back({text("where"), text("what"), text("fix")});
     }
   }
   if (problems.empty()) {

@@ -7,8 +7,8 @@
 namespace takt::client {
 
 bool matches(std::string_view pattern, std::string_view name) {
-  // If the text after the last * does not match, lets the * match one more character and tries the rest of
-  // the pattern again.
+  // Compare character by character. At a mismatch, let the * that was reached last match one more character,
+  // and compare the rest of the pattern again.
   std::size_t p = 0;
   std::size_t n = 0;
   std::size_t star = std::string_view::npos;

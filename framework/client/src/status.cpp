@@ -1,5 +1,6 @@
 #include <takt/client/status.hpp>
 
+#include <map>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -48,24 +49,69 @@ std::string names(const std::set<std::string>& cells) {
 
 }  // namespace
 
-Result<json> status(Operator& asker, Nanoseconds limit) {
-  auto found = all_reports(asker, limit);
+std::vector<std::string> differences(const json& devices,
+                                     const std::map<std::string, std::set<std::string>>& cells) {
+  std::vector<std::string> all;
+  for (const auto& [cell, names] : cells) {
+    // The names of the devices, by the deployment and update that they have.
+    std::map<std::string, std::string> having;
+    for (const json& device : devices) {
+      const auto name = device.value("name", "");
+      if (!device.value("alive", false) || !names.contains(name)) continue;
+      const auto text = [&device](const char* member) {
+        const auto found = device.find(member);
+        return found != device.end() && found->is_string() ? found->get<std::string>() : std::string{};
+      };
+      const std::string update = text("update");
+      std::string what = text("deployment").empty() ? "no deployment" : "deployment " + text("deployment");
+      if (!update.empty()) what += " with update " + update;
+      having[what] += (having[what].empty() ? "" : ", ") + name;
+    }
+    if (having.size() < 2) continue;
+    std::string line;
+    for (const auto& [what, list] : having) line += (line.empty() ? "" : "; ") + list + ": " + what;
+    all.push_back("the devices of cell " + cell + " differ: " + line);
+  }
+  return all;
+}
+
+Result<json> status(Operator& sender, Nanoseconds limit) {
+  auto found = all_reports(sender, limit);
   if (!found) return found.problems();
   Reports& reports = *found;
-  // Each problem means that the status would be incomplete. For example, two nodes have the same device name,
-  // or a node was lost before it answered.
+  // Fail if there is a problem, because the status would be incomplete: for example, a node was lost before
+  // it answered.
   if (!reports.problems.empty()) return reports.problems;
-  for (const auto& [name, modules] : reports.lost)
-    reports.devices.try_emplace(name, lost_device(name, modules));
-  for (const std::string& name : reports.missing()) reports.devices[name] = lost_device(name, json::array());
+  std::multimap<std::string, json> devices;  // by device name; two nodes may have the same device name
+  for (const auto& [name, modules] : reports.lost) {
+    if (!reports.answered(name)) devices.emplace(name, lost_device(name, modules));
+  }
+  for (const std::string& name : reports.missing()) devices.emplace(name, lost_device(name, json::array()));
+  for (auto& [node, report] : reports.nodes) {
+    const auto name = report["name"].get<std::string>();
+    const auto seen = sender.observer().devices(name);
+    const wire::ObservedDevice* twin = nullptr;
+    bool alive = false;
+    for (const wire::ObservedDevice& one : seen) {
+      if (one.alive && one.node() == node) alive = true;
+      if (one.alive && one.node() != node) twin = &one;
+    }
+    if (twin != nullptr && !alive) continue;  // the node was restarted; the new node has answered, too
+    if (twin != nullptr && !report.contains("conflict"))  // the nodes have not discovered each other yet
+      report["conflict"] = wire::name_conflict(twin->status, sender.domain());
+    devices.emplace(name, std::move(report));
+  }
 
   std::set<std::string> cells;
-  for (const wire::ObservedDevice& seen : asker.observer().devices()) {
+  for (const wire::ObservedDevice& seen : sender.observer().devices()) {
     if (seen.status.cell() != std::string{wire::kNoCell}) cells.insert(seen.status.cell().to_string());
   }
   json list = json::array();
-  for (auto& [name, device] : reports.devices) list.push_back(std::move(device));
-  return json{{"cell", names(cells)}, {"devices", list}};
+  for (auto& [name, device] : devices) list.push_back(std::move(device));
+  json whole{{"cell", names(cells)}, {"devices", list}};
+  if (const auto differing = differences(list, reports.cells); !differing.empty())
+    whole["differences"] = differing;
+  return whole;
 }
 
 }  // namespace takt::client

@@ -1,37 +1,128 @@
 #include <takt/client/tap.hpp>
 
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
+#include <takt/client/answer_data.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 
-#include <takt/client/port_names.hpp>
-
 namespace takt::client {
 
-Result<dds::Flow> tapped(Operator& asker, const std::string& port) {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+std::string path_of(const PortName& name) { return name.device + "." + name.module + "." + name.port; }
+
+/// Returns the topic that the answer names, and the type of its samples. Throws an exception if the answer
+/// has no topic or no valid type.
+std::pair<std::string, model::Type> topic_in(const json& answer) {
+  auto type = model::parse_type(answer.at("type").get<std::string>());
+  auto topic = answer.at("topic").get<std::string>();
+  if (!type || topic.empty()) throw std::invalid_argument{"no topic"};
+  return {std::move(topic), std::move(*type)};
+}
+
+}  // namespace
+
+Result<dds::Flow> tapped(Operator& sender, const std::string& port) {
   const auto name = parse_port(port);
   if (!name) return fail(in_quotes(port) + " is not a port name", "write DEVICE.MODULE.PORT");
-  const auto answer = accepted(asker.ask({.kind = COMMAND_TAP,
-                                          .device = name->device,
-                                          .module = name->module,
-                                          .property = name->port,
-                                          .time_ns = os::wall_ns() + Nanoseconds{kTapped}.count()}));
+  const auto answer = accepted(sender.send({.kind = COMMAND_TAP,
+                                            .device = name->device,
+                                            .module = name->module,
+                                            .property = name->port,
+                                            .time_ns = os::wall_ns() + Nanoseconds{kTapped}.count()}));
   if (!answer) return answer.problems();
-  const auto place = model::parse_json(answer->data);
-  if (!place.is_object()) return fail("the device runs another version of Takt: its answer cannot be read");
-  if (place.contains("reply")) {
+  return flow_in(answer->data, port);
+}
+
+Result<dds::Flow> flow_in(const std::string& data, const std::string& port) {
+  bool is_service = false;
+  dds::Flow flow{.topic = {}, .type = {}, .quality = {.depth = 64, .deadline = {}, .lifespan = {}}};
+  const auto read = read_answer(port.substr(0, port.find('.')), data, [&](const json& answer) {
+    is_service = answer.contains("reply");
+    if (is_service) return;
+    std::tie(flow.topic, flow.type) = topic_in(answer);
+    flow.quality.reliable = answer.at("reliable").get<bool>();
+  });
+  if (!read) return read.problems();
+  if (is_service) {
     return fail(port + " is a service", "call it with takt call " + port +
                                             "; to see its requests and replies, use takt echo with the "
                                             "client's ports NAME/request and NAME/reply");
   }
-  auto type = model::parse_type(place.value("type", ""));
-  if (!type) return type.problems();
-  return dds::Flow{
-      .topic = place.value("topic", ""),
-      .type = std::move(*type),
-      .quality = {.reliable = place.value("reliable", false), .depth = 64, .deadline = {}, .lifespan = {}}};
+  return flow;
+}
+
+Result<ServiceTopics> opened_service(Operator& sender, const PortName& name, Nanoseconds open_for) {
+  const auto answer = accepted(sender.send({.kind = COMMAND_TAP,
+                                            .device = name.device,
+                                            .module = name.module,
+                                            .property = name.port,
+                                            .time_ns = os::wall_ns() + open_for.count()}));
+  if (answer) {
+    auto topics = service_in(answer->data, name);
+    if (!topics) return topics.problems();
+    if (*topics) return std::move(**topics);
+  }
+  const auto description = accepted(
+      sender.send({.kind = COMMAND_DESCRIBE, .device = name.device, .limit = std::chrono::seconds{10}}));
+  const auto modules =
+      description ? described_modules(name.device, description->data) : description.problems();
+  if (modules) {
+    for (const json& module : *modules) {
+      if (module.at("name") != name.module) continue;
+      const auto ports = model::parse_ports(model::json_text({{"ports", module.at("ports")}}));
+      if (!ports) continue;
+      if (auto problem = not_a_service(name, *ports)) return std::move(*problem);
+    }
+  }
+  // Here the module has the service, or its ports are not known. So report the reason that the device gave.
+  return answer ? Problems{fail(path_of(name) + " is a port, not a service")} : answer.problems();
+}
+
+Result<std::optional<ServiceTopics>> service_in(const std::string& data, const PortName& name) {
+  std::optional<ServiceTopics> topics;
+  const auto read = read_answer(name.device, data, [&topics](const json& answer) {
+    auto [topic, type] = topic_in(answer);
+    if (!answer.contains("reply")) return;
+    auto [reply_topic, reply_type] = topic_in(answer.at("reply"));
+    topics = {std::move(topic), std::move(reply_topic), std::move(type), std::move(reply_type)};
+  });
+  if (!read) return read.problems();
+  return topics;
+}
+
+std::optional<Problem> not_a_service(const PortName& name, const std::vector<model::Port>& ports) {
+  const std::string module = name.device + "." + name.module;
+  std::set<std::string> services;
+  for (const model::Port& port : ports) {
+    const bool is_service = port.role == model::Role::service || port.role == model::Role::handler;
+    if (is_service) services.insert(module + "." + model::name_of_service(port));
+    if (port.role != model::Role::plain && model::name_of_service(port) == name.port) return std::nullopt;
+  }
+  const std::string text = path_of(name);
+  const std::vector<std::string_view> known{services.begin(), services.end()};
+  const auto port = std::find_if(ports.begin(), ports.end(),
+                                 [&](const model::Port& each) { return each.name == name.port; });
+  if (port == ports.end()) {
+    return fail("module " + module + " has no service " + in_quotes(name.port),
+                known.empty() ? "it has no services" : suggestion(text, known));
+  }
+  const bool output = port->direction == model::Direction::out;
+  return fail(text + " is an " + (output ? "output" : "input") + " port, not a service",
+              (output ? "show its samples with takt echo " + text + "; " : "") +
+                  (known.empty() ? "module " + module + " has no services"
+                                 : "services of the module: " + one_of(known)));
 }
 
 }  // namespace takt::client

@@ -9,12 +9,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/client/answer_data.hpp>
 #include <takt/client/deploy.hpp>
-#include <takt/wire/words.hpp>
 #include <takt/model/difference.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/ports.hpp>
 #include <takt/model/safe.hpp>
+#include <takt/wire/words.hpp>
 #include "answers.hpp"
 
 namespace takt::client {
@@ -22,6 +23,9 @@ namespace takt::client {
 namespace {
 
 using json = nlohmann::ordered_json;
+
+/// The longest time until all devices that have made their changes have heard this from each other.
+constexpr Nanoseconds kDecided = std::chrono::seconds{20};
 
 std::string list_of(const std::vector<std::string>& names) {
   std::string list;
@@ -31,8 +35,8 @@ std::string list_of(const std::vector<std::string>& names) {
 
 class Update {
  public:
-  Update(Operator& asker, const model::Cell& cell, const UpdateOptions& options)
-      : asker_(asker), cell_(cell), options_(options), id_(new_id()) {}
+  Update(Operator& sender, const model::Cell& cell, const UpdateOptions& options)
+      : sender_(sender), cell_(cell), options_(options), id_(new_id()) {}
 
   Updated carry_out(const std::string& text);
 
@@ -42,29 +46,34 @@ class Update {
   Problems find();
   Problems compare(const std::string& text);
   Problems change();
-  Problems keep();
+  Updated decide();
+  // The outcome if no device has reported how the devices have decided.
+  [[nodiscard]] std::string undecided() const {
+    return "the devices decide together whether cell " + cell_.name +
+           " is updated; takt status shows their decision";
+  }
   Updated put_back(Problems problems);
 
   [[nodiscard]] bool cancelled() const { return options_.cancelled && options_.cancelled(); }
   void show_progress(const std::string& text) const {
     if (options_.progress) options_.progress(text);
   }
-  [[nodiscard]] Question question(CommandKind kind, const std::string& device) const {
+  [[nodiscard]] CommandRequest request(CommandKind kind, const std::string& device) const {
     return {
         .kind = kind, .device = device, .deployment = deployment_, .property = id_, .limit = std::nullopt};
   }
-  Answers ask(const std::vector<Question>& questions, bool may_be_cancelled = true);
+  Answers send(const std::vector<CommandRequest>& requests, bool may_be_cancelled = true);
   Problems problems_in(Answers answers, std::vector<wire::WholeReply>* replies = nullptr) const;
 
-  Operator& asker_;
+  Operator& sender_;
   const model::Cell& cell_;
   const UpdateOptions& options_;
   std::string id_;
   std::string deployment_;
-  std::vector<std::string> devices_;       // devices of the running cell and of the new descriptor
+  std::vector<std::string> devices_;       // devices of the running cell or of the new descriptor
   std::vector<std::string> differences_;   // one line of text for each difference
   std::vector<std::string> changing_;      // devices on which the update changes something
-  std::set<std::string> rejecting_;        // devices that rejected the update, so that they have nothing to
+  std::set<std::string> rejecting_;        // devices that rejected the update, so they have nothing to
                                            // undo
   std::vector<std::string> not_restored_;  // devices that could not undo their changes
   std::int64_t t0_ns_ = 0;
@@ -73,17 +82,17 @@ class Update {
   KeepAlive keep_alive_;
 };
 
-Update::Answers Update::ask(const std::vector<Question>& questions, bool may_be_cancelled) {
+Update::Answers Update::send(const std::vector<CommandRequest>& requests, bool may_be_cancelled) {
   keep_alive_.sent();
-  return asker_.ask(questions, [&] {
-    keep_alive_.send(asker_, devices_,
-                     [this](CommandKind kind, const std::string& name) { return question(kind, name); });
+  return sender_.send(requests, [&] {
+    keep_alive_.send(sender_, devices_,
+                     [this](CommandKind kind, const std::string& name) { return request(kind, name); });
     return cancelled() && may_be_cancelled;
   });
 }
 
-// Returns the problems in the answers. Each problem is returned only once, because every device reports a
-// problem that concerns the whole cell.
+// Returns the problems in the answers, each problem only once, because several devices may report the same
+// problem of the whole cell. Stores the answers with REPLY_OK in `replies`.
 Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* replies) const {
   Problems problems;
   for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -104,7 +113,7 @@ Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* rep
 
 // Finds the devices that run the cell now or will run it after the update.
 Problems Update::find() {
-  const auto there = devices_of(asker_, cell_.name);
+  const auto there = devices_of(sender_, cell_.name);
   if (!there) {
     Problem problem = there.problems()[0];
     problem.fix += (problem.fix.empty() ? "" : "; ") + std::string{"start the cell with takt deploy"};
@@ -112,29 +121,27 @@ Problems Update::find() {
   }
   Problems problems;
   for (const std::string& device : there->lost)
-    problems.push_back({"device " + device, "it is lost; an update needs all devices",
+    problems.push_back({"device " + device, "it is not reached; an update needs all devices",
                         "start its node again with --resume, or undeploy the cell and deploy it again"});
   devices_ = there->names;
   for (const model::Device& device : cell_.devices) {
     if (std::find(devices_.begin(), devices_.end(), device.name) == devices_.end())
       devices_.push_back(device.name);
   }
-  for (const wire::ObservedDevice& seen : asker_.observer().devices(there->names[0])) {
-    if (seen.alive) deployment_ = seen.status.deployment().to_string();
-  }
+  deployment_ = there->deployment;
   return problems;
 }
 
 Problems Update::compare(const std::string& text) {
   show_progress("comparing the running cell with the new descriptor on " + list_of(devices_));
-  std::vector<Question> questions;
+  std::vector<CommandRequest> requests;
   for (const std::string& device : devices_) {
-    questions.push_back(question(COMMAND_UPDATE, device));
-    questions.back().value = wire::cut(cell_.file, 255);
-    questions.back().data = text;
+    requests.push_back(request(COMMAND_UPDATE, device));
+    requests.back().value = wire::cut(cell_.file, 255);
+    requests.back().data = text;
   }
   std::vector<wire::WholeReply> replies;
-  Answers answers = ask(questions);
+  Answers answers = send(requests);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (answers[i] && answers[i]->head.code() == REPLY_REFUSED) rejecting_.insert(devices_[i]);
   }
@@ -142,32 +149,32 @@ Problems Update::compare(const std::string& text) {
   if (cancelled()) return {fail("the update was cancelled")};
   if (!problems.empty()) return problems;
   for (std::size_t i = 0; i < replies.size(); ++i) {
-    const json answer = model::parse_json(replies[i].data);
-    if (!answer.is_object())
-      return {{"device " + devices_[i], "its answer cannot be read",
-               "check that it runs the same version of Takt as this program"}};
-    if (answer.value("change", "") != model::to_text(model::Change::none)) changing_.push_back(devices_[i]);
-    for (const std::string& line : answer.value("words", std::vector<std::string>{}))
-      differences_.push_back(line);
-    if (!answer.contains("t0_ns")) continue;
-    t0_ns_ = answer["t0_ns"].get<std::int64_t>();
-    require_real_time_ = answer.value("require_real_time", false);
+    const auto read = read_answer(devices_[i], replies[i].data, [&](const json& answer) {
+      if (answer.value("change", "") != model::to_text(model::Change::none)) changing_.push_back(devices_[i]);
+      for (const std::string& line : answer.value("words", std::vector<std::string>{}))
+        differences_.push_back(line);
+      if (!answer.contains("t0_ns")) return;
+      t0_ns_ = answer.at("t0_ns").get<std::int64_t>();
+      require_real_time_ = answer.value("require_real_time", false);
+    });
+    if (!read) return read.problems();
   }
-  const model::CellPorts ports = ports_of(cell_, replies);
-  safe_ = model::safe_json(model::safe_outputs(cell_, ports));
-  return model::check_connections(cell_, ports);
+  const auto ports = ports_of(cell_, replies);
+  if (!ports) return ports.problems();
+  safe_ = model::safe_json(model::safe_outputs(cell_, *ports));
+  return model::check_connections(cell_, *ports);
 }
 
 Problems Update::change() {
   show_progress("changing " + list_of(changing_));
-  std::vector<Question> questions;
+  std::vector<CommandRequest> requests;
   for (const std::string& device : devices_) {
-    questions.push_back(question(COMMAND_CHANGE, device));
-    questions.back().time_ns = t0_ns_;
-    questions.back().value = require_real_time_ ? wire::kRequireRealTime : "";
-    questions.back().data = safe_;
+    requests.push_back(request(COMMAND_CHANGE, device));
+    requests.back().time_ns = t0_ns_;
+    requests.back().value = require_real_time_ ? wire::kRequireRealTime : "";
+    requests.back().data = safe_;
   }
-  Answers answers = ask(questions);
+  Answers answers = send(requests);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (answers[i] && answers[i]->head.code() == REPLY_FAILED &&
         answers[i]->head.value() != std::string{wire::kAsBefore})
@@ -177,33 +184,58 @@ Problems Update::change() {
   return cancelled() ? Problems{fail("the update was cancelled")} : problems;
 }
 
-// Asks the devices to make their changes permanent. A device that has done this cannot undo its changes any
-// more.
-Problems Update::keep() {
-  std::vector<Question> questions;
-  for (const std::string& device : devices_) questions.push_back(question(COMMAND_KEEP, device));
-  return problems_in(ask(questions, false));
+// Waits until the devices have decided whether they keep the update. As all of them have made their changes,
+// they keep it unless one of them fails now.
+Updated Update::decide() {
+  std::vector<CommandRequest> requests;
+  for (const std::string& device : devices_) {
+    requests.push_back(request(COMMAND_KEEP, device));
+    requests.back().limit = kDecided;
+  }
+  Answers answers = send(requests, false);
+  bool kept = false;
+  bool undone = false;
+  std::vector<std::string> silent;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    kept |= answers[i] && answers[i]->head.code() == REPLY_OK;
+    undone |= answers[i] && answers[i]->head.code() == REPLY_FAILED;
+    if (!answers[i]) silent.push_back(devices_[i]);
+  }
+  const std::string later = silent.empty() ? "" : "; " + list_of(silent) + " did not confirm this yet";
+  Problems problems = problems_in(std::move(answers));
+  if (kept) return {std::move(problems), "cell " + cell_.name + " is updated" + later};
+  if (undone)
+    return {std::move(problems), "cell " + cell_.name + " is not updated; all changes are undone" + later};
+  return {std::move(problems), undecided()};
 }
 
 Updated Update::put_back(Problems problems) {
   const std::string name = "cell " + cell_.name + " is not updated; ";
-  std::vector<Question> questions;
+  std::vector<CommandRequest> requests;
   for (const std::string& device : devices_) {
     if (rejecting_.contains(device)) continue;
-    // A device without a live node has nothing to undo, so it is not asked.
-    const auto seen = asker_.observer().devices(device);
+    // A device without a live node has nothing to undo, so it gets no command.
+    const auto seen = sender_.observer().devices(device);
     if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; }))
-      questions.push_back(question(COMMAND_PUT_BACK, device));
+      requests.push_back(request(COMMAND_PUT_BACK, device));
   }
-  Answers answers = ask(questions, false);
+  Answers answers = send(requests, false);
+  bool kept = false;
+  bool undone = false;
   for (std::size_t i = 0; i < answers.size(); ++i) {
+    kept |= answers[i] && answers[i]->head.value() == std::string{wire::kKept};
     const auto answer = accepted(std::move(answers[i]));
+    undone |= answer.ok();
     if (answer) continue;
-    for (const Problem& problem : of_device(questions[i].device, answer.problems())) {
+    for (const Problem& problem : of_device(requests[i].device, answer.problems())) {
       if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
     }
-    not_restored_.push_back(questions[i].device);
+    not_restored_.push_back(requests[i].device);
   }
+  if (kept)
+    return {std::move(problems),
+            "cell " + cell_.name + " is updated, because all devices had made their changes"};
+  if (!undone) return {std::move(problems), undecided()};
   if (!not_restored_.empty())
     return {std::move(problems), name + "its changes could not be undone on " + list_of(not_restored_) +
                                      "; takt status shows the present state"};
@@ -224,22 +256,18 @@ Updated Update::carry_out(const std::string& text) {
     show_progress("undoing the changes");
     return put_back(std::move(problems));
   }
-  if (Problems problems = keep(); !problems.empty())
-    return {std::move(problems), "cell " + cell_.name +
-                                     " is changed, but not all devices confirmed the change; run takt deploy "
-                                     "--update again"};
-  return {{}, "cell " + cell_.name + " is updated"};
+  return decide();
 }
 
 }  // namespace
 
-Updated update(Operator& asker, const model::Cell& cell, const std::string& text,
+Updated update(Operator& sender, const model::Cell& cell, const std::string& text,
                const UpdateOptions& options) {
   if (text.size() > wire::kMaxData)
     return {{fail("the descriptor is larger than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
                   "make it smaller")},
             "nothing was changed"};
-  return Update{asker, cell, options}.carry_out(text);
+  return Update{sender, cell, options}.carry_out(text);
 }
 
 }  // namespace takt::client

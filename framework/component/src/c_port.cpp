@@ -1,4 +1,4 @@
-// The functions of <takt/port.h>, for modules in the C form and programs in C. Part of libtakt_component and
+// The functions of <takt/port.h>, for thread modules and process modules in C. Part of libtakt_component and
 // of libtakt_process.
 #include <cstddef>
 #include <cstdint>
@@ -95,7 +95,7 @@ class CInPort final : public InPortBase {
   Value second_{c_type_.value_size};
   Value safe_{c_type_.value_size};
   bool safe_known_ = false;
-  Value* last_ = &first_;  // samples are decoded into *other_, so an invalid one does not damage *last_
+  Value* last_ = &first_;  // samples are decoded into *other_, so an invalid sample does not change *last_
   Value* other_ = &second_;
 };
 

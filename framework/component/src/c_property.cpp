@@ -1,4 +1,4 @@
-// The functions of <takt/property.h>, for modules in the C form and programs in C. Part of libtakt_component
+// The functions of <takt/property.h>, for thread modules and process modules in C. Part of libtakt_component
 // and of libtakt_process.
 #include <cmath>
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <string>
 
 #include <takt/property.h>
-#include <takt/component/property.hpp>
+#include <takt/process.hpp>
 
 namespace takt {
 namespace {
@@ -18,7 +18,7 @@ class CProperty final : public Property<T> {
   CProperty(const takt_property& property, T value, typename Property<T>::Options options)
       : Property<T>(property.name, std::move(value), std::move(options)),
         variable_(*static_cast<Variable*>(property.value)) {
-    write_variable();  // the base class already got its value, before it could call this class's take_over()
+    write_variable();  // the base class may have set the value, but it cannot write the variable
   }
 
   void take_over() noexcept override {

@@ -36,10 +36,14 @@ const char* to_text(ErrorType type) noexcept {
 }
 
 namespace {
-// The host links with this library, so its thread-local storage is in place before any thread starts.
+// The host links with this library, so the library's thread-local storage exists before any thread starts.
+// The TLS model initial-exec requires this.
 thread_local FixedText<kFailureText> reported_failure [[gnu::tls_model("initial-exec")]];
 thread_local bool has_reported_failure [[gnu::tls_model("initial-exec")]] = false;
+thread_local bool has_finished [[gnu::tls_model("initial-exec")]] = false;
 thread_local const Cycle* served [[gnu::tls_model("initial-exec")]] = nullptr;
+thread_local channel::LogRing* served_log [[gnu::tls_model("initial-exec")]] = nullptr;
+thread_local bool constructing [[gnu::tls_model("initial-exec")]] = false;
 }  // namespace
 
 void report_failure(std::string_view text) noexcept {
@@ -53,12 +57,22 @@ const char* take_failure() noexcept {
   return reported_failure.c_str();
 }
 
-void serve_cycle(const Cycle* cycle) noexcept { served = cycle; }
+void report_finished() noexcept { has_finished = true; }
+bool take_finished() noexcept { return std::exchange(has_finished, false); }
+
+void serve_cycle(const Cycle* cycle, channel::LogRing* log) noexcept {
+  served = cycle;
+  served_log = log;
+}
 const Cycle* served_cycle() noexcept { return served; }
+
+ConstructingComponent::ConstructingComponent() noexcept { constructing = true; }
+ConstructingComponent::~ConstructingComponent() { constructing = false; }
 
 Nanoseconds Component::period() noexcept { return served == nullptr ? Nanoseconds{0} : served->period; }
 
 void Component::fail(const char* text) noexcept { report_failure(text); }
+void Component::finish() noexcept { report_finished(); }
 
 Result<void> Component::restore(const SavedBefore& before) {
   return takt::fail("the saved value has version " + std::to_string(before.version) +
@@ -75,9 +89,9 @@ bool Component::condition() {
 }
 
 namespace {
-/// The ports, properties and Saved objects that belong to no component but to the module that this thread is
-/// loading. dlopen() runs their constructors. Null if the thread's list is already destroyed: ports that are
-/// global variables outlive it.
+/// Returns this thread's list of the ports (or properties, or Saved objects) of the module in C form that the
+/// thread is loading. The constructors that dlopen() runs fill the list. Returns null if the list is already
+/// destroyed; ports that are global variables are destroyed later than the list.
 template <class T>
 std::vector<T*>* loose() {
   thread_local bool gone = false;
@@ -99,7 +113,18 @@ std::vector<PropertyBase*> take_loose_properties() { return std::exchange(*loose
 std::vector<SavedBase*> take_loose_saved() { return std::exchange(*loose<SavedBase>(), {}); }
 
 namespace detail {
+LogTarget log_target() noexcept {
+  if (served == nullptr) return {};
+  return {served_log, served->number, to_ns(served->start)};
+}
 const char* take_reported_failure() noexcept { return take_failure(); }
+bool report_late(const std::string& what) {
+  if (served == nullptr || constructing) return false;
+  report_failure(what +
+                 " was created after the constructor, so it would have no effect; make it a member of the "
+                 "component, or create it in the constructor");
+  return true;
+}
 void add_loose_port(PortBase& port) { loose<PortBase>()->push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { remove_loose(port); }
 void add_loose_property(PropertyBase& property) { loose<PropertyBase>()->push_back(&property); }
@@ -113,6 +138,7 @@ void remove_loose_saved(SavedBase& saved) noexcept { remove_loose(saved); }
 extern "C" {
 
 void takt_fail(const char* text) { takt::report_failure(text == nullptr ? "" : text); }
+void takt_finish(void) { takt::report_finished(); }
 
 uint64_t takt_cycle(void) { return takt::served == nullptr ? 0 : takt::served->number; }
 int64_t takt_release_ns(void) { return takt::served == nullptr ? 0 : takt::to_ns(takt::served->time); }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <takt/component.hpp>
+#include <takt/component/owner.hpp>
 
 namespace takt {
 
@@ -42,10 +43,10 @@ PortBase::PortBase(Component* owner, std::string name, PortDirection direction, 
       type_(type),
       options_(std::move(options)),
       owned_(owner != nullptr) {
-  if (owned_)
-    owner->ports_.push_back(this);
-  else
+  if (!owned_)
     detail::add_loose_port(*this);
+  else if (!detail::report_late("port '" + name_ + "'"))
+    owner->ports_.push_back(this);
 }
 
 PortBase::~PortBase() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <takt/component/property.hpp>
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 #include <takt/os/environment.hpp>
 
@@ -13,16 +14,18 @@ namespace takt {
 
 namespace {
 
-// The properties of this program. The constructors of the program's global variables use them before main().
+// The properties of this program. The constructors of the program's global variables use this struct before
+// main() begins.
 struct Properties {
   std::vector<PropertyBase*> all;  // in the order of construction
   std::vector<std::pair<std::string, std::string>> given;
   Problems refused;
 
+  // Reads the values of properties from the arguments. An argument such as --mode=fast is not a property.
   Properties() {
     for (const std::string& argument : os::program_arguments()) {
       const auto equals = argument.find('=');
-      if (equals != std::string::npos)
+      if (equals != std::string::npos && argument[0] != '-')
         given.emplace_back(argument.substr(0, equals), argument.substr(equals + 1));
     }
   }
@@ -64,8 +67,9 @@ Problems check_program_properties() {
   problems.insert(problems.end(), ours.refused.begin(), ours.refused.end());
   std::vector<std::string_view> names;
   for (const PropertyBase* property : ours.all) names.emplace_back(property->name());
+  names.emplace_back(kLogLevelProperty);
   for (const auto& [name, value] : ours.given) {
-    if (!names.empty() && !has(name))
+    if (!ours.all.empty() && !has(name))
       problems.push_back(fail("this program has no property " + in_quotes(name), suggestion(name, names)));
   }
   return problems;

@@ -9,13 +9,14 @@
 namespace takt {
 
 /// Returns all problems of the properties and their arguments: a duplicate name, a default out of its range,
-/// a value that was rejected, an argument that names no property. Empty for a program without properties.
+/// a rejected value, an argument that names no property. Empty for a program without properties.
 Problems check_program_properties();
 
-/// The properties as JSON: a list of {"name", "type", "default", "range", "min", "max", "unit", "text"}.
+/// Returns the properties as JSON: a list of {"name", "type", "default", "range", "min", "max", "unit",
+/// "text"}.
 std::string program_properties_json();
 
-/// The text as a JSON string, in quotes.
+/// Returns the text as a JSON string, in quotes.
 std::string in_json(std::string_view text);
 
 }  // namespace takt

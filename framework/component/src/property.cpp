@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <takt/component.hpp>
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 
 namespace takt {
@@ -26,7 +27,7 @@ const char* to_text(PropertyType type) noexcept {
 
 PropertyBase::PropertyBase(Component* owner, std::string name, std::string unit, std::string text)
     : name_(std::move(name)), unit_(std::move(unit)), text_(std::move(text)), owned_(owner != nullptr) {
-  if (owned_) owner->properties_.push_back(this);
+  if (owned_ && !detail::report_late("property '" + name_ + "'")) owner->properties_.push_back(this);
 }
 
 PropertyBase::~PropertyBase() {
@@ -41,6 +42,20 @@ Problems check_declared(const std::vector<PropertyBase*>& properties, const std:
                     [&](const PropertyBase* other) { return other->name() == name; }))
       problems.push_back(
           takt::fail(owner + " has two properties '" + name + "'", "give each a different name"));
+    if (name == kLogLevelProperty)
+      problems.push_back(
+          takt::fail(owner + " declares property '" + name +
+                         "', but every module already has this property, for the level of its log",
+                     "give the property another name"));
+    const auto least = detail::parse_number((*one)->min_text());
+    const auto most = detail::parse_number((*one)->max_text());
+    if (least && most && *least > *most) {
+      problems.push_back(takt::fail(owner + " has a property '" + name + "' whose minimum " +
+                                        (*one)->min_text() + " is greater than its maximum " +
+                                        (*one)->max_text(),
+                                    "exchange the bounds or correct one of them"));
+      continue;
+    }
     // The default must be a value that the property accepts.
     const std::string range = (*one)->range_text();
     if (range.empty() || (*one)->check((*one)->default_text())) continue;

@@ -36,7 +36,7 @@ StatisticsSnapshot Statistics::read() const noexcept {
 
   StatisticsSnapshot snapshot;
   for (int i = 0; i < kTries; ++i) {
-    const std::uint64_t before = sequence_.load(acquire);  // SYNC: statistics
+    const std::uint64_t before = sequence_.load(acquire);  // pairs with the stores in record()
     snapshot.count = count_.load(acquire);
     const auto sum = static_cast<double>(sum_.load(acquire));
     const double sum_of_squares = sum_of_squares_.load(acquire);

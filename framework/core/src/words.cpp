@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <unordered_set>
 
+#include <takt/core/control_character.hpp>
+
 namespace takt {
 
 namespace {
@@ -16,9 +18,10 @@ constexpr std::size_t kMostChoicesTried = 1000;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// The edit distance: how many letters must be changed, inserted, removed or swapped with their neighbour to
-/// turn one word into the other. Returns `limit` + 1 if the distance exceeds `limit`. Cells of the table more
-/// than `limit` away from its diagonal are not computed, because their values exceed `limit`.
+/// Returns the edit distance of two words: how many letters must be changed, inserted, removed or swapped
+/// with their neighbour to turn word `a` into word `b`. Returns `limit` + 1 if the distance exceeds `limit`.
+/// The algorithm fills a table of distances between beginnings of the two words. It skips the cells that are
+/// more than `limit` away from the diagonal, because their values exceed `limit`.
 std::size_t distance(std::string_view a, std::string_view b, std::size_t limit) {
   const std::size_t apart = a.size() > b.size() ? a.size() - b.size() : b.size() - a.size();
   if (apart > limit) return limit + 1;
@@ -49,19 +52,26 @@ std::size_t distance(std::string_view a, std::string_view b, std::size_t limit) 
   return above[b.size()];
 }
 
-bool is_control(std::string_view character) {
-  const auto first = static_cast<unsigned char>(character[0]);
-  if (first < 0x20 || first == 0x7f) return true;
-  const auto second = character.size() > 1 ? static_cast<unsigned char>(character[1]) : 0U;
-  if (character.size() == 2) return first == 0xc2 && second < 0xa0;
-  if (character.size() != 3 || first != 0xe2) return false;
-  // Line and paragraph separators, and characters that change the direction of the text after them.
-  const auto third = static_cast<unsigned char>(character[2]);
-  return (second == 0x80 && third >= 0xa8 && third <= 0xae) ||
-         (second == 0x81 && third >= 0xa6 && third <= 0xa9);
-}
-
 }  // namespace
+
+bool is_control_character(std::string_view character) noexcept {
+  const auto byte = [character](std::size_t i) {
+    return i < character.size() ? static_cast<unsigned char>(character[i]) : 0U;
+  };
+  const unsigned second = byte(1);
+  const unsigned third = byte(2);
+  switch (byte(0)) {
+    case 0xc2:
+      return second < 0xa0;  // U+0080-009F
+    case 0xd8:
+      return second == 0x9c;  // U+061C, Arabic letter mark
+    case 0xe2:                // U+200E-200F, U+2028-202E, U+2066-2069
+      return (second == 0x80 && (third == 0x8e || third == 0x8f || (third >= 0xa8 && third <= 0xae))) ||
+             (second == 0x81 && third >= 0xa6 && third <= 0xa9);
+    default:
+      return byte(0) < 0x20 || byte(0) == 0x7f;
+  }
+}
 
 std::size_t utf8_length(std::string_view text) {
   if (text.empty()) return 0;
@@ -87,7 +97,7 @@ std::string on_one_line(std::string_view text) {
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
     const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
-    if (length != 0 && !is_control(character)) {
+    if (length != 0 && !is_control_character(character)) {
       line += character;
     } else if (character == "\n") {
       line += "\\n";
@@ -119,7 +129,7 @@ std::string brief(std::string_view text) {
 
 std::string in_quotes(std::string_view text) { return "'" + brief(text) + "'"; }
 
-std::string place(std::string_view file, int line) {
+std::string location(std::string_view file, int line) {
   const std::string number = std::to_string(std::max(line, 1));
   return file.empty() ? "line " + number : on_one_line(file) + ":" + number;
 }

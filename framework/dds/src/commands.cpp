@@ -15,13 +15,13 @@
 
 #include <takt/wire/taktPubSubTypes.h>
 #include <takt/wire/assembly.hpp>
-#include "workarounds/checked_type.hpp"
-#include "inside.hpp"
 #include <takt/wire/question.hpp>
+#include <takt/wire/rate_limit.hpp>
 #include <takt/wire/validation.hpp>
 #include <takt/wire/words.hpp>
-#include <takt/wire/rate_limit.hpp>
-#include "watch.hpp"
+#include "discovery_listener.hpp"
+#include "inside.hpp"
+#include "workarounds/checked_type.hpp"
 
 namespace takt::dds {
 
@@ -30,18 +30,23 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr std::int32_t kDepth = 32;
-constexpr std::size_t kPaced = kDepth / 2;  // parts to send before a wait for acknowledgements
-constexpr std::size_t kRemembered = 256;    // most commands to remember: waiting, executing or answered
-// Two limits, in bytes: for the data of all waiting commands, and for the data of all kept replies.
+constexpr std::int32_t kDepth = 128;
+constexpr std::size_t kPaced = kDepth / 2;  // number of parts that are sent before the sender waits for
+                                            // acknowledgements
+constexpr std::size_t kRemembered = 256;    // maximum number of commands that the server remembers: waiting,
+                                            // executing or answered
+// The limit, in bytes, for the data of all waiting commands. The same limit applies to the data of all kept
+// replies.
 constexpr std::size_t kMostWaitingBytes = 4 * wire::kMaxData;
 constexpr auto kResend = milliseconds{1000};
-constexpr auto kSlowestResend = milliseconds{8000};  // for commands with more than one part
+constexpr auto kSlowestResend = milliseconds{8000};  // the longest pause; only for commands with more than
+                                                     // one part
 constexpr auto kAcknowledge = milliseconds{2000};
-// How long to wait for the client's reader to match. After this time, the reply is sent without a match.
+// The time that the server waits for the client's reader to match. After this time, the server sends the
+// reply without a match.
 constexpr auto kMatchWait = milliseconds{3000};
-// A heartbeat asks readers to acknowledge samples. By default, a writer sends one every 3 s, and a reader
-// answers after 5 ms. These values make commands faster.
+// A heartbeat asks readers to acknowledge samples. By default, a writer sends a heartbeat every 3 s, and a
+// reader answers a heartbeat after 5 ms. The shorter times below make commands faster.
 constexpr Nanoseconds kCommandHeartbeat = milliseconds{10};
 constexpr Nanoseconds kCommandNackDelay = milliseconds{1};
 constexpr Nanoseconds kCommandFirstAck = milliseconds{10};
@@ -89,7 +94,7 @@ class Ends : Recreatable {
   explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
   ~Ends() override { end(); }
 
-  /// Creates a writer of topic `out` and a reader of topic `in`. `also_in` is another topic to read, of the
+  /// Creates a writer of topic `out` and a reader of topic `in`. `also_in` is another topic to read, with the
   /// same type as `in`, or null.
   Result<void> begin(const char* out, const fast::TypeSupport& out_type, const char* in,
                      const fast::TypeSupport& in_type, const char* also_in,
@@ -256,8 +261,8 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       if (command.node().size() != 0 && node != command.node().c_str()) continue;
       const rtps::GuidPrefix_t& prefix = info.sample_identity.writer_guid().guidPrefix;
       const std::uint64_t client = number_of(prefix);
-      // The rate limit counts only the first part of a command. If that part is rejected, the other parts
-      // have no effect.
+      // The rate limit counts only the first part of a command. If the first part is rejected, the other
+      // parts have no effect.
       if (command.part() == 0 && !rate_limit.admit(client, Clock::now())) {
         ++over_limit;
         ends.participant().notices().tell(
@@ -269,10 +274,10 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       }
       wire::WholeCommand whole;
       if (!assembly.add(command, std::to_string(client) + '/' + command.id().c_str(), whole)) continue;
-      Watch* const watch = ends.participant().watch();
+      DiscoveryListener* const listener = ends.participant().discovery_listener();
       const bool is_observer = from->get_topicdescription()->get_name() == security::kQuestionTopic;
-      if (is_observer && watch != nullptr && !wire::is_question(command.kind()))
-        refuse(std::move(whole), client, watch->who(prefix));
+      if (is_observer && listener != nullptr && !wire::is_question(command.kind()))
+        refuse(std::move(whole), client, listener->who(prefix));
       else
         arrived(std::move(whole), client);
     }
@@ -282,7 +287,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     ends.participant().notices().tell("rejected: " + who + " asked to " + to_text(command.head.kind()) +
                                       ", which only an operator may do");
     const std::string id = command.head.id().to_string();
-    if (asked.contains(id)) return arrived(std::move(command), client);  // sends the reply again
+    if (asked.contains(id)) return arrived(std::move(command), client);  // sends the first reply again
     if (!make_room(0)) return;
     asked[id].client = client;
     asked_order.push_back(id);
@@ -303,7 +308,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       asked_order.push_back(id);
       to_handle_bytes += command.data.size();
       to_handle.push_back(std::move(command));
-    }  // else drops the command; the client will send it again
+    }  // otherwise the server drops the command, and the client sends it again
     changed.notify_all();
   }
 
@@ -410,7 +415,8 @@ Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> partici
   inside->handle = std::move(handle);
   // Without security, all clients have the same rights and use takt/command, so the server does not read
   // takt/question.
-  const char* questions = inside->ends.participant().watch() == nullptr ? nullptr : security::kQuestionTopic;
+  const char* questions =
+      inside->ends.participant().discovery_listener() == nullptr ? nullptr : security::kQuestionTopic;
   if (auto made =
           inside->ends.begin("takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
                              "takt/command", fast::TypeSupport{new CheckedType<CommandPubSubType>}, questions,
@@ -445,10 +451,10 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     wire::WholeCommand command;
     Clock::time_point again;
     milliseconds pause = kResend;
-    bool sent = false;
+    int sent = 0;  // number of times that the command was sent
   };
 
-  std::function<void(const wire::WholeReply&)> heard;
+  std::function<void(const wire::WholeReply&)> on_reply;
   std::mutex mutex;
   std::condition_variable changed;
   bool ending = false;
@@ -474,31 +480,31 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     fast::SampleInfo info;
     while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
       if (!info.valid_data || !wire::validate(reply)) continue;
-      Watch* const watch = ends.participant().watch();
+      DiscoveryListener* const listener = ends.participant().discovery_listener();
       const rtps::GUID_t& writer = info.sample_identity.writer_guid();
-      if (watch != nullptr && !watch->is_device(writer, reply.device().to_string())) {
-        watch->impostor(writer, "takt/reply", reply.device().to_string());
+      if (listener != nullptr && !listener->is_device(writer, reply.device().to_string())) {
+        listener->impostor(writer, "takt/reply", reply.device().to_string());
         continue;
       }
       wire::WholeReply whole;
       {
         const std::lock_guard lock{mutex};
-        // Every client receives the replies to all clients. This client ignores replies to commands that it
-        // did not send.
+        // Every client receives the replies to all clients. Ignore replies to commands that this client did
+        // not send.
         const auto mine = open.find(reply.id().c_str());
         if (mine == open.end()) continue;
         const std::string key = std::string{reply.id().c_str()} + '/' + reply.node().c_str();
         if (!assembly.add(reply, key, whole)) continue;
         open.erase(mine);
       }
-      heard(whole);
+      on_reply(whole);
     }
   }
 
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
     const std::lock_guard lock{mutex};
     matched = status.current_count;
-    if (status.current_count_change > 0) {  // sends open commands to the new node at once
+    if (status.current_count_change > 0) {  // a new node gets the open commands at once
       for (auto& each : open) each.second.again = Clock::now();
     }
     changed.notify_all();
@@ -514,11 +520,11 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     while (!ending) {
       const auto now = Clock::now();
       const std::int64_t wall = wall_ns();
-      // A command that was sent before its deadline is repeated even after it, because a node may have
-      // executed the command although its reply was lost.
+      // A command that was sent before its deadline is repeated even after the deadline, because a node may
+      // have executed the command while its reply was lost.
       const auto due = std::find_if(open.begin(), open.end(), [&](const auto& each) {
         const Open& one = each.second;
-        return matched > 0 && one.again <= now && (one.sent || one.command.head.deadline_ns() >= wall);
+        return matched > 0 && one.again <= now && (one.sent > 0 || one.command.head.deadline_ns() >= wall);
       });
       if (due == open.end()) {
         if (open.empty())
@@ -528,9 +534,10 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
         continue;
       }
       const wire::WholeCommand command = due->second.command;
-      if (command.data.size() > wire::kPart) due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
+      if (command.data.size() > wire::kPart)
+        due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
       due->second.again = now + due->second.pause;
-      due->second.sent = true;
+      ++due->second.sent;
       lock.unlock();
       ends.write(command);
       lock.lock();
@@ -539,11 +546,11 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
 };
 
 Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> participant,
-                                            std::function<void(const wire::WholeReply&)> heard) {
+                                            std::function<void(const wire::WholeReply&)> on_reply) {
   auto inside = std::make_unique<Inside>(std::move(participant));
-  inside->heard = std::move(heard);
-  Watch* const watch = inside->ends.participant().watch();
-  const bool is_observer = watch != nullptr && watch->mine().subject.role == security::Role::observer;
+  inside->on_reply = std::move(on_reply);
+  DiscoveryListener* const listener = inside->ends.participant().discovery_listener();
+  const bool is_observer = listener != nullptr && listener->mine().subject.role == security::Role::observer;
   const char* const topic = is_observer ? security::kQuestionTopic : "takt/command";
   if (auto made =
           inside->ends.begin(topic, fast::TypeSupport{new CheckedType<CommandPubSubType>}, "takt/reply",
@@ -566,6 +573,22 @@ bool CommandClient::send(const wire::WholeCommand& command) {
   const std::lock_guard lock{inside_->mutex};
   inside_->open[command.head.id().to_string()] = {.command = command, .again = Clock::now()};
   inside_->changed.notify_all();
+  return true;
+}
+
+int CommandClient::sent(const std::string& id) const {
+  const std::lock_guard lock{inside_->mutex};
+  const auto found = inside_->open.find(id);
+  return found == inside_->open.end() ? 0 : found->second.sent;
+}
+
+bool CommandClient::is_too_late(const std::string& id) {
+  const std::lock_guard lock{inside_->mutex};
+  const auto found = inside_->open.find(id);
+  if (found == inside_->open.end() || found->second.sent > 0 ||
+      found->second.command.head.deadline_ns() >= wall_ns())
+    return false;
+  inside_->open.erase(found);
   return true;
 }
 

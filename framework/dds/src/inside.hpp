@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <typeindex>
 #include <vector>
 
@@ -22,9 +23,9 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
-#include "workarounds/filtered_transport.hpp"
-#include <takt/wire/notices.hpp>
 #include <takt/dds/participant.hpp>
+#include <takt/wire/notices.hpp>
+#include "workarounds/filtered_transport.hpp"
 
 namespace takt::dds {
 
@@ -37,20 +38,20 @@ using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 class Recreatable {
  public:
   virtual ~Recreatable() = default;
-  /// Recreates the readers and writers. The thread that rescans the interfaces calls this, while other
-  /// threads may use this object.
+  /// Recreates the readers and writers. The thread that rescans the interfaces calls this function, while
+  /// other threads may use this object.
   virtual void recreate() = 0;
 };
 
-class Watch;
+class DiscoveryListener;
 
 /// The one participant of the process, with its topics. Thread-safe.
 class OwnParticipant final : public Participant {
  public:
-  /// `watch` must be null if DDS Security is off.
+  /// `listener` must be null if DDS Security is off.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                  fast::Subscriber* subscriber, bool only_loopback, std::unique_ptr<wire::Notices> notices,
-                 std::unique_ptr<Watch> watch, std::shared_ptr<PacketFilter> filter);
+                 std::unique_ptr<DiscoveryListener> listener, std::shared_ptr<PacketFilter> filter);
   ~OwnParticipant() override;
   void rescan_interfaces() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
@@ -62,33 +63,36 @@ class OwnParticipant final : public Participant {
 
   /// Returns the object that reports rejected participants and packets.
   [[nodiscard]] wire::Notices& notices() noexcept { return *notices_; }
-  /// Returns the observer of the other participants; null if DDS Security is off.
-  [[nodiscard]] Watch* watch() noexcept { return watch_.get(); }
+  /// Returns the listener for found and lost participants; null if DDS Security is off.
+  [[nodiscard]] DiscoveryListener* discovery_listener() noexcept { return discovery_listener_.get(); }
 
-  /// Returns the topic of this name; creates it if necessary. Fails if this process already uses the topic
-  /// with another type, or another type with the same name.
+  /// Returns the topic of this name, and creates it if necessary. Fails if this process already uses the
+  /// topic with another type, or another type with the same name.
   Result<fast::Topic*> topic(const std::string& name, const fast::TypeSupport& type);
   /// Releases a topic that topic() returned; the last release deletes the topic.
   void release(fast::Topic* topic);
 
   void enlist(Recreatable& one);
-  /// Removes `one` from the list. When this function has returned, `one` is not recreated any more.
+  /// Removes `one` from the objects that rescan_interfaces() recreates. When dismiss() has returned, `one` is
+  /// not recreated any more.
   void dismiss(Recreatable& one);
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
   [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
-  /// Deletes a writer, which may be null, and sets it to null. Removes the writer's samples before. Otherwise
-  /// Fast DDS would free the samples while a heartbeat of the writer still runs, and the heartbeat would
+  /// Deletes a writer, which may be null, and sets the pointer to null. Removes the writer's samples first.
+  /// Otherwise Fast DDS would free the samples while a heartbeat of the writer is being sent, and would then
   /// search for a freed sample in an endless loop.
   void end(fast::DataWriter*& writer);
-  /// Creates a reader; returns null if DDS fails to create it. Waits until Fast DDS handles no packet, see
-  /// ReceiveLock. So the caller must not hold a lock that a listener waits for.
+  /// Creates a reader; returns null if DDS fails to create it. Waits until Fast DDS handles no packet (see
+  /// ReceiveLock). So the caller must not hold a lock for which a listener waits.
   fast::DataReader* make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
                                 fast::DataReaderListener* listener, const fast::StatusMask& mask);
-  /// Deletes a reader, which may be null, and sets it to null.
+  /// Deletes a reader, which may be null, and sets the pointer to null.
   void end(fast::DataReader*& reader);
 
  private:
+  void rejoin_after_halts(std::stop_token end);
+
   struct Shared {
     fast::Topic* topic = nullptr;
     int users = 0;
@@ -100,7 +104,7 @@ class OwnParticipant final : public Participant {
     int topics = 0;
   };
   std::unique_ptr<wire::Notices> notices_;
-  std::unique_ptr<Watch> watch_;  // also the listener of the participant
+  std::unique_ptr<DiscoveryListener> discovery_listener_;  // it is the participant's listener, too
   std::shared_ptr<PacketFilter> filter_;
   std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
@@ -109,9 +113,10 @@ class OwnParticipant final : public Participant {
   std::mutex mutex_;
   std::map<std::string, Shared> topics_;
   std::map<std::string, Known> types_;
+  std::jthread halts_;  // calls rejoin_after_halts() if DDS Security is on
   std::mutex remaking_;
   std::vector<Recreatable*> remade_;
-  bool only_loopback_;  // whether loopback was the only interface when the readers and writers were created
+  bool only_loopback_;  // true if loopback was the only interface when the readers and writers were created
 };
 
 /// Casts a Participant to OwnParticipant, the only implementation.

@@ -28,7 +28,7 @@ bool is_taken(const std::string& message) {
 
 class ToStandardError final : public fast::LogConsumer {
  public:
-  // Fast DDS calls this on its log thread, one message at a time.
+  // Prints a message of Fast DDS. Fast DDS calls this function on its log thread, one message at a time.
   void Consume(const fast::Log::Entry& entry) override {
     if (is_taken(entry.message)) return;
     const auto now = Clock::now();

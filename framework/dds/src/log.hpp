@@ -7,10 +7,10 @@
 namespace takt::dds {
 
 /// Makes Fast DDS print its errors on standard error, one per line. By default, Fast DDS prints errors in
-/// colour on standard output. Of many errors in a short time, the first ones are printed and the others are
-/// only counted.
+/// colour on standard output. In each interval of ten seconds, prints at most ten errors, and then the number
+/// of the omitted errors.
 void log_to_standard_error();
-/// Sets a function that Fast DDS calls with each message before it prints the message, on its log thread. If
+/// Sets a function that the log thread of Fast DDS calls with each message before the message is printed. If
 /// `look` returns true, the message is not printed. A null `look` removes the function. When look_at_log()
 /// has returned, the previous function is not called any more.
 void look_at_log(std::function<bool(const std::string& message)> look);

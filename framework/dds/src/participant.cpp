@@ -4,10 +4,13 @@
 #include <array>
 #include <atomic>
 #include <charconv>
+#include <condition_variable>
 #include <cstdlib>
 #include <functional>
+#include <mutex>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
@@ -15,29 +18,38 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
 #include <takt/core/check.hpp>
-#include "workarounds/filtered_transport.hpp"
-#include "inside.hpp"
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/network.hpp>
 #include <takt/os/real_time.hpp>
+#include "discovery_listener.hpp"
+#include "inside.hpp"
 #include "log.hpp"
+#include "workarounds/filtered_transport.hpp"
+#include "workarounds/participant_removal.hpp"
+#include "workarounds/reader_checks.hpp"
+#include "workarounds/rejoining.hpp"
+#include "workarounds/returning_readers.hpp"
 #include "workarounds/spent_tokens.hpp"
-#include "watch.hpp"
 
 namespace takt::dds {
 
 namespace {
 
 constexpr const char* kServerPrefix =
-    "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the first server's prefix, according to the manual
+    "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the GUID prefix that the manual of Fast DDS gives to the first
+                                            // discovery server
+constexpr const char* kLoopback = "127.0.0.1";
 constexpr std::uint16_t kServerPort = 11811;
 constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
-/// How many participants to look for on a peer, that is, on a machine of which only the address is known.
+/// Other participants forget this one if they hear nothing of it for this time.
+constexpr Nanoseconds kParticipantLease = std::chrono::seconds{3};
+constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{250};
+/// The number of participants for which Fast DDS searches on a peer, a machine of which only the address is
+/// known.
 constexpr std::uint32_t kPeerParticipants = 40;
-/// The number of file descriptors that must be free before a participant is created. This is more than a
-/// participant needs on a machine with a few networks. If Fast DDS runs out of file descriptors, it ends the
-/// process.
+/// The number of file descriptors that must be free before a participant is created. A participant needs
+/// fewer on a machine with a few networks. If Fast DDS runs out of file descriptors, it ends the process.
 constexpr std::size_t kDescriptors = 48;
 
 std::atomic<bool> there_is_one{false};
@@ -79,13 +91,15 @@ bool only_loopback(const std::vector<std::string>& addresses) {
                      [](const std::string& address) { return address.starts_with("127."); });
 }
 
-Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery) {
+/// `mine` are the addresses of this machine, and `interfaces` those of the interfaces to use; empty for all.
+Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery,
+                           const std::vector<std::string>& mine, const std::vector<std::string>& interfaces) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
-  config.leaseDuration = {3, 0};
+  config.leaseDuration = duration(kParticipantLease);
   // A participant answers the announcement of a new participant at once, perhaps before the new participant
-  // listens. So announcements are repeated after a short time.
-  config.leaseDuration_announcementperiod = {0, 250'000'000};
+  // can receive the answer. So participants repeat their announcements after a short time.
+  config.leaseDuration_announcementperiod = duration(kAnnounceEvery);
   // The first announcements can be lost if two participants start at the same time.
   config.initial_announcements.count = 25;
   config.initial_announcements.period = {0, 20'000'000};
@@ -105,9 +119,25 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
       if (discovery.serve) {
         config.discoveryProtocol = rtps::DiscoveryProtocol::SERVER;
         std::istringstream{kServerPrefix} >> qos.wire_protocol().prefix;
-        builtin.metatrafficUnicastLocatorList.push_back(*place);
+        // With a list of interfaces, Fast DDS cannot listen on 0.0.0.0.
+        const bool everywhere = rtps::IPLocator::toIPv4string(*place) == "0.0.0.0" && !interfaces.empty();
+        if (!everywhere) builtin.metatrafficUnicastLocatorList.push_back(*place);
+        for (std::size_t i = 0; everywhere && i < interfaces.size(); ++i) {
+          auto at = locator(interfaces[i], place->port);
+          if (!at) return at.problems();
+          builtin.metatrafficUnicastLocatorList.push_back(*at);
+        }
       } else {
         config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
+        // Fast DDS opens a channel to 127.0.0.1 instead of another address of this machine. When the settings
+        // of the participant change later, it sends to the original address, for which there is no channel,
+        // and ends the process with an assertion. So it is given 127.0.0.1 in the first place.
+        const auto has = [](const std::vector<std::string>& all, const std::string& one) {
+          return std::find(all.begin(), all.end(), one) != all.end();
+        };
+        if (has(mine, rtps::IPLocator::toIPv4string(*place)) &&
+            (interfaces.empty() || has(interfaces, kLoopback)))
+          rtps::IPLocator::setIPv4(*place, kLoopback);
         rtps::RemoteServerAttributes server;
         server.ReadguidPrefix(kServerPrefix);
         server.metatrafficUnicastLocatorList.push_back(*place);
@@ -202,6 +232,9 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   if (!addresses) return refuse(addresses.problems());
   if (auto room = os::can_open(kDescriptors); !room) return refuse(room.problems());
   ignore_environment();
+  check_what_readers_receive();
+  send_again_to_returning_readers();
+  prepare_to_rejoin();
   log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
   library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
@@ -209,24 +242,26 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
-  if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
+  if (auto set = set_discovery(qos, options.discovery, *addresses, options.interfaces); !set)
+    return refuse(set.problems());
   auto notices = std::make_unique<wire::Notices>(options.refused);
   auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
+  pause_during_removals(filter->receive_lock);
   if (auto set = set_transport(qos, options.interfaces, *addresses, filter); !set)
     return refuse(set.problems());
 
-  std::unique_ptr<Watch> watch;
+  std::unique_ptr<DiscoveryListener> listener;
   if (!options.security.empty()) {
     auto identity = identity_for(options);
     if (!identity) return refuse(identity.problems());
     set_security(qos, *identity);
     drop_spent_tokens();
-    watch = std::make_unique<Watch>(std::move(*identity), *notices, filter->unauthenticated);
+    listener = std::make_unique<DiscoveryListener>(std::move(*identity), *notices, filter->unauthenticated);
   }
 
   auto* factory = fast::DomainParticipantFactory::get_instance();
   fast::DomainParticipant* made = factory->create_participant(static_cast<fast::DomainId_t>(options.domain),
-                                                              qos, watch.get(), fast::StatusMask::none());
+                                                              qos, listener.get(), fast::StatusMask::none());
   if (made == nullptr) {
     return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
                         "see the message that DDS printed; the processes of this domain use UDP ports from " +
@@ -237,7 +272,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
       made, publisher, subscriber, options.interfaces.empty() && only_loopback(*addresses),
-      std::move(notices), std::move(watch), std::move(filter));
+      std::move(notices), std::move(listener), std::move(filter));
   if (publisher == nullptr || subscriber == nullptr)
     return fail("DDS could not create a publisher and a subscriber", "see the message that DDS printed");
   return participant;
@@ -245,21 +280,38 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                                fast::Subscriber* subscriber, bool only_loopback,
-                               std::unique_ptr<wire::Notices> notices, std::unique_ptr<Watch> watch,
+                               std::unique_ptr<wire::Notices> notices,
+                               std::unique_ptr<DiscoveryListener> listener,
                                std::shared_ptr<PacketFilter> filter)
     : notices_(std::move(notices)),
-      watch_(std::move(watch)),
+      discovery_listener_(std::move(listener)),
       filter_(std::move(filter)),
       participant_(participant),
       publisher_(publisher),
       subscriber_(subscriber),
       only_loopback_(only_loopback) {
-  if (watch_ == nullptr) return;
-  identity_ = watch_->mine();
-  look_at_log([watch = watch_.get()](const std::string& message) { return watch->look(message); });
+  if (discovery_listener_ == nullptr) return;
+  identity_ = discovery_listener_->mine();
+  look_at_log(
+      [listener = discovery_listener_.get()](const std::string& message) { return listener->look(message); });
+  halts_ = std::jthread{[this](std::stop_token end) { rejoin_after_halts(std::move(end)); }};
+}
+
+// Other participants may have forgotten a process that was halted, or whose machine was suspended.
+void OwnParticipant::rejoin_after_halts(std::stop_token end) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock{mutex};
+  for (Instant last = os::boot_time(); !end.stop_requested();) {
+    never.wait_for(lock, end, kAnnounceEvery, [] { return false; });
+    const Instant now = os::boot_time();
+    if (!end.stop_requested() && now - last > kParticipantLease - 2 * kAnnounceEvery) rejoin(*filter_);
+    last = now;
+  }
 }
 
 OwnParticipant::~OwnParticipant() {
+  halts_ = {};  // ends the thread
   look_at_log(nullptr);
   participant_->delete_contained_entities();
   fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
@@ -267,8 +319,8 @@ OwnParticipant::~OwnParticipant() {
 }
 
 void OwnParticipant::rescan_interfaces() {
-  // os::ipv4_addresses() fails if no file descriptor is free. In this case, the calls of Fast DDS below would
-  // only report errors.
+  // os::ipv4_addresses() fails if the process has no free file descriptor. Fast DDS would need one, too, so
+  // do not call Fast DDS in this case.
   const auto addresses = os::ipv4_addresses();
   if (!addresses) return;
   fast::DomainParticipantQos qos;

@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::size_t kWriters = 64;  // the number of writers whose sequence numbers a reader tracks
 constexpr std::int32_t kReliableReaderDepth = 32;
-// The largest number of bytes to preallocate for one flow.
+// The largest number of bytes that Fast DDS preallocates for the samples of one flow.
 constexpr std::size_t kPreallocated = 4 * 1024 * 1024;
-// A reader detects a lost sample when the writer's next sample or heartbeat arrives. By default, the
-// heartbeat period is 3 s, which is too long for a flow.
+// A reader detects a lost sample when the writer's next sample or heartbeat arrives. The default heartbeat
+// period of 3 s is too long for a flow.
 constexpr Nanoseconds kFlowHeartbeat = std::chrono::milliseconds{10};
 constexpr Nanoseconds kFlowNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kFlowFirstAck = std::chrono::milliseconds{10};
@@ -27,7 +27,6 @@ void set_flow_quality(Qos& qos, const Quality& quality, std::int32_t depth, std:
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = depth;
   if (quality.deadline) qos.deadline().period = duration(*quality.deadline);
-  if (quality.lifespan) qos.lifespan().duration = duration(*quality.lifespan);
   qos.resource_limits().max_instances = 1;
   qos.resource_limits().max_samples = depth;
   qos.resource_limits().max_samples_per_instance = depth;
@@ -111,6 +110,9 @@ RawWriter::~RawWriter() {
 Result<void> RawWriter::make() {
   fast::DataWriterQos qos;
   set_flow_quality(qos, flow_.quality, depth_of(flow_.quality), model::max_size(flow_.type));
+  // The reader has no lifespan in DDS, because Fast DDS would compare the source time with the reader's
+  // clock.
+  if (flow_.quality.lifespan) qos.lifespan().duration = duration(*flow_.quality.lifespan);
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod = duration(kFlowHeartbeat);
@@ -136,8 +138,10 @@ void RawWriter::recreate() {
 
 bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns) {
   Bytes sample = bytes;
-  const eprosima::fastrtps::Time_t time{static_cast<std::int32_t>(time_ns / 1'000'000'000),
-                                        static_cast<std::uint32_t>(time_ns % 1'000'000'000)};
+  // Fast DDS never returns from write() if the nanoseconds of the time are negative (CVE-2025-63829).
+  const std::int64_t ns = std::max<std::int64_t>(time_ns, 0);
+  const eprosima::fastrtps::Time_t time{static_cast<std::int32_t>(ns / 1'000'000'000),
+                                        static_cast<std::uint32_t>(ns % 1'000'000'000)};
   const std::lock_guard lock{using_it_};
   const bool taken = writer_ != nullptr && writer_->write_w_timestamp(&sample, rtps::c_InstanceHandle_Unknown,
                                                                       time) == ReturnCode::RETCODE_OK;
@@ -175,13 +179,13 @@ RawReader::~RawReader() {
 
 Result<void> RawReader::make() {
   fast::DataReaderQos qos;
-  // If a sample was lost, the reader must keep later samples until the lost one is resent. So a reliable
-  // reader needs a deeper history.
+  // If a sample was lost, the reader must keep later samples until the writer has sent the lost sample again.
+  // So a reliable reader needs a deeper history.
   const std::int32_t depth = flow_.quality.reliable ? std::max(depth_of(flow_.quality), kReliableReaderDepth)
                                                     : depth_of(flow_.quality);
   set_flow_quality(qos, flow_.quality, depth, model::max_size(flow_.type));
-  // With fixed buffers, Fast DDS would try to deliver a sample that is too long again and again, without
-  // counting it as rejected.
+  // Let the buffers grow. With fixed buffers, Fast DDS would try again and again to deliver a sample that is
+  // too long, without counting it as rejected.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kFlowNackDelay);
   qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFlowFirstAck);

@@ -1,5 +1,5 @@
-// Read and write samples as raw bytes, for types that were not compiled into this process. For the source
-// files of this room only.
+// Reads and writes samples as raw bytes, for types that were not compiled into this process. Only the source
+// files of this room include this header.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
 #include <takt/dds/gateway.hpp>
-#include "inside.hpp"
 #include <takt/model/type.hpp>
+#include "inside.hpp"
 
 namespace takt::dds {
 
@@ -27,7 +27,7 @@ struct Bytes {
 class Taker {
  public:
   virtual ~Taker() = default;
-  /// Takes the bytes of one sample. They are in the history of DDS and are valid only during the call.
+  /// Takes the bytes of one sample. The bytes are in the history of DDS and are valid only during the call.
   virtual void take(const Bytes& bytes) = 0;
 };
 
@@ -45,7 +45,7 @@ class RawType final : public fast::TopicDataType {
   bool is_bounded() const override { return true; }
 };
 
-/// The state and counters of one flow. Any thread may update and read them.
+/// The state and counters of one flow. Any thread may use this object.
 class Health {
  public:
   void matched(std::int32_t count) { matched_ = static_cast<std::uint32_t>(count); }
@@ -66,17 +66,26 @@ class Health {
   std::string incompatible_;
 };
 
-/// Writes samples of one topic.
-class RawWriter final : fast::DataWriterListener, Recreatable {
+/// Writes samples of one topic. A test replaces it by a writer that is slow.
+class SampleWriter {
+ public:
+  virtual ~SampleWriter() = default;
+  /// Writes a sample with the source time `time_ns`, in ns since 1970. If DDS rejects the sample, returns
+  /// false and counts a failure.
+  virtual bool write(const Bytes& bytes, std::int64_t time_ns) = 0;
+  /// Never waits for a write.
+  [[nodiscard]] virtual wire::FlowHealth health() const = 0;
+};
+
+/// Writes samples of one topic to DDS.
+class RawWriter final : public SampleWriter, fast::DataWriterListener, Recreatable {
  public:
   static Result<std::unique_ptr<RawWriter>> create(std::shared_ptr<Participant> participant,
                                                    const Flow& flow);
   ~RawWriter() override;
 
-  /// Writes a sample with the source time `time_ns`, in ns since 1970. Returns false if DDS rejects the
-  /// sample, and counts this as a failure.
-  bool write(const Bytes& bytes, std::int64_t time_ns);
-  [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
+  bool write(const Bytes& bytes, std::int64_t time_ns) override;
+  [[nodiscard]] wire::FlowHealth health() const override { return health_.read(); }
 
  private:
   RawWriter(std::shared_ptr<Participant> participant, Flow flow)
@@ -99,20 +108,22 @@ class RawWriter final : fast::DataWriterListener, Recreatable {
 /// Reads samples of one topic and passes the valid ones to a receiver.
 class RawReader final : fast::DataReaderListener, Taker, Recreatable {
  public:
-  /// Receives the samples. Threads of Fast DDS call it, never two at the same time.
+  /// Receives the samples. Threads of Fast DDS call a Receiver, but never two at the same time.
   struct Receiver {
     virtual ~Receiver() = default;
-    /// Called first, with the bytes of a valid sample. They are valid only during the call.
+    /// Called first for each valid sample, with the bytes of the sample. The bytes are valid only during the
+    /// call.
     virtual void receive(const Bytes& bytes) = 0;
     /// Called after receive(), with the source time of this sample, in ns since 1970.
     virtual void received(std::int64_t time_ns) = 0;
-    /// Called when all samples that have arrived so far were passed on.
+    /// Called after receive() and received() were called for all samples that have arrived so far.
     virtual void done() {}
   };
 
   static Result<std::unique_ptr<RawReader>> create(std::shared_ptr<Participant> participant, const Flow& flow,
                                                    Receiver& receiver);
-  /// Waits until no call of the receiver is running. Afterwards the receiver is not called any more.
+  /// Waits until no call of the receiver is running. When the destructor has returned, the receiver is not
+  /// called any more.
   ~RawReader() override;
   [[nodiscard]] wire::FlowHealth health() const { return health_.read(); }
 
@@ -135,7 +146,7 @@ class RawReader final : fast::DataReaderListener, Taker, Recreatable {
   fast::Topic* topic_ = nullptr;
   fast::DataReader* reader_ = nullptr;
   std::mutex calling_;
-  bool is_sample_ = false;                      // whether the bytes in the last call of take() were a valid
+  bool is_sample_ = false;                      // true if the bytes in the last call of take() were a valid
                                                 // sample
   std::map<std::uint64_t, std::int64_t> last_;  // last sequence number, by writer
   Health health_;

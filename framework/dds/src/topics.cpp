@@ -12,34 +12,36 @@
 
 #include <takt/wire/takt.h>
 #include <takt/wire/taktPubSubTypes.h>
-#include "workarounds/checked_type.hpp"
-#include "inside.hpp"
 #include <takt/wire/validation.hpp>
-#include "watch.hpp"
+#include "discovery_listener.hpp"
+#include "inside.hpp"
+#include "workarounds/checked_type.hpp"
+#include "workarounds/disposed_keys.hpp"
 
 namespace takt::dds {
 
 namespace {
 
-/// The largest number of keys of a topic, for example one for each module on a domain. The default of Fast
-/// DDS is 10; it would drop samples of further keys.
+/// The maximum number of keys of a topic, for example one for each module on a domain. The default of Fast
+/// DDS is 10 keys; Fast DDS would drop the samples of further keys.
 constexpr int kMaxKeys = 16384;
 constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
-/// The history of a reader. Must be so deep that the listener takes the samples of a burst before newer ones
-/// overwrite them.
+/// The depth of a reader's history. It must be so large that the listener takes the samples of a burst before
+/// newer samples overwrite them.
 constexpr std::int32_t kReaderDepth = 64;
-constexpr std::int32_t kEventsKept = 64;  ///< events per device that a reader gets when it joins later
-// A heartbeat asks readers to acknowledge samples. By default, a writer sends one every 3 s, and a reader
-// answers after 5 ms. This is too long, because a module's transition waits until the previous one is
-// acknowledged.
+constexpr std::int32_t kEventsKept = 64;  ///< number of events per device that a reader gets when it joins
+                                          ///< later
+// A heartbeat asks readers to acknowledge samples. By default, a writer sends a heartbeat every 3 s, and a
+// reader answers a heartbeat after 5 ms. These times are too long, because the node publishes a module's
+// transition only when the readers have acknowledged the previous transition of this module.
 constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
 /// The length of one step of wait_acknowledged(), which holds the writer's lock during each step.
 constexpr Nanoseconds kStep = std::chrono::milliseconds{20};
 
-/// The kinds of topics. DDS keeps the last state of each key and the last events for readers that join later.
-/// It does not keep measurements. For states, DDS also checks that the writer is alive.
+/// The kinds of topics. DDS keeps the last state of each key and the last events for readers that join later,
+/// but does not keep measurements. For states, DDS also checks that the writer is alive.
 enum class Sort { state, measure, event };
 
 /// The name, kind and generated type of the topic with samples of type T.
@@ -116,18 +118,18 @@ std::string device_in(std::string_view path) {
   return std::string{rest.substr(0, rest.find('/'))};
 }
 
-/// Returns whether the writer may publish this sample; reports the writer if it may not. With DDS Security
-/// all devices may write these topics, but each device may publish only about itself.
+/// Returns true if the writer may publish this sample; otherwise reports the writer. With DDS Security, all
+/// devices may write these topics, but each device may publish only samples about itself.
 template <class T>
 bool may_publish(OwnParticipant& participant, const rtps::GUID_t& writer, const T& sample) {
-  Watch* const watch = participant.watch();
-  if (watch == nullptr) return true;
+  DiscoveryListener* const listener = participant.discovery_listener();
+  if (listener == nullptr) return true;
   const std::string path = sample.path().to_string();
   const std::string device = device_in(path);
   const bool named = sample.device().size() == 0 ||
                      sample.device().to_string() == device;  // a disposal has an empty device name
-  if (named && watch->is_device(writer, device)) return true;
-  watch->impostor(writer, TopicOf<T>::name, path);
+  if (named && listener->is_device(writer, device)) return true;
+  listener->impostor(writer, TopicOf<T>::name, path);
   return false;
 }
 
@@ -170,7 +172,7 @@ struct Writer<T>::Inside final : Recreatable {
   void recreate() override {
     const std::lock_guard lock{using_it};
     own(*participant).end(writer);
-    if (!make()) return;  // each later write() then fails and is counted
+    if (!make()) return;  // if make() fails, each later write() fails and is counted
     for (auto& [path, sample] : states) writer->write(&sample);
     for (T& sample : events) writer->write(&sample);
   }
@@ -207,7 +209,7 @@ bool Writer<T>::write(const T& sample) {
     inside_->events.push_back(sample);
     if (inside_->events.size() > kEventsKept) inside_->events.pop_front();
   }
-  // Fast DDS takes a non-const pointer but does not write through it.
+  // Fast DDS takes a non-const pointer, but does not write through it.
   const bool taken = inside_->writer != nullptr && inside_->writer->write(const_cast<T*>(&sample));
   if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
   return taken;
@@ -219,6 +221,7 @@ void Writer<T>::dispose(const T& sample) {
   inside_->states.erase(sample.path().to_string());
   if (inside_->writer == nullptr) return;
   T copy = sample;
+  const SentKey key{copy};
   inside_->writer->dispose(&copy, inside_->writer->lookup_instance(&copy));
   inside_->writer->unregister_instance(&copy, rtps::c_InstanceHandle_Unknown);
 }
@@ -231,8 +234,8 @@ void Writer<T>::assert_liveliness() {
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  // Waits in steps and releases the lock between them, so that other threads can assert the writer's
-  // liveliness in time.
+  // Wait in steps and release the lock between them, so that other threads can assert the writer's liveliness
+  // in time.
   const auto end = std::chrono::steady_clock::now() + limit;
   for (;;) {
     const auto left = std::max(
@@ -253,7 +256,7 @@ std::uint64_t Writer<T>::failures() const noexcept {
 template <class T>
 struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   std::shared_ptr<Participant> participant;
-  Heard<T> heard;
+  Callbacks<T> callbacks;
   fast::Topic* topic = nullptr;
   fast::DataReader* reader = nullptr;
   std::atomic<int> matched{0};
@@ -262,8 +265,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   std::set<wire::WriterId> living;
   Undecoded* undecoded = nullptr;
   std::atomic<std::uint64_t> refused{0};
-  // The path of each instance, by handle. They are stored because a disposal contains only the handle, not
-  // the path.
+  // The path of each instance, by handle. A path is stored because a disposal contains only the handle.
   std::map<rtps::InstanceHandle_t, std::string> paths;
 
   ~Inside() override {
@@ -295,10 +297,10 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   }
 
   void lives(wire::WriterId writer) {
-    if (living.insert(writer).second && heard.alive) heard.alive(writer);
+    if (living.insert(writer).second && callbacks.alive) callbacks.alive(writer);
   }
   void is_lost(wire::WriterId writer) {
-    if (living.erase(writer) > 0 && heard.lost) heard.lost(writer);
+    if (living.erase(writer) > 0 && callbacks.lost) callbacks.lost(writer);
   }
 
   void on_data_available(fast::DataReader* from) override {
@@ -313,15 +315,15 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
           continue;
         }
         lives(writer);
-        if (heard.disposed) paths[info.instance_handle] = sample.path().to_string();
-        heard.sample(sample, writer);
+        if (callbacks.disposed) paths[info.instance_handle] = sample.path().to_string();
+        callbacks.sample(sample, writer);
       } else if (const auto found = paths.find(info.instance_handle);
                  info.instance_state == fast::NOT_ALIVE_DISPOSED_INSTANCE_STATE && found != paths.end()) {
         T gone;
         gone.path(found->second.c_str());
         if (!may_publish(own(*participant), info.sample_identity.writer_guid(), gone)) continue;
         paths.erase(found);
-        heard.disposed(gone, writer);
+        callbacks.disposed(gone, writer);
       }
     }
   }
@@ -341,10 +343,10 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
 };
 
 template <class T>
-Result<Reader<T>> Reader<T>::create(std::shared_ptr<Participant> participant, Heard<T> heard) {
+Result<Reader<T>> Reader<T>::create(std::shared_ptr<Participant> participant, Callbacks<T> callbacks) {
   auto inside = std::make_unique<Inside>();
   inside->participant = std::move(participant);
-  inside->heard = std::move(heard);
+  inside->callbacks = std::move(callbacks);
   OwnParticipant& mine = own(*inside->participant);
   auto topic = mine.topic(TopicOf<T>::name, type_of<T>());
   if (!topic) return topic.problems();

@@ -1,8 +1,8 @@
-// A bundle is one text that contains a descriptor and the files that it includes, unchanged.
+// A bundle: one text that contains a descriptor and the files that it includes, unchanged.
 //
 // A node receives one text instead of files, but its messages must cite the files and lines that the author
-// wrote. So a bundle contains the files themselves and not the expanded descriptor. Its first source is the
-// descriptor: <bundle><source file="cell.xml">...</source>...</bundle>.
+// wrote. So a bundle contains the files themselves and not the expanded descriptor. The first source of a
+// bundle is the descriptor: <bundle><source file="cell.xml">...</source>...</bundle>.
 #pragma once
 
 #include <map>

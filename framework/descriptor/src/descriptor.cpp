@@ -26,11 +26,12 @@ struct Read {
 };
 
 Problem too_large(const std::string& file) {
-  return {place(file, 1), "the file is larger than " + std::to_string(kMaxBytes >> 20U) + " MiB",
+  return {location(file, 1), "the file is larger than " + std::to_string(kMaxBytes >> 20U) + " MiB",
           "a descriptor is far smaller: is this the right file?"};
 }
 
-Result<Read> read(Node tree, std::size_t bytes, const std::string& file, const ReadFile& read_file) {
+Result<Read> read(Node tree, std::size_t bytes, const std::string& file, const ReadFile& read_file,
+                  model::Cell* rejected = nullptr) {
   std::vector<model::Insertion> insertions;
   Report report{{file, insertions}};
   Includes includes{insertions, read_file, report};
@@ -42,7 +43,10 @@ Result<Read> read(Node tree, std::size_t bytes, const std::string& file, const R
   model::Findings findings{reading.cell};
   model::validate(reading.cell, reading.gaps, findings);
   report.add(findings);
-  if (!report.empty()) return report.take();
+  if (!report.empty()) {
+    if (rejected != nullptr) *rejected = std::move(reading.cell);
+    return report.take();
+  }
   model::connect_services(reading.cell);
   return Read{std::move(reading.cell), std::move(tree), includes.texts()};
 }
@@ -50,8 +54,8 @@ Result<Read> read(Node tree, std::size_t bytes, const std::string& file, const R
 Result<Node> tree_of(std::string_view xml, const std::string& file) {
   if (xml.size() > kMaxBytes) return too_large(file);
   Node tree;
-  if (const auto fault = read_tree(xml, 0, tree))
-    return Problem{place(file, fault->line), fault->what, fault->fix};
+  if (const auto error = read_tree(xml, 0, tree))
+    return Problem{location(file, error->line), error->what, error->fix};
   return tree;
 }
 
@@ -80,24 +84,25 @@ Result<Read> read_bundle(const Node& bundle, const std::string& file) {
   return all;
 }
 
-/// Reads the content of a file, but at most one byte more than a descriptor may have.
+/// Returns the content of a file. Of a file that is too large, returns the first kMaxBytes + 1 bytes, so that
+/// the caller can reject the file.
 Result<std::string> content_of(const std::string& file) {
   errno = 0;
   std::ifstream stream{file, std::ios::binary};
   std::string content(kMaxBytes + 1, '\0');
   if (stream) stream.read(content.data(), static_cast<std::streamsize>(content.size()));
   const int error = errno;
-  // Check the reading too, because a directory can be opened but not read.
+  // Check the result of reading, too, because a directory can be opened but not read.
   if (!stream.is_open() || stream.bad() || (stream.gcount() == 0 && error != 0))
     return fail("cannot be read" + (error != 0 ? ": " + std::generic_category().message(error) : ""));
   content.resize(static_cast<std::size_t>(stream.gcount()));
   return content;
 }
 
-/// Reads an included file from the file system.
+/// Returns the content of an included file, from the file system.
 Result<std::string> included_content(const std::string& path) {
   std::error_code error;
-  // Accept only regular files, because opening another file, such as a pipe, may block forever.
+  // Reject anything but a regular file, because opening a pipe, for example, may block forever.
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
     return fail("is not a regular file", "include a regular file");
   auto content = content_of(path);
@@ -105,7 +110,7 @@ Result<std::string> included_content(const std::string& path) {
   return fail(content.problems()[0].what, "a path is relative to the file that includes it");
 }
 
-Result<Read> read_file(const std::string& file, std::string* text) {
+Result<Read> read_file(const std::string& file, std::string* text, model::Cell* rejected = nullptr) {
   auto content = content_of(file);
   if (!content)
     return Problem{on_one_line(file), "the file " + content.problems()[0].what,
@@ -116,7 +121,7 @@ Result<Read> read_file(const std::string& file, std::string* text) {
     if (text != nullptr) *text = *content;
     return read_bundle(*tree, file);
   }
-  auto all = read(std::move(*tree), content->size(), file, included_content);
+  auto all = read(std::move(*tree), content->size(), file, included_content, rejected);
   if (!all || text == nullptr) return all;
   *text = std::move(*content);
   if (all->included.empty()) return all;
@@ -141,8 +146,8 @@ Result<model::Cell> parse(std::string_view xml, const std::string& file) {
   return std::move(all->cell);
 }
 
-Result<model::Cell> load(const std::string& file, std::string* text) {
-  auto all = read_file(file, text);
+Result<model::Cell> load(const std::string& file, std::string* text, model::Cell* rejected) {
+  auto all = read_file(file, text, rejected);
   if (!all) return all.problems();
   return std::move(all->cell);
 }

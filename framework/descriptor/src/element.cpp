@@ -30,13 +30,18 @@ void Element::check_attributes() {
   for (const Attribute& one : node_.attributes) {
     const std::string_view name = one.name;
     if (contains(shape_.attributes, name) || report_.full()) continue;
-    const std::string_view meant = nearest(name, shape_.attributes);
+    std::string_view meant = nearest(name, shape_.attributes);
+    for (const auto& [value, attribute] : shape_.telling) {
+      if (meant.empty() && value == trimmed(one.value)) meant = attribute;
+    }
     if (!meant.empty()) meant_.push_back(meant);
     report_.add(one.line, "unknown attribute " + in_quotes(name) + " of " + tag(node_.name),
-                shape_.attributes.empty() ? "remove it: " + tag(node_.name) + " cannot have attributes"
-                                          : suggestion(name, shape_.attributes));
+                shape_.attributes.empty() ? "remove it: " + tag(node_.name) + " cannot have attributes" + hint()
+                                          : suggestion(meant.empty() ? name : meant, shape_.attributes));
   }
 }
+
+std::string Element::hint() const { return shape_.hint.empty() ? "" : "; " + std::string{shape_.hint}; }
 
 void Element::reject_child(const Node& child) {
   unknown_children_ = true;
@@ -80,8 +85,9 @@ void Element::check_children() {
   for (const Text& text : node_.texts) {
     const std::string stray = trimmed(text.text);
     if (shape_.text || stray.empty() || report_.full()) continue;
+    if (!shape_.hint.empty() && !node_.attributes.empty()) continue;  // the hint for the attributes says enough
     report_.add(text.line, "text " + in_quotes(stray) + " in " + tag(node_.name),
-                "remove it: " + tag(node_.name) + " cannot have text");
+                "remove it: " + tag(node_.name) + " cannot have text" + hint());
   }
 }
 
@@ -124,7 +130,7 @@ std::optional<std::int64_t> read_number(const Given& given, Range range, const c
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool whole = error != std::errc::invalid_argument && end == text.data() + text.size();
-  // The number -0 equals 0 and is in range, but its sign is not allowed if the range begins with 0.
+  // The number -0 equals 0, so it would be in a range that begins with 0. But such a range allows no sign.
   const bool sign_allowed = range.from < 0 || !text.starts_with('-');
   if (whole && sign_allowed && error == std::errc{} && number >= range.from && number <= range.to)
     return number;

@@ -1,8 +1,8 @@
-// Reads one element and reports everything in it that is not allowed.
+// Reads one element of a descriptor, and reports everything in it that is not allowed.
 //
-// A reader that only looks for the names that it knows would not notice a misspelled name: with <perod>, a
-// module would have no period or, worse, a default one. So an Element first checks that its shape allows each
-// attribute, child and text. Only then are its values read.
+// A reader that only looks for known names would not notice a misspelled name: with <perod>, a module would
+// have no period or, worse, a default one. So an Element first checks that its shape allows each attribute,
+// child and text. Only then are the values read.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <takt/model/cell.hpp>
@@ -21,24 +22,30 @@ namespace takt::descriptor {
 /// The attributes, children and text that an element is allowed to have.
 struct Shape {
   std::vector<std::string_view> attributes{};
-  std::vector<std::string_view> once{};  ///< children that may appear at most once
-  std::vector<std::string_view> many{};  ///< children that may appear any number of times
+  std::vector<std::string_view> once{};  ///< names of the children that may appear at most once
+  std::vector<std::string_view> many{};  ///< names of the children that may appear any number of times
   bool text = false;                     ///< true if the element may have text
+  /// Pairs of a value and an attribute. If an attribute with an unknown name has this value, the author meant
+  /// this attribute.
+  std::vector<std::pair<std::string_view, std::string_view>> telling{};
+  std::string_view hint{};  ///< what to write instead of an attribute or a text that the element cannot have
 };
 
-/// The text of an attribute or element, with a name for messages.
+/// The text of an attribute or element, with the name that messages use for it.
 struct Given {
-  std::string what;  ///< name for messages, for example "<period>" or "attribute 'cpu'"
-  std::string text;  ///< as written, with entities resolved
+  std::string what;  ///< the attribute or element as messages call it, for example "<period>" or "attribute
+                     ///< 'cpu'"
+  std::string text;  ///< the text as written, with entities resolved
   model::Line line{};
-  bool unread = false;  ///< true if the element contains child elements; these were reported, so no value is
-                        ///< read from it
+  /// True if the element contains child elements. The children were already reported, so no value is read
+  /// from the text.
+  bool unread = false;
 
-  /// The text without leading and trailing white space.
+  /// Returns the text without leading and trailing white space.
   [[nodiscard]] std::string trimmed() const { return descriptor::trimmed(text); }
 };
 
-/// An element of the tree. The tree must outlive this object.
+/// An element of the tree, which is checked against its shape. The tree must outlive this object.
 class Element {
  public:
   /// Checks the element against the shape, and reports everything that the shape does not allow.
@@ -46,21 +53,21 @@ class Element {
 
   [[nodiscard]] model::Line line() const { return node_.line; }
   [[nodiscard]] std::string text() const { return node_.text(); }
-  /// The text of the element with its name and line, from which a value can be read.
+  /// Returns the text of the element with the element's name and line, so that a value can be read from it.
   [[nodiscard]] Given given_text() const;
 
   [[nodiscard]] std::optional<Given> attribute(const char* name) const;
-  /// Like attribute(), but reports the attribute if it is missing.
+  /// Returns the attribute with this name. Reports the attribute if it is missing.
   [[nodiscard]] std::optional<Given> required_attribute(const char* name) const;
 
   [[nodiscard]] std::vector<const Node*> children(std::string_view name) const;
-  /// The first child with this name, or null.
+  /// Returns the first child with this name; null if there is none.
   [[nodiscard]] const Node* child(const char* name) const { return node_.child(name); }
-  /// The text of a child. Reports everything in the child except text.
+  /// Returns the text of the child with this name. Reports everything in the child except text.
   [[nodiscard]] std::optional<Given> child_text(const char* name) const;
 
-  /// Returns true if an unknown attribute or child is probably a misspelled `name`. Then `name` must not be
-  /// reported as missing, too.
+  /// Returns true if an unknown attribute or child is probably a misspelled `name`. Then the caller should
+  /// not also report `name` as missing.
   [[nodiscard]] bool was_meant(std::string_view name) const;
   /// Returns true if the element has children that are unknown or could not be created.
   [[nodiscard]] bool has_unknown_children() const { return unknown_children_ || node_.incomplete; }
@@ -68,6 +75,7 @@ class Element {
  private:
   void check_attributes();
   void check_children();
+  [[nodiscard]] std::string hint() const;
   void reject_child(const Node& child);
 
   const Node& node_;
@@ -82,11 +90,12 @@ struct Range {
   std::int64_t to = std::numeric_limits<std::int64_t>::max();
 };
 
-/// Reads a decimal whole number, without exponent or '+' ('-' is allowed if the range includes negative
-/// numbers). Reports any other text. `unit` completes the message, for example " of nanoseconds".
+/// Returns the decimal whole number in a text, without exponent or '+' ('-' is allowed if the range includes
+/// negative numbers). Reports any other text and any number outside the range. `unit` completes the message,
+/// for example " of nanoseconds".
 std::optional<std::int64_t> read_number(const Given& given, Range range, const char* unit, Report& report);
 
-/// Returns the index of the word in `choices`. Reports a word that is not one of them.
+/// Returns the index of the word in `choices`. Reports a word that `choices` does not contain.
 std::optional<std::size_t> read_choice(const Given& given, const std::vector<std::string_view>& choices,
                                        Report& report);
 

@@ -18,8 +18,8 @@ const Shape kUse{.attributes = {"template", "name"}, .many = {"set"}};
 const Shape kSet{.attributes = {"name"}, .text = true};
 const Shape kExport{.attributes = {"port", "of"}};
 
-/// Joins the name of a use and the name of one of its modules. It is not '-', because some DDS
-/// implementations do not allow '-' in topic names.
+/// The character between the name of a use and the name of one of its modules. This is not '-', because some
+/// DDS implementations do not allow '-' in topic names.
 constexpr char kJoint = '_';
 
 std::string joined(const std::string& prefix, const std::string& name) {
@@ -82,7 +82,8 @@ void Expansion::expand(Node& root) {
   }
 }
 
-/// Rejects references to parameters outside templates.
+/// Reports each reference to a parameter that is outside a template. Call this after the templates were
+/// removed from the tree.
 void Expansion::check_references(Node& root) {
   substitute(
       root, [](std::string_view) -> const std::string* { return nullptr; },
@@ -116,15 +117,15 @@ void Expansion::expand_device(Node& device, const std::string& name, Node& root)
   root.incomplete = true;
 }
 
-void Expansion::expand_use(const Node& use, Place place) {
-  const auto give_up = [&] { place.parent.incomplete = true; };
+void Expansion::expand_use(const Node& use, Target target) {
+  const auto give_up = [&] { target.parent.incomplete = true; };
   if (full_ || report_.full()) return give_up();
   const Element element{use, kUse, report_};
   const auto template_name = element.required_attribute("template");
   const auto given_name = element.required_attribute("name");
   if (!template_name || !given_name) return give_up();
   const std::string own = given_name->trimmed();
-  const std::string name = joined(place.prefix, own);
+  const std::string name = joined(target.prefix, own);
   if (!model::is_valid_name(own) || !model::is_valid_name(name)) {
     report_.add(given_name->line,
                 in_quotes(model::is_valid_name(own) ? name : own) + " is not a valid name for a <use>",
@@ -133,12 +134,12 @@ void Expansion::expand_use(const Node& use, Place place) {
   }
   const Template* used = templates_.find(template_name->trimmed());
   const auto [known, is_new] = uses_.try_emplace(
-      {place.device, name}, Used{.template_name = template_name->trimmed(), .line = use.line});
+      {target.device, name}, Used{.template_name = template_name->trimmed(), .line = use.line});
   if (!is_new) {
     report_.add(
         use.line,
         "duplicate use " + in_quotes(name) +
-            (place.device.empty() ? "" : " on device " + in_quotes(place.device)),
+            (target.device.empty() ? "" : " on device " + in_quotes(target.device)),
         "the first is " + report_.whereabouts(known->second.line) + "; give one of them another name");
     return give_up();
   }
@@ -163,11 +164,11 @@ void Expansion::expand_use(const Node& use, Place place) {
   if (record.incomplete) give_up();
   const std::uint32_t held_in = used->node.line.insertion;
   insertions_.push_back({held_in == 0 ? file_ : insertions_[held_in - 1].file, use.line, true});
-  make(*used, values, static_cast<std::uint32_t>(insertions_.size()), {place.parent, place.device, name},
+  make(*used, values, static_cast<std::uint32_t>(insertions_.size()), {target.parent, target.device, name},
        record);
 }
 
-/// Reads the parameter values of one use. Returns false if there is a mistake.
+/// Reads the parameter values of one use. Returns false if there was a mistake, which is reported.
 bool Expansion::read_values(const Node& use, const Template& used, const std::string& name, Values& values) {
   std::map<std::string, model::Line, std::less<>> set;
   std::vector<std::string_view> names;
@@ -189,8 +190,8 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
     const auto [first, is_new] = set.emplace(parameter, element.line());
     if (std::find(names.begin(), names.end(), parameter) == names.end()) {
       if (used.broken)
-        continue;  // the template may have the parameter, because parts of it could not be
-                   // read
+        // The template may have this parameter, because parts of the template could not be read.
+        continue;
       reject("template " + in_quotes(used.name) + " has no parameter " + in_quotes(parameter),
              names.empty() ? "it has no parameters" : suggestion(parameter, names));
     } else if (!is_new) {
@@ -216,11 +217,12 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
   return right;
 }
 
-/// Checks the size before anything is created, because a few templates that each use the next one twice can
-/// expand to a huge size. Returns false, and reports the problem, if the limit is exceeded.
+/// Checks the size of a use before anything is created, because a few templates, each of which uses the next
+/// one twice, can expand to a huge size. Returns false, and reports the problem, if the descriptor becomes
+/// too large.
 bool Expansion::fits(const Node& use, const Template& used) {
   if (use.line.insertion != 0 && insertions_[use.line.insertion - 1].used)
-    return true;  // already counted as part of the outer use
+    return true;  // the use is inside a template, and the size of the outer use includes it
   parts_ += used.size;
   if (parts_ <= kMaxParts) return true;
   full_ = true;
@@ -232,8 +234,8 @@ bool Expansion::fits(const Node& use, const Template& used) {
   return false;
 }
 
-/// Copies a node and its descendants. In the copy, parameters are replaced by their values, and all lines
-/// belong to the insertion.
+/// Copies a node of a template and its descendants. In the copy, values replace the references to parameters,
+/// and all lines belong to `insertion`.
 Node Expansion::copy_of(const Node& node, std::uint32_t insertion, const Values& values) {
   const Meaning meaning = [&values](std::string_view name) -> const std::string* {
     const auto found = values.find(name);
@@ -259,55 +261,56 @@ Node Expansion::copy_of(const Node& node, std::uint32_t insertion, const Values&
   return copy;
 }
 
-void Expansion::make(const Template& used, const Values& values, std::uint32_t insertion, Place place,
+void Expansion::make(const Template& used, const Values& values, std::uint32_t insertion, Target target,
                      Used& record) {
   std::vector<Node> others;
-  std::vector<std::string>& inner = inner_[{place.device, place.prefix}];
+  std::vector<std::string>& inner = inner_[{target.device, target.prefix}];
   for (const Node& child : used.node.children) {
     if (child.name == "parameter") continue;
     Node copy = copy_of(child, insertion, values);
     if (full_) {
-      place.parent.incomplete = true;
+      target.parent.incomplete = true;
       record.incomplete = true;
       return;
     }
     if (copy.name == "module") {
       if (used.alone) {
-        set_name(copy, place.prefix, insertions_[insertion - 1].at);
+        set_name(copy, target.prefix, insertions_[insertion - 1].at);
       } else if (copy.child("name") != nullptr) {
         inner.push_back(name_of(copy));
         if (!model::is_valid_name(inner.back())) {
           report_.add(copy.child("name")->line, in_quotes(inner.back()) + " is not a valid module name",
                       model::kNameRule);
-          place.parent.incomplete = true;
+          target.parent.incomplete = true;
           continue;
         }
-        set_name(copy, joined(place.prefix, inner.back()), copy.line);
+        set_name(copy, joined(target.prefix, inner.back()), copy.line);
       }
-      place.parent.children.push_back(std::move(copy));
+      target.parent.children.push_back(std::move(copy));
     } else if (copy.name == "use") {
       if (const Attribute* name = copy.attribute("name")) inner.push_back(trimmed(name->value));
-      expand_use(copy, place);
+      expand_use(copy, target);
     } else {
       others.push_back(std::move(copy));
     }
   }
   for (Node& other : others) {
     if (other.name == "export") {
-      read_export(other, used, place, record);
+      read_export(other, used, target, record);
     } else if (other.name == "connection") {
-      make_absolute(other, used, place);
+      make_absolute(other, used, target);
       connections_.push_back(std::move(other));
     }
   }
 }
 
-/// Returns true if the template contains a module or use with this name. Reports an unknown name.
+/// Returns true if the template contains a module or use with the name `inner`. Otherwise reports `given`,
+/// the text that contains this name.
 bool Expansion::check_inner(const std::string& inner, const Given& given, const Template& used,
-                            const Place& place) {
-  const std::vector<std::string>& names = inner_[{place.device, place.prefix}];
+                            const Target& target) {
+  const std::vector<std::string>& names = inner_[{target.device, target.prefix}];
   if (std::find(names.begin(), names.end(), inner) != names.end()) return true;
-  // It may be the name of a module whose name could not be read.
+  // If the name of a module could not be read, that name may be `inner`.
   if (used.node.incomplete || !std::all_of(names.begin(), names.end(), model::is_valid_name)) return false;
   const std::vector<std::string_view> choices{names.begin(), names.end()};
   report_.add(
@@ -320,7 +323,7 @@ bool Expansion::check_inner(const std::string& inner, const Given& given, const 
   return false;
 }
 
-void Expansion::read_export(const Node& node, const Template& used, const Place& place, Used& record) {
+void Expansion::read_export(const Node& node, const Template& used, const Target& target, Used& record) {
   const Element element{node, kExport, report_};
   const auto port = element.required_attribute("port");
   const auto of = element.required_attribute("of");
@@ -337,12 +340,12 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
   if (parts.size() != 2 || !model::is_valid_name(parts[0]) || !model::is_valid_name(parts[1]))
     return reject(*of, "attribute 'of' is not valid: " + in_quotes(of->trimmed()),
                   "write module.port, where the module is in this template");
-  if (!check_inner(parts[0], *of, used, place)) {
+  if (!check_inner(parts[0], *of, used, target)) {
     record.incomplete = true;
     return;
   }
-  Port exported{joined(place.prefix, parts[0]), parts[1]};
-  const auto inner = uses_.find({place.device, exported.module});
+  Port exported{joined(target.prefix, parts[0]), parts[1]};
+  const auto inner = uses_.find({target.device, exported.module});
   if (inner != uses_.end() && !inner->second.is_module) {
     const auto found = inner->second.exports.find(parts[1]);
     if (found == inner->second.exports.end()) {
@@ -361,9 +364,9 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
            "export it once");
 }
 
-/// Completes the ends of a template's connection: "servo.out" becomes the full name of that port. An end with
-/// three parts names a port outside the template and remains unchanged.
-void Expansion::make_absolute(Node& connection, const Template& used, const Place& place) {
+/// Completes the ends of a connection in a template: "servo.out" becomes the full name of that port. An end
+/// with three parts names a port outside the template and remains unchanged.
+void Expansion::make_absolute(Node& connection, const Template& used, const Target& target) {
   for (const char* side : {"from", "to"}) {
     Attribute* end = connection.attribute(side);
     if (end == nullptr) continue;
@@ -376,14 +379,15 @@ void Expansion::make_absolute(Node& connection, const Template& used, const Plac
       connection.incomplete = true;
       continue;
     }
-    if (!check_inner(parts[0], given, used, place)) connection.incomplete = true;
-    end->value = place.device + "." + joined(place.prefix, parts[0]) + "." + parts[1];
+    if (!check_inner(parts[0], given, used, target)) connection.incomplete = true;
+    end->value = target.device + "." + joined(target.prefix, parts[0]) + "." + parts[1];
   }
-  if (!model::is_valid_name(place.device))
-    connection.incomplete = true;  // the device has an invalid name, which was already reported
+  if (!model::is_valid_name(target.device))
+    connection.incomplete = true;  // the name of the device is not valid, which was reported
 }
 
-/// If an end of the connection names a port that a use exports, replaces the end by the port of the module.
+/// If an end of the connection names a port that a use exports, replaces this end by the module's port that
+/// is exported.
 void Expansion::resolve(Node& connection) {
   for (const char* side : {"from", "to"}) {
     Attribute* end = connection.attribute(side);
@@ -409,7 +413,8 @@ void Expansion::resolve(Node& connection) {
   }
 }
 
-/// Rejects a module that has the same name as a use, because connections to that name would be ambiguous.
+/// Reports each module that has the same name as a use on its device, because connections to that name would
+/// be ambiguous.
 void Expansion::check_names(const Node& device, const std::string& name) {
   for (const Node& child : device.children) {
     if (child.name != "module") continue;

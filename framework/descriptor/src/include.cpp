@@ -13,8 +13,8 @@ namespace takt::descriptor {
 
 namespace {
 
-/// Returns true if the element may contain an <include>. In any other element, <include> is an unknown
-/// element.
+/// Returns true if the element may contain an <include>. In other elements, an <include> is reported as an
+/// unknown element.
 bool may_include(const Node& parent) {
   return parent.name == "cell" || parent.name == "root" || parent.name == "device" ||
          parent.name == "fragment";
@@ -77,7 +77,7 @@ const std::string* Includes::text_of(const Node& include, const std::string& pat
   return nullptr;
 }
 
-/// Inserts the included file into the parent. On failure, reports the problem and returns false.
+/// Inserts the content of the included file into `parent`. On failure, reports the problem and returns false.
 bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string>& chain) {
   const Element element{include, {.attributes = {"file"}}, report_};
   const auto file = element.required_attribute("file");
@@ -104,7 +104,7 @@ bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string
                   "include " + in_quotes(path) + " directly in the descriptor");
   }
   if (++includes_ > kMaxIncludes) {
-    if (includes_ > kMaxIncludes + 1) return false;  // already reported
+    if (includes_ > kMaxIncludes + 1) return false;  // this problem was already reported
     return reject("more than " + std::to_string(kMaxIncludes) + " files are included",
                   "merge several of them into one");
   }
@@ -123,8 +123,8 @@ bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string
                 "use <fragment> as its root element");
     return false;
   }
-  // Check only the attributes here. The children are checked later, against the shape of the element that
-  // includes the file.
+  // Check only the attributes of the <fragment> here. Its children are checked later, against the shape of
+  // the element that includes the file.
   Node without_children = fragment;
   without_children.children.clear();
   const Element held{without_children, {.text = true}, report_};

@@ -16,12 +16,13 @@ inline constexpr std::size_t kMaxIncludeDepth = 8;  ///< maximum depth of includ
 inline constexpr std::size_t kMaxIncludes = 1000;   ///< maximum number of includes in one descriptor
 
 /// Returns the content of an included file. The command line passes a function that reads from the file
-/// system. A node passes a function that looks only in the bundle, because a node must not open files that a
-/// text from the network names.
+/// system. A node passes a function that looks only in the bundle, because a node must not open files that
+/// are named in a text from the network.
 using ReadFile = std::function<Result<std::string>(const std::string& path)>;
 
-/// Replaces every <include> in a tree. The file that it names must have the root element <fragment>, whose
-/// content replaces the <include>. On failure, reports the problem and marks the parent as incomplete.
+/// Replaces every <include> in a tree by the content of the file that the <include> names. This file must
+/// have the root element <fragment>. On failure, reports the problem and marks the parent of the <include> as
+/// incomplete.
 class Includes {
  public:
   Includes(std::vector<model::Insertion>& insertions, ReadFile read, Report& report)
@@ -30,7 +31,7 @@ class Includes {
   /// Replaces all includes in the tree. `file` is the path of the descriptor, `bytes` is its size.
   void put_into(Node& root, const std::string& file, std::size_t bytes);
 
-  /// The texts of all included files, indexed by path.
+  /// Returns the texts of all included files, by path.
   [[nodiscard]] const std::map<std::string, std::string>& texts() const { return texts_; }
   /// Returns true if an include could not be replaced.
   [[nodiscard]] bool incomplete() const { return incomplete_; }
@@ -49,8 +50,8 @@ class Includes {
   bool incomplete_ = false;
 };
 
-/// The path of `file`, which is relative to the folder of the file `from`. Redundant parts `.` and `..` are
-/// removed.
+/// Returns the path of `file`, if `file` is relative to the folder of the file `from`. Removes redundant
+/// parts `.` and `..`.
 std::string path_beside(const std::string& from, const std::string& file);
 
 }  // namespace takt::descriptor

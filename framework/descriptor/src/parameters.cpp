@@ -8,7 +8,7 @@ std::string substituted(std::string_view text, const Meaning& meaning, const Unk
   while (true) {
     const std::size_t at = text.find(kOpen);
     if (at == std::string_view::npos) return result.append(text);
-    if (at > 0 && text[at - 1] == '$') {  // $${
+    if (at > 0 && text[at - 1] == '$') {  // $${ stands for a literal ${
       result.append(text.substr(0, at - 1)).append(kOpen);
       text.remove_prefix(at + kOpen.size());
       continue;

@@ -11,8 +11,8 @@ namespace takt::descriptor {
 
 namespace {
 
-// The shapes allow <use>, <template> and <include>. These elements have already been expanded when a cell is
-// read.
+// The shapes include <use>, <template> and <include>, because messages list the children that an element can
+// have. But when a cell is read from the tree, the tree no longer contains these elements.
 const Shape kRoot{.many = {"executor", "module", "use", "template", "include"}};
 const Shape kCell{
     .attributes = {"name", "domain", "discovery", "peers", "server", "server-device", "security"},
@@ -21,7 +21,8 @@ const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module", "use"
 const Shape kExecutor{.attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit",
                                      "offsets", "timing", "host"}};
 const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
-                                       "stale", "topic", "domain", "ros2"}};
+                                       "stale", "topic", "domain", "ros2"},
+                        .telling = {{"latest", "kind"}, {"queue", "kind"}}};
 
 const Shape kService{.attributes = {"client", "server"}};
 
@@ -48,8 +49,8 @@ class CellReader {
   }
 
  private:
-  /// Reads the paper's form of a descriptor. It contains the modules of one device, and this device is the
-  /// whole cell.
+  /// Reads the paper's form of a descriptor, which contains the modules of one device. The cell then has only
+  /// this device.
   void read_root(const Node& xml) {
     const Element root{xml, kRoot, report_};
     reading_.cell.name = name_after(reading_.cell.file);
@@ -79,7 +80,7 @@ class CellReader {
       read_device(device, device_name ? device_name->trimmed() : stand_in());
     }
     for (const Node* child : cell.children("connection")) {
-      // Stop at one connection more than the limit, which is enough for validate() to reject the cell.
+      // One connection more than the limit is enough for validate() to reject the cell.
       if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
       read_connection(*child);
     }
@@ -251,14 +252,14 @@ class CellReader {
     reading_.gaps.without_ends.push_back(!from_known || !to_known || element.has_unknown_children());
   }
 
-  /// Reads one end of a connection. Returns false if the end is given but cannot be read. An end may be
-  /// omitted.
+  /// Reads one end of a connection, which the descriptor may omit. Returns false if the end is given but
+  /// cannot be read.
   bool read_end(const Element& element, const char* side, model::Endpoint& end) {
     const auto given = element.attribute(side);
     if (!given) return !element.was_meant(side);
     const std::string text = given->trimmed();
     end = endpoint(text);
-    // The text ".." has three empty parts, but it must not count as an omitted end.
+    // An end such as ".." has three empty parts. Report it here, because it would later count as omitted.
     if (text.find_first_not_of('.') != std::string::npos) return true;
     report_.add(given->line, given->what + (text.empty() ? " is empty" : " is not valid: " + in_quotes(text)),
                 "write device.module.port");
@@ -272,12 +273,13 @@ class CellReader {
       known = choice.has_value();
       if (choice == 1U) connection.kind = model::ConnectionKind::queue;
     }
-    // If the kind could not be read, assume a queue, because a queue may have every attribute of a
-    // connection.
+    // If the kind could not be read, treat the connection as a queue, because a queue may have every
+    // attribute of a connection.
     if (!known) connection.kind = model::ConnectionKind::queue;
     const bool queue = connection.kind == model::ConnectionKind::queue;
 
     if (const auto given = element.attribute("depth")) {
+      connection.depth_given = true;
       const auto number = read_number(*given, {1, model::kMaxDepth}, "", report_);
       if (!queue) {
         report_.add(given->line, "a connection of kind latest has a depth",
@@ -286,8 +288,8 @@ class CellReader {
         connection.depth = static_cast<int>(*number);
       }
     }
-    // A queue is reliable by default, because each of its samples matters. A lost latest value is soon
-    // replaced by the next one.
+    // A queue is reliable by default, because each of its samples matters. A latest value is not reliable by
+    // default, because the next value soon replaces a lost one.
     connection.reliability = queue ? model::Reliability::reliable : model::Reliability::best_effort;
     if (const auto given = element.attribute("reliability")) {
       constexpr model::Reliability kReliabilities[] = {model::Reliability::best_effort,
@@ -329,8 +331,8 @@ class CellReader {
     }
   }
 
-  /// Converts the ROS 2 name of the topic, for example "/arm/joint_states", to its name on DDS. Makes a
-  /// writer reliable by default, because ROS 2 readers require a reliable writer by default.
+  /// Sets the connection's topic to the DDS name of a ROS 2 topic such as "/arm/joint_states". Also makes the
+  /// writer reliable by default, because ROS 2 readers require this by default.
   void read_ros2(const Element& element, model::Connection& connection) {
     connection.ros2 = true;
     if (!element.attribute("reliability") && !element.was_meant("reliability") && connection.from.given())
@@ -341,8 +343,8 @@ class CellReader {
     }
   }
 
-  /// Splits device.module.port into its parts. If the text has more or fewer parts, keeps it in a form that
-  /// validate() rejects and quotes.
+  /// Splits device.module.port into its parts. If the text has more or fewer parts, the result is an endpoint
+  /// that validate() rejects and quotes.
   static model::Endpoint endpoint(const std::string& text) {
     const std::size_t first = text.find('.');
     if (first == std::string::npos) return {text, {}, {}};
@@ -351,7 +353,7 @@ class CellReader {
     return {text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
   }
 
-  /// A valid, unique name that replaces a name that could not be read.
+  /// Returns a valid, unique name in place of a name that could not be read.
   std::string stand_in() { return "_unread-" + std::to_string(++stand_ins_); }
 
   Report& report_;
@@ -364,8 +366,8 @@ class CellReader {
 std::string name_after(const std::string& file) {
   std::string name = model::file_stem(file).substr(0, model::kMaxNameLength);
   for (std::size_t i = 0; i < name.size(); ++i) {
-    // A character may be at position i of a name if "a" followed by it is a valid name (at position 0: if it
-    // is a valid name alone).
+    // A character is allowed at position i if "a" followed by the character is a valid name. At position 0,
+    // the character alone must be a valid name.
     const std::string probe = i == 0 ? name.substr(0, 1) : "a" + name.substr(i, 1);
     if (!model::is_valid_name(probe)) name[i] = '_';
   }

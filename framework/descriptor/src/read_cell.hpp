@@ -8,18 +8,18 @@
 
 namespace takt::descriptor {
 
-/// The parts of a cell that could be read. Each unreadable part is replaced by a harmless value or marked as
-/// a gap, so that no later check reports it again.
+/// A cell as far as it could be read. Each part that could not be read is replaced by a harmless value or
+/// marked as a gap, so that no later check reports the part again.
 struct Reading {
   model::Cell cell;
   model::Gaps gaps;
 };
 
-/// Reads a cell, and reports the parts that cannot be read. model::validate() checks the values afterwards.
+/// Reads a cell, and reports the parts that cannot be read. Only model::validate() checks the values.
 Reading read_cell(const Node& root, const std::string& file, Report& report);
 
-/// The name that a module.xml gives to its cell and device: the filename without its extension, with '_' in
-/// place of each character that a name may not have.
+/// Returns the name that the cell and the device of a module.xml get: the filename without its extension,
+/// with '_' in place of each character that a name may not have.
 std::string name_after(const std::string& file);
 
 }  // namespace takt::descriptor

@@ -19,12 +19,14 @@ constexpr Nanoseconds kStandIn = milliseconds{1};  // used in place of a time th
 
 const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "offset",
                              "deadline", "dispatch", "interarrival", "priority", "executor", "budget",
-                             "overrun", "recovery", "retain", "property", "safe"}};
-const Shape kBudget{.attributes = {"times", "in-a-row"}, .text = true};
+                             "overrun", "recovery", "retain", "arguments", "property", "safe"}};
+const Shape kBudget{.attributes = {"times", "in-a-row", "hang"}, .text = true};
 const Shape kOverrun{.attributes = {"limit"}, .text = true};
 const Shape kDeadline{.attributes = {"miss"}, .text = true};
 const Shape kRecovery{.attributes = {"attempts", "backoff", "then"}};
-const Shape kProperty{.many = {"value"}};
+const Shape kArguments{.many = {"argument"}};
+const Shape kArgument{.text = true};
+const Shape kProperty{.many = {"value"}, .hint = R"(write <property><value name="NAME">VALUE</value></property>)"};
 const Shape kValue{.attributes = {"name"}, .text = true};
 const Shape kSafe{.many = {"port"}};
 const Shape kPort{.attributes = {"name"}, .many = {"field"}};
@@ -43,6 +45,7 @@ class ModuleReader {
     read_executor(executors);
     read_recovery();
     read_retain();
+    read_arguments();
     read_properties();
     read_safe();
     return {std::move(module_), name_known_};
@@ -92,14 +95,14 @@ class ModuleReader {
     }
   }
 
-  std::optional<Nanoseconds> read_time(const char* name, model::Line& line) {
+  std::optional<Nanoseconds> read_time(const char* name, model::Line& line, Nanoseconds least) {
     const auto given = element_.child_text(name);
-    return given ? std::optional{time_of(*given, line)} : std::nullopt;
+    return given ? std::optional{time_of(*given, line, least)} : std::nullopt;
   }
 
-  Nanoseconds time_of(const Given& given, model::Line& line) {
+  Nanoseconds time_of(const Given& given, model::Line& line, Nanoseconds least = Nanoseconds{1}) {
     line = given.line;
-    const auto ns = read_number(given, {.from = 1}, kNs, report_);
+    const auto ns = read_number(given, {.from = least.count()}, kNs, report_);
     return ns ? Nanoseconds{*ns} : kStandIn;
   }
 
@@ -121,6 +124,9 @@ class ModuleReader {
       return static_cast<int>(read_number(*given, {1, model::kMaxTolerance}, "", report_).value_or(1));
     };
     module_.tolerance = {.times = read("times"), .in_a_row = read("in-a-row")};
+    if (const auto given = budget.attribute("hang")) {
+      if (const auto ns = read_number(*given, {.from = 1}, kNs, report_)) module_.hang = Nanoseconds{*ns};
+    }
   }
 
   void read_overrun() {
@@ -157,16 +163,16 @@ class ModuleReader {
   }
 
   void read_times() {
-    module_.period = read_time("period", module_.lines.period);
+    module_.period = read_time("period", module_.lines.period, model::kMinPeriod);
     read_deadline();
     read_dispatch();
-    module_.interarrival = read_time("interarrival", module_.lines.interarrival);
+    module_.interarrival = read_time("interarrival", module_.lines.interarrival, Nanoseconds{1});
     read_offset();
     read_budget();
     read_overrun();
     if (!operation_known_) {
-      // Without a known operation type, it is not known which times the module may have. Continue as if it
-      // were non-real, because a non-real module needs none.
+      // If the operation type could not be read, it is not known which times the module may have. Continue as
+      // if the module were non-real, because a non-real module needs no times.
       module_.operation = Operation::non_real;
       module_.period.reset();
       module_.deadline.reset();
@@ -233,6 +239,17 @@ class ModuleReader {
       constexpr model::GiveUp kThen[] = {model::GiveUp::destruct, model::GiveUp::stop_device,
                                          model::GiveUp::stop_cell};
       if (choice) recovery.then = kThen[*choice];
+    }
+  }
+
+  void read_arguments() {
+    const auto* xml = element_.child("arguments");
+    if (xml == nullptr) return;
+    const Element arguments{*xml, kArguments, report_};
+    module_.lines.arguments = arguments.line();
+    for (const auto* child : arguments.children("argument")) {
+      if (report_.full()) break;
+      module_.arguments.push_back(Element{*child, kArgument, report_}.text());
     }
   }
 

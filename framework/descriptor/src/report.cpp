@@ -28,8 +28,8 @@ Problems Report::take() {
   std::stable_sort(problems_.begin(), problems_.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   struct Shared {
-    std::size_t index;    // in `sorted`
-    std::size_t repeats;  // number of further uses of the template with the same problem
+    std::size_t index;    // index in `sorted`
+    std::size_t repeats;  // number of other uses of the template that cause the same problem
   };
   std::map<std::tuple<std::string, std::string, std::string>, Shared> shared;
   Problems sorted;

@@ -16,7 +16,8 @@ namespace {
 const Shape kTemplate{.attributes = {"name"}, .many = {"parameter", "module", "use", "connection", "export"}};
 const Shape kParameter{.attributes = {"name", "default"}};
 
-constexpr std::size_t kMostNamed = 5;  // maximum number of templates that a message about a cycle names
+// Maximum number of templates in the message about a template that uses itself.
+constexpr std::size_t kMostNamed = 5;
 
 std::size_t parts_of(const Node& node) {
   std::size_t parts = 1 + node.attributes.size() + node.texts.size();
@@ -54,9 +55,10 @@ void Templates::take_out(Node& parent) {
     const auto line = child.line;
     const auto [known, is_new] =
         all_.try_emplace(name->trimmed(), Template{name->trimmed(), std::move(child)});
-    // If two files include the same file, each of its templates is read twice; this is no duplicate.
+    // If the descriptor includes a file twice, the templates of the file occur twice. Such a template is not
+    // a duplicate.
     const auto first = known->second.node.line;
-    const bool again = first.insertion != line.insertion && report_.place(first) == report_.place(line);
+    const bool again = first.insertion != line.insertion && report_.location(first) == report_.location(line);
     if (is_new || again) continue;
     report_.add(
         line, "duplicate template " + in_quotes(known->first),
@@ -74,7 +76,7 @@ void Templates::read(Template& one) {
     if (child.name == "module" || child.name == "use") ++members;
     if (child.name != "use") continue;
     const Attribute* used = child.attribute("template");
-    if (used == nullptr) continue;  // the missing attribute is reported when the use is expanded
+    if (used == nullptr) continue;  // the expansion of this use reports the missing attribute
     if (used->value.find("${") != std::string::npos) {
       report_.add(used->line, "the template of a <use> is given by a parameter",
                   "write the name of the template");
@@ -92,7 +94,8 @@ void Templates::read(Template& one) {
     if (child.name != "module" || child.child("name") != nullptr) continue;
     one.alone = members == 1;
     if (one.alone) continue;
-    // The module may have a misspelled <name>: an unknown element that is reported when the use is expanded.
+    // The module may have a misspelled <name>, that is, an unknown element. The expansion of the use reports
+    // this element.
     if (std::any_of(child.children.begin(), child.children.end(),
                     [](const Node& c) { return !is_of_module(c.name); })) {
       one.node.incomplete = true;
@@ -140,7 +143,7 @@ void Templates::read_parameters(Template& one, const std::vector<const Node*>& n
   }
 }
 
-/// Checks that each reference names a parameter, and that each parameter is referenced.
+/// Checks that each reference in a template names a parameter, and that each parameter is referenced.
 void Templates::check_references(Template& one) {
   std::set<std::string_view> used;
   std::vector<std::string_view> names{kOwnName};
@@ -183,8 +186,9 @@ void Templates::check_references(Template& one) {
   }
 }
 
-/// Computes the size and depth of each template. Begins with the templates that use no others, and continues
-/// with the templates that use only these, and so on. The templates that this never reaches use themselves.
+/// Computes the size and depth of each template. Begins with the templates that use no other templates, and
+/// continues with the templates that use only these, and so on. A template that this computation never
+/// reaches uses itself, directly or through other templates.
 void Templates::count() {
   std::map<std::string_view, std::vector<Template*>> users;
   std::map<std::string_view, std::size_t> open;
@@ -213,7 +217,8 @@ void Templates::count() {
   for (auto& [name, one] : all_) {
     if (left.count(name) > 0) one.broken = true;
     if (one.depth != kMaxUseDepth + 1 || one.broken)
-      continue;  // templates that use this one are nested more deeply, but only this one is reported
+      // Reports only the innermost template that is nested too deeply, not the templates that use it.
+      continue;
     report_.add(one.node.line,
                 "template " + in_quotes(name) + " nests templates more than " + std::to_string(kMaxUseDepth) +
                     " levels deep",
@@ -224,8 +229,8 @@ void Templates::count() {
 }
 
 void Templates::report_circles(const std::set<std::string_view>& in_circles) {
-  std::map<std::string_view, std::size_t> walked;  // for each visited template, the number of the walk that
-                                                   // visited it
+  // For each visited template, the number of the walk that visited the template.
+  std::map<std::string_view, std::size_t> walked;
   std::size_t walk = 0;
   for (const std::string_view start : in_circles) {
     ++walk;
@@ -243,7 +248,7 @@ void Templates::report_circles(const std::set<std::string_view>& in_circles) {
     std::size_t named = 0;
     for (auto each = std::find(path.begin(), path.end(), at); each != path.end() && named < kMostNamed;
          ++each, ++named)
-      circle += brief((*each)->name) + " (" + brief(report_.place((*each)->node.line)) + ") uses ";
+      circle += brief((*each)->name) + " (" + brief(report_.location((*each)->node.line)) + ") uses ";
     if (named == kMostNamed) circle += "other templates, which use ";
     report_.add(at->node.line, "template " + in_quotes(at->name) + " uses itself: " + circle + "it again",
                 "remove one of these uses");

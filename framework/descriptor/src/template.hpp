@@ -14,7 +14,7 @@
 
 namespace takt::descriptor {
 
-inline constexpr std::size_t kMaxUseDepth = 8;  ///< maximum depth of templates that use templates
+inline constexpr std::size_t kMaxUseDepth = 8;  ///< maximum number of levels of templates that use templates
 
 struct Parameter {
   std::string name;
@@ -27,27 +27,27 @@ struct Template {
   Node node;
   std::vector<Parameter> parameters{};
   std::vector<std::string> uses{};  ///< names of the templates that this template uses
-  std::size_t size = 0;   ///< number of elements, attributes and texts that one use creates; at most
-                          ///< kUncountable
-  std::size_t depth = 0;  ///< levels of nested templates; 1 if it uses none
-  bool broken = false;    ///< true if it has a mistake, which was reported; its uses are then not expanded
-  bool alone = false;     ///< true if it has a single module, which gets the name of the use
+  /// Number of elements, attributes and texts that one use creates, at most kUncountable.
+  std::size_t size = 0;
+  std::size_t depth = 0;  ///< number of levels of nested templates; 1 if the template uses none
+  bool broken = false;  ///< true if the template has a mistake, which was reported; its uses are not expanded
+  bool alone = false;   ///< true if the template has a single module, which gets the name of the use
 };
 
 inline constexpr std::size_t kUncountable = 1'000'000'000'000'000'000;
 
-/// Removes the templates from a tree and checks each of them: its parameters, the references to them, the
-/// templates that it uses, and the size of one use.
+/// Removes the templates from a tree, and checks each template: its parameters, the references to these
+/// parameters, the templates that it uses, and the size of one use.
 class Templates {
  public:
   explicit Templates(Report& report) : report_(report) {}
 
   void take_from(Node& root);
 
-  /// Returns the template with this name, or null.
+  /// Returns the template with this name; null if there is none.
   [[nodiscard]] const Template* find(std::string_view name) const;
   [[nodiscard]] std::vector<std::string_view> names() const;
-  /// Returns true if a template could not be read. Then a template that find() does not find may exist.
+  /// Returns true if a template could not be read. Then a template may exist although find() returns null.
   [[nodiscard]] bool incomplete() const { return incomplete_; }
 
  private:
@@ -63,7 +63,7 @@ class Templates {
   bool incomplete_ = false;
 };
 
-/// The predefined parameter of each template. Its value is the name of the use.
+/// The predefined parameter of every template. Its value is the name of the use.
 inline constexpr std::string_view kOwnName = "name";
 
 }  // namespace takt::descriptor

@@ -8,13 +8,15 @@ namespace takt::descriptor {
 
 namespace {
 
-/// Converts an element and, recursively, its children. The recursion is limited, because the scanner has
-/// rejected elements deeper than kMaxDepth.
+/// Converts an element and, recursively, its children. The depth of the recursion is limited, because the
+/// scanner has rejected elements deeper than kMaxDepth.
 Node node_of(const tinyxml2::XMLElement& xml, std::uint32_t insertion) {
   Node node{.name = xml.Name(), .line = {xml.GetLineNum(), insertion}};
   for (const auto* one = xml.FirstAttribute(); one != nullptr; one = one->Next())
     node.attributes.push_back({one->Name(), one->Value(), {one->GetLineNum(), insertion}});
-  bool continued = false;  // A text remains one text even if a comment or a CDATA section splits it.
+  // True if the next text continues the last one, because a comment or CDATA section split the text into
+  // parts.
+  bool continued = false;
   for (const auto* one = xml.FirstChild(); one != nullptr; one = one->NextSibling()) {
     if (const auto* element = one->ToElement()) {
       node.children.push_back(node_of(*element, insertion));
@@ -28,6 +30,25 @@ Node node_of(const tinyxml2::XMLElement& xml, std::uint32_t insertion) {
     }
   }
   return node;
+}
+
+constexpr const char* kDeclaration = "xmlns:xsi";
+constexpr const char* kInstances = "http://www.w3.org/2001/XMLSchema-instance";
+constexpr const char* kSchema = "xsi:noNamespaceSchemaLocation";
+
+/// Removes the attributes of the root element that tell editors where the schema is. Takt does not open the
+/// schema.
+std::optional<SyntaxError> remove_schema(Node& root) {
+  const std::string right = std::string{"write "} + kDeclaration + "=\"" + kInstances + "\"";
+  const Attribute* declared = root.attribute(kDeclaration);
+  if (declared != nullptr && declared->value != kInstances)
+    return SyntaxError{declared->line.number, std::string{"wrong value of "} + kDeclaration, right};
+  const Attribute* schema = root.attribute(kSchema);
+  if (schema != nullptr && declared == nullptr)
+    return SyntaxError{schema->line.number, std::string{kSchema} + " without " + kDeclaration, right};
+  std::erase_if(root.attributes,
+                [](const Attribute& one) { return one.name == kDeclaration || one.name == kSchema; });
+  return std::nullopt;
 }
 
 template <class Named>
@@ -56,17 +77,26 @@ std::string Node::text() const {
   return all;
 }
 
-std::optional<Fault> read_tree(std::string_view xml, std::uint32_t insertion, Node& root) {
-  if (auto fault = find_fault(xml)) return fault;
+std::optional<SyntaxError> read_tree(std::string_view xml, std::uint32_t insertion, Node& root) {
+  std::vector<Span> models;
+  if (auto error = find_syntax_error(xml, &models)) return error;
+  // <?xml-model?> is blanked, because tinyxml2 allows <?...?> only before the first comment.
+  std::string blanked{xml};
+  for (const Span& model : models) {
+    for (std::size_t i = 0; i < model.size; ++i) {
+      char& c = blanked[model.begin + i];
+      if (c != '\n') c = ' ';
+    }
+  }
   tinyxml2::XMLDocument document;
-  document.Parse(xml.data(), xml.size());
+  document.Parse(blanked.data(), blanked.size());
   if (document.Error() || document.RootElement() == nullptr) {
-    return Fault{document.ErrorLineNum(),
-                 std::string{"the XML cannot be read ("} + document.ErrorName() + ")",
-                 "check the tags, quotes and entities of this line"};
+    return SyntaxError{document.ErrorLineNum(),
+                       std::string{"the XML cannot be read ("} + document.ErrorName() + ")",
+                       "check the tags, quotes and entities of this line"};
   }
   root = node_of(*document.RootElement(), insertion);
-  return std::nullopt;
+  return remove_schema(root);
 }
 
 std::string trimmed(std::string_view text) {

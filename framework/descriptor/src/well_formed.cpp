@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <vector>
 
 #include <takt/core/words.hpp>
+#include "tree.hpp"
 
 namespace takt::descriptor {
 
@@ -16,8 +16,8 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
 
-// Counts every character beyond ASCII as a letter. Names with such characters are rejected later anyway,
-// because no element or attribute has such a name.
+// Accepts every character beyond ASCII as a letter. Names with such characters are rejected later, because no
+// known element or attribute has such a name.
 bool starts_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' ||
          (static_cast<unsigned char>(c) & 0x80U) != 0;
@@ -34,28 +34,33 @@ int line_at(std::string_view xml, std::size_t position) {
          static_cast<int>(std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
 }
 
-std::optional<Fault> find_bad_byte(std::string_view xml) {
-  const auto fault = [&](std::size_t at, std::string what, std::string fix) {
-    return Fault{line_at(xml, at), std::move(what), std::move(fix)};
+std::optional<SyntaxError> find_bad_byte(std::string_view xml) {
+  const auto error = [&](std::size_t at, std::string what, std::string fix) {
+    return SyntaxError{line_at(xml, at), std::move(what), std::move(fix)};
   };
+  if (xml.starts_with("\x7f"
+                      "ELF")) {
+    return error(0, "the file is a program or a shared object, not a descriptor",
+                 "give the path of an XML file; takt describe shows what a component offers");
+  }
   if (xml.starts_with("\xff\xfe") || xml.starts_with("\xfe\xff")) {
-    return fault(0, "the file is encoded as UTF-16", "save it as UTF-8");
+    return error(0, "the file is encoded as UTF-16", "save it as UTF-8");
   }
   for (std::size_t at = 0; at < xml.size();) {
     const std::string_view rest = xml.substr(at);
     const std::size_t length = utf8_length(rest);
     if (length == 0) {
-      return fault(at, "the file is not UTF-8: it has the byte " + in_quotes(rest.substr(0, 1)),
+      return error(at, "the file is not UTF-8: it has the byte " + in_quotes(rest.substr(0, 1)),
                    "save it as UTF-8");
     }
     const std::string_view character = rest.substr(0, length);
     const auto byte = static_cast<unsigned char>(character[0]);
     if (length == 1 && byte == 0)
-      return fault(at, "the file has a zero byte", "a descriptor is text, saved as UTF-8");
+      return error(at, "the file has a zero byte", "a descriptor is text, saved as UTF-8");
     const bool allowed =
         (length > 1 || is_xml_character(byte)) && character != "\xef\xbf\xbe" && character != "\xef\xbf\xbf";
     if (!allowed) {
-      return fault(at, "the file has a control character " + in_quotes(character),
+      return error(at, "the file has a control character " + in_quotes(character),
                    "XML does not allow this character: remove it");
     }
     at += length;
@@ -63,11 +68,11 @@ std::optional<Fault> find_bad_byte(std::string_view xml) {
   return std::nullopt;
 }
 
-/// Scans the markup from the beginning up to the end or the first fault.
+/// Scans the text from the beginning to the end, or to the first error.
 class Scanner {
  public:
-  explicit Scanner(std::string_view xml) : xml_(xml) {}
-  std::optional<Fault> run();
+  Scanner(std::string_view xml, std::vector<Span>* models) : xml_(xml), models_(models) {}
+  std::optional<SyntaxError> run();
 
  private:
   struct Open {
@@ -78,6 +83,7 @@ class Scanner {
   bool scan_declaration();
   bool scan_declared(std::string_view name, std::string_view value);
   bool scan_markup();
+  bool scan_model();
   bool scan_comment();
   bool scan_cdata();
   bool scan_text();
@@ -87,12 +93,12 @@ class Scanner {
   bool scan_reference(std::string_view text, std::size_t& at, int line);
 
   bool fail(int line, std::string what, std::string fix) {
-    fault_ = Fault{line, std::move(what), std::move(fix)};
+    error_ = SyntaxError{line, std::move(what), std::move(fix)};
     return false;
   }
   bool fail(std::string what, std::string fix) { return fail(line_, std::move(what), std::move(fix)); }
 
-  /// Counts one more part of the document that tinyxml2 will store. Fails if there are too many.
+  /// Counts one more part of the document that tinyxml2 will store. Fails if there are too many parts.
   bool count_part() {
     if (++parts_ <= kMaxParts) return true;
     return fail(
@@ -122,30 +128,31 @@ class Scanner {
     advance(length);
     return text.substr(0, length);
   }
-  /// Describes the next character for a message.
+  /// Describes the next character, for a message.
   [[nodiscard]] std::string found() const {
     return done() ? "the end of the file"
                   : in_quotes(rest().substr(0, std::max<std::size_t>(1, utf8_length(rest()))));
   }
 
   std::string_view xml_;
+  std::vector<Span>* models_;
   std::size_t at_ = 0;
   int line_ = 1;
   std::vector<Open> open_;
   bool root_seen_ = false;
   std::size_t parts_ = 0;
-  std::optional<Fault> fault_;
+  std::optional<SyntaxError> error_;
 };
 
-std::optional<Fault> Scanner::run() {
+std::optional<SyntaxError> Scanner::run() {
   if (next_is(kByteOrderMark)) advance(kByteOrderMark.size());
   if (rest().find_first_not_of(kBlanks) == std::string_view::npos) {
     fail("the file is empty", "the root element of a descriptor must be <root> or <cell>");
-    return fault_;
+    return error_;
   }
-  if (next_is("<?xml") && rest().size() > 5 && is_blank(rest()[5]) && !scan_declaration()) return fault_;
+  if (next_is("<?xml") && rest().size() > 5 && is_blank(rest()[5]) && !scan_declaration()) return error_;
   while (!done()) {
-    if (!(next_is("<") ? scan_markup() : scan_text())) return fault_;
+    if (!(next_is("<") ? scan_markup() : scan_text())) return error_;
   }
   if (!open_.empty()) {
     fail(open_.back().line, "<" + brief(open_.back().name) + "> is not closed before the end of the file",
@@ -153,7 +160,7 @@ std::optional<Fault> Scanner::run() {
   } else if (!root_seen_) {
     fail("the file has no root element", "the root element of a descriptor must be <root> or <cell>");
   }
-  return fault_;
+  return error_;
 }
 
 bool Scanner::scan_declared(std::string_view name, std::string_view value) {
@@ -173,7 +180,7 @@ bool Scanner::scan_declared(std::string_view name, std::string_view value) {
 }
 
 /// Scans the XML declaration, for example <?xml version="1.0" encoding="UTF-8" standalone="yes"?>. `encoding`
-/// and `standalone` are optional, but must be in this order.
+/// and `standalone` may be omitted, but must be in this order.
 bool Scanner::scan_declaration() {
   constexpr const char* kRight = "write <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
   advance(5);
@@ -210,11 +217,25 @@ bool Scanner::scan_markup() {
     return fail("a document type or entity declaration (<!DOCTYPE, <!ENTITY) is not allowed",
                 "remove it: a descriptor has elements and comments only");
   }
+  if (next_is("<?xml-model") && rest().size() > 11 && is_blank(rest()[11]))
+    return scan_model() && count_part();
   if (next_is("<?")) {
-    return fail("a processing instruction (<?...) is not allowed",
-                "remove it: only the XML declaration is allowed, at the start of the file");
+    return fail(
+        "a processing instruction (<?...) is not allowed",
+        "remove it: only the XML declaration, at the start of the file, and <?xml-model?> are allowed");
   }
   return next_is("</") ? scan_end_tag() : scan_start_tag() && count_part();
+}
+
+/// Scans <?xml-model href="..."?>, which tells editors where the schema is. Takt does not open the schema.
+bool Scanner::scan_model() {
+  if (root_seen_)
+    return fail("<?xml-model?> after the start of the root element", "move it before the root element");
+  const std::size_t end = rest().find("?>");
+  if (end == std::string_view::npos) return fail("<?xml-model is not closed", "close it with ?>");
+  if (models_ != nullptr) models_->push_back({at_, end + 2});
+  advance(end + 2);
+  return true;
 }
 
 bool Scanner::scan_comment() {
@@ -239,6 +260,12 @@ bool Scanner::scan_text() {
   const std::string_view text = rest().substr(0, rest().find('<'));
   const std::size_t start = text.find_first_not_of(kBlanks);
   if (open_.empty() && start != std::string_view::npos) {
+    if (at_ == 0) {
+      return fail(
+          line_at(text, start) + line_ - 1,
+          "the file is not XML: it begins with " + in_quotes(trimmed(text.substr(0, text.find('\n', start)))),
+          "give the path of a descriptor, which is an XML file");
+    }
     return fail(line_at(text, start) + line_ - 1,
                 "text outside the root element: " +
                     in_quotes(text.substr(start, text.find_last_not_of(kBlanks) + 1 - start)),
@@ -256,11 +283,12 @@ bool Scanner::scan_text() {
     }
   }
   advance(text.size());
-  return start == std::string_view::npos || count_part();  // tinyxml2 does not store text that is only white
-                                                           // space
+  // A text of only white space does not count as a part, because tinyxml2 does not store it.
+  return start == std::string_view::npos || count_part();
 }
 
-/// Scans a reference such as &amp;. `at` is the index of the &, and is moved past the reference.
+/// Scans a reference such as &amp;. `at` is the index of the &; scan_reference() moves it to the character
+/// after the reference.
 bool Scanner::scan_reference(std::string_view text, std::size_t& at, int line) {
   const std::size_t end = text.find(';', at);
   const std::string_view name = end == std::string_view::npos ? "" : text.substr(at + 1, end - at - 1);
@@ -305,7 +333,7 @@ bool Scanner::scan_attribute(std::vector<std::string_view>& seen) {
   }
   const std::size_t end = rest().find(quote, 1);
   const std::string_view value = rest().substr(1, end == std::string_view::npos ? end : end - 1);
-  // If the closing quote is missing, the value extends to the next quote in the file, so it contains a <.
+  // If the closing quote is missing, the value continues to the next quote in the file, so it contains a <.
   if (end == std::string_view::npos || value.find('<') != std::string_view::npos) {
     return fail("the value of attribute " + in_quotes(name) + " does not end, or contains a <",
                 "close it with " + std::string(1, quote) + "; a < in a value is written &lt;");
@@ -384,9 +412,9 @@ bool Scanner::scan_end_tag() {
 
 }  // namespace
 
-std::optional<Fault> find_fault(std::string_view xml) {
-  if (std::optional<Fault> fault = find_bad_byte(xml)) return fault;
-  return Scanner{xml}.run();
+std::optional<SyntaxError> find_syntax_error(std::string_view xml, std::vector<Span>* models) {
+  if (std::optional<SyntaxError> error = find_bad_byte(xml)) return error;
+  return Scanner{xml, models}.run();
 }
 
 }  // namespace takt::descriptor

@@ -1,18 +1,19 @@
 // Checks that a text is well-formed XML before tinyxml2 parses it.
 //
-// tinyxml2 accepts much that XML forbids: unknown entities, repeated attributes, attributes of a closing tag,
-// text after the root element, other encodings. It guesses what such text means, but the meaning of a
-// descriptor must be certain. So this scanner checks the whole text first, and tinyxml2 receives only text
-// that has a single meaning.
+// tinyxml2 accepts many texts that XML forbids: unknown entities, repeated attributes, attributes of a
+// closing tag, text after the root element, other encodings. It guesses what such a text means, but the
+// meaning of a descriptor must be certain. So the scanner in this file checks the whole text first, and
+// tinyxml2 receives only texts that have a single meaning.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace takt::descriptor {
 
-struct Fault {
+struct SyntaxError {
   int line = 1;
   std::string what;
   std::string fix;
@@ -24,9 +25,17 @@ inline constexpr std::size_t kMaxDepth = 50;
 /// could occupy a hundred times its size in memory.
 inline constexpr std::size_t kMaxParts = 1'000'000;
 
-/// Returns the first fault; the meaning of the text after it is uncertain. A text without a fault is UTF-8
-/// without control characters. It has one root element and at most kMaxParts parts. It has no document type,
-/// no processing instruction except the XML declaration, and no entities except the five that XML defines.
-std::optional<Fault> find_fault(std::string_view xml);
+/// A range of bytes in the text.
+struct Span {
+  std::size_t begin = 0;
+  std::size_t size = 0;
+};
+
+/// Returns the first error; none if the text is well-formed. The meaning of the text after an error is
+/// uncertain, so only one error is returned. A text without an error is UTF-8 without control characters. It
+/// has one root element and at most kMaxParts parts. It has no document type, no processing instruction
+/// except the XML declaration and <?xml-model?>, and no entities except the five that XML defines. If
+/// `models` is not null, the ranges of all <?xml-model?> instructions are added to it.
+std::optional<SyntaxError> find_syntax_error(std::string_view xml, std::vector<Span>* models = nullptr);
 
 }  // namespace takt::descriptor

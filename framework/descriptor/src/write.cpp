@@ -19,8 +19,8 @@ class Writer {
   void write(const Node& node, std::uint32_t within, std::size_t depth) {
     const std::string margin(2 * depth, ' ');
     if (node.line.insertion != within) {
-      // Break up each "--", which a comment must not contain.
-      std::string from = place(texts_, node.line);
+      // A comment must not contain "--", so write "- -" instead.
+      std::string from = location(texts_, node.line);
       if (const std::string how = history(texts_, node.line); !how.empty()) from += ", " + how;
       text_ += margin + "<!-- " + replaced(from, "--", "- - ") + " -->\n";
     }
@@ -52,7 +52,8 @@ class Writer {
 }  // namespace
 
 std::string escaped(std::string_view text) {
-  // Write such text as references: white space alone would be lost, and a parser may convert line ends.
+  // Write carriage returns as references, because a parser may convert them. Write a text of only white space
+  // as references, because a parser would ignore it.
   const bool blank = text.find_first_not_of(" \t\r\n") == std::string_view::npos;
   std::string result;
   for (const char c : text) {

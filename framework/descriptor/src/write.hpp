@@ -7,9 +7,9 @@
 
 namespace takt::descriptor {
 
-/// Returns the tree as XML. Reading this XML gives the same tree, apart from white space between elements. A
-/// comment before the first element of each insertion names the source of the insertion. ${ is written as
-/// $${.
+/// Returns the tree as XML. Reading this XML gives the same tree, apart from white space between elements.
+/// Before the first element of each insertion, a comment names the file and line of the insertion. ${ is
+/// written as $${.
 std::string written(const Node& root, const model::Texts& texts);
 
 /// Returns the text with XML's special characters replaced by references, so that a parser reads the original

@@ -18,7 +18,7 @@ void add(std::atomic<std::uint64_t>& counter, std::uint64_t n = 1) noexcept {
 }
 
 bool in_tables(const Unit& unit) noexcept {
-  return unit.block->in_tables.load(std::memory_order_seq_cst) != 0;  // SYNC: in tables
+  return unit.block->in_tables.load(std::memory_order_seq_cst) != 0;  // see channel::Removal
 }
 
 bool fatal(const Unit& unit) noexcept {
@@ -44,8 +44,8 @@ void prefetch(const Unit& unit) noexcept {
   }
 }
 
-// The number of rows before `to` in which a module is due. The module runs first in row `first`, then in
-// every `stride`-th row.
+// Returns the number of rows before row `to` in which a module is due. The module is due in row `first`, and
+// then in every `stride`-th row.
 std::uint64_t releases_before(std::uint64_t to, std::uint64_t first, std::uint64_t stride) noexcept {
   return to <= first ? 0 : (to - first + stride - 1) / stride;
 }
@@ -82,8 +82,8 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
     TAKT_CHECK(sporadic[i].block != nullptr &&
                (sporadic[i].body == nullptr) != (sporadic[i].slot == nullptr));
     sporadic_[i].unit = sporadic[i];
-    sporadic_[i].unit.period = basic_;  // the period that the module sees in run(): its condition is checked
-                                        // once in each basic period
+    // Sets the period that the module sees in run(): its condition is checked once in each basic period.
+    sporadic_[i].unit.period = basic_;
     has_immediate_ |= sporadic[i].immediate;
   }
 }
@@ -144,15 +144,16 @@ std::uint32_t Executor::overrun(std::uint64_t rows) noexcept {
   return longest_catch_up_ == 0 ? 0 : catch_up(rows);
 }
 
-// Serves missed releases as far as the contracts allow. overrun() has counted all of them as missed before,
-// and each release that is served here is subtracted again. So the count stays correct if the host dies in
-// between.
+// Serves missed releases as far as the overrun contracts allow. overrun() has counted all missed releases;
+// each release that is served here is subtracted from that count. So the count stays correct if the host dies
+// in between.
 std::uint32_t Executor::catch_up(std::uint64_t rows) noexcept {
   std::uint32_t wake = 0;
   Instant time = clock_.now();
   for (std::uint64_t behind = std::min(rows, longest_catch_up_); behind > 0; --behind) {
     const std::uint64_t row = row_ - behind;
     const Instant release = release_ - basic_ * static_cast<std::int64_t>(behind);
+    ticket_.after = 0;
     for (const schedule::Table::Index i : table_.row(row % rows_in_table_)) {
       const std::uint64_t number = number_at(i, row);
       if (number < made_up_[i] || !in_tables(periodic_[i])) continue;
@@ -169,7 +170,7 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
   const Unit& unit = periodic_[i];
   if (unit.slot == nullptr) return call(unit, block_.row, rows_, number, release, unit.period, now);
   record_body(unit, bodies_seen_[i]);
-  const channel::Release given = channel::release(*unit.slot, number, to_ns(release));
+  const channel::Release given = channel::release(*unit.slot, number, to_ns(release), &ticket_);
   rows_.add(channel::FlightKind::released, to_ns(now), unit.index, static_cast<std::int64_t>(given));
   switch (given) {
     case channel::Release::wake:
@@ -192,8 +193,9 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
 }
 
 std::uint32_t Executor::run_cycle(Instant now) noexcept {
-  block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
-  if (before_ != nullptr) watch_trial();
+  block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1,
+                            std::memory_order_seq_cst);  // see channel::Removal
+  if (before_ != nullptr) check_trial();
   const bool swapped = asked_.load(relaxed) != nullptr && begin_exchange();
   if ((now - release_).count() > block_.latest_ns.load(relaxed))
     block_.latest_ns.store((now - release_).count(), relaxed);
@@ -217,6 +219,7 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
 
   const Instant release = release_;
   if (rows_in_table_ != 0) {
+    ticket_.after = 0;
     const std::span<const schedule::Table::Index> row = table_.row(table_row_);
     for (std::size_t place = 0; place < row.size(); ++place) {
       if (place + 1 < row.size()) prefetch(periodic_[row[place + 1]]);
@@ -239,27 +242,27 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
   const Instant end = clock_.now();
   rows_.add(channel::FlightKind::row_end, to_ns(end));
   if (end > release_) add(block_.late);
-  block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
+  block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);
   return wake;
 }
 
 void Executor::exchange(Exchange& exchange) noexcept {
   exchange.state.store(Exchange::State::waiting, relaxed);
-  asked_.store(&exchange, std::memory_order_release);  // SYNC: exchange
+  asked_.store(&exchange, std::memory_order_release);  // read by begin_exchange()
 }
 
 bool Executor::withdraw() noexcept { return asked_.exchange(nullptr, std::memory_order_acq_rel) != nullptr; }
 
 bool Executor::begin_exchange() noexcept {
-  Exchange* exchange = asked_.load(std::memory_order_acquire);  // SYNC: exchange
+  Exchange* exchange = asked_.load(std::memory_order_acquire);  // pairs with the store in exchange()
   if (exchange == nullptr || before_ != nullptr) return false;
   const auto unit = std::find_if(periodic_.begin(), periodic_.end(),
                                  [exchange](const Unit& each) { return each.index == exchange->index; });
   if (unit == periodic_.end() || unit->body == nullptr || !in_tables(*unit)) return false;
   exchange = asked_.exchange(nullptr, std::memory_order_acq_rel);
-  if (exchange == nullptr) return false;  // withdraw() was faster
+  if (exchange == nullptr) return false;  // withdraw() has withdrawn the request in the meantime
   if (!exchange->body->take_over(*unit->body)) {
-    exchange->state.store(Exchange::State::not_now, std::memory_order_release);  // SYNC: exchange
+    exchange->state.store(Exchange::State::not_now, std::memory_order_release);
     return false;
   }
   before_ = std::exchange(unit->body, exchange->body);
@@ -268,11 +271,11 @@ bool Executor::begin_exchange() noexcept {
   unit->trial = exchange;
   unit->block->on_trial.store(1, relaxed);
   exchange->row = row_;
-  exchange->state.store(Exchange::State::on_trial, std::memory_order_release);  // SYNC: exchange
+  exchange->state.store(Exchange::State::on_trial, std::memory_order_release);  // after `row`
   return true;
 }
 
-void Executor::watch_trial() noexcept {
+void Executor::check_trial() noexcept {
   if (periodic_[tried_].block->cycles.load(relaxed) >= trial_ends_) end_trial(Exchange::State::kept);
 }
 
@@ -280,7 +283,8 @@ void Executor::end_trial(Exchange::State state) noexcept {
   Unit& unit = periodic_[tried_];
   before_ = nullptr;
   unit.block->on_trial.store(0, relaxed);
-  std::exchange(unit.trial, nullptr)->state.store(state, std::memory_order_release);  // SYNC: exchange
+  std::exchange(unit.trial, nullptr)
+      ->state.store(state, std::memory_order_release);  // after the other members
 }
 
 void Executor::put_back(ErrorType type, std::uint64_t cycle, const char* text) noexcept {
@@ -295,11 +299,11 @@ void Executor::put_back(ErrorType type, std::uint64_t cycle, const char* text) n
 
 void Executor::record_body(const Unit& unit, std::uint32_t& seen) noexcept {
   const channel::ReleaseSlot& slot = *unit.slot;
-  const std::uint32_t done = slot.done.load(std::memory_order_acquire);  // SYNC: done
+  const std::uint32_t done = slot.done.load(std::memory_order_acquire);  // before the load of body_ended_ns
   if (done == seen) return;
   seen = done;
   const std::int64_t ended = slot.body_ended_ns.load(relaxed);
-  if (ended == 0) return;  // the program has not finished any body yet
+  if (ended == 0) return;  // the process module has not ended any body yet
   rows_.add(channel::FlightKind::body, ended, unit.index, ended - slot.body_began_ns.load(relaxed));
 }
 
@@ -310,7 +314,7 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::F
   const Outcome outcome =
       unit.body->run({.number = number, .time = release, .period = unit.period, .start = start});
   const Instant end = clock_.now();
-  if (!outcome.ok() && unit.trial != nullptr) {  // let the old body serve this release instead
+  if (!outcome.ok() && unit.trial != nullptr) {  // the old body now serves this release instead
     put_back(outcome.type, number, outcome.text);
     return call(unit, activity, flight, number, release, allowed, end);
   }
@@ -323,6 +327,8 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::F
   if (overrun) add(block.overruns);
   if (!outcome.ok()) {
     raise(unit, outcome.type, number, outcome.text);
+  } else if (outcome.finished) {
+    finish(unit);
   } else if (overrun && fatal(unit)) {
     raise(unit, ErrorType::overrun, number, "run() ended after the module's next release");
   } else if (unit.budget != Nanoseconds{0}) {
@@ -370,9 +376,9 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
 
     if (unit.slot != nullptr) {
       record_body(unit, bodies_seen_[periodic_.size() + i]);
-      if (unit.immediate) continue;  // the program waits for its events on its own
-      // The program checks its own condition and deadline. A program that has not finished its body is not
-      // released.
+      if (unit.immediate) continue;  // the program itself waits for its events
+      // The program checks its own condition and deadline. The program gets no release while it is in its
+      // body.
       const channel::Release given = channel::release(*unit.slot, row_, to_ns(release));
       if (given == channel::Release::wake) wake |= unit.slot->wake_bit;
       if (given == channel::Release::busy) continue;
@@ -382,7 +388,7 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
       continue;
     }
 
-    if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) continue;  // SYNC: ready
+    if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) continue;  // reset by run_sporadic()
     if (unit.immediate) {
       if (unit.body->has_news(now)) wake |= channel::kSporadicBit;
       continue;
@@ -407,11 +413,12 @@ void Executor::make_ready(Sporadic& sporadic, Instant release, std::uint64_t cyc
   sporadic.deadline_ns = to_ns(release + sporadic.unit.deadline);
   sporadic.cycle = cycle;
   sporadic.not_before_ns.store(to_ns(release + sporadic.unit.interarrival), relaxed);
-  sporadic.ready.store(Ready::yes, std::memory_order_release);  // SYNC: ready
+  sporadic.ready.store(Ready::yes, std::memory_order_release);  // after the members above
 }
 
-// Releases modules with immediate dispatch. Only the sporadic thread checks their conditions and runs them.
-// The rows only check whether there are unread events, and then wake this thread.
+// Checks the conditions of the modules with immediate dispatch, and makes those ready whose condition is
+// true. Only the sporadic thread calls this function. The thread of the rows only checks whether there are
+// unread events, and then wakes the sporadic thread.
 void Executor::release_immediate() noexcept {
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& sporadic = sporadic_[i];
@@ -420,9 +427,9 @@ void Executor::release_immediate() noexcept {
     const Instant now = clock_.now();
     if (!unit.body->has_news(now)) continue;
     if (to_ns(now) < sporadic.not_before_ns.load(relaxed))
-      continue;  // too early; a later row wakes this
-                 // thread again
-    block_.sporadic.announce(unit.index, channel::Doing::condition, to_ns(now));  // SYNC: in tables
+      // The minimum interarrival time has not passed yet. A later row wakes this thread again for the module.
+      continue;
+    block_.sporadic.announce(unit.index, channel::Doing::condition, to_ns(now));  // must precede in_tables()
     if (in_tables(unit)) {
       const std::uint64_t row = block_.next_row.load(relaxed);
       bool ready = false;
@@ -444,7 +451,7 @@ bool Executor::run_sporadic() noexcept {
   Sporadic* first = nullptr;
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& candidate = sporadic_[i];
-    if (candidate.ready.load(std::memory_order_acquire) != Ready::yes) continue;  // SYNC: ready
+    if (candidate.ready.load(std::memory_order_acquire) != Ready::yes) continue;  // make_ready() sets yes
     if (first == nullptr || candidate.deadline_ns < first->deadline_ns) first = &candidate;
   }
   if (first == nullptr) return false;
@@ -452,7 +459,7 @@ bool Executor::run_sporadic() noexcept {
   const Unit& unit = first->unit;
   const Instant start = clock_.now();
   block_.sporadic.announce(unit.index, channel::Doing::run,
-                           to_ns(start));  // must come before the read of in_tables. SYNC: in tables
+                           to_ns(start));  // must precede in_tables()
   if (in_tables(unit)) {
     const Instant end =
         call(unit, block_.sporadic, runs_, first->cycle, from_ns(first->release_ns), unit.deadline, start);
@@ -460,14 +467,14 @@ bool Executor::run_sporadic() noexcept {
     if (unit.late_is_error && late > Nanoseconds{0} && in_tables(unit)) raise_late(unit, first->cycle, late);
   }
   block_.sporadic.end();
-  first->ready.store(Ready::no, std::memory_order_release);  // SYNC: ready
+  first->ready.store(Ready::no, std::memory_order_release);
   return true;
 }
 
 void Executor::raise_missed(const Unit& unit, std::uint64_t cycle, std::uint64_t releases) noexcept {
   FixedText<96> text;
   text.append(static_cast<std::int64_t>(releases));
-  text.append(releases == 1 ? " release was missed, at cycle " : " releases were missed, from cycle ");
+  text.append(releases == 1 ? " release was missed, number " : " releases were missed, from number ");
   text.append(static_cast<std::int64_t>(cycle));
   text.append(releases == 1 ? "" : " on");
   raise(unit, ErrorType::overrun, cycle, text.c_str());
@@ -481,17 +488,25 @@ void Executor::raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by)
   raise(unit, ErrorType::deadline, cycle, text.c_str());
 }
 
+// Removes a module that has finished its work from the tables. Then the supervisor moves the module to
+// DESTRUCT.
+void Executor::finish(const Unit& unit) noexcept {
+  if (unit.trial != nullptr) end_trial(Exchange::State::kept);
+  unit.block->in_tables.store(0, std::memory_order_seq_cst);
+  unit.block->finished.store(1, std::memory_order_release);
+}
+
 void Executor::raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept {
   if (unit.trial != nullptr) {
     put_back(type, cycle, text);
-    if (type != ErrorType::overrun) return;  // an overrun remains an error even after the old body is back
+    if (type != ErrorType::overrun) return;  // the old body is back, but an overrun remains an error
   }
   channel::ModuleBlock& block = *unit.block;
-  block.in_tables.store(0, std::memory_order_seq_cst);  // SYNC: in tables
+  block.in_tables.store(0, std::memory_order_seq_cst);
   add(block.errors);
   block.error_cycle.store(cycle, relaxed);
   block.error_text.assign(text);
-  block.error.store(static_cast<std::uint32_t>(type), std::memory_order_release);  // SYNC: error raised
+  block.error.store(static_cast<std::uint32_t>(type), std::memory_order_release);  // after error_text
 }
 
 }  // namespace takt::executor

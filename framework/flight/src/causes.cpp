@@ -13,7 +13,8 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr Nanoseconds kLeastLate = microseconds{20};
-/// The usual minimum cost of a minor page fault, and of a major page fault, which reads from a disk.
+/// The times assumed for one page fault. A minor fault counts as at least kMinorFault, even if a faster time
+/// was measured in a loop, because a fault in a run() often costs more. A major fault reads from a disk.
 constexpr Nanoseconds kMinorFault = microseconds{2};
 constexpr Nanoseconds kMajorFault = microseconds{100};
 
@@ -24,11 +25,12 @@ Nanoseconds median(std::vector<Nanoseconds> values) {
   return *middle;
 }
 
-/// Returns the greatest of the counted causes, if it explains at least half of the delay.
-std::optional<Cause> accounts_for(const Evidence& e, Nanoseconds delay) {
+/// Compares the delay with the times that the thread lost by preemption, by page faults and to the
+/// hypervisor. Returns the cause with the greatest time, if this time is at least half of the delay.
+std::optional<Cause> accounts_for(const Evidence& e, Nanoseconds minor_fault, Nanoseconds delay) {
   const std::array<std::pair<Cause, Nanoseconds>, 3> weighed{
       {{Cause::preemption, e.stopped ? delay : e.waited},
-       {Cause::page_fault, kMinorFault * static_cast<std::int64_t>(e.minor_faults) +
+       {Cause::page_fault, std::max(minor_fault, kMinorFault) * static_cast<std::int64_t>(e.minor_faults) +
                                kMajorFault * static_cast<std::int64_t>(e.major_faults)},
        {Cause::hypervisor, e.stolen}}};
   const auto greatest = std::max_element(weighed.begin(), weighed.end(),
@@ -65,7 +67,8 @@ class Judge {
   }
 
  private:
-  /// Returns the run that exceeded its usual time by the largest amount.
+  /// Of the runs with the indexes `first` to `end` - 1, returns the run that exceeded its module's usual time
+  /// most.
   std::optional<std::size_t> longest(std::size_t first, std::size_t end) const {
     std::optional<std::size_t> worst;
     Nanoseconds most{0};
@@ -93,7 +96,9 @@ class Judge {
   void judge_row(std::size_t r) {
     const Row& row = line_.rows[r];
     const Row& before = line_.rows[r - 1];
-    if (!before.ended) return;  // the host died in this row, so no executor was running afterwards
+    if (!before.ended)
+      // The host died in the previous row, so no executor was running when this row was due.
+      return;
     const Nanoseconds basic = recording_.executors[executor_].basic_period;
     LateStart late{.run = std::nullopt, .row = r};
     late.due_ns = row.release_ns;
@@ -110,7 +115,8 @@ class Judge {
       const bool longer = before.took() > usual_.row + usual_.threshold;
       const LateStart* const cause_before = row_found(r - 1);
       if (!longer && cause_before != nullptr) {
-        // The previous row took no longer than usual, but began late. So this row has the same cause.
+        // The previous row took no longer than usual, but began late. So the cause of its late start is also
+        // the cause of this row's late start.
         const LateStart first = *cause_before;
         late.cause = first.cause;
         late.culprit = first.culprit;
@@ -121,11 +127,11 @@ class Judge {
         if (const auto worst = longest(before.first_run, before.end_run)) blame(late, *worst);
         late.evidence = evidence(before.start_ns, before.end_ns);
         const Nanoseconds delay = longer ? before.took() - usual_.row : late.late;
-        if (const auto seen = accounts_for(late.evidence, delay)) late.cause = *seen;
+        if (const auto seen = accounts_for(late.evidence, recording_.minor_fault, delay)) late.cause = *seen;
       }
     } else {
       late.evidence = evidence(late.due_ns, row.start_ns);
-      const auto seen = accounts_for(late.evidence, late.late);
+      const auto seen = accounts_for(late.evidence, recording_.minor_fault, late.late);
       late.cause = seen ? *seen : late.evidence.looked ? Cause::wake_up : Cause::unknown;
     }
     last_row_ = {r, found_.size()};
@@ -136,8 +142,8 @@ class Judge {
     return last_row_ && last_row_->first == r ? &found_[last_row_->second] : nullptr;
   }
 
-  // Judges whether a run begins later in its row than usual. The lateness of the whole row is reported for
-  // the row.
+  // Adds the run to found_ if the run began later in its row than usual. The delay of the row itself does not
+  // count here, because judge_row() reports it.
   void judge_run(std::size_t r, std::size_t i) {
     const Row& row = line_.rows[r];
     const Run& run = line_.runs[i];
@@ -150,7 +156,8 @@ class Judge {
     if (const auto worst = longest(row.first_run, i)) {
       blame(late, *worst);
       late.evidence = evidence(line_.runs[*worst].start_ns, line_.runs[*worst].end_ns);
-      if (const auto seen = accounts_for(late.evidence, late.took - late.usual)) late.cause = *seen;
+      if (const auto seen = accounts_for(late.evidence, recording_.minor_fault, late.took - late.usual))
+        late.cause = *seen;
     }
     found_.push_back(std::move(late));
   }
@@ -162,7 +169,8 @@ class Judge {
   std::map<std::uint32_t, Nanoseconds> took_;
   std::map<std::uint32_t, Nanoseconds> after_;
   std::vector<LateStart> found_;
-  std::optional<std::pair<std::size_t, std::size_t>> last_row_;  // the last late row, and its index in found_
+  // The index of the last late row, and the index of its entry in found_.
+  std::optional<std::pair<std::size_t, std::size_t>> last_row_;
 };
 
 }  // namespace
@@ -217,7 +225,8 @@ Evidence evidence_between(const std::vector<Sample>& samples, std::size_t execut
   const os::ThreadUse* const last = use(*after);
   if (first == nullptr || last == nullptr) return evidence;
 
-  // Subtracts the waiting time that wake-ups usually cause.
+  // Collect the time that the thread waited between each two samples. The median is the usual waiting time
+  // for a wake-up; it is not evidence of a problem.
   std::vector<Nanoseconds> waits;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const os::ThreadUse* const a = use(samples[i - 1]);
@@ -269,7 +278,7 @@ std::string in_words(const LateStart& late, const std::vector<Module>& modules) 
   if (late.missed != 0) add(std::to_string(late.missed) + (late.missed == 1 ? " row" : " rows") + " missed");
   const Evidence& e = late.evidence;
   if (e.stopped) add("a signal stopped its process");
-  if (e.waited > microseconds{20}) add("waited " + in_short(e.waited) + " for a CPU");
+  if (e.waited > microseconds{20} || (late.cause == Cause::preemption && !e.stopped)) add("waited " + in_short(e.waited) + " for a CPU");
   if (e.gave_way != 0)
     add("was preempted " + std::to_string(e.gave_way) + (e.gave_way == 1 ? " time" : " times"));
   if (e.minor_faults + e.major_faults != 0) {

@@ -1,4 +1,4 @@
-// Finds out why rows and runs began late, as a pure function of a recording.
+// Finds the causes of rows and runs that began late. The result depends only on the recording.
 #pragma once
 
 #include <array>
@@ -15,39 +15,40 @@ namespace takt::flight {
 
 enum class Cause {
   own_overrun,  ///< the executor's previous row took too long
-  predecessor,  ///< a module earlier in the row took too long
+  predecessor,  ///< a module that runs earlier in the row took too long
   wake_up,      ///< the thread was woken late, and no other cause is known
   preemption,   ///< another thread used the CPU, or the process was stopped
   page_fault,   ///< the kernel mapped memory for the thread
   hypervisor,   ///< another virtual machine used the CPU (steal time)
-  unknown,      ///< there are no samples of that time
+  unknown,      ///< the kernel's counters were not read before or after the delay
 };
 inline constexpr std::array<Cause, 7> kCauses{Cause::own_overrun, Cause::predecessor, Cause::wake_up,
                                               Cause::preemption,  Cause::page_fault,  Cause::hypervisor,
                                               Cause::unknown};
-/// The name of a cause, such as "own overrun" or "wake-up".
+/// Returns the name of a cause, such as "own overrun" or "wake-up".
 const char* to_text(Cause cause) noexcept;
 
-/// What the kernel counted for a thread in a window of time, above the usual amount. The window begins with
-/// the sample before the delay and ends with the sample after it.
+/// The kernel's counts for a thread during a delay, from the last sample before the delay to the first sample
+/// after it. `waited` excludes the usual waiting time.
 struct Evidence {
-  bool looked = false;         ///< whether there are samples before and after the delay
-  Nanoseconds waited{};        ///< time spent waiting for a CPU
+  bool looked = false;         ///< true if there are samples before and after the delay
+  Nanoseconds waited{};        ///< time that the thread waited for a CPU, beyond the usual time
   std::uint64_t gave_way = 0;  ///< number of preemptions
   std::uint64_t minor_faults = 0;
   std::uint64_t major_faults = 0;
-  Nanoseconds stolen{};  ///< time stolen from the CPU
+  Nanoseconds stolen{};  ///< time that the hypervisor took from the thread's CPU
   bool stopped = false;
 };
 
 struct LateStart {
-  std::optional<std::size_t> run;  ///< index in the timeline's runs; empty if the row itself began late
+  /// Index of the late run in Timeline::runs; empty if the row itself began late.
+  std::optional<std::size_t> run;
   std::size_t row = 0;
-  /// For a row, its release or the release of the first missed row before it. For a run, the time at which
-  /// the run usually begins in its row.
+  /// For a late row, its release, or the release of the first missed row before it. For a late run, the time
+  /// at which this run usually begins in its row.
   std::int64_t due_ns = 0;
   Nanoseconds late{};
-  std::uint64_t missed = 0;  ///< number of missed rows before this row
+  std::uint64_t missed = 0;  ///< number of rows that were missed just before this row
   Cause cause = Cause::unknown;
   std::optional<std::uint32_t> culprit{};  ///< the module that took too long
   Nanoseconds took{};                      ///< the culprit's run time
@@ -57,19 +58,23 @@ struct LateStart {
 
 /// The usual values of an executor, and the limit above which a start counts as late.
 struct Usual {
-  /// Ten times the median lateness, but at most half a basic period, and never less than 20 us.
+  /// A start counts as late if its lateness exceeds this limit. The limit is ten times the median lateness,
+  /// but not above half a basic period and not below 20 us.
   Nanoseconds threshold{};
   Nanoseconds row{};  ///< the median duration of a row
 };
 Usual usual_of(const Timeline& line, Nanoseconds basic_period);
 
-/// Returns the evidence about a thread between two instants. `thread` is 0 for rows, 1 for sporadic modules.
+/// Returns the evidence about a thread of an executor between two instants. `thread` is 0 for the thread of
+/// the rows, and 1 for the sporadic thread.
 Evidence evidence_between(const std::vector<Sample>& samples, std::size_t executor, std::size_t thread,
                           std::int64_t from_ns, std::int64_t to_ns);
 
-/// Finds every late start in the rows of an executor, in order. If the greatest of the counted times explains
-/// half of the delay, it is the cause. Otherwise the cause of a late row is the previous row, if that had not
-/// ended, else the wake-up. The cause of a late run is a module before it.
+/// Returns every late start in the rows of an executor, in order, with its cause. First the kernel's counters
+/// are compared: the cause with the greatest counted time is the cause of the delay, if this time is at least
+/// half of the delay. If the counters do not explain the delay, the cause of a late row is the previous row
+/// if that row had not ended when the late row was due, and otherwise the late wake-up of the thread. The
+/// cause of a late run is, in this case, a module that ran before it in the same row.
 std::vector<LateStart> late_starts(const Recording& recording, std::size_t executor, const Timeline& line);
 
 /// Formats a duration with three digits, such as "3.21 ms".

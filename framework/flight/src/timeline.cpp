@@ -20,7 +20,7 @@ class Reader {
   Timeline read() {
     for (const FlightSample& entry : thread_.copy.entries) {
       if (entry.kind == FlightKind::row) close_row(entry.time_ns);
-      // Skips entries until the first row that began at `from_ns_` or later, because an earlier row is
+      // Skip entries until the first row that began at `from_ns_` or later, because the row before it is
       // incomplete.
       if (entry.time_ns < from_ns_ || (has_rows_ && !in_row_ && entry.kind != FlightKind::row)) continue;
       take(entry);
@@ -55,7 +55,7 @@ class Reader {
       case FlightKind::body: {
         const Run body{entry.module, entry.time_ns - static_cast<std::int64_t>(entry.value), entry.time_ns};
         std::int64_t& before_ns = bodies_end_[entry.module];
-        if (body.end_ns <= before_ns) break;  // the next host has recorded the same body again
+        if (body.end_ns <= before_ns) break;  // the restarted host has recorded this body again
         before_ns = body.end_ns;
         line_.bodies.push_back(body);
         break;
@@ -87,7 +87,8 @@ class Reader {
     pending_.clear();
   }
 
-  // Closes a row that has not ended, because its host died in it or it is still running.
+  // Closes the present row if it has no entry for its end, because its host died in the row or the row is
+  // still running. `next_ns` is the beginning of the next row, if there is one.
   void close_row(std::optional<std::int64_t> next_ns) {
     if (!in_row_) return;
     in_row_ = false;
@@ -98,7 +99,8 @@ class Reader {
     if (row.end_run > row.first_run) row.end_ns = std::max(row.end_ns, line_.runs.back().end_ns);
   }
 
-  // Adds the run that was in progress, if it is known.
+  // Adds the run that was in progress when its host died or the recording was made, if this run began after
+  // `after_ns` and was observed before `next_ns`.
   void add_open(std::int64_t after_ns, std::optional<std::int64_t> next_ns) {
     if (!line_.runs.empty()) after_ns = std::max(after_ns, line_.runs.back().end_ns);
     for (const Open& open : thread_.open) {
@@ -117,7 +119,7 @@ class Reader {
   std::int64_t from_ns_;
   bool in_row_ = false;
   std::vector<Mark> pending_;
-  std::map<std::uint32_t, std::int64_t> bodies_end_;  // end of the last body of each program
+  std::map<std::uint32_t, std::int64_t> bodies_end_;  // for each process module, the end of its last body
   Timeline line_;
 };
 

@@ -1,4 +1,5 @@
-// Converts the entries of one ring into rows with their runs, bodies of programs, and marks.
+// Converts the entries of one ring of the flight record into rows with their runs, bodies of process modules
+// (a body is the work of one release), and marks.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +15,7 @@ struct Run {
   std::uint32_t module = 0;
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
-  bool ended = true;  ///< false if it was running when the recording was made or its host died
+  bool ended = true;  ///< false if the run was in progress when its host died or the recording was made
   [[nodiscard]] Nanoseconds took() const noexcept { return Nanoseconds{end_ns - start_ns}; }
 };
 
@@ -23,16 +24,16 @@ struct Row {
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
   bool ended = true;
-  std::size_t first_run = 0;  ///< index of its first run in the timeline's runs
+  std::size_t first_run = 0;  ///< index of the row's first run in Timeline::runs
   std::size_t end_run = 0;
   [[nodiscard]] Nanoseconds late() const noexcept { return Nanoseconds{start_ns - release_ns}; }
   [[nodiscard]] Nanoseconds took() const noexcept { return Nanoseconds{end_ns - start_ns}; }
 };
 
-/// An event without a duration: a release, a written sample, a taken event or a swap.
+/// Something without a duration: a release, a written sample, a taken event or a swap.
 struct Mark {
   channel::FlightKind kind = channel::FlightKind::nothing;
-  std::int64_t time_ns = 0;  ///< for a sample or event, the beginning of the run
+  std::int64_t time_ns = 0;  ///< for a sample or event: the beginning of the run() that wrote or took it
   std::uint32_t module = 0;
   std::uint64_t value = 0;
 };
@@ -40,12 +41,13 @@ struct Mark {
 struct Timeline {
   std::vector<Row> rows;
   std::vector<Run> runs;
-  std::vector<Run> bodies;  ///< bodies of programs
+  std::vector<Run> bodies;  ///< the bodies of process modules
   std::vector<Mark> marks;
 };
 
-/// Returns the timeline of everything that began at `from_ns` or later. Entries before the first complete row
-/// are omitted. Sporadic modules have runs without rows. Rows do not overlap, and runs do not overlap.
+/// Returns the timeline of everything that began at `from_ns` or later. `has_rows` is true for the thread of
+/// the rows; its entries before the first complete row are omitted. A sporadic thread has runs without rows.
+/// Rows do not overlap, and runs do not overlap.
 Timeline timeline_of(const Thread& thread, bool has_rows, std::int64_t from_ns);
 
 }  // namespace takt::flight

@@ -40,14 +40,15 @@ const char* outcome_of(std::uint64_t value) {
   return "?";
 }
 
-// Writes events directly as text. A trace consists mostly of runs, and a JSON tree of them would take ten
-// times the memory.
+// Writes a trace directly as text. A trace consists mostly of runs, and a JSON tree of the runs would take
+// ten times as much memory.
 class Writer {
  public:
   Writer(const Recording& recording, Nanoseconds last, std::size_t most)
       : r_(recording), from_ns_(recording.taken_ns - last.count()), last_(last), most_(most) {}
 
-  /// Returns the trace. Returns nothing if it would be longer than `most`, unless it covers no time at all.
+  /// Returns the trace, or std::nullopt if the trace would be longer than `most` bytes. If the trace covers
+  /// no time (`last` is 0), returns it at any length.
   std::optional<std::string> write() {
     text_ = "{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n";
     name("process_name", 0, "takt " + r_.cell + " " + r_.device);

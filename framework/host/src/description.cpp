@@ -27,6 +27,7 @@ std::string to_json(const Description& description) {
     saved = {{"version", description.saved->version}, {"bytes", description.saved->bytes}};
   return model::json_text({{"name", description.name},
                            {"text", description.text},
+                           {"version", description.version},
                            {"interface", description.interface},
                            {"operation", description.operation},
                            {"hooks", description.hooks},

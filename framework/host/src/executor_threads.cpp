@@ -6,17 +6,17 @@
 #include <takt/os/futex.hpp>
 #include <takt/os/signals.hpp>
 #include <takt/os/waker.hpp>
-#include <takt/schedule/placement.hpp>
+#include <takt/schedule/levels.hpp>
 
 namespace takt::host {
 
 namespace {
 
 channel::Crash* crash_place = nullptr;
-thread_local const channel::Activity* my_activity = nullptr;
+thread_local channel::Activity* my_activity = nullptr;
 std::atomic_flag walking_stack;
 
-// Async-signal-safe, because it only stores values.
+// Stores the module in whose code the calling thread was. Async-signal-safe, because it only stores values.
 void store_culprit(int signal) noexcept {
   if (my_activity != nullptr) {
     crash_place->module.store(my_activity->module.load(std::memory_order_relaxed), std::memory_order_relaxed);
@@ -30,18 +30,20 @@ void add_frame(const os::CodeAt& place) noexcept {
   if (depth >= channel::Crash::kFrames) return;
   crash_place->frames[depth].address = place.address;
   crash_place->frames[depth].object.assign(place.object);
-  crash_place->depth.store(depth + 1, std::memory_order_release);  // SYNC: crash frame
+  crash_place->depth.store(depth + 1, std::memory_order_release);  // after the frame is complete
 }
 
-// Stores the culprit first, because walking a broken stack may crash and call report_crash() again.
-void report_crash(int signal, std::uintptr_t at) noexcept {
+// Reports a crash. Stores the culprit first, because walking a broken stack may crash, too, and then
+// report_crash() is called again.
+void report_crash(int signal, std::uintptr_t at, const char* exception) noexcept {
   if (crash_place == nullptr) return;
+  if (exception != nullptr) crash_place->exception.assign(exception);
   store_culprit(signal);
   if (walking_stack.test_and_set(std::memory_order_relaxed)) return;
   os::walk_stack(at, channel::Crash::kFrames, add_frame);
 }
 
-// A module that calls exit() ends the host, as a crash does.
+// Reports a module that calls exit() as the culprit, because such a call ends the host, as a crash does.
 void report_exit() {
   if (crash_place != nullptr && my_activity != nullptr &&
       my_activity->module.load(std::memory_order_relaxed) != 0)
@@ -65,8 +67,9 @@ void report_crashes_to(channel::Crash& crash) {
   static_cast<void>(std::atexit(report_exit));
 }
 
-void report_crashes_as(const channel::Activity* activity) {
+void report_crashes_as(channel::Activity* activity) {
   my_activity = activity;
+  activity->thread.store(os::thread_id(), std::memory_order_relaxed);
   os::prepare_crash_stack();
 }
 
@@ -91,7 +94,7 @@ Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Pr
   if (!has_rows_) return {};
   if (has_sporadic_) {
     auto thread = os::Thread::start(
-        {.name = settings_.name + "/s", .priority = schedule::sporadic_priority(priority_), .cpus = cpus},
+        {.name = settings_.name + "/s", .priority = schedule::sporadic_level(priority_), .cpus = cpus},
         [this] { serve_sporadic(); }, denied);
     if (!thread) return thread.problems();
     sporadic_ = std::move(*thread);
@@ -106,33 +109,32 @@ Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Pr
 
 void ExecutorThreads::walk_rows(Instant t0) {
   report_crashes_as(&block_.row);
-  block_.row.thread.store(os::thread_id(), std::memory_order_relaxed);
   const Nanoseconds cap = os::margin_cap(executor_.basic_period(), settings_.spin_share);
   os::Waker waker{settings_.wakeup, cap, halt_};
   executor_.join_grid(t0, os::now());
   while (true) {
     const Instant now = waker.wait_until(executor_.next_release());
     if (halt_.load(std::memory_order_relaxed) != 0) return;
-    // One ring of the wake word wakes both the programs that the row released and the readers of the samples
-    // that the modules wrote.
-    const std::uint32_t released = watch_ ? watched_cycle(now) : executor_.run_cycle(now);
+    // Ringing the wake word once wakes both the process modules that the row released and the readers of the
+    // samples that the row's modules wrote.
+    const std::uint32_t released = reporter_ ? reported_cycle(now) : executor_.run_cycle(now);
     if (const std::uint32_t bits = released | wake_word_.take_pending(); bits != 0) ring(wake_word_, bits);
     block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
   }
 }
 
-std::uint32_t ExecutorThreads::watched_cycle(Instant now) noexcept {
-  const std::uint64_t before = watch_.enter(watched_as_, channel::Doing::nothing);
+std::uint32_t ExecutorThreads::reported_cycle(Instant now) noexcept {
+  const std::uint64_t before = reporter_.enter(reported_as_, channel::Doing::nothing);
   const std::uint32_t released = executor_.run_cycle(now);
-  watch_.leave(before);
+  reporter_.leave(before);
   return released;
 }
 
 void ExecutorThreads::serve_sporadic() {
   report_crashes_as(&block_.sporadic);
-  block_.sporadic.thread.store(os::thread_id(), std::memory_order_relaxed);
   while (halt_.load(std::memory_order_seq_cst) == 0) {
-    // If the wake word rings after this load, the wait below ends at once. So no ring is lost.
+    // If another thread rings the wake word after this load, futex_wait() below returns at once. So this
+    // thread misses no wake-up.
     const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
     while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
       ring_pending(wake_word_);

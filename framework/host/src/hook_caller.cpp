@@ -16,10 +16,10 @@ struct HookCaller::Shared {
   std::mutex mutex;
   std::condition_variable wanted;
   std::deque<Request> queue;
-  std::uint64_t generation = 0;  // the generation of the thread that may serve requests; threads that were
-                                 // given up have an older one
+  // The generation of the thread that may serve requests. A thread that was given up has an older generation.
+  std::uint64_t generation = 0;
   bool busy = false;
-  std::uint32_t module = 0;  // the module whose hook the thread is in
+  std::uint32_t module = 0;  // the module whose hook the thread is calling
   bool end = false;
 
   void serve(std::uint64_t mine) {

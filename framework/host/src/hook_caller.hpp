@@ -1,7 +1,6 @@
 // The thread that calls hooks, and that gets and sets properties. A hook is foreign code and may never
-// return. Then its module is lost, but the hooks of all other modules must still be called. So the node can
-// give up the thread together with the module that the thread is stuck in; a new thread serves the waiting
-// requests.
+// return. Then the node gives up the hook's module together with the thread, and a new thread serves the
+// requests of the other modules.
 #pragma once
 
 #include <condition_variable>
@@ -21,8 +20,8 @@ namespace takt::host {
 
 class HookCaller {
  public:
-  /// `call` carries out a request and returns the text of its answer. `done` then receives it on the same
-  /// thread.
+  /// `call` carries out a request and returns the text of the answer. `done` then receives this result on the
+  /// same thread.
   using Call = std::function<Result<std::string>(const Request&)>;
   using Done = std::function<void(const Request&, const Result<std::string>&)>;
 
@@ -31,8 +30,8 @@ class HookCaller {
   ~HookCaller();
 
   void enqueue(const Request& request);
-  /// Gives up the thread if it is in a hook of this module; if the hook returns later, its result is ignored.
-  /// A new thread serves the next requests. Returns false if the hook has already returned.
+  /// Gives up the thread if it is in a hook of this module. If the hook returns later, its result is ignored.
+  /// A new thread serves the next requests. Returns false if the thread is in no hook of this module.
   bool give_up(std::uint32_t module);
 
  private:
@@ -40,7 +39,7 @@ class HookCaller {
   void start_thread();
 
   std::vector<int> cpus_;
-  std::shared_ptr<Shared> shared_;  // a thread that was given up keeps it alive
+  std::shared_ptr<Shared> shared_;  // also kept alive by a thread that was given up
   os::Thread thread_;
 };
 

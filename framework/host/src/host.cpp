@@ -10,15 +10,18 @@
 #include <set>
 
 #include <takt/channel/channel.hpp>
+#include <takt/channel/check_reporter.hpp>
 #include <takt/channel/flight_record.hpp>
-#include <takt/channel/module_watch.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/channel/saved_state.hpp>
+#include <takt/host/component_path.hpp>
+#include <takt/host/inspect.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/host/thread_module.hpp>
 #include <takt/model/hosts.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/os/fork_guard.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
@@ -26,9 +29,9 @@
 #include "executor_threads.hpp"
 #include "hook_caller.hpp"
 #include "host_links.hpp"
+#include "reporting_body.hpp"
 #include "service_thread.hpp"
 #include "swap.hpp"
-#include "watched_body.hpp"
 
 namespace takt::host {
 
@@ -40,9 +43,11 @@ class Host {
  public:
   Host(os::MessageSocket node, channel::Channel channel, channel::FlightRecord record, Setup setup);
 
-  /// Prepares everything except modules: slots, executors, plans.
+  /// Attaches the shared memory of the device, and makes the executors and the module instances. Loads no
+  /// module.
   Result<void> prepare();
-  /// Serves requests until the node asks it to end or is gone.
+  /// Serves requests until the node asks the host to end, or until the node itself has ended. Then ends the
+  /// process.
   void serve();
 
  private:
@@ -63,9 +68,10 @@ class Host {
   void end_without_node();
   void answer(const Answer& answer);
   const model::Module& module(std::uint32_t index) const { return setup_.device.modules[index]; }
-  /// The instance of a module of this host that is in the tables, or will be when it is started.
+  /// Returns the current instance of a module of this host: the one that the executor calls while the module
+  /// is in the tables.
   ThreadModule& instance(std::uint32_t index) const {
-    return *serving_[index].load(std::memory_order_acquire);  // SYNC: serves
+    return *serving_[index].load(std::memory_order_acquire);  // set by ThreadModule::take_over()
   }
   channel::SavedState& saved_of(std::uint32_t index) const {
     return reinterpret_cast<channel::SavedState*>(saved_memory_.data())[index];
@@ -84,13 +90,16 @@ class Host {
   std::vector<os::SharedMemory> slot_memories_;
   HostLinks links_;
   model::HostShare share_;
-  std::vector<std::unique_ptr<ThreadModule>> modules_;  // this host's thread modules; null for others
-  std::vector<std::atomic<ThreadModule*>>
-      serving_;  // the instance in use: that of modules_, or the new one during a trial
-  std::vector<std::unique_ptr<WatchedBody>> watched_;  // one for each module, only if a tool watches them
-  std::vector<channel::FlightWriter*> records_;  // for each module in the tables, the writer of its executor
-  channel::ModuleWatch watch_;
-  std::set<std::string> c_form_;  // the loaded files of modules in C form
+  // By module index; null if the module is not a thread module of this host.
+  std::vector<std::unique_ptr<ThreadModule>> modules_;
+  // By module index, the instance in use: the one in modules_ or, during the trial of a swap, the new one.
+  std::vector<std::atomic<ThreadModule*>> serving_;
+  // By module index; null unless libtakt_check watches the host.
+  std::vector<std::unique_ptr<ReportingBody>> reporting_;
+  // By module index, the flight writer of its executor's thread.
+  std::vector<channel::FlightWriter*> records_;
+  channel::CheckReporter reporter_;
+  std::set<std::string> c_form_;  // the paths of the loaded modules in C form
   std::mutex loading_;
   os::NoDeepIdle no_deep_idle_;
   Result<void> memory_locked_;
@@ -99,11 +108,14 @@ class Host {
     std::unique_ptr<ExecutorThreads> threads;
   };
   std::vector<Table> executors_;
-  std::atomic<bool> halted_{false};  // whether the executors have halted
+  std::atomic<bool> halted_{false};  // true once the executors have halted
   std::atomic<std::uint32_t> halt_background_{0};
   std::vector<os::Thread> background_;
-  std::vector<std::unique_ptr<ServiceThread>> services_;  // for modules that have handlers
-  std::vector<ThreadModule*> handling_;  // the instances that services_ call; changed under exclude()
+  // By module index; null if the module has no handlers.
+  std::vector<std::unique_ptr<ServiceThread>> services_;
+  // By module index, the instance whose handlers services_ calls. May change only under
+  // ServiceThread::exclude().
+  std::vector<ThreadModule*> handling_;
   std::unique_ptr<HookCaller> hooks_;
   std::unique_ptr<HookCaller> swaps_;  // carries out swaps, one at a time
   std::atomic<std::uint64_t> swaps_given_up_{0};
@@ -120,9 +132,9 @@ Host::Host(os::MessageSocket node, channel::Channel channel, channel::FlightReco
 
 Result<void> Host::prepare() {
   memory_locked_ = os::lock_memory();  // also locks memory that is mapped later
-  const auto watch = channel::ModuleWatch::find();
-  if (!watch) return watch.problems();
-  watch_ = *watch;
+  const auto reporter = channel::CheckReporter::find();
+  if (!reporter) return reporter.problems();
+  reporter_ = *reporter;
   auto wake_word = os::SharedMemory::attach(os::Fd{setup_.wake_word_fd});
   if (!wake_word) return wake_word.problems();
   wake_word_memory_ = std::move(*wake_word);
@@ -139,7 +151,7 @@ Result<void> Host::prepare() {
   std::vector<executor::Unit> units;
   serving_ = std::vector<std::atomic<ThreadModule*>>(setup_.device.modules.size());
   records_.resize(setup_.device.modules.size());
-  watched_.resize(setup_.device.modules.size());
+  reporting_.resize(setup_.device.modules.size());
   for (std::uint32_t i = 0; i < setup_.device.modules.size(); ++i) {
     const model::Module& m = module(i);
     executor::Unit unit{.index = i,
@@ -157,9 +169,9 @@ Result<void> Host::prepare() {
     serving_[i] = modules_.back().get();
     if (mine) modules_.back()->save_in(saved_of(i));
     unit.body = modules_.back().get();
-    if (watch_ && mine) {
-      watched_[i] = std::make_unique<WatchedBody>(*unit.body, i, watch_);
-      unit.body = watched_[i].get();
+    if (reporter_ && mine) {
+      reporting_[i] = std::make_unique<ReportingBody>(*unit.body, i, reporter_);
+      unit.body = reporting_[i].get();
     }
     if (setup_.slot_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.slot_fds[i]});
@@ -183,7 +195,7 @@ Result<void> Host::prepare() {
   for (const std::size_t e : share_.executors) {
     const schedule::ExecutorPlan& mine = plan->executors[e];
     model::Executor executor = setup_.device.executors[e];
-    // Executors that spin on the same CPU share the spin time that one of them may take.
+    // If several executors spin on the same CPU, they divide the spin time that one executor may use.
     executor.spin_share /= static_cast<double>(
         std::count(setup_.executor_cpus.begin(), setup_.executor_cpus.end(), setup_.executor_cpus[e]));
     executor::Flight flight{&flight_.at(channel::FlightRecord::of_rows(e)),
@@ -193,7 +205,7 @@ Result<void> Host::prepare() {
                                               channel_.executor(e), *wake_word_, flight)});
     for (const std::uint32_t m : mine.periodic) records_[m] = flight.rows;
     for (const std::uint32_t m : mine.sporadic) records_[m] = flight.sporadic;
-    if (watch_) executors_.back().threads->watch(watch_, static_cast<std::uint32_t>(e));
+    if (reporter_) executors_.back().threads->report_to(reporter_, static_cast<std::uint32_t>(e));
   }
   for (std::uint32_t i = 0; i < modules_.size(); ++i) {
     if (modules_[i] && records_[i] != nullptr) modules_[i]->record_to(records_[i], i);
@@ -201,7 +213,7 @@ Result<void> Host::prepare() {
   report_crashes_to(block().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   const auto done = [this](const Request& request, const Result<std::string>& result) {
-    ring_pending(*wake_word_);  // wakes the readers of the samples that the hook wrote
+    ring_pending(*wake_word_);  // wakes the readers of samples that a hook wrote
     answer({.request = request,
             .ok = result.ok(),
             .text = result ? *result : in_words(result.problems()),
@@ -236,7 +248,7 @@ void Host::answer(const Answer& answer) {
   node_.send_wait(encode(answer));
 }
 
-// Runs on the hook thread, and so do get(), set() and call().
+// Carries out a request. The thread `takt-hooks` calls this function, which calls get(), set() and call().
 Result<std::string> Host::serve_request(const Request& request) {
   if (request.what == Request::Do::get) return get(request);
   const Result<void> done = request.what == Request::Do::set ? set(request) : call(request);
@@ -247,7 +259,7 @@ Result<std::string> Host::serve_request(const Request& request) {
 Result<std::string> Host::get(const Request& request) const {
   const ThreadModule& asked = instance(request.module);
   if (asked.declares_properties()) return asked.get(request.property);
-  // A module without declared properties reads those of the descriptor.
+  // A module that declares no properties reads the values in the descriptor.
   return model::given_property(module(request.module), request.property);
 }
 
@@ -255,16 +267,19 @@ Result<void> Host::set(const Request& request) {
   ThreadModule& asked = instance(request.module);
   if (!asked.declares_properties()) {
     return fail(module(request.module).name +
-                    " is written in C and declares no properties: it reads them in initialize()",
-                "undeploy the cell, change the descriptor and deploy it again");
+                    " is written in C and declares no properties: it reads them, except log-level, in "
+                    "initialize()",
+                "change the descriptor and run takt deploy --update with it, which restarts device " +
+                    setup_.device.name);
   }
-  // When the module is loaded again, it gets this value, too.
+  // The value is also stored in setup_, so that the module gets this value when it is loaded again.
   auto done = asked.set({{request.property, request.value}});
   if (done) model::give_property(setup_.device.modules[request.module], request.property, request.value);
   return done;
 }
 
-// A handler never runs at the same time as a hook of its module; the one that is called later waits.
+// Loads a module or calls one of its hooks. A hook waits until a running handler of the same module has
+// ended, and a handler waits until a running hook has ended.
 Result<void> Host::call(const Request& request) {
   const auto& service = services_[request.module];
   if (!service) {
@@ -300,25 +315,24 @@ Result<void> Host::call_hook(const Request& request) {
       const std::string& path = setup_.paths[request.module];
       const bool sporadic = m.operation == model::Operation::sporadic;
       // Two modules of one C++ component share only its static variables. A C module keeps its state in
-      // global variables, so each further module of the same C file gets its own copy of the globals.
+      // global variables, so every module of the same C file, except the first, gets its own copy of the
+      // globals.
       os::Library::Globals globals = os::Library::Globals::shared;
       {
         const std::lock_guard lock{loading_};
         if (c_form_.count(path) != 0) globals = os::Library::Globals::own;
       }
-      auto loaded = called.load(path, globals, sporadic);
+      auto copy = open_component(path);
+      if (!copy) return copy.problems();
+      auto loaded = called.load(path, globals, sporadic, std::move(*copy));
       if (loaded && called.component() == nullptr) {
         const std::lock_guard lock{loading_};
         c_form_.insert(path);
       }
       return loaded ? connect(request.module, called) : loaded;
     }
-    case Doing::initialize: {
-      irp::Property::Values values;
-      for (const model::PropertyValue& property : m.properties)
-        values.emplace_back(property.name, property.value);
-      return called.initialize(irp::Property{std::move(values)});
-    }
+    case Doing::initialize:
+      return called.initialize(irp::Property{values_of(m)});
     case Doing::start:
       return called.start();
     case Doing::error:
@@ -333,11 +347,12 @@ Result<void> Host::call_hook(const Request& request) {
     case Doing::serve:
       break;
   }
-  return fail("the host does not call this hook on request");
+  return fail("the node requested a call that no host makes on request");
 }
 
-// Runs on its own thread, at the same time as hooks of the running instance. A successful swap is answered
-// here, before the old instance's destruct(), because the node need not wait for destruct().
+// Replaces the running instance of a module. Runs on its own thread, at the same time as hooks of the running
+// instance. Answers a successful swap before it calls the old instance's destruct(), because the node need
+// not wait for destruct().
 Result<std::string> Host::swap(const Request& request) {
   const std::uint32_t index = request.module;
   const model::Module& m = module(index);
@@ -347,19 +362,15 @@ Result<std::string> Host::swap(const Request& request) {
   next->record_to(records_[index], index);
   next->track_active_in(serving_[index]);
   before.track_active_in(serving_[index]);
-  auto watched = watch_ ? std::make_unique<WatchedBody>(*next, index, watch_) : nullptr;
+  auto reporting = reporter_ ? std::make_unique<ReportingBody>(*next, index, reporter_) : nullptr;
   irp::Property::Values values;
-  if (before.declares_properties()) {
-    for (const PropertyBase* property : before.properties())
-      values.emplace_back(property->name(), *before.get(property->name()));
-  } else {
-    for (const model::PropertyValue& property : m.properties)
-      values.emplace_back(property.name, property.value);
-  }
+  if (!before.declares_properties()) values = values_of(m);
+  for (const PropertyBase* property : before.properties())
+    values.emplace_back(property->name(), *before.get(property->name()));
   const auto table = std::find_if(executors_.begin(), executors_.end(), [&](const Table& each) {
     return setup_.device.executors[each.index].name == m.executor;
   });
-  executor::Body* const body = watched ? static_cast<executor::Body*>(watched.get()) : next.get();
+  executor::Body* const body = reporting ? static_cast<executor::Body*>(reporting.get()) : next.get();
   const std::uint64_t given_up = swaps_given_up_;
   const auto is_given_up = [this, given_up] { return swaps_given_up_ != given_up; };
   const Swapped swapped =
@@ -381,14 +392,15 @@ Result<std::string> Host::swap(const Request& request) {
                      },
                  .handle_by = [this, index](ThreadModule& by) { handling_[index] = &by; },
                  .ends = [this, is_given_up] { return halted_ || is_given_up(); }});
-  if (is_given_up()) {  // a hook of the new instance returned too late; its state is unknown
+  // The hook that did not return in time has returned meanwhile, so the state of `next` is unknown.
+  if (is_given_up()) {
     next->abandon();
     static_cast<void>(next.release());
     return fail("a hook of the new instance did not return in time, so the node abandoned the swap");
   }
   if (!swapped.kept) return fail(swapped.text);
   modules_[index].swap(next);
-  watched_[index].swap(watched);
+  reporting_[index].swap(reporting);
   setup_.paths[index] = request.value;
   answer({.request = request, .ok = true, .text = swapped.text, .warnings = {}});
   block().swap.begin(index, Doing::destruct, to_ns(os::now()));
@@ -422,7 +434,8 @@ void Host::start_background() {
   }
 }
 
-// Calls run() of a non-real-time module repeatedly, at its period if it has one.
+// Calls run() of a non-real-time module repeatedly: once in each period, or without a pause if the module has
+// no period.
 void Host::run_background(std::uint32_t index) {
   static_cast<void>(os::make_background());
   channel::ModuleBlock& block = channel_.module(index);
@@ -433,7 +446,7 @@ void Host::run_background(std::uint32_t index) {
   while (halt_background_.load(relaxed) == 0) {
     const Instant start = os::now();
     block.background.announce(index, Doing::run,
-                              to_ns(start));  // must be stored before in_tables is read. SYNC: in tables
+                              to_ns(start));  // before in_tables is read
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
       cycle.start = start;
@@ -447,7 +460,10 @@ void Host::run_background(std::uint32_t index) {
         block.errors.store(block.errors.load(relaxed) + 1, relaxed);
         block.error_text.assign(outcome.text);
         block.error.store(static_cast<std::uint32_t>(outcome.type),
-                          std::memory_order_release);  // SYNC: error raised
+                          std::memory_order_release);  // after error_text
+      } else if (outcome.finished) {
+        block.in_tables.store(0, std::memory_order_seq_cst);
+        block.finished.store(1, std::memory_order_release);
       }
     }
     ring_pending(*wake_word_);
@@ -472,15 +488,19 @@ void Host::halt() {
 }
 
 void Host::give_up(std::uint32_t index) {
-  // The hook may be waiting for a handler that never returns.
-  const bool handler = services_[index] && services_[index]->give_up();
+  // Give up both threads, because a hook may be waiting for a handler that never returns, or a handler for a
+  // hook that never returns.
+  auto& service = services_[index];
+  const bool handler = service && service->serves();
   const bool hook = hooks_->give_up(index);
   if (!handler && !hook) return;
   instance(index).abandon();
-  services_[index].reset();
+  if (service) service->give_up();
+  service.reset();
 }
 
-// Called when the node is gone. Calls destruct() of all modules and ends, all within a second.
+// Called when the node has ended. Calls destruct() of all modules. Ends the process if these calls take
+// longer than a second.
 void Host::end_without_node() {
   std::atomic<bool> done{false};
   auto watch = os::Thread::start(
@@ -530,8 +550,8 @@ void Host::serve() {
         answer({.request = *request, .ok = true, .text = {}, .warnings = {}});
         break;
       case Request::Do::give_up:
-        // The module's memory stays allocated, because its hook may still use it. A reload makes a new
-        // instance.
+        // The module's code and objects stay in memory, because the hook may still use them. The next load
+        // makes new objects.
         give_up(request->module);
         break;
       case Request::Do::give_up_swap:
@@ -539,7 +559,7 @@ void Host::serve() {
         static_cast<void>(swaps_->give_up(request->module));
         break;
       case Request::Do::end:
-        // Runs no destructors, because a hook that was given up may still use the objects.
+        // End without destructors, because a hook that was given up may still use the objects.
         std::fflush(nullptr);
         std::_Exit(0);
     }
@@ -552,7 +572,11 @@ void Host::serve() {
 
 int run_host() {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // so that the output of modules appears line by line
-  os::survive_broken_pipes();  // after the node's death, hooks that print must not kill the host
+  os::survive_broken_pipes();  // a hook that prints after the node has ended must not kill the host
+  if (const auto guarded = os::guard_against_forks(); !guarded) {
+    std::fprintf(stderr, "takt-host: %s\n", to_text(guarded.problems()).c_str());
+    return 1;
+  }
   os::MessageSocket node{os::take_fd_from_environment("TAKT_NODE_FD")};
   os::Fd memory = os::take_fd_from_environment("TAKT_CHANNEL_FD");
   os::Fd record_memory = os::take_fd_from_environment("TAKT_FLIGHT_FD");
@@ -571,7 +595,8 @@ int run_host() {
   }
   if (record->rings() != 2 * channel->executors()) {
     std::fprintf(stderr,
-                 "takt-host: error: the flight record has another number of executors than the channel\n");
+                 "takt-host: error: the flight record and the channel differ in their number of executors; "
+                 "install takt-node and takt-host of the same version\n");
     return 1;
   }
   Host host{std::move(node), std::move(*channel), std::move(*record), std::move(*setup)};

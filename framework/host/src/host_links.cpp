@@ -17,7 +17,7 @@ Result<void> HostLinks::attach(const std::vector<PortLink>& links) {
     Memory& mine = memories_[end.fd];
     mine.memory = std::move(*memory);
     mine.link = channel::Link{mine.memory.data()};
-    // The former host's values were in its own memory, so they were lost with it.
+    // The values of a typed link were in the memory of the former host, and were lost when that host ended.
     if (end.typed) channel::drop_samples(mine.link);
   }
   return {};
@@ -44,7 +44,8 @@ Result<void> HostLinks::connect(std::uint32_t index, ThreadModule& module) {
                   "deploy the cell again");
     }
     port->connect(memory.link, end.typed ? memory.values : nullptr);
-    if (port->direction() != PortDirection::out) module.watch(memory.link, *port, end.stale_is_error);
+    if (port->direction() != PortDirection::out)
+      module.check_deadline(memory.link, *port, end.stale_is_error);
   }
   return {};
 }

@@ -10,10 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/hex.hpp>
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 #include <takt/host/component_path.hpp>
 #include <takt/host/thread_module.hpp>
+#include <takt/model/findings.hpp>
 #include <takt/model/json.hpp>
+#include <takt/model/validate.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
 #include <takt/os/message_socket.hpp>
@@ -39,7 +42,7 @@ Problems problems_from(const json& list) {
   return problems;
 }
 
-/// The module's ports in the form that model::parse_ports() reads.
+/// Returns the module's ports as the JSON text that model::parse_ports() reads.
 std::string ports_of(const ThreadModule& module) {
   json list = json::array();
   for (const PortBase* port : module.ports()) {
@@ -54,7 +57,8 @@ std::string ports_of(const ThreadModule& module) {
   return model::json_text({{"ports", list}});
 }
 
-/// The problems that a program printed on standard error before it ended. Each is one line, "what; fix".
+/// Returns the problems that a program printed on standard error before it ended. Each problem is one line of
+/// the form "what; fix".
 Problems printed_problems(const std::string& text) {
   Problems problems;
   std::istringstream lines{text};
@@ -66,12 +70,12 @@ Problems printed_problems(const std::string& text) {
   return problems;
 }
 
-/// A program's report about itself.
+/// The data that a program reports about itself.
 struct ProgramAnswer {
   std::string operation;
   std::vector<model::Port> ports;
   std::vector<PropertyDescription> properties;
-  Problems problems;  ///< problems of its properties and of the values given to them
+  Problems problems;  ///< problems of the program's properties and of their values
   std::optional<SavedDescription> saved{};
 };
 
@@ -81,55 +85,89 @@ std::optional<SavedDescription> saved_of(const json& answer) {
   return SavedDescription{.version = at->at("version"), .bytes = at->at("bytes")};
 }
 
+/// Reports the ports and properties of a program that have invalid names.
+Problems wrong_names(const ProgramAnswer& answer) {
+  Problems problems;
+  const auto check = [&](const std::string& what, const std::string& name) {
+    if (!model::is_valid_name(name))
+      problems.push_back(
+          fail("the program has a " + what + " with the invalid name " + in_quotes(name), model::kNameRule));
+  };
+  for (const model::Port& port : answer.ports) {
+    // The ports of a service or client NAME are called NAME/request and NAME/reply.
+    const bool plain = port.role == model::Role::plain;
+    check("port", plain ? port.name : port.name.substr(0, port.name.rfind('/')));
+  }
+  for (const PropertyDescription& property : answer.properties) check("property", property.name);
+  return problems;
+}
+
 Result<ProgramAnswer> parse_answer(const std::string& text) {
   auto ports = model::parse_ports(text);
   if (!ports) return ports.problems();
-  const json answer = model::parse_json(text);  // an object, since parse_ports() succeeded
+  const json answer = model::parse_json(text);  // an object, because parse_ports() succeeded
   auto properties = parse_properties(model::json_text(answer.value("properties", json::array())));
   if (!properties) return properties.problems();
-  return ProgramAnswer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
-                       problems_from(answer.value("problems", json::array())), saved_of(answer)};
+  ProgramAnswer found{answer.value("operation", ""), std::move(*ports), std::move(*properties),
+                      problems_from(answer.value("problems", json::array())), saved_of(answer)};
+  for (Problem& problem : wrong_names(found)) found.problems.push_back(std::move(problem));
+  return found;
 }
 
 constexpr const char* kProcessLibrary = "libtakt_process.so";
 
-/// The names of a file's dynamic symbols and libraries; empty if it is not an ELF file.
+/// Returns the names of a file's dynamic symbols and libraries; empty if the file is not an ELF file.
 std::string dynamic_names(const std::string& path) { return os::read_section(path, ".dynstr").value_or(""); }
 
-/// Whether to start a program to ask for its description. A script is started, because it may start any
-/// program. A program that is not linked with libtakt_process cannot answer, so it is not started.
+/// True if the program must be started to ask for its description. A script is started, because it may start
+/// any program. A program that is not linked with libtakt_process cannot answer, so it is not started.
 bool may_answer(const std::string& path) {
   const std::string names = dynamic_names(path);
   return names.empty() || names.find(kProcessLibrary) != std::string::npos;
 }
 
-/// Starts a program with these arguments and asks it to describe itself and end. Sets `rejected` if the
-/// program ended with an error message about its arguments; the result is then that message.
+/// True if the program calls initPeriodExe() or initSporadicExe().
+bool calls_init(const std::string& path) {
+  const std::string names = dynamic_names(path);
+  const auto has = [&names](std::string_view symbol) {
+    return names.find('\0' + std::string{symbol} + '\0') != std::string::npos;
+  };
+  return has("initPeriodExe") || has("initSporadicExe");
+}
+
+const char* init_function(model::Operation operation) {
+  return operation == model::Operation::periodic ? "initPeriodExe()" : "initSporadicExe()";
+}
+
+/// Starts a program with these arguments. The program describes itself and ends. If the program ended with an
+/// error message about its arguments, sets `*rejected`, and the result is that message.
 Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& arguments,
                                   bool* rejected = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
   auto child =
-      os::Child::spawn({.program = path,
-                        .arguments = arguments,
-                        .environment = {{"TAKT_DESCRIBE_FD", std::to_string(sockets->second.fd().get())}},
-                        .inherit = {&sockets->second.fd()},
-                        .capture_output = true});
+      start_component({.program = path,
+                       .arguments = arguments,
+                       .environment = {{"TAKT_DESCRIBE_FD", std::to_string(sockets->second.fd().get())}},
+                       .inherit = {&sockets->second.fd()},
+                       .capture_output = true});
   if (!child) return child.problems();
   sockets->second.close();
   std::string printed;
   const auto read_output = [&] {
     bool end = false;
     printed += os::read_available(child->error, &end);
-    os::read_available(child->output, &end);  // otherwise a program that prints much would block
+    os::read_available(child->output, &end);  // discards standard output, because a full pipe would block the
+                                              // program
   };
   std::optional<os::ProcessEnd> ended;
-  for (const Instant limit = os::now() + kLimit; !ended && os::now() < limit;) {
+  // If the process has ended but the socket is open, a copy of the process still runs, and may answer.
+  for (const Instant limit = os::now() + kLimit; (!ended || !ours.closed()) && os::now() < limit;) {
     if (const auto text = ours.receive()) return parse_answer(*text);
-    ended = child->poll();
+    if (!ended) ended = child->poll();
     read_output();
-    if (!ended) os::wait_readable({&ours.fd()}, ours.closed() ? 1 : 20);
+    if (!ended || !ours.closed()) os::wait_readable({&ours.fd()}, ours.closed() ? 1 : 20);
   }
   if (const auto text = ours.receive()) return parse_answer(*text);
   if (ended && !ended->signalled && ended->code != 0) {
@@ -137,9 +175,16 @@ Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& argu
     if (rejected != nullptr) *rejected = !problems.empty();
     if (!problems.empty()) return problems;
   }
-  return fail(path + " did not report its ports" + (ended ? ": it " + ended->text() : ""),
-              "call initPeriodExe() or initSporadicExe() within " + std::to_string(kLimit.count()) +
-                  " s of the start of main(), and link with libtakt_process");
+  return fail(path + " did not call initPeriodExe() or initSporadicExe() " +
+                  (ended ? "before it " + ended->text() : "within " + to_text(kLimit) + " of its start"),
+              "call one of them at the beginning of main(), and link with libtakt_process");
+}
+
+Result<void> load(ThreadModule& module, const std::string& path, os::Library::Globals globals,
+                  bool sporadic) {
+  auto copy = open_component(path);
+  if (!copy) return copy.problems();
+  return module.load(path, globals, sporadic, std::move(*copy));
 }
 
 json describe_loaded(const ThreadModule& module, const std::string& path) {
@@ -166,7 +211,7 @@ json describe_loaded(const ThreadModule& module, const std::string& path) {
   return answer;
 }
 
-// A module that uses a component file. One child process checks the file for all its uses.
+// A module that uses a component file. One child process checks a file for all modules that use it.
 struct Use {
   std::size_t device;
   std::size_t module;
@@ -174,21 +219,17 @@ struct Use {
 
 json check_uses(const std::string& path, const model::Cell& cell, const std::vector<Use>& uses) {
   json answer = json::array();
-  std::set<std::size_t> loaded;  // devices whose host has already loaded the file in C form
+  std::set<std::size_t> loaded;  // devices for which this loop has seen a C module of this file
   for (const Use& use : uses) {
     const model::Module& wanted = cell.devices[use.device].modules[use.module];
     ThreadModule module;
-    const bool again =
-        loaded.count(use.device) != 0;  // if so, the host gives the module its own copy of the globals
-    Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
-                                      wanted.operation == model::Operation::sporadic);
-    const bool is_loaded = result.ok();  // without loading, the ports are unknown
+    const bool again = loaded.count(use.device) != 0;  // then the host also gives this module its own globals
+    Result<void> result = load(module, path, again ? os::Library::Globals::own : os::Library::Globals::shared,
+                               wanted.operation == model::Operation::sporadic);
+    const bool is_loaded = result.ok();  // the ports of a file that was not loaded are unknown
     if (result && module.component() == nullptr) loaded.insert(use.device);
     if (result && module.declares_properties()) {
-      irp::Property::Values values;
-      for (const model::PropertyValue& property : wanted.properties)
-        values.emplace_back(property.name, property.value);
-      result = module.set(values);
+      result = module.set(values_of(wanted));
     }
     answer.push_back({{"problems", problems_json(result ? Problems{} : result.problems())},
                       {"ports", is_loaded ? json(ports_of(module)) : json{}}});
@@ -196,10 +237,12 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
   return answer;
 }
 
-// Adds each problem at the line of the property that it names, else at the module's line.
-void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
+// Adds the problems in `found` to `problems`. Each problem gets the line of the property that it names, or
+// the line `other` if it names none.
+void add_at(const model::Cell& cell, const model::Module& module, model::Line other, const Problems& found,
+            Problems& problems) {
   for (const Problem& problem : found) {
-    model::Line line = module.line;
+    model::Line line = other;
     for (const model::PropertyValue& property : module.properties) {
       if (problem.what.find("'" + property.name + "'") != std::string::npos) line = property.line;
     }
@@ -208,16 +251,22 @@ void add_at(const model::Cell& cell, const model::Module& module, const Problems
   }
 }
 
-/// Whether the function that a program calls matches the module's operation type.
-Problems check_operation(const model::Module& module, const std::string& operation) {
-  const bool periodic = module.operation == model::Operation::periodic;
-  if (module.operation == model::Operation::non_real || operation.empty() ||
-      operation == (periodic ? "periodic" : "sporadic"))
-    return {};
-  return {fail(std::string{"the program calls "} + (periodic ? "initSporadicExe()" : "initPeriodExe()") +
-                   ", so it is " + operation,
-               "use <operationtype>" + operation + "</operationtype> and <" +
-                   (periodic ? "deadline" : "period") + ">")};
+/// Like the function above, with the line of the component's file.
+void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
+  add_at(cell, module, module.lines.filename == model::Line{} ? module.line : module.lines.filename, found,
+         problems);
+}
+
+/// Returns a problem if the init function that a program calls does not match the module's operation type.
+/// `called` is the operation type of that function.
+Problems check_operation(const model::Module& module, const std::string& called) {
+  if (called == to_text(module.operation)) return {};
+  const bool periodic = called == to_text(model::Operation::periodic);
+  return {fail(
+      std::string{"the program calls "} +
+          init_function(periodic ? model::Operation::periodic : model::Operation::sporadic) + ", so it is " +
+          called,
+      "use <operationtype>" + called + "</operationtype> and <" + (periodic ? "period" : "deadline") + ">")};
 }
 
 bool is_connected(const model::Cell& cell, const std::string& device, const std::string& module) {
@@ -229,10 +278,17 @@ bool is_connected(const model::Cell& cell, const std::string& device, const std:
 
 }  // namespace
 
+irp::Property::Values values_of(const model::Module& module) {
+  irp::Property::Values values;
+  for (const model::PropertyValue& property : module.properties) {
+    if (property.name != kLogLevelProperty) values.emplace_back(property.name, property.value);
+  }
+  return values;
+}
+
 Arguments arguments_of(const model::Module& module) {
-  Arguments arguments;
-  for (const model::PropertyValue& property : module.properties)
-    arguments.push_back(property.name + "=" + property.value);
+  Arguments arguments = module.arguments;
+  for (const auto& [name, value] : values_of(module)) arguments.push_back(name + "=" + value);
   return arguments;
 }
 
@@ -242,6 +298,7 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
       return fail(path + " is neither a shared object nor a program", "name a component's file");
     Description program{.name = std::filesystem::path{path}.stem().string(),
                         .text = component_text(path),
+                        .version = component_version(path),
                         .interface = "process",
                         .operation = {},
                         .hooks = {},
@@ -268,7 +325,7 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
                 "leave out " + arguments[0]);
   const auto work = [&path]() -> std::string {
     ThreadModule module;
-    if (auto loaded = module.load(path, os::Library::Globals::shared, false); !loaded) {
+    if (auto loaded = load(module, path, os::Library::Globals::shared, false); !loaded) {
       return model::json_text({{"problems", problems_json(loaded.problems())}});
     }
     return model::json_text(describe_loaded(module, path));
@@ -284,6 +341,7 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   if (!properties) return properties.problems();
   return Description{.name = answer["name"],
                      .text = component_text(path),
+                     .version = component_version(path),
                      .interface = answer["interface"],
                      .operation = {},
                      .hooks = answer["hooks"],
@@ -294,6 +352,11 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
 
 std::string component_text(const std::string& path) {
   const auto section = os::read_section(path, "takt_text");
+  return section ? on_one_line(section->c_str()) : "";
+}
+
+std::string component_version(const std::string& path) {
+  const auto section = os::read_section(path, "takt_version");
   return section ? on_one_line(section->c_str()) : "";
 }
 
@@ -331,8 +394,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   Components found;
   std::vector<ComponentPaths>& paths = found.paths;
   std::map<std::string, std::vector<Use>> thread_modules;
-  // The programs that are asked for their ports, by path and arguments, because ports may depend on
-  // properties.
+  // For each pair of a program and its arguments, the modules that use this pair. The program is asked for
+  // its description once for each pair, because its ports may depend on the properties in the arguments.
   std::map<std::pair<std::string, Arguments>, std::vector<Use>> programs;
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     const model::Device& device = cell.devices[d];
@@ -355,9 +418,15 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
               cell, module,
               {fail(*path + " is a shared object", "use <moduletype>thread</moduletype>, or name a program")},
               problems);
-        } else if (is_connected(cell, device.name, module.name) || !module.safe.empty() ||
-                   (!module.properties.empty() && module.operation != model::Operation::non_real &&
-                    dynamic_names(*path).find(kProcessLibrary) != std::string::npos)) {
+        } else if (module.operation != model::Operation::non_real && !may_answer(*path)) {
+          add_at(cell, module,
+                 {fail(std::string{"the program never calls "} + init_function(module.operation) +
+                           ", because it is not linked with libtakt_process",
+                       "call the function and link the program, or use <operationtype>non-real"
+                       "</operationtype>")},
+                 problems);
+        } else if (module.operation != model::Operation::non_real || calls_init(*path) ||
+                   !module.safe.empty() || is_connected(cell, device.name, module.name)) {
           programs[{*path, arguments_of(module)}].push_back({d, m});
         }
       } else if (!os::is_shared_object(*path)) {
@@ -390,7 +459,9 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
       } else {
         Problem problem =
             text ? fail("loading " + path + " returned no valid description") : text.problems()[0];
-        problem.fix = "fix its constructors, which run when it is loaded";
+        problem.fix =
+            "build it again, in case the file is incomplete, and check its constructors, which run when "
+            "it is loaded";
         add_at(cell, module, {problem}, problems);
       }
     }
@@ -398,15 +469,15 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   for (const auto& [started, uses] : programs) {
     const auto answer = ask_program(started.first, started.second);
     for (const Use& use : uses) {
-      const model::Device& device = cell.devices[use.device];
-      const model::Module& module = device.modules[use.module];
-      if (answer) {
-        found.ports[use.device][use.module] = answer->ports;
-        add_at(cell, module, answer->problems, problems);
-        add_at(cell, module, check_operation(module, answer->operation), problems);
-      } else if (is_connected(cell, device.name, module.name) || !module.safe.empty()) {
+      const model::Module& module = cell.devices[use.device].modules[use.module];
+      if (!answer) {
         add_at(cell, module, answer.problems(), problems);
+        continue;
       }
+      found.ports[use.device][use.module] = answer->ports;
+      add_at(cell, module, answer->problems, problems);
+      if (!answer->operation.empty())
+        add_at(cell, module, module.line, check_operation(module, answer->operation), problems);
     }
   }
   const Problems connections = model::check_connections(cell, found.ports);
@@ -416,6 +487,31 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
     const auto line = [](const Problem& p) { return std::stoi(p.where.substr(p.where.rfind(':') + 1)); };
     return line(a) < line(b);
   });
+  return problems;
+}
+
+Problems misnamed_files(const model::Cell& rejected) {
+  std::set<std::pair<std::string_view, std::string_view>> named;  // device and module of each end
+  for (const model::Connection& connection : rejected.connections) {
+    for (const model::Endpoint* end : {&connection.from, &connection.to})
+      named.emplace(end->device, end->module);
+  }
+  for (const model::Service& service : rejected.services) {
+    for (const model::Endpoint* end : {&service.client, &service.server})
+      named.emplace(end->device, end->module);
+  }
+  Problems problems;
+  for (const model::Device& device : rejected.devices) {
+    for (const model::Module& module : device.modules) {
+      const bool meant = std::any_of(named.begin(), named.end(), [&](const auto& end) {
+        return end.first == device.name && end.second != module.name &&
+               !nearest(end.second, {module.name}).empty();
+      });
+      if (module.lines.name.given() || !meant) continue;
+      const auto path = find_component(module.filename, rejected.file);
+      if (!path) add_at(rejected, module, path.problems(), problems);
+    }
+  }
   return problems;
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <thread>
 
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 
 namespace takt::host {
@@ -21,8 +22,8 @@ Result<PropertyBase*> LiveProperties::find(const std::string& name) const {
     if (property->name() == name) return property;
     names.emplace_back(property->name());
   }
-  return fail("component " + name_ + " has no property " + in_quotes(name),
-              names.empty() ? "it has no properties" : suggestion(name, names));
+  names.emplace_back(kLogLevelProperty);
+  return fail("component " + name_ + " has no property " + in_quotes(name), suggestion(name, names));
 }
 
 Result<std::string> LiveProperties::get(const std::string& name) const {
@@ -51,21 +52,22 @@ Result<void> LiveProperties::set(const Values& values) {
 
   withdraw();
   for (std::size_t i = 0; i < values.size(); ++i) {
-    static_cast<void>(properties[i]->propose(values[i].second));  // checked above
+    // This cannot fail, because check() has accepted the text above.
+    static_cast<void>(properties[i]->propose(values[i].second));
     if (std::find(waiting_.begin(), waiting_.end(), properties[i]) == waiting_.end())
       waiting_.push_back(properties[i]);
   }
-  state_.store(State::waiting, std::memory_order_release);  // SYNC: values wait
+  state_.store(State::waiting, std::memory_order_release);  // after the proposals
   return {};
 }
 
-// Makes the setting thread the owner of the values. Values that the other thread has not taken over stay in
-// waiting_.
+// Makes the setting thread the owner of waiting_. Properties whose new value the calling thread has not taken
+// over yet stay in waiting_.
 void LiveProperties::withdraw() {
   State state = State::waiting;
   if (state_.compare_exchange_strong(state, State::none, std::memory_order_acquire)) return;
-  // The other thread is taking the values over. That thread only swaps a few values, so this loop is short
-  // unless that thread is preempted.
+  // The calling thread is taking the values over. It only swaps a few values, so this loop is short unless
+  // the calling thread is preempted.
   while (state_.load(std::memory_order_acquire) != State::none)
     std::this_thread::sleep_for(std::chrono::microseconds{50});
   waiting_.clear();
@@ -75,7 +77,7 @@ void LiveProperties::take_over_waiting() noexcept {
   State state = State::waiting;
   if (!state_.compare_exchange_strong(state, State::taken_over, std::memory_order_acquire)) return;
   for (PropertyBase* property : waiting_) property->take_over();
-  state_.store(State::none, std::memory_order_release);  // SYNC: values wait
+  state_.store(State::none, std::memory_order_release);  // after the values are taken over
 }
 
 }  // namespace takt::host

@@ -12,7 +12,8 @@
 namespace takt::host {
 
 namespace {
-// Limits the delay of a request if the host that sent it died before it rang the wake word.
+// The longest sleep between two checks for requests. If a host dies after its module wrote a request and
+// before it rang the wake word, the request is delayed by at most this time.
 constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
 }  // namespace
 
@@ -29,14 +30,15 @@ struct ServiceThread::Shared {
   channel::WakeWord& wake_word;
   std::function<bool()> has_request;
   std::function<bool()> serve_one;
-  std::mutex in_module;  // held while the module is called
+  std::mutex in_module;  // held while a hook or handler of the module is called
   std::atomic<bool> serving{false};
   std::atomic<bool> end{false};
 
   void serve() {
     report_crashes_as(&activity);
     while (!end.load()) {
-      // If the wake word rings after this load, the wait below ends at once. So no ring is lost.
+      // If another thread rings the wake word after this load, futex_wait() below returns at once. So this
+      // thread misses no wake-up.
       const std::uint32_t rings = wake_word.rings.load(std::memory_order_seq_cst);
       if (serve_next()) {
         ring_pending(wake_word);
@@ -52,7 +54,8 @@ struct ServiceThread::Shared {
     activity.begin(index, channel::Doing::serve, to_ns(os::now()));
     serving.store(true);
     const bool served = serve_one();
-    // If this thread was given up in the meantime, the activity no longer belongs to it.
+    // If `end` is set, the node may have given up this thread during the handler. Then a new thread may
+    // already use `activity`.
     if (end.load()) return false;
     serving.store(false);
     activity.end();
@@ -74,17 +77,16 @@ ServiceThread::~ServiceThread() {
   shared_->end.store(true);
   shared_->wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
   os::futex_wake(shared_->wake_word.rings, channel::kServiceBit);
-  // If the mutex is held, a handler or hook holds it and never returns. Then this thread cannot be joined.
-  if (const std::unique_lock in_none{shared_->in_module, std::try_to_lock}; !in_none) thread_.detach();
 }
 
 std::unique_lock<std::mutex> ServiceThread::exclude() { return std::unique_lock{shared_->in_module}; }
 
-bool ServiceThread::give_up() {
-  if (!shared_->serving.load()) return false;
+bool ServiceThread::serves() const noexcept { return shared_->serving.load(); }
+
+void ServiceThread::give_up() {
   shared_->end.store(true);
-  shared_->activity.end();
-  return true;
+  if (serves()) shared_->activity.end();
+  thread_.detach();
 }
 
 }  // namespace takt::host

@@ -1,6 +1,6 @@
-// The thread that calls the handlers of a module's services. Each module with handlers has its own thread,
-// so a handler that waits delays only its own module. A handler is foreign code and may never return. Then
-// the node gives up the thread together with the module, as with HookCaller.
+// The thread that calls the handlers of a module's services. Each module with handlers has its own thread, so
+// a handler that waits delays only its own module. A handler is foreign code and may never return. Then the
+// node gives up the module together with this thread.
 #pragma once
 
 #include <cstdint>
@@ -19,27 +19,29 @@ namespace takt::host {
 class ServiceThread {
  public:
   struct Options {
-    std::uint32_t index;  ///< the module's index
+    std::uint32_t index;  ///< the module's index on its device
     std::string name;
     std::vector<int> cpus;
     channel::Activity& activity;   ///< shows when the thread is in a handler
-    channel::WakeWord& wake_word;  ///< rung when a request arrives
+    channel::WakeWord& wake_word;  ///< another thread rings this word when a request arrives
   };
-  /// `serve` answers one request, if there is one. The new thread calls both functions.
+  /// `has_request` returns true if a request waits; `serve` answers one request. The new thread calls both.
   ServiceThread(const Options& options, std::function<bool()> has_request, std::function<bool()> serve);
-  /// Ends the thread unless it is stuck in a handler.
+  /// Waits until the thread has ended, unless the thread was given up.
   ~ServiceThread();
   ServiceThread(const ServiceThread&) = delete;
   ServiceThread& operator=(const ServiceThread&) = delete;
 
-  /// Waits until no handler is being called; none is called while the lock is held.
+  /// Waits until no handler is being called. No handler is called while the returned lock is held.
   [[nodiscard]] std::unique_lock<std::mutex> exclude();
-  /// Gives up the thread if it is in a handler. Returns false if it is in none.
-  bool give_up();
+  /// True if the thread is in a handler.
+  [[nodiscard]] bool serves() const noexcept;
+  /// Gives up a thread that may never end, because a handler or a hook of the module does not return.
+  void give_up();
 
  private:
   struct Shared;
-  std::shared_ptr<Shared> shared_;  // a thread that was given up keeps it alive
+  std::shared_ptr<Shared> shared_;  // also kept alive by a thread that was given up
   os::Thread thread_;
 };
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <takt/executor/exchange.hpp>
+#include <takt/host/component_path.hpp>
 #include <takt/os/clock.hpp>
 
 namespace takt::host {
@@ -13,7 +14,8 @@ using channel::Doing;
 using State = executor::Exchange::State;
 using std::chrono::microseconds;
 
-/// How many attempts restore() gets to translate the state before the next run() changes it.
+/// The number of attempts to exchange an instance whose state restore() must translate. An attempt fails if
+/// the old instance saves a new state before the exchange.
 constexpr int kMostAttempts = 1000;
 
 class Work {
@@ -26,15 +28,16 @@ class Work {
     for (int attempt = 1;; ++attempt) {
       switch (carry_out(exchange)) {
         case State::kept:
-        case State::on_trial:  // the device is ending
+        case State::on_trial:  // the trial was cut short: the executors have halted, or the node has
+                               // abandoned the swap
           begin_to_save();
           return {true, "from row " + std::to_string(exchange.row) + " of its executor on"};
         case State::put_back:
-          return undone(std::string{"the old instance was put back in cycle "} +
+          return undone(std::string{"the old instance was put back at release "} +
                         std::to_string(exchange.cycle) + ": " + takt::to_text(exchange.error) + ": " +
                         exchange.text.c_str());
         case State::waiting:
-          return undone(swap_.ends() ? "the device is shutting down"
+          return undone(swap_.ends() ? "the device is stopping"
                                      : "the module was taken out of its table during the swap");
         case State::not_now:
           break;
@@ -53,7 +56,7 @@ class Work {
     swap_.activity.begin(swap_.index, doing, to_ns(os::now()));
     Result<void> result = std::forward<Call>(call)();
     swap_.activity.end();
-    if (result && swap_.ends()) return fail("the device is shutting down");
+    if (result && swap_.ends()) return fail("the device is stopping");
     return result;
   }
   static Result<void> naming(const char* hook, Result<void> result) {
@@ -62,11 +65,14 @@ class Work {
   }
 
   Result<void> prepare() {
-    // Loading an object again while it is loaded gives the old code, even if its file has changed since.
+    // If a shared object is already loaded, loading it again gives the old code, even if its file has
+    // changed. In this case Globals::own loads a copy of the file, and so the new code.
     const auto globals =
         os::Library::is_loaded(swap_.path) ? os::Library::Globals::own : os::Library::Globals::shared;
-    auto done = in(Doing::load, [&] {
-      auto loaded = swap_.next.load(swap_.path, globals, false);
+    auto done = in(Doing::load, [&]() -> Result<void> {
+      auto copy = open_component(swap_.path);
+      if (!copy) return copy.problems();
+      auto loaded = swap_.next.load(swap_.path, globals, false, std::move(*copy));
       if (loaded) loaded = swap_.next.match(swap_.before);
       return loaded ? swap_.connect() : loaded;
     });
@@ -85,8 +91,9 @@ class Work {
   [[nodiscard]] bool out() const {
     return swap_.block.in_tables.load(std::memory_order_relaxed) == 0 || swap_.ends();
   }
-  // Handlers and rows run on different threads. No handler is called during the exchange, so no handler works
-  // for an instance that has been replaced.
+  // Requests the exchange, and waits for the exchange and the trial. During the exchange no handler is
+  // called, although handlers and rows run on different threads. So no handler works for an instance that has
+  // been replaced.
   State carry_out(executor::Exchange& exchange) {
     State state = State::waiting;
     {
@@ -107,17 +114,19 @@ class Work {
     to.take_over_handlers(from);
     swap_.handle_by(to);
   }
-  // Waits until the exchange leaves `state`, and returns the new state. The result `waiting` means that the
-  // exchange was withdrawn; `on_trial` means that the device is ending or the node abandoned the swap.
+  // Waits until the exchange leaves `state`, and returns the new state. Returns `waiting` if the exchange was
+  // withdrawn, and `on_trial` if the executors have halted or the node has abandoned the swap.
   State wait_while(State state, const executor::Exchange& exchange) {
-    while (exchange.state.load(std::memory_order_acquire) == state) {  // SYNC: exchange
+    while (exchange.state.load(std::memory_order_acquire) == state) {  // pairs with the stores in
+                                                                       // executor.cpp
       if (state == State::waiting ? out() && swap_.threads.withdraw() : swap_.ends()) return state;
       os::sleep_until(os::now() + microseconds{500});
     }
     return exchange.state.load(std::memory_order_acquire);
   }
   // Lets the new instance save its state from now on, and waits until its first state has replaced the old
-  // one. During the trial it saved nothing, so that the old instance could have continued with its own state.
+  // one. During the trial the new instance saved nothing, so that the old instance could have continued with
+  // its own state.
   void begin_to_save() {
     const std::uint64_t number = swap_.place.whole.load(std::memory_order_relaxed);
     swap_.next.save_in(swap_.place);
@@ -125,7 +134,8 @@ class Work {
            !out())
       os::sleep_until(os::now() + microseconds{500});
   }
-  // Waits for the end of a run, because then the time until the next run is longest.
+  // Waits until the module's next run() has ended, because from then on, most time is left until the
+  // following run().
   void wait_for_run() const {
     const std::uint64_t cycles = swap_.block.cycles.load(std::memory_order_relaxed);
     while (swap_.block.cycles.load(std::memory_order_relaxed) == cycles && !out())

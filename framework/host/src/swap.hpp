@@ -1,13 +1,13 @@
 // Replaces a running module by a new instance without a missed release: `takt swap`.
 //
-// All steps that are slow or can fail happen first, while the rows go on: loading, comparing, initialize(),
-// restore() and start(). Then one exchange happens between two rows (executor/exchange.hpp). During the
-// exchange, the executor's thread hands over the state that was saved last. So the new instance misses no
-// update of the old instance.
+// All steps that are slow or can fail happen first, while the rows continue: loading, comparing,
+// initialize(), restore() and start(). Then one exchange happens between two rows (executor/exchange.hpp).
+// During the exchange, the executor's thread hands over the state that was saved last. So the new instance
+// misses no update of the old instance.
 //
-// The component itself must translate the state of another version, and a real-time thread cannot wait for
-// that. So the state is translated right after a run(). The result is used if nothing was saved in the
-// meantime; otherwise the state is translated again.
+// If the two instances save different versions of the state, restore() of the new instance must translate the
+// state, and a real-time thread cannot wait for restore(). So a background thread calls restore() right after
+// a run(). If the old instance saves a new state before the exchange, restore() is called again.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,18 @@
 
 namespace takt::host {
 
-/// The number of runs of a new instance during which an error puts the old one back.
+/// The number of run() calls in the trial of a new instance. If one of them fails, the executor puts the old
+/// instance back.
 inline constexpr std::uint64_t kTrialRuns = 10;
 
 struct Swap {
   std::uint32_t index;  ///< the module's index on its device
   const channel::ModuleBlock& block;
   ThreadModule& before;                   ///< the running instance
-  ThreadModule& next;                     ///< the new instance: attached, not loaded
+  ThreadModule& next;                     ///< the new instance; attach() has been called, but not load()
   executor::Body& body;                   ///< the body through which the executor calls `next`
   ExecutorThreads& threads;               ///< the threads of the module's executor
-  channel::SavedState& place;             ///< where the module saves
+  channel::SavedState& place;             ///< the memory in which the module saves its state
   channel::Activity& activity;            ///< the activity of the calling thread, which is not real-time
   std::string path;                       ///< the file of `next`
   irp::Property::Values properties;       ///< the current values of the module's properties
@@ -45,7 +46,7 @@ struct Swap {
 
 struct Swapped {
   bool kept = false;
-  std::string text;  ///< the first row of the new instance, or why it was not kept
+  std::string text;  ///< the first row of the new instance, or the reason why it was not kept
 };
 
 /// Carries out the swap, and waits for the exchange and the trial. If `next` is not kept, `before` continues

@@ -8,19 +8,22 @@
 #include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
 #include <takt/core/words.hpp>
+#include <takt/model/findings.hpp>
 #include <takt/model/validate.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/fork_guard.hpp>
 
 namespace takt::host {
 
 namespace {
 
-/// Gives the samples that a hook writes the time of the hook's call, because a hook has no release.
+/// Exists during a call of a hook other than run() and condition(). Samples that the hook writes get the time
+/// of the call as their stamp, because these hooks have no release.
 class InHook {
  public:
-  InHook(Instant now, Nanoseconds period) noexcept
+  InHook(Instant now, Nanoseconds period, channel::LogRing* log) noexcept
       : cycle_{.number = 0, .time = {}, .period = period, .start = now} {
-    serve_cycle(&cycle_);
+    serve_cycle(&cycle_, log);
   }
   ~InHook() { serve_cycle(nullptr); }
   InHook(const InHook&) = delete;
@@ -30,17 +33,24 @@ class InHook {
   Cycle cycle_;
 };
 
+/// Returns the problem that a component has a `what`, such as a port, with an invalid name.
+Problem wrong_name(const std::string& path, const std::string& what, const std::string& name) {
+  return fail(path + " has a " + what + " with the invalid name " + in_quotes(name), model::kNameRule);
+}
+
 }  // namespace
 
 Instant ThreadModule::now() const noexcept { return clock_ == nullptr ? os::now() : clock_->now(); }
 
-// Calls a hook, which is foreign code. An exception or a takt_fail() in the hook becomes the Result.
+// Calls a hook, which is foreign code. Converts an exception or a takt_fail() in the hook into a failure.
 template <class Call>
 Result<void> ThreadModule::guarded(Call&& call) {
   static_cast<void>(take_failure());
-  const InHook in_hook{now(), period_};
+  const InHook in_hook{now(), period_, log_ring()};
   try {
-    if (Result<void> result = std::forward<Call>(call)(); !result) return result;
+    Result<void> result = std::forward<Call>(call)();
+    os::end_forked_copy();
+    if (!result) return result;
   } catch (const std::exception& exception) {
     return fail(std::string{"threw: "} + exception.what());
   } catch (...) {
@@ -60,15 +70,16 @@ Result<void> ThreadModule::call(Function function, Arguments&&... arguments) {
 
 ThreadModule::~ThreadModule() { unload(); }
 
-Result<void> ThreadModule::load(const std::string& path, os::Library::Globals globals, bool sporadic) {
+Result<void> ThreadModule::load(const std::string& path, os::Library::Globals globals, bool sporadic,
+                                os::Fd copy) {
   unload();
   static_cast<void>(take_loose_ports());
   static_cast<void>(take_loose_properties());
   static_cast<void>(take_loose_saved());
-  auto library = os::Library::open(path, globals);
+  auto library = os::Library::open(path, globals, std::move(copy));
   if (!library) return library.problems();
   library_ = std::move(*library);
-  ports_ = take_loose_ports();  // os::Library::open() has just run their constructors
+  ports_ = take_loose_ports();  // the global ports, which os::Library::open() has just constructed
   properties_ = take_loose_properties();
 
   if (void* get_factory = library_.own_symbol("takt_component_factory"); get_factory != nullptr) {
@@ -79,9 +90,16 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
       return fail(path + " was compiled against another version of Takt", "compile it again");
     }
     auto created = guarded([this]() -> Result<void> {
+      const ConstructingComponent constructing;
       component_ = factory_->create();
       return {};
     });
+    if (!created) {
+      created = fail("the constructor of " + std::string{factory_->name} + " in " + path + " " +
+                         created.problems()[0].what,
+                     "a constructor only declares ports and properties; work that can fail belongs in "
+                     "initialize()");
+    }
     if (created) created = take_ports(path);
     if (created) created = take_properties(path);
     if (created) created = take_saved(path);
@@ -97,8 +115,8 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   const auto find = [this](auto& hook, const char* name) {
     hook = reinterpret_cast<std::remove_reference_t<decltype(hook)>>(library_.own_symbol(name));
   };
-  // A module may define `void initialize(void)` (Figure 10). With the C calling convention of Linux, the
-  // extra argument does no harm.
+  // The file may define `void initialize(void)` (Figure 10 of the paper). With the C calling convention of
+  // Linux, the extra argument does no harm.
   find(initialize_, "initialize");
   find(start_, "start");
   find(run_, "run");
@@ -131,6 +149,9 @@ Result<void> ThreadModule::take_properties(const std::string& path) {
     }
     properties_ = component_->properties();
   }
+  for (const PropertyBase* property : properties_) {
+    if (!model::is_valid_name(property->name())) return wrong_name(path, "property", property->name());
+  }
   if (Problems problems = check_declared(properties_, path); !problems.empty()) return problems;
   live_.serve(properties_, component_ != nullptr ? factory_->name : model::file_stem(path));
   return {};
@@ -138,9 +159,10 @@ Result<void> ThreadModule::take_properties(const std::string& path) {
 
 Result<void> ThreadModule::take_saved(const std::string& path) {
   if (const auto outside = take_loose_saved(); !outside.empty())
-    return fail(path + " has a Saved outside of a component",
+    return fail(path + " has a Saved<T> variable outside a component",
                 component_ != nullptr ? "make it a member: Saved<T> name{*this, 1}"
-                                      : "TAKT_SAVED(1, variable) of <takt/saved.h> is for the C form");
+                                      : "in a module with C functions, declare the variable with TAKT_SAVED(1, "
+                                        "variable) from <takt/saved.h>");
   if (component_ != nullptr) {
     const auto& saved = component_->saved();
     if (saved.size() > 1)
@@ -158,13 +180,13 @@ Result<void> ThreadModule::take_saved(const std::string& path) {
   return {};
 }
 
-// A state that another version saved goes to the component's restore(), because only the component
-// understands it.
+// Restores the state that the module's former instance saved. If the version or size differs, only the
+// component itself understands the saved state. So the component's restore() translates it.
 void ThreadModule::restore() {
   restored_.clear();
   channel::SavedState* const place = place_.load(std::memory_order_relaxed);
   if (saved_.data == nullptr || place == nullptr) return;
-  const channel::SavedState::Place* before = place->saved();
+  const channel::SavedState::Copy* before = place->saved();
   if (before == nullptr) return;
   Result<void> restored;
   if (before->version == saved_.version && before->size == saved_.size) {
@@ -268,7 +290,7 @@ Result<void> ThreadModule::follow(const ThreadModule& before) {
 
 bool ThreadModule::take_over(executor::Body& body) noexcept {
   auto& before = static_cast<ThreadModule&>(body);
-  if (stands_by_) {  // otherwise this instance is being put back, with its own state
+  if (stands_by_) {  // false if the executor puts this instance back, which then keeps its own state
     if (translated_) {
       const auto& place = *before.place_.load(std::memory_order_relaxed);
       if (place.whole.load(std::memory_order_relaxed) != *translated_) return false;
@@ -283,7 +305,7 @@ bool ThreadModule::take_over(executor::Body& body) noexcept {
   for (std::size_t i = 0; i < watched_.size(); ++i) watched_[i].late = before.watched_[i].late;
   entered_ = before.entered_;
   watched_since_ns_ = before.watched_since_ns_;
-  if (active_ != nullptr) active_->store(this, std::memory_order_release);  // SYNC: serves
+  if (active_ != nullptr) active_->store(this, std::memory_order_release);  // read by Host::instance()
   return true;
 }
 
@@ -303,14 +325,13 @@ Result<void> ThreadModule::take_ports(const std::string& path) {
   }
   for (auto port = ports_.begin(); port != ports_.end(); ++port) {
     const bool plain = (*port)->role() == PortRole::plain;
-    // Returns NAME for the ports NAME/request and NAME/reply.
+    // Returns the port's name; for a port of a service NAME (NAME/request or NAME/reply), returns NAME.
     const auto name_of = [](const PortBase& one) {
       return one.role() == PortRole::plain ? one.name() : one.name().substr(0, one.name().rfind('/'));
     };
     const std::string name = name_of(**port);
     if (!model::is_valid_name(name)) {
-      return fail(path + " has a " + to_text((*port)->role()) + " with the invalid name " + in_quotes(name),
-                  "a name is a letter or '_', then letters, digits, '_' and '-'");
+      return wrong_name(path, to_text((*port)->role()), name);
     }
     if (!plain && name.size() > model::kMaxServiceName) {
       return fail(path + " has a service or client whose name is too long: " + in_quotes(name),
@@ -349,7 +370,7 @@ PortBase* ThreadModule::port(const std::string& name) const noexcept {
   return found == ports_.end() ? nullptr : *found;
 }
 
-void ThreadModule::watch(channel::Link link, const PortBase& input, bool stale_is_error) {
+void ThreadModule::check_deadline(channel::Link link, const PortBase& input, bool stale_is_error) {
   const Nanoseconds deadline{link.block().deadline_ns};
   if (deadline <= Nanoseconds{0}) return;
   watched_.push_back({link, stale_is_error,
@@ -454,7 +475,8 @@ executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
   if (!watched_.empty()) {
     if (const char* stale = check_inputs(cycle.start); stale != nullptr) return {ErrorType::stale, stale};
   }
-  serve_cycle(&cycle);
+  static_cast<void>(take_finished());  // discards a report from a hook other than run()
+  serve_cycle(&cycle, log_ring());
   context_.start_ns = to_ns(cycle.start);
   context_.valid_ns = logical_ ? to_ns(cycle.time + cycle.period) : 0;
   context_.flight = flight_;
@@ -470,15 +492,18 @@ executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
   } catch (...) {
     report_failure("threw something that is not a std::exception");
   }
+  os::end_forked_copy();
   context_.flight = nullptr;
   serve_cycle(nullptr);
   const char* failure = take_failure();
   if (failure == nullptr) save();
-  return failure;
+  executor::Outcome outcome{failure};
+  outcome.finished = take_finished() && outcome.ok();
+  return outcome;
 }
 
 executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexcept {
-  serve_cycle(&cycle);
+  serve_cycle(&cycle, log_ring());
   context_.start_ns = to_ns(cycle.start);
   live_.take_over();
   try {
@@ -493,6 +518,7 @@ executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexc
   } catch (...) {
     report_failure("threw something that is not a std::exception");
   }
+  os::end_forked_copy();
   serve_cycle(nullptr);
   return take_failure();
 }
@@ -515,7 +541,7 @@ bool ThreadModule::serve(bool executing) {
   if (!has_handlers()) return false;
   const char* rejection = executing ? nullptr : "the module of the service is not in EXECUTING";
   handler_context_.start_ns = to_ns(now());
-  const InHook in_hook{now(), period_};
+  const InHook in_hook{now(), period_, log_ring()};
   const auto& services = component_->services();
   for (std::size_t n = services.size(); n > 0; --n) {
     if (++served_last_ >= services.size()) served_last_ = 0;

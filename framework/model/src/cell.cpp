@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 
 namespace takt::model {
@@ -107,7 +108,7 @@ std::string topic_of(const Cell& cell, const Connection& connection) {
 }
 
 namespace {
-/// The executor of a periodic module; null for sporadic and non-real modules.
+/// Returns the executor of a periodic module; null for sporadic and non-real modules.
 const Executor* executor_of_periodic(const Device& device, const Module& module) {
   if (module.operation != Operation::periodic) return nullptr;
   const auto executor =
@@ -148,6 +149,17 @@ OverrunContract contract_of(const Device& device, const Module& module) {
   return executor == nullptr ? OverrunContract{} : executor->overrun;
 }
 
+Nanoseconds hang_limit(const Module& module) {
+  using namespace std::chrono_literals;
+  if (module.hang) return *module.hang;
+  if (module.budget && module.type == ModuleType::thread) {
+    const int budgets = std::max(10, module.tolerance.times.value_or(0));
+    return std::max<Nanoseconds>(20ms, std::min<Nanoseconds>(*module.budget, 1h) * budgets);
+  }
+  const Nanoseconds own = module.period ? *module.period : module.deadline.value_or(Nanoseconds{0});
+  return 1s + 10 * std::min<Nanoseconds>(own, 6s);
+}
+
 bool stops_cell(const Device& device) {
   return std::any_of(device.modules.begin(), device.modules.end(), [&device](const Module& module) {
     return module.recovery.then == GiveUp::stop_cell ||
@@ -160,14 +172,28 @@ Timing timing_of(const Device& device, const Module& module) {
   return executor == nullptr ? Timing::direct : executor->timing;
 }
 
+bool has_log(const Module& module) {
+  return module.type == ModuleType::thread || module.operation != Operation::non_real;
+}
+
+std::string in_one_line(const std::vector<std::string>& arguments) {
+  std::string line;
+  for (const std::string& argument : arguments) {
+    const bool plain = !argument.empty() && argument.find_first_of(" \t\r\n'") == std::string::npos;
+    line += (line.empty() ? "" : " ") + (plain ? argument : in_quotes(argument));
+  }
+  return line;
+}
+
 Result<std::string> given_property(const Module& module, const std::string& name) {
-  std::string given;
+  std::vector<std::string_view> names;
   for (const PropertyValue& property : module.properties) {
     if (property.name == name) return property.value;
-    given += (given.empty() ? "" : ", ") + property.name;
+    names.emplace_back(property.name);
   }
+  if (has_log(module)) names.emplace_back(kLogLevelProperty);
   return fail("the descriptor does not set property " + in_quotes(name) + " of module " + module.name,
-              given.empty() ? "it sets no properties of this module" : "it sets " + given);
+              names.empty() ? "it sets no properties of this module" : suggestion(name, names));
 }
 
 void give_property(Module& module, const std::string& name, const std::string& value) {

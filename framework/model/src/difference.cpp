@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 
 namespace takt::model {
@@ -67,15 +68,15 @@ std::string from_to(const std::string& what, const std::string& before, const st
   return what + ": " + before + " -> " + after;
 }
 
-/// A part of a device (such as an executor), with its name and all its settings as text. Equal settings have
-/// equal texts.
+/// An executor, module or connection of a device, with its name and all its settings as text. Equal settings
+/// have equal texts.
 struct Part {
   std::string name;
   std::vector<std::pair<const char*, std::string>> facets;
 };
 
-// Each part_of() unpacks all members of its struct, so that the compiler reports a new member that is missing
-// here.
+// Each part_of() names all members of its struct in a structured binding. So if a member is added to the
+// struct, part_of() does not compile until it compares the new member, too.
 Part part_of(const Executor& executor) {
   const auto& [name, cpu, priority, rate_monotonic, wakeup, spin_share, overrun, offsets, timing, own_host,
                line] = executor;
@@ -94,8 +95,8 @@ Part part_of(const Executor& executor) {
 // Omits the filename and the properties of the module, because compare_contents() compares them.
 Part part_of(const Module& module) {
   const auto& [name, filename, type, operation, period, offset, deadline, miss, dispatch, interarrival,
-               priority, executor, budget, tolerance, overrun, recovery, retain, properties, safe, line,
-               lines] = module;
+               priority, executor, budget, tolerance, hang, overrun, recovery, retain, arguments, properties,
+               safe, line, lines] = module;
   return {"module " + name,
           {{"moduletype", to_text(type)},
            {"operationtype", to_text(operation)},
@@ -109,9 +110,11 @@ Part part_of(const Module& module) {
            {"executor", words(executor)},
            {"budget", words(budget)},
            {"budget tolerance", words(tolerance)},
+           {"hang", words(hang)},
            {"overrun", words(overrun)},
            {"recovery", words(recovery)},
            {"retain", words(retain)},
+           {"arguments", words(in_one_line(arguments))},
            {"safe", words(safe)}}};
 }
 
@@ -119,8 +122,8 @@ std::string words_of(const Endpoint& end, const Connection& connection) {
   return end.given() ? to_text(end) : "topic " + connection.topic;
 }
 
-/// The safe value that the descriptor sets for the writer of a connection. A changed safe value counts as a
-/// change of the connection, because the reader's device uses the value too.
+/// Returns the safe value that the descriptor sets for the writer of a connection, as text. A changed safe
+/// value counts as a change of the connection, because the reader's device also uses the value.
 std::string safe_of(const Cell& cell, const Endpoint& from) {
   for (const Device& device : cell.devices) {
     for (const Module& module : device.modules) {
@@ -134,8 +137,8 @@ std::string safe_of(const Cell& cell, const Endpoint& from) {
 }
 
 Part part_of(const Connection& connection, const Cell& cell) {
-  const auto& [from, to, kind, depth, reliability, deadline, lifespan, stale, topic, domain, ros2, carries,
-               line] = connection;
+  const auto& [from, to, kind, depth, depth_given, reliability, deadline, lifespan, stale, topic, domain,
+               ros2, carries, line] = connection;
   return {"connection " + words_of(from, connection) + " -> " + words_of(to, connection),
           {{"kind", to_text(kind)},
            {"depth", words(depth)},
@@ -187,8 +190,8 @@ void compare(const std::vector<Part>& before, const std::vector<Part>& after,
   }
 }
 
-// Compares the order of elements in the descriptor, because it decides which of two modules of equal priority
-// runs first, and which CPU an executor gets.
+// Adds a reason if the order of elements in the descriptor has changed. This order decides which of two
+// modules of equal priority runs first, and which CPU an executor gets.
 void compare_order(const std::vector<Part>& before, const std::vector<Part>& after, const char* what,
                    std::vector<std::string>& reasons) {
   const auto same = [](const Part& one, const Part& other) { return one.name == other.name; };
@@ -197,8 +200,12 @@ void compare_order(const std::vector<Part>& before, const std::vector<Part>& aft
     reasons.push_back(std::string{"the order of the "} + what + " has changed");
 }
 
-// Adds each changed file and property to one of two lists: changes that a running module can take, and
-// changes that require a restart of the device.
+bool can_swap(const Module& module) {
+  return module.type == ModuleType::thread && module.operation == Operation::periodic;
+}
+
+// Compares the file and the properties of a module. Adds each difference to the changes that can be made
+// while the module runs, or to the reasons for a restart of the device.
 void compare_contents(const Module& before, const Module& after, DeviceDifference& difference) {
   const bool thread = after.type == ModuleType::thread;
   const auto reason = [&](const std::string& words) {
@@ -208,17 +215,24 @@ void compare_contents(const Module& before, const Module& after, DeviceDifferenc
     const auto was = given_property(before, given.name);
     if (was && *was == given.value) continue;
     const std::string words = from_to(given.name, was ? brief(*was) : "not set", brief(given.value));
-    if (thread)
+    if (thread || given.name == kLogLevelProperty)
       difference.in_place.push_back({after.name, given.name, given.value, words});
     else
       reason(words);
   }
   for (const PropertyValue& given : before.properties) {
-    if (!given_property(after, given.name)) reason(given.name + " is no longer set");
+    if (given_property(after, given.name)) continue;
+    if (given.name == kLogLevelProperty) {
+      const std::string level = takt::to_text(kDefaultLogLevel);
+      difference.in_place.push_back(
+          {after.name, given.name, level, from_to(given.name, brief(given.value), level + ", the default")});
+    } else {
+      reason(given.name + " is no longer set");
+    }
   }
   if (before.filename == after.filename) return;
   const std::string words = from_to("file", before.filename, after.filename);
-  if (thread && after.operation == Operation::periodic)
+  if (can_swap(after))
     difference.in_place.push_back({after.name, "", after.filename, words});
   else
     reason(words);
@@ -289,6 +303,18 @@ void DeviceDifference::make_anew(const std::string& why) {
   reasons.insert(reasons.begin(), why);
   for (const ModuleChange& one : in_place) reasons.push_back("module " + one.module + ": " + one.words);
   in_place.clear();
+}
+
+void DeviceDifference::add_file(const Module& module, const std::string& file, const std::string& words) {
+  const std::string why = "module " + module.name + ": " + words;
+  if (change == Change::anew) {
+    reasons.push_back(why);
+  } else if (can_swap(module)) {
+    in_place.push_back({module.name, "", file, words});
+    change = Change::in_place;
+  } else {
+    make_anew(why);
+  }
 }
 
 std::vector<std::string> in_words(const DeviceDifference& difference) {

@@ -32,6 +32,8 @@ constexpr std::array<KindWord, kFaultKinds> kKinds{{
     {"connection-back", Severity::note},
     {"device-lost", Severity::error},
     {"device-back", Severity::note},
+    {"clocks-differ", Severity::warning},
+    {"clocks-agree", Severity::note},
     {"host-restart", Severity::error},
     {"program-restart", Severity::warning},
     {"node-start", Severity::note},
@@ -46,6 +48,11 @@ constexpr std::array<KindWord, kFaultKinds> kKinds{{
     {"refused-packet", Severity::warning},
     {"refused-authentication", Severity::warning},
     {"not-real-time", Severity::warning},
+    {"dropped-samples", Severity::warning},
+    {"log-error", Severity::error},
+    {"log-warning", Severity::warning},
+    {"log-info", Severity::note},
+    {"log-debug", Severity::note},
 }};
 
 const KindWord* kind_of(FaultKind kind) noexcept {
@@ -67,7 +74,7 @@ std::vector<std::string_view> fault_words() {
 }
 
 namespace {
-/// Lists all words, because suggestion() would list only the first 20.
+/// Returns a list of all words. suggestion() would list only the first 20.
 std::string all_words() {
   std::string list;
   for (const std::string_view word : fault_words()) list += (list.empty() ? "" : ", ") + std::string{word};
@@ -97,6 +104,10 @@ const char* to_text(Severity severity) noexcept {
 Severity severity_of(FaultKind kind) noexcept {
   const KindWord* found = kind_of(kind);
   return found == nullptr ? Severity::error : found->severity;
+}
+
+bool is_log_line(FaultKind kind) noexcept {
+  return kind >= FaultKind::log_error && kind <= FaultKind::log_debug;
 }
 
 Json to_json(const Fault& fault) {
@@ -183,14 +194,15 @@ Result<FaultFilter> filter_from(std::string_view text) {
             return fail("unknown event kind " + in_quotes(word.get<std::string>()),
                         suggestion(word.get<std::string>(), fault_words()));
           }
-          // Keep each kind only once: any participant may send this list, and every event is compared with
+          // Keep each kind only once. Any participant may send this list, and each event is compared with
           // each kind in it.
           if (std::find(filter.kinds.begin(), filter.kinds.end(), *kind) == filter.kinds.end())
             filter.kinds.push_back(*kind);
         }
       } else if (name == "since_ns" && member.is_number_integer() && !member.is_number_unsigned()) {
-        filter.since_ns = member.get<std::int64_t>();  // A negative time is before 1970: the clock was never
-                                                       // set.
+        // A negative time is before 1970. Such a time is valid, because the clock of a machine may never have
+        // been set.
+        filter.since_ns = member.get<std::int64_t>();
       } else if (name == "after" || name == "since_ns" || name == "last") {
         const auto number = whole_number(member);
         if (!number || *number > std::numeric_limits<std::int64_t>::max())

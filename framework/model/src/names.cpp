@@ -5,7 +5,7 @@
 namespace takt::model {
 
 bool is_valid_name(std::string_view name) {
-  // Does not use isalpha(), because that depends on the locale.
+  // This code does not use isalpha(), because its result depends on the locale.
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto later = [letter](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; };
   return !name.empty() && name.size() <= kMaxNameLength && letter(name[0]) &&
@@ -30,8 +30,8 @@ bool is_number_up_to(std::string_view text, int most) {
   return number <= most;
 }
 
-/// Counts the parts of a text that are separated by dots; returns 0 if a part is not valid. A text without a
-/// dot is one part.
+/// Returns the number of parts of a text that are separated by dots; 0 if is_part() is false for one of them.
+/// A text without a dot is one part.
 template <class IsPart>
 std::size_t count_parts(std::string_view text, IsPart is_part) {
   std::size_t parts = 0;
@@ -55,7 +55,7 @@ bool is_valid_host(std::string_view host) {
     return !label.empty() && label.size() <= kMaxNameLength && label.front() != '-' && label.back() != '-' &&
            std::all_of(label.begin(), label.end(), allowed);
   };
-  // A text that has only digits and dots must be a complete IPv4 address: 10.0.1 is not valid.
+  // A text of only digits and dots must be a complete IPv4 address: 10.0.1 is not a valid host.
   const bool address = std::all_of(host.begin(), host.end(), [](char c) { return is_digit(c) || c == '.'; });
   if (!address) return count_parts(host, is_label) > 0;
   return count_parts(host, [](std::string_view part) { return is_number_up_to(part, 255); }) == 4;

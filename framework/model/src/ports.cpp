@@ -1,7 +1,10 @@
 #include <takt/model/ports.hpp>
 
 #include <algorithm>
+#include <set>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -35,24 +38,24 @@ std::string fields_differ(const std::vector<Field>& first, const std::vector<Fie
   return {};
 }
 
-struct Place {
+struct ModuleIndex {
   std::size_t device;
   std::size_t module;
 };
 
-std::optional<Place> find_place(const Cell& cell, const Endpoint& end) {
+std::optional<ModuleIndex> find_index(const Cell& cell, const Endpoint& end) {
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     if (cell.devices[d].name != end.device) continue;
     for (std::size_t m = 0; m < cell.devices[d].modules.size(); ++m) {
-      if (cell.devices[d].modules[m].name == end.module) return Place{d, m};
+      if (cell.devices[d].modules[m].name == end.module) return ModuleIndex{d, m};
     }
   }
   return std::nullopt;
 }
 
-const std::vector<Port>* known(const CellPorts& ports, const Place& place) {
-  if (place.device >= ports.size() || place.module >= ports[place.device].size()) return nullptr;
-  const ModulePorts& of = ports[place.device][place.module];
+const std::vector<Port>* known(const CellPorts& ports, const ModuleIndex& index) {
+  if (index.device >= ports.size() || index.module >= ports[index.device].size()) return nullptr;
+  const ModulePorts& of = ports[index.device][index.module];
   return of ? &*of : nullptr;
 }
 
@@ -88,9 +91,9 @@ class Check {
   }
 
   const Port* check_end(const Endpoint& end, bool output, Line line) {
-    const auto place = find_place(cell_, end);
-    if (!place) return nullptr;
-    const std::vector<Port>* ports = known(ports_, *place);
+    const auto index = find_index(cell_, end);
+    if (!index) return nullptr;
+    const std::vector<Port>* ports = known(ports_, *index);
     if (ports == nullptr) return nullptr;
     const std::string module = end.device + "." + end.module;
     std::vector<std::string_view> names;
@@ -127,7 +130,25 @@ class Check {
     return &*found;
   }
 
+  /// Returns true if this end of a connection is an existing output (`output` true) or an existing input
+  /// (`output` false).
+  bool is_port(const Endpoint& end, bool output) const {
+    const auto index = find_index(cell_, end);
+    const std::vector<Port>* ports = index ? known(ports_, *index) : nullptr;
+    return ports != nullptr && std::any_of(ports->begin(), ports->end(), [&](const Port& p) {
+             return p.role == Role::plain && p.name == end.port && (p.direction == Direction::out) == output;
+           });
+  }
+
   void check(const Connection& connection) {
+    if (connection.from.given() && connection.to.given() && is_port(connection.from, false) &&
+        is_port(connection.to, true)) {
+      add(connection.line,
+          "the connection goes from input " + written(connection.from) + " to output " +
+              written(connection.to),
+          "a connection goes from an output to an input: swap 'from' and 'to'");
+      return;
+    }
     const Port* from = connection.from.given() ? check_end(connection.from, true, connection.line) : nullptr;
     const Port* to = connection.to.given() ? check_end(connection.to, false, connection.line) : nullptr;
     if (connection.ros2) {
@@ -148,15 +169,15 @@ class Check {
     }
   }
 
-  /// The request port and the reply port at one end of a service. Both are null if the module has no service
+  /// The request port and the reply port of a service or client. Both are null if the module has no service
   /// or client with this name, or if its ports are not known.
   struct Halves {
     const Port* request = nullptr;
     const Port* reply = nullptr;
   };
   Halves check_service_end(const Endpoint& end, bool client, const Line& line) {
-    const auto place = find_place(cell_, end);
-    const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
+    const auto index = find_index(cell_, end);
+    const std::vector<Port>* ports = index ? known(ports_, *index) : nullptr;
     if (ports == nullptr) return {};
     const char* kind = client ? "client" : "service";
     const std::string module = end.device + "." + end.module;
@@ -196,7 +217,7 @@ class Check {
     const Halves server = check_service_end(service.server, false, service.line);
     if (client.request == nullptr || server.request == nullptr) return;
     const auto compare = [&](const char* what, const Type& of_client, const Type& of_server) {
-      // Returns the type that the component's author wrote in IDL, without the fields that Takt adds.
+      // Returns the type that the component's author wrote in IDL. Takt adds fields around this type.
       const auto inner = [](const Type& type) {
         const auto found = std::find_if(type.fields.begin(), type.fields.end(),
                                         [](const Field& field) { return field.scalar == Scalar::structure; });
@@ -232,8 +253,8 @@ class Check {
     for (const Device& device : cell_.devices) {
       for (const Module& module : device.modules) {
         if (module.dispatch != Dispatch::immediate) continue;
-        const auto place = find_place(cell_, {device.name, module.name, {}});
-        const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
+        const auto index = find_index(cell_, {device.name, module.name, {}});
+        const std::vector<Port>* ports = index ? known(ports_, *index) : nullptr;
         if (ports == nullptr) continue;
         const Line line = module.lines.dispatch.given() ? module.lines.dispatch : module.line;
         const bool has_event = std::any_of(ports->begin(), ports->end(),
@@ -263,8 +284,8 @@ class Check {
   }
 
   const Port* safe_output(const Device& device, const Module& module, const SafeValue& safe) {
-    const auto place = find_place(cell_, {device.name, module.name, {}});
-    const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
+    const auto index = find_index(cell_, {device.name, module.name, {}});
+    const std::vector<Port>* ports = index ? known(ports_, *index) : nullptr;
     if (ports == nullptr) return nullptr;
     std::vector<std::string_view> names;
     bool is_input = false;
@@ -308,7 +329,7 @@ std::optional<Direction> direction_of(std::string_view text) {
   return std::nullopt;
 }
 
-/// An empty text stands for Role::plain.
+/// Returns the role with this name. An empty text means Role::plain.
 std::optional<Role> role_of(std::string_view text) {
   if (text.empty()) return Role::plain;
   for (const Role role : {Role::plain, Role::service, Role::handler, Role::client}) {
@@ -389,7 +410,8 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
       port.direction = *direction;
       port.role = *role;
       port.type = std::move(*type);
-      // A component gives the safe value as a string of hex digits; ports_json() writes it as a JSON object.
+      // A component gives the safe value as hexadecimal digits; ports_json() writes it as a JSON object. This
+      // function accepts both.
       if (const auto safe = each.find("safe"); safe != each.end() && safe->is_object())
         port.safe = json_text(*safe);
       else
@@ -402,8 +424,8 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
 }
 
 const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& end) {
-  const auto place = find_place(cell, end);
-  const std::vector<Port>* of = place ? known(ports, *place) : nullptr;
+  const auto index = find_index(cell, end);
+  const std::vector<Port>* of = index ? known(ports, *index) : nullptr;
   if (of == nullptr) return nullptr;
   const auto found =
       std::find_if(of->begin(), of->end(), [&](const Port& port) { return port.name == end.port; });
@@ -411,6 +433,56 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
 }
 
 Problems check_connections(const Cell& cell, const CellPorts& ports) { return Check{cell, ports}.run(); }
+
+Problems doubtful_connections(const Cell& cell, const CellPorts& ports) {
+  Problems warnings;
+  const auto warn = [&](const Connection& connection, std::string what, std::string fix) {
+    warnings.push_back(problem_at(cell.texts(), connection.line, std::move(what), std::move(fix)));
+  };
+  for (const Connection& connection : cell.connections) {
+    if (connection.carries != Carries::samples) continue;
+    if (connection.kind == ConnectionKind::queue) {
+      if (connection.depth_given) continue;
+      warn(connection,
+           "the queue " +
+               (connection.to.given() ? "to " + written(connection.to) : "from " + written(connection.from)) +
+               " has no depth, so it holds 1 sample: a new sample replaces one that was not read yet",
+           "write depth=\"8\" to keep up to 8 samples, or depth=\"1\" if one is enough");
+      continue;
+    }
+    const Port* to = find_port(cell, ports, connection.to);
+    if (to == nullptr || to->direction != Direction::event) continue;
+    warn(connection,
+         "the connection to event port " + written(connection.to) +
+             " holds only the latest value, so a new event replaces an event that the module has not read "
+             "yet",
+         "write kind=\"queue\" depth=\"8\" to keep up to 8 events");
+  }
+  return warnings;
+}
+
+std::vector<UnconnectedInputs> unconnected_inputs(const Cell& cell, const CellPorts& ports) {
+  std::set<std::tuple<std::string_view, std::string_view, std::string_view>> connected;
+  for (const Connection& c : cell.connections) connected.insert({c.to.device, c.to.module, c.to.port});
+  std::vector<UnconnectedInputs> all;
+  for (std::size_t d = 0; d < cell.devices.size(); ++d) {
+    const Device& device = cell.devices[d];
+    for (std::size_t m = 0; m < device.modules.size(); ++m) {
+      const Module& module = device.modules[m];
+      const std::vector<Port>* of_module = known(ports, {d, m});
+      if (of_module == nullptr) continue;
+      UnconnectedInputs found{device.name + "." + module.name, module.line, {}};
+      for (const Port& port : *of_module) {
+        const bool client = port.role == Role::client;
+        if (port.direction == Direction::out || (port.role != Role::plain && !client)) continue;
+        if (connected.contains({device.name, module.name, port.name})) continue;
+        found.names.push_back((client ? "client " : "") + name_of_service(port));
+      }
+      if (!found.names.empty()) all.push_back(std::move(found));
+    }
+  }
+  return all;
+}
 
 std::string spelled(const Field& field) {
   std::string text = field.type_name.empty() ? to_text(field.scalar) : field.type_name;

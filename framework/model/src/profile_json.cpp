@@ -34,19 +34,19 @@ class ProfileReader {
 
  private:
   void add(int line, std::string what, std::string fix) {
-    problems_.push_back({takt::place(file_, line), std::move(what), std::move(fix)});
+    problems_.push_back({takt::location(file_, line), std::move(what), std::move(fix)});
   }
   [[nodiscard]] int line_at(std::size_t offset) const {
     const auto before = text_.substr(0, offset);
     return 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
   }
-  /// The line on which a key first occurs in the text; 1 if the key is written with escapes.
+  /// Returns the line on which a key first occurs in the text; 1 if the key is written with escapes.
   [[nodiscard]] int line_of(const std::string& key) const {
     const std::size_t found = text_.find('"' + key + '"');
     return found == std::string_view::npos ? 1 : line_at(found);
   }
   void read_module(const std::string& name, const Json& value);
-  /// Reads a whole number from 0 to 2^63 - 1. Reports any other value as a problem and returns 0.
+  /// Returns `value` if it is a whole number from 0 to 2^63 - 1. Otherwise reports a problem and returns 0.
   std::int64_t number(const std::string& module, const Json& value, const char* key);
   void reject_unknown(const Json& object, const std::vector<std::string_view>& known,
                       const std::string& whose, int line);

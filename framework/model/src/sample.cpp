@@ -26,7 +26,8 @@ std::size_t product(const std::vector<std::size_t>& dimensions) noexcept {
   return result;
 }
 
-/// Calls `f` with a zero in the C++ type of the scalar. Returns false if the scalar is not a number.
+/// Calls `f` with a zero of the C++ type that belongs to the scalar. Returns false, without a call, if the
+/// scalar is not a number.
 template <class F>
 bool with_number(Scalar scalar, F f) {
   switch (scalar) {
@@ -69,7 +70,7 @@ bool with_number(Scalar scalar, F f) {
 
 void check(const std::vector<Field>& fields, CdrReader& from) noexcept;
 
-/// Checks n consecutive values of the same field.
+/// Checks `n` consecutive values of a field.
 void check(const Field& field, std::size_t n, CdrReader& from) noexcept {
   if (with_number(field.scalar, [&](auto zero) { static_cast<void>(from.take_array(sizeof zero, n)); }))
     return;
@@ -154,7 +155,8 @@ class Printer {
         text += from_.get_boolean() ? "true" : "false";
         break;
       case Scalar::character: {
-        // Interpret the byte as Latin-1, in which every byte value is a character.
+        // JSON has no bytes. So write the byte as a Latin-1 character, because in Latin-1 every byte value is
+        // a character.
         const auto byte = from_.get<unsigned char>();
         quoted(byte < 0x80 ? std::string(1, static_cast<char>(byte))
                            : std::string{static_cast<char>(0xC0 | byte >> 6),
@@ -185,8 +187,8 @@ class Filler {
  public:
   explicit Filler(CdrWriter& to) : to_(to) {}
 
-  /// Writes the fields of a structure from a JSON object. A null stands for a missing value, which becomes
-  /// zero.
+  /// Writes the fields of a structure from a JSON object. Fields that the object omits, or whose value is
+  /// null, become zero.
   void structure(const std::vector<Field>& fields, const Json& json, const std::string& where) {
     if (!json.is_null() && !json.is_object()) problem(where, json, R"(write an object, {"field": value})");
     if (json.is_object()) unknown(fields, json, where);

@@ -29,8 +29,8 @@ constexpr std::array<const char*, 15> kWords{
 /// depends only on this offset.
 using Span = std::array<std::size_t, 8>;
 
-/// Stands for every larger size. It exceeds every limit, and it is small enough that sums of sizes do not
-/// overflow.
+/// Stands for this size and all larger ones. It exceeds every limit, and it is small enough that sums of
+/// sizes do not overflow.
 constexpr std::size_t kTooMany = 4 * kMaxSampleSize;
 
 Span both(const Span& first, const Span& second) {
@@ -135,7 +135,7 @@ class TypeReader {
 
  private:
   void problem(const std::string& where, std::string what, std::string fix) {
-    // Report at most 100 problems; an author does not need more.
+    // An author does not need more than 100 problems of one type.
     if (problems.size() < 100)
       problems.push_back({where.empty() ? "the type" : where, std::move(what), std::move(fix)});
   }
@@ -281,7 +281,7 @@ class TypeReader {
   }
 
   std::size_t fields_ = 0;
-  int sequences_ = 0;  // The number of sequences that contain the current field.
+  int sequences_ = 0;  // the number of sequences that contain the present field
 };
 
 Json fields_json(const std::vector<Field>& fields) {

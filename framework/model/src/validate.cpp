@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/findings.hpp>
 #include "validate_network.hpp"
@@ -35,6 +36,8 @@ class Validation {
   void check_module(const Module& module, const Device& device, const OfDevice& gaps);
   void check_times(const Module& module);
   void check_release(const Module& module);
+  void check_arguments(const Module& module);
+  void check_log_level(const Module& module);
   void check_executor_of(const Module& module, const Device& device, const OfDevice& gaps);
 
   const Cell& cell_;
@@ -42,8 +45,8 @@ class Validation {
   Findings& findings_;
 };
 
-/// Checks the names of a list of elements. Returns false if a name is not valid; references to that name then
-/// cannot be checked.
+/// Checks that the names of all elements in a list are valid and unique. Returns false if a name is not
+/// valid; then references to that element cannot be checked.
 template <class Named>
 bool Validation::check_names(const char* kind, const std::vector<Named>& all, const std::string& owner) {
   bool all_valid = true;
@@ -70,7 +73,7 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
     if (!is_valid_name(module.name)) {
       gaps.modules = true;
       if (from_file && module.filename.empty()) {
-        continue;  // an empty filename is reported elsewhere
+        continue;  // check_module() reports an empty filename
       } else if (from_file) {
         add(line, in_quotes(module.name) + ", taken from the filename, is not a valid module name",
             std::string{"give the module a <name>; "} + kNameRule);
@@ -105,14 +108,16 @@ void Validation::check_times(const Module& module) {
   const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
   const Line period_line = or_module(module.lines.period);
   const Line deadline_line = or_module(module.lines.deadline);
-  const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time, Line line) {
-    if (!time || time->count() > 0) return;
+  const auto at_least = [&](Nanoseconds least, const char* what, const std::optional<Nanoseconds>& time,
+                            Line line) {
+    if (!time || *time >= least) return;
     add(line, "module " + name + " has a " + what + " of " + std::to_string(time->count()) + " ns",
-        std::string{"a "} + what + " must be a whole number of nanoseconds, at least 1");
+        std::string{"a "} + what + " must be a whole number of nanoseconds, at least " +
+            std::to_string(least.count()));
   };
-  positive("period", module.period, period_line);
-  positive("deadline", module.deadline, deadline_line);
-  positive("budget", module.budget, or_module(module.lines.budget));
+  at_least(kMinPeriod, "period", module.period, period_line);
+  at_least(Nanoseconds{1}, "deadline", module.deadline, deadline_line);
+  at_least(Nanoseconds{1}, "budget", module.budget, or_module(module.lines.budget));
 
   if (module.offset && module.operation != Operation::periodic) {
     add(or_module(module.lines.offset),
@@ -141,6 +146,13 @@ void Validation::check_times(const Module& module) {
   };
   tolerated("times", module.tolerance.times);
   tolerated("in-a-row", module.tolerance.in_a_row);
+  const int budgets = std::max(1, module.tolerance.times.value_or(1));
+  if (module.hang && module.budget && *module.hang / budgets <= *module.budget) {
+    add(or_module(module.lines.budget),
+        "a run of " + name + " hangs after " + takt::to_text(*module.hang) + ", but may take " +
+            (budgets == 1 ? "" : std::to_string(budgets) + " times ") + takt::to_text(*module.budget),
+        "set hang to more nanoseconds than the budget allows, or remove it");
+  }
 
   switch (module.operation) {
     case Operation::periodic:
@@ -180,7 +192,8 @@ void Validation::check_times(const Module& module) {
   }
 }
 
-/// Rejects elements that only a sporadic module may have, and <retain> on a non-real process.
+/// Checks the interarrival time and <retain> of a module, and rejects elements that only a sporadic module
+/// may have.
 void Validation::check_release(const Module& module) {
   const std::string name = in_quotes(module.name);
   const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
@@ -206,10 +219,47 @@ void Validation::check_release(const Module& module) {
     add(or_module(module.lines.interarrival), kind + " has an <interarrival>",
         "remove the <interarrival>, or make the module sporadic" + reason);
   }
-  // A deadline of such a module is already an error in check_times().
+  // If the module has a deadline, check_times() has already rejected the deadline, so do not also report
+  // `miss`.
   if (module.miss != Miss::count && !module.deadline) {
     add(module.line, kind + " has a reaction to a missed deadline, but no deadline",
         "remove miss, or make the module sporadic");
+  }
+}
+
+void Validation::check_arguments(const Module& module) {
+  if (module.arguments.empty()) return;
+  const Line line = module.lines.arguments.given() ? module.lines.arguments : module.line;
+  const std::string name = in_quotes(module.name);
+  if (module.type == ModuleType::thread) {
+    add(line, "thread module " + name + " has <arguments>",
+        "use <property>: only a program, a process module, has arguments");
+  }
+  if (module.arguments.size() > kMaxArguments) {
+    add(line, "module " + name + " has " + std::to_string(module.arguments.size()) + " arguments",
+        "at most " + std::to_string(kMaxArguments) + " arguments are allowed");
+  }
+  for (const std::string& argument : module.arguments) {
+    if (argument.size() > kMaxArgument) {
+      add(line, "module " + name + " has an argument of " + std::to_string(argument.size()) + " bytes",
+          "at most " + std::to_string(kMaxArgument) + " bytes are allowed");
+    } else if (argument.find('\0') != std::string::npos) {
+      add(line, "an argument of module " + name + " contains a zero byte", "remove the zero byte");
+    }
+  }
+}
+
+void Validation::check_log_level(const Module& module) {
+  for (const PropertyValue& property : module.properties) {
+    if (property.name != kLogLevelProperty) continue;
+    const std::string name = "module " + in_quotes(module.name);
+    if (!has_log(module)) {
+      add(property.line,
+          name + " is a program without releases, which has no log, but sets property 'log-level'",
+          "remove the property, and let the program print its lines");
+    } else if (const auto level = log_level_from(property.value); !level) {
+      add(property.line, name + ": " + level.problems()[0].what, level.problems()[0].fix);
+    }
   }
 }
 
@@ -265,7 +315,9 @@ void Validation::check_module(const Module& module, const Device& device, const 
         "module " + in_quotes(module.name) + " has a backoff of " + takt::to_text(recovery.backoff),
         "backoff must be from 0 to 3600000000000 ns (1 h)");
   }
+  check_arguments(module);
   check_names("property", module.properties, " of module " + in_quotes(module.name));
+  check_log_level(module);
   check_names("port", module.safe, " in <safe> of module " + in_quotes(module.name));
 }
 
@@ -287,8 +339,8 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
     gaps.executors = true;
   check_module_names(device, gaps);
   if (device.executors.size() > kMaxExecutors)
-    gaps.executors = true;  // with so many executors, looking up the executor of every module would take
-                            // hours
+    // Do not look up the executor of every module: with so many executors, this would take hours.
+    gaps.executors = true;
   for (const Executor& executor : device.executors) check_executor(executor);
   for (const Module& module : device.modules) {
     if (findings_.full()) return;

@@ -12,7 +12,8 @@ namespace takt::model {
 
 namespace {
 
-/// Returns true if the name consists of words separated by single slashes.
+/// Returns true if the name is a ROS 2 topic name without its leading slash: words separated by single
+/// slashes.
 bool is_ros2_name(std::string_view name) {
   bool begins = true;
   for (const char c : name) {
@@ -26,13 +27,14 @@ bool is_ros2_name(std::string_view name) {
 
 constexpr const char* kTopicRule = "a topic name has 1 to 255 printable ASCII characters and no spaces";
 
-/// Returns the fix of a problem for an unknown name.
+/// Returns the fix for an unknown name: a similar known name or, if no name is known, to add an element.
 std::string choose(const char* kind, std::string_view wrong, const std::vector<std::string_view>& names) {
   if (names.empty()) return std::string{"add a <"} + kind + "> with this name";
   return suggestion(wrong, names);
 }
 
-/// Returns true if the end was omitted; false if only some of its parts are missing.
+/// Returns true if the descriptor omits this end of a connection. An end with at least one part is not
+/// omitted.
 bool is_missing(const Endpoint& end) { return end.device.empty() && end.module.empty() && end.port.empty(); }
 
 using Key = std::tuple<const std::string&, const std::string&, const std::string&>;
@@ -51,11 +53,11 @@ class Network {
   void check_services();
 
  private:
-  /// The names of the modules on all devices with the same name. Duplicate devices are reported elsewhere,
-  /// but references to their modules are accepted.
+  /// The modules of all devices with one name. check_names() reports a second device with the same name, but
+  /// references to the modules of either device are accepted.
   struct Known {
     bool gaps = false;
-    std::vector<std::string_view> modules{};  // names in the order of the descriptor
+    std::vector<std::string_view> modules{};  // in the order of the descriptor
     std::set<std::string_view> sorted{};
   };
 
@@ -63,7 +65,7 @@ class Network {
     findings_.add(line, std::move(what), std::move(fix));
   }
   [[nodiscard]] bool full() const { return findings_.full(); }
-  /// The DDS domain of a connection's topic.
+  /// Returns the DDS domain of a connection's topic.
   [[nodiscard]] int domain_of(const Connection& connection) const {
     return connection.domain.value_or(cell_.domain);
   }
@@ -150,7 +152,8 @@ void Network::check_server() {
       choose("device", cell_.server_device, names));
 }
 
-/// Checks an endpoint. Returns false if the connection cannot be compared with others because of it.
+/// Checks one end of a connection or service. Returns false if the end is invalid; the caller then does not
+/// compare this connection with others.
 bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line line) {
   if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
     add(line, "attribute " + in_quotes(side) + " is not valid: " + in_quotes(to_text(endpoint)),
@@ -169,10 +172,19 @@ bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line li
   }
   const Known& known = found->second;
   if (known.sorted.count(endpoint.module) > 0 || known.gaps) return true;
+  std::string fix = choose("module", endpoint.module, known.modules);
+  const std::string_view meant = nearest(endpoint.module, known.modules);
+  for (const Device& device : cell_.devices) {
+    if (meant.empty() || device.name != endpoint.device) continue;
+    for (const Module& module : device.modules) {
+      if (module.name == meant && !module.lines.name.given())
+        fix += " The module " + findings_.whereabouts(module.line) + " has this name from its <filename>";
+    }
+  }
   add(line,
       "attribute " + in_quotes(side) + " names the unknown module " + in_quotes(endpoint.module) +
           " of device " + in_quotes(endpoint.device),
-      choose("module", endpoint.module, known.modules));
+      std::move(fix));
   return false;
 }
 
@@ -234,7 +246,8 @@ void Network::check_ros2_topic(const Connection& connection) {
   }
 }
 
-/// Checks both ends of a connection. Returns false if the connection cannot be compared with others.
+/// Checks both ends of a connection. Returns false if one of them is wrong, so that the connection cannot be
+/// compared with other connections.
 bool Network::check_ends(const Connection& connection) {
   const bool from_missing = is_missing(connection.from);
   const bool to_missing = is_missing(connection.to);
@@ -275,9 +288,11 @@ bool Network::check_ends(const Connection& connection) {
   return true;
 }
 
-/// Checks that an input that holds one latest value has exactly one writer, inside or outside the cell.
+/// Checks that no connection is written twice, and that each input that holds one latest value has only one
+/// writer.
 void Network::check_writers(const Connections& connections) {
-  // Two connections between the same two ports are duplicates even if their topics differ.
+  // The key of a connection. Connections between the same two ports are duplicates even if their topics
+  // differ.
   using Same = std::tuple<Key, Key, std::string_view, int>;
   std::map<Same, const Connection*> same;
   std::map<Key, const Connection*> writer;
@@ -311,20 +326,21 @@ void Network::check_writers(const Connections& connections) {
   }
 }
 
-/// Checks the topics that are read as a latest value. A reader of a topic receives samples from all writers
-/// of the topic, so such a topic needs a single writer.
+/// Checks that each topic that is read as a latest value has only one writer, because a reader of a topic
+/// receives the samples of all its writers.
 void Network::check_shared_topics(const Connections& connections) {
   struct Writers {
     const Connection* first = nullptr;
-    const Connection* other = nullptr;  // the first connection whose writer is another port
+    // The first connection whose writer is a port other than that of `first`.
+    const Connection* other = nullptr;
   };
   std::map<std::pair<std::string_view, int>, Writers> topics;
-  const auto place = [&](const Connection& connection) {
+  const auto topic_of = [&](const Connection& connection) {
     return std::pair{std::string_view{connection.topic}, domain_of(connection)};
   };
   for (const Connection* connection : connections) {
     if (connection->topic.empty() || is_missing(connection->from)) continue;
-    Writers& writers = topics[place(*connection)];
+    Writers& writers = topics[topic_of(*connection)];
     if (writers.first == nullptr) {
       writers.first = connection;
     } else if (writers.other == nullptr && key(writers.first->from) != key(connection->from)) {
@@ -335,7 +351,7 @@ void Network::check_shared_topics(const Connections& connections) {
     if (full()) return;
     if (connection->topic.empty() || is_missing(connection->to)) continue;
     if (connection->kind != ConnectionKind::latest) continue;
-    const auto found = topics.find(place(*connection));
+    const auto found = topics.find(topic_of(*connection));
     if (found == topics.end() || found->second.other == nullptr) continue;
     const Writers& writers = found->second;
     add(connection->line,
@@ -346,13 +362,13 @@ void Network::check_shared_topics(const Connections& connections) {
   }
 }
 
-/// Finds cycles of connections with stale="error". A module in error writes no samples. If every module of a
-/// cycle is in error because it waits for a value of the next one, none of them can recover.
+/// Finds cycles of connections with stale="error". A module in error writes no samples. If each module of a
+/// cycle is in error because it waits for a value of the next module, none of them can recover.
 void Network::check_waiting(const Connections& connections) {
   using Name = std::pair<std::string_view, std::string_view>;
   struct Reader {
     std::vector<const Connection*> waits_for;
-    std::size_t next = 0;  // in waits_for
+    std::size_t next = 0;  // index in waits_for of the next connection to follow
     bool entered = false;
     bool left = false;
   };
@@ -434,7 +450,7 @@ bool Network::check_service_end(const Endpoint& end, const char* side, Line line
   return false;
 }
 
-/// Checks the services. A client has only one server, but a service may have many clients.
+/// Checks the services. A client must have only one server; a service may have many clients.
 void Network::check_services() {
   if (cell_.services.size() > kMaxConnections) {
     add(cell_.line, "the cell has more than 100000 services", "split it into several cells");
@@ -463,8 +479,8 @@ void Network::check_services() {
           "remove one; the first is " + findings_.whereabouts(other->second->line));
       continue;
     }
-    // Check only the topic of the requests, because its name is longer than the name of the topic of the
-    // replies. Both topics are named after the client.
+    // Both topics are named after the client, and the name of the request topic is longer than that of the
+    // reply topic. So if the request topic is not too long, the reply topic is not too long either.
     Endpoint request = service.client;
     request.port += kRequestPort;
     const Connection requests{

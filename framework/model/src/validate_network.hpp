@@ -1,4 +1,4 @@
-// The rules for connections, services and discovery. They concern more than one device.
+// The rules for connections, services and discovery, which may concern several devices.
 #pragma once
 
 #include <takt/model/cell.hpp>
@@ -7,8 +7,8 @@
 
 namespace takt::model {
 
-/// Checks the rules for connections, services and discovery; validate() calls it. `gaps.of_device` must have
-/// an entry for every device.
+/// Checks the rules for connections, services and discovery. validate() calls this function. `gaps.of_device`
+/// must have an entry for every device.
 void validate_network(const Cell& cell, const Gaps& gaps, Findings& findings);
 
 }  // namespace takt::model

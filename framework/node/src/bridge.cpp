@@ -34,7 +34,8 @@ json duration(const std::optional<Nanoseconds>& value) {
   return value ? json(value->count()) : json(nullptr);
 }
 
-// Sends the data type of a flow in the form of a port that has this type.
+// Converts a flow to JSON. Because only ports have a JSON form, the flow's data type is written as the type
+// of a port.
 json to_json(const dds::Flow& flow) {
   model::Port port;
   port.name = "port";
@@ -60,8 +61,9 @@ Result<dds::Flow> flow_from(const json& value) {
 }
 
 json to_json(const wire::FlowHealth& health) {
-  return {{"matched", health.matched}, {"samples", health.samples},   {"lost", health.lost},
-          {"refused", health.refused}, {"failures", health.failures}, {"incompatible", health.incompatible}};
+  return {{"matched", health.matched},          {"samples", health.samples}, {"lost", health.lost},
+          {"refused", health.refused},          {"untimed", health.untimed}, {"failures", health.failures},
+          {"incompatible", health.incompatible}};
 }
 
 wire::FlowHealth health_from(const json& value) {
@@ -69,11 +71,12 @@ wire::FlowHealth health_from(const json& value) {
           .samples = value.at("samples"),
           .lost = value.at("lost"),
           .refused = value.at("refused"),
+          .untimed = value.at("untimed"),
           .failures = value.at("failures"),
           .incompatible = value.at("incompatible")};
 }
 
-/// Does the work of the bridge process: holds the memory of the links, and the gateway that uses this memory.
+/// The work of the bridge process. Holds the memory of the links, and the gateway that uses this memory.
 class BridgeProgram {
  public:
   Result<void> open(const json& request, const std::vector<std::string>& interfaces) {
@@ -132,7 +135,7 @@ class BridgeProgram {
 
   std::vector<os::SharedMemory> memories_;
   std::shared_ptr<dds::Participant> participant_;
-  std::unique_ptr<dds::Gateway> gateway_;  // must be declared after the memory that it uses
+  std::unique_ptr<dds::Gateway> gateway_;  // declared after memories_, so that it is destroyed before them
   std::vector<dds::Gateway::FlowId> flows_;
 };
 
@@ -196,8 +199,8 @@ void Bridge::step(Instant now) {
   while (const auto text = socket_.receive()) handle(*text);
   const std::string name = "the bridge to domain " + std::to_string(options_.domain);
   if (const auto end = child_.poll()) {
-    // The bridge may have been asleep when it ended. Its bit in the wake word is cleared, so that writers no
-    // longer try to wake it.
+    // The bridge process may have been asleep when it ended. Clear its bit in the wake word, so that writers
+    // no longer try to wake the process.
     auto& wake_word = *reinterpret_cast<channel::WakeWord*>(options_.wake_word->data());
     wake_word.gateway_sleeps.fetch_and(~(1U << options_.place), std::memory_order_seq_cst);
     for (wire::FlowHealth& health : health_) health.matched = 0;

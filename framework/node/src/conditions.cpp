@@ -2,17 +2,21 @@
 
 #include <algorithm>
 
+#include <takt/model/validate.hpp>
 #include <takt/os/waker.hpp>
 
 namespace takt::node {
 
 namespace {
 
-// Returns the longest delay between a release and its row that this executor can absorb.
+// Returns the longest delay of a wake-up that does no harm to this executor. A hybrid executor wakes up early
+// by its margin, so a row is late only if the delay is longer than the margin. A row that is late by a tenth
+// of the period does no harm. A row of an executor that sleeps may be late by half of the period, and an
+// executor that spins needs no wake-up.
 Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_period) {
   switch (executor.wakeup) {
     case model::Wakeup::hybrid:
-      return os::margin_cap(basic_period, executor.spin_share);
+      return os::margin_cap(basic_period, executor.spin_share) + basic_period / 10;
     case model::Wakeup::sleep:
       return basic_period / 2;
     case model::Wakeup::spin:
@@ -21,16 +25,13 @@ Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_per
   return Nanoseconds::max();
 }
 
-// With a shorter period, no row could end before the next row is due.
-constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
-
 std::string kept_of(const os::Throttling& throttling) {
   const std::string of =
       throttling.period == std::chrono::seconds{1} ? "each second" : "each " + to_text(throttling.period);
   return to_text(throttling.kept) + " of " + of;
 }
 
-// Formats a measured time with three significant digits.
+// Formats a measured time, cut off to three significant digits.
 std::string about(Nanoseconds time) {
   Nanoseconds unit{1};
   while (time / unit >= 1000) unit *= 10;
@@ -63,7 +64,7 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
                          "; use wakeup=\"hybrid\", or run " + throttling_cure(*throttling));
     }
     if (executor.wakeup == model::Wakeup::spin) continue;
-    if (basic < kShortest) {
+    if (basic < model::kMinPeriod) {
       warnings.push_back(
           "executor " + executor.name + " has a basic period of " + to_text(basic) +
           ", the greatest common divisor of its periods and offsets: no machine is that fast, and most "
@@ -74,9 +75,11 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
                          to_text(conditions.timer_resolution) +
                          "; boot a kernel with CONFIG_HIGH_RES_TIMERS and without highres=off");
     } else if (conditions.wake_ups.p50 > allowed_delay(executor, basic)) {
-      warnings.push_back("this machine usually wakes a thread " + about(conditions.wake_ups.p50) +
-                         " late, too late for executor " + executor.name + " with its period of " +
-                         to_text(basic) + "; use wakeup=\"spin\" or a longer period, and run takt doctor");
+      warnings.push_back("this machine woke threads about " + about(conditions.wake_ups.p50) +
+                         " late when the node started (median of " +
+                         std::to_string(conditions.wake_ups.count) + " tries), too late for executor " +
+                         executor.name + " with its period of " + to_text(basic) +
+                         "; run takt doctor to find the cause, or use wakeup=\"spin\" or a longer period");
     }
   }
   if (!conditions.memory_locked && conditions.swap_bytes > 0)
@@ -88,13 +91,13 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
 
 std::optional<std::string> throttled(const model::Executor& executor, Nanoseconds gap,
                                      const os::Throttling& throttling) {
-  // The measured gap may be a little shorter than the throttling. It may also be longer, because other
-  // threads may run before the executor.
+  // The measured gap may be a little shorter than the time for which the kernel throttles. It may also be
+  // longer, because other threads may run before the executor.
   const bool about_as_long = gap >= throttling.kept * 9 / 10 && gap <= throttling.kept * 3 / 2;
   if (!throttling.on() || !about_as_long) return std::nullopt;
   const bool spins = executor.wakeup == model::Wakeup::spin;
-  // An executor that sleeps may have lost the CPU to something else, such as a virtual machine's host or
-  // firmware.
+  // For an executor that sleeps, the text says "possibly", because something else may have taken the CPU,
+  // such as firmware or the host of this virtual machine.
   return "executor " + executor.name + " lost its CPU for " + about(gap) + ": " +
          (spins ? "the kernel" : "possibly because the kernel") + " reserves " + kept_of(throttling) +
          " for ordinary threads" + (throttling.fair_server ? " (fair server)" : " (real-time throttling)") +

@@ -1,5 +1,5 @@
-// Finds the conditions of a machine that would spoil the run of a particular cell. These functions read
-// nothing from the machine.
+// Finds the conditions of a machine that would disturb a particular cell. These functions read nothing from
+// the machine.
 #pragma once
 
 #include <optional>
@@ -13,27 +13,29 @@
 
 namespace takt::node {
 
-/// The machine's conditions when a device is brought up.
+/// The conditions of the machine when the node starts a device.
 struct Conditions {
   std::optional<os::Throttling> throttling{};
-  bool prioritised = true;  ///< whether the system grants SCHED_FIFO
+  bool prioritised = true;  ///< true if the system grants SCHED_FIFO
   bool memory_locked = true;
   std::uint64_t swap_bytes = 0;
   Nanoseconds timer_resolution{1};
-  os::WakeUps wake_ups{};  ///< not measured if the count is 0
+  os::WakeUps wake_ups{};  ///< delays with which the machine wakes threads; count is 0 if they were not
+                           ///< measured
 };
 
-/// For each condition that spoils this run, returns a sentence that names the condition and its cure. Denied
-/// priority and denied memory locking are not reported here, but by the threads that need them.
+/// Returns a sentence for each condition that would disturb this device. The sentence names the condition and
+/// its cure. Denied priorities and denied memory locking are not included, because the threads that need
+/// these rights report them.
 std::vector<std::string> warnings_for(const model::Device& device, const schedule::DevicePlan& plan,
                                       const Conditions& conditions);
 
-/// Returns the command after which the kernel no longer interrupts threads that never sleep.
+/// Returns the command that stops the kernel from interrupting real-time threads that never sleep.
 std::string throttling_cure(const os::Throttling& throttling);
 
-/// Explains with a sentence and the cure why an executor got its CPU back only after `gap`, if `gap` is about
-/// as long as the kernel's throttling lasts. Returns nothing for any other length, or if the kernel does not
-/// throttle.
+/// Returns a sentence if the kernel's throttling explains why the executor had no CPU for the time `gap`. The
+/// sentence states this and names the cure. Returns nothing if the kernel does not throttle, or if throttling
+/// lasts much shorter or longer than `gap`.
 std::optional<std::string> throttled(const model::Executor& executor, Nanoseconds gap,
                                      const os::Throttling& throttling);
 

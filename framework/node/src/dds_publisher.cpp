@@ -19,15 +19,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// The interval of liveliness assertions. It must be shorter than the lease of takt/lifecycle.
+/// The interval at which the publisher asserts the liveliness of takt/lifecycle. This interval must be
+/// shorter than the lease of the topic.
 constexpr milliseconds kAssertEvery{100};
-/// The interval of searches for new network interfaces.
+/// The interval at which the participant looks for new network interfaces.
 constexpr Nanoseconds kRescanEvery = std::chrono::seconds{2};
-/// The largest number of events that wait to be published. If there are more, the oldest are not published
-/// and stay only in the fault record.
+/// The maximum number of fault events that wait to be published. If there are more, the oldest events are not
+/// published, and stay only in the fault record.
 constexpr std::size_t kMostFaults = 1024;
-/// How long a node that shuts down waits after it has withdrawn its status, so that observers receive the
-/// withdrawal.
+/// The time that a node waits at shutdown, so that observers receive its last samples and the withdrawal of
+/// its status.
 constexpr milliseconds kFarewell{200};
 
 class DeviceWriter final : public DeviceSink {
@@ -67,14 +68,15 @@ struct DdsPublisher::Inside {
         ports(std::move(s)),
         faults(std::move(f)) {}
 
-  // Runs on the heartbeat thread.
+  // Runs on the thread `takt-heartbeat`. Publishes the device's status until the end, then withdraws it.
   void run_heartbeat() {
     while (!end) heartbeat.serve(device);
     heartbeat.leave(device);
     device.farewell();
   }
 
-  // Runs on the publisher thread. Publishes transitions first, then everything else.
+  // Runs on the thread `takt-publisher`. Publishes lifecycle transitions first, then fault events and
+  // statistics.
   void run_publisher() {
     Instant asserted{};
     Instant scanned = os::now();
@@ -146,7 +148,7 @@ struct DdsPublisher::Inside {
   supervision::Measures withdrawn;
   std::deque<FaultEvent> pending_faults;
   std::atomic<bool> end{false};
-  // These are the last members, so that the threads are joined before the other members are destroyed.
+  // The threads are the last members, so that they are joined before the other members are destroyed.
   os::Thread heartbeat_thread;
   os::Thread publisher_thread;
 };
@@ -202,6 +204,10 @@ void DdsPublisher::set_reply_sender(std::function<void(const wire::WholeReply&)>
 }
 
 void DdsPublisher::kick() { inside_->heartbeat.kick(os::now()); }
+
+void DdsPublisher::heard(const DeviceStatus& status, Instant arrived) {
+  inside_->heartbeat.heard(status.node().to_string(), status.monotonic_ns(), arrived);
+}
 
 void DdsPublisher::reply(const wire::WholeReply& reply) { inside_->replies(reply); }
 

@@ -13,13 +13,15 @@ namespace takt::node {
 class DdsPublisher final : public agent::Publisher {
  public:
   static Result<std::unique_ptr<DdsPublisher>> create(std::shared_ptr<dds::Participant> participant);
-  /// Withdraws the device's status, and waits briefly until observers have received the withdrawal.
+  /// Withdraws the device's status, and waits at most 200 ms for observers to receive the withdrawal.
   ~DdsPublisher() override;
 
   /// Sets the function that sends replies. Call set_reply_sender() before the first command can arrive.
   void set_reply_sender(std::function<void(const wire::WholeReply&)> replies);
-  /// The main loop calls this in each iteration, see Heartbeat::kick().
+  /// The main loop calls kick() in each iteration to show that it does not hang; see Heartbeat::kick().
   void kick();
+  /// Answers a status that has just arrived from another node; see Heartbeat::heard().
+  void heard(const DeviceStatus& status, Instant arrived);
 
   void reply(const wire::WholeReply& reply) override;
   void publish(const LifecycleStatus& status) override;

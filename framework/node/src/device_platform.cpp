@@ -12,6 +12,7 @@
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/real_time.hpp>
+#include <takt/os/thread_use.hpp>
 #include <takt/os/waker.hpp>
 #include <takt/schedule/placement.hpp>
 #include <takt/supervision/parts.hpp>
@@ -88,8 +89,8 @@ Result<void> DevicePlatform::start_record() {
   return {};
 }
 
-// Loads the state that modules retain, and starts to write it to disk. If a file cannot be read, the node
-// prints a warning and the module starts without the saved state.
+// Loads the saved state of modules with <retain> from disk, and starts to write this state to disk when it
+// changes. If a file cannot be read, the node prints a warning, and the module starts without saved state.
 Result<void> DevicePlatform::retain() {
   const model::Device& device = parts_->of_device();
   std::vector<Retained::One> all;
@@ -154,6 +155,11 @@ void DevicePlatform::wake(std::uint32_t bits) {
   os::futex_wake(rings, bits);
 }
 
+std::optional<Nanoseconds> DevicePlatform::ran_if_ready(std::int32_t thread) const {
+  const auto use = os::read_thread_use(thread);
+  return use && use->ready ? use->ran : std::nullopt;
+}
+
 void DevicePlatform::step(Instant now) {
   flight_->step(now);
   for (const std::string& text : flight_->messages()) log("", text);
@@ -163,7 +169,7 @@ void DevicePlatform::step(Instant now) {
 
 std::vector<Detection> DevicePlatform::detections() {
   std::vector<Detection> detections;
-  watch_gaps(detections);
+  check_gaps(detections);
   if (!violations_) return detections;
   for (const std::string& text : violations_->limitations())
     detections.push_back({.module = {}, .text = "warning: " + text});
@@ -182,10 +188,10 @@ std::vector<Detection> DevicePlatform::detections() {
   return detections;
 }
 
-// Detects that the kernel kept an executor from its CPU: the executor's next row then starts late by the time
-// for which the kernel kept it waiting. The kernel's own report does not suffice, because it appears only
+// Detects that the kernel kept an executor from its CPU. In this case, the executor's next row starts late,
+// by about the time for which the kernel throttles. The kernel's own report does not suffice: it appears only
 // once, only up to Linux 6.11, and does not name the thread.
-void DevicePlatform::watch_gaps(std::vector<Detection>& detections) {
+void DevicePlatform::check_gaps(std::vector<Detection>& detections) {
   while (const auto text = kernel_news_.next()) {
     if (text->find("RT throttling activated") != std::string::npos)
       detections.push_back({.module = {}, .text = "warning: the kernel reports: " + *text});
@@ -202,13 +208,21 @@ void DevicePlatform::watch_gaps(std::vector<Detection>& detections) {
   }
 }
 
+void DevicePlatform::forget(std::uint32_t) {
+  if (retained_) retained_->update();
+}
+
+std::optional<Result<void>> DevicePlatform::forgotten(std::uint32_t module) {
+  return retained_ ? retained_->updated(parts_->saved_of(module)) : Result<void>{};
+}
+
 bool DevicePlatform::finish() {
   const bool recorded = !flight_ || flight_->finish();
   const bool retained = !retained_ || retained_->finish();
   return recorded && retained;
 }
 
-// Returns the real-time violations of each module and executor.
+// Returns one problem for each module and executor with real-time violations.
 Problems DevicePlatform::final_problems() {
   Problems problems;
   if (!violations_) return problems;

@@ -13,7 +13,7 @@ namespace {
 
 using os::Machine;
 using os::Trial;
-using takt::to_text;  // in addition to the overload for Severity
+using takt::to_text;  // the overload for Severity would hide these functions
 
 constexpr Nanoseconds kDeepIdle = std::chrono::microseconds{10};
 constexpr double kStolenSpoils = 0.005;
@@ -21,7 +21,7 @@ constexpr double kStolenNote = 0.001;
 constexpr Nanoseconds kLateNote = std::chrono::microseconds{100};
 constexpr Nanoseconds kLateSpoils = std::chrono::milliseconds{1};
 constexpr std::uint64_t kMiB = 1024 * 1024;
-// The buffer that a DDS reader needs for a burst of large samples.
+// The size of the buffer that a DDS reader needs for a burst of large samples.
 constexpr std::uint64_t kSocketBuffer = kMiB;
 constexpr std::uint64_t kFiles = 1024;
 constexpr const char* kHost = "the host of this virtual machine";
@@ -50,8 +50,8 @@ bool has(const std::vector<int>& cpus, int cpu) {
   return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
 }
 
-// Returns the CPUs of executors. These are the isolated CPUs. If no CPU is isolated, it is the CPU with the
-// highest number, because executors without `cpu` get that one first.
+// Returns the CPUs on which executors run: the isolated CPUs or, if no CPU is isolated, the CPU with the
+// highest number, because executors without `cpu` get that CPU first.
 std::vector<int> executor_cpus(const Machine& machine) {
   if (!machine.isolated.empty()) return machine.isolated;
   return machine.online.size() < 2 ? std::vector<int>{} : std::vector<int>{machine.online.back()};
@@ -244,7 +244,7 @@ Finding frequency(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   finding.found = "the frequency governor is " + slow;
   finding.cure =
-      "run for cpu in /sys/devices/system/cpu/cpu[0-9]*; do echo performance > "
+      "set it to performance on every CPU, as root: for cpu in /sys/devices/system/cpu/cpu[0-9]*; do echo performance > "
       "$cpu/cpufreq/scaling_governor; done";
   return finding;
 }
@@ -350,7 +350,7 @@ Finding stolen(const Machine& machine, const Trial& trial) {
   const double ever = machine.time->stolen_share();
   const double now = trial.stolen_share.value_or(0);
   finding.found = percent(ever) + " of the time since the boot was stolen, " + percent(now) + " at present";
-  // The present share changes every second. So a high present share alone causes a note at most.
+  // The present share of stolen time changes every second. So even a high present share causes only a note.
   if (ever >= kStolenSpoils)
     finding.severity = Severity::spoils;
   else if (now >= kStolenNote || ever >= kStolenNote)
@@ -447,7 +447,7 @@ Finding wake_up(const Machine&, const Trial& trial) {
   return finding;
 }
 
-// Whether the finding is about the kernel, whose settings a container cannot change.
+// True if the finding is about a setting of the kernel, which a container cannot change.
 bool is_of_the_kernel(const Finding& finding) {
   return finding.name != "priority" && finding.name != "memory" && finding.name != "files" &&
          finding.name != "shared memory" && finding.name != "wake-up";
@@ -473,7 +473,8 @@ std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
        {preemption, priority, memory, swap, throttling, isolation, interrupts, frequency, idle, clock, timers,
         hyper_threads, virtual_machine, stolen, huge_pages, sockets, files, shared_memory, wake_up}) {
     Finding finding = check(machine, trial);
-    // A sealed container cannot change the kernel's settings, so the cure must be applied outside it.
+    // The kernel's settings cannot be changed inside a sealed container, so the cure must be applied on the
+    // machine outside the container.
     if (!machine.container.empty() && machine.sealed && !finding.cure.empty() && finding.mend_on.empty() &&
         is_of_the_kernel(finding)) {
       finding.mend_on = "the machine that this container runs on";

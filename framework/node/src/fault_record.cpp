@@ -13,7 +13,7 @@ namespace takt::node {
 
 namespace {
 
-/// The size of the header. It is a whole page, so that no slot crosses a page boundary.
+/// The size of the file's header: a whole page, so that no slot crosses a page boundary.
 constexpr std::size_t kHeaderBytes = 4096;
 constexpr std::size_t kMostSlots = 65536;
 constexpr std::size_t kMostRecordBytes = kHeaderBytes + kMostSlots * kSlotBytes;
@@ -26,7 +26,7 @@ struct Header {
 constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;  // "taktfl", layout 1
 
 struct Slot {
-  std::uint64_t checksum;  ///< checksum of all following members
+  std::uint64_t checksum;  ///< checksum of all members below
   std::uint64_t sequence;
   std::int64_t time_ns;
   std::uint64_t cycle;
@@ -42,7 +42,7 @@ struct Slot {
 };
 static_assert(sizeof(Slot) == kSlotBytes && std::is_trivially_copyable_v<Slot>);
 
-// Computes FNV-1a. A change of any single byte changes the checksum.
+// Computes FNV-1a. If any one byte changes, the checksum changes.
 std::uint64_t record_checksum(std::string_view bytes) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -60,11 +60,14 @@ std::string encode_header(std::size_t slots) {
 }
 
 Result<std::size_t> decode_header(std::string_view content) {
+  const auto not_a_record =
+      fail("is not a fault record", "name the file DEVICE.DOMAIN.faults in the --state-dir of a node");
   const auto other =
       fail("is not a fault record of this version", "read it with the version of Takt that wrote it");
   Header header{};
-  if (content.size() < sizeof header) return other;
+  if (content.size() < sizeof header) return not_a_record;
   std::memcpy(&header, content.data(), sizeof header);
+  if (header.magic >> 16U != kMagic >> 16U) return not_a_record;
   if (header.magic != kMagic || header.slots == 0 || header.slots > kMostSlots ||
       header.checksum !=
           record_checksum({reinterpret_cast<const char*>(&header), offsetof(Header, checksum)}))
@@ -72,8 +75,8 @@ Result<std::size_t> decode_header(std::string_view content) {
   return static_cast<std::size_t>(header.slots);
 }
 
-/// Removes the events that newer events should have overwritten. Such an event is still there if the newer
-/// event is damaged.
+/// Removes events that a newer event should have overwritten. Such an event is still in the file if the newer
+/// event is missing or damaged.
 void forget_overwritten(Recorded& recorded) {
   const auto first =
       std::find_if(recorded.events.begin(), recorded.events.end(),
@@ -85,8 +88,8 @@ bool is_zero(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) { return c == 0; });
 }
 
-/// The highest valid number of an event. No device ever has so many events. A higher number must be forged,
-/// and would leave no number for the next event.
+/// The highest number that a valid event can have. No device ever has so many events. A higher number must be
+/// forged, and would leave no number for the next event.
 constexpr std::uint64_t kMostEvents = std::uint64_t{1} << 62U;
 
 std::size_t at_of(std::uint64_t sequence, std::size_t slots) {
@@ -195,7 +198,7 @@ Result<void> FaultRecord::attach(const std::string& path) {
   if (!file) return file.problems();
   auto content = file->read(kMostRecordBytes);
   if (!content) return content.problems();
-  // The file has no header if a node died while it created the file.
+  // If a node died while it created the file, the file has no header.
   const bool empty = is_zero(*content);
   auto recorded = empty ? Result<Recorded>{Recorded{}} : read_record(*content);
   if (!recorded) {
@@ -216,7 +219,8 @@ Result<void> FaultRecord::attach(const std::string& path) {
   file->sync();
   recorded_ = std::move(*recorded);
   if (!recorded_.events.empty()) next_ = recorded_.events.back().sequence + 1;
-  // The number of a partly written event is not used again, so that the event shows as missing.
+  // If the slot of the next event is incomplete, the node died while it wrote this slot. Do not use the
+  // number of this slot again, so that the event of the incomplete slot counts as missing.
   const std::size_t next_at = at_of(next_, slots_);
   if (next_at < content->size()) {
     const std::string_view slot = std::string_view{*content}.substr(next_at, kSlotBytes);
@@ -256,8 +260,8 @@ void FaultRecord::sync() const {
 void FaultRecord::append(model::Fault& fault) {
   fault.sequence = next_++;
   const std::string slot = encode_slot(fault);
-  recorded_.events.push_back(
-      *decode_slot(slot));  // decoded, so that it is exactly as readers of the file get it
+  recorded_.events.push_back(*decode_slot(slot));  // decoded, so that it equals the event that readers of the
+                                                   // file get
   if (fault.sequence > slots_) recorded_.overwritten = fault.sequence - slots_;
   forget_overwritten(recorded_);
   if (!file_) return;

@@ -23,13 +23,15 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Nanoseconds kSampleEvery = milliseconds{50};
-/// How long the recorder keeps samples, and the notes of what was running when a host died.
+/// The time for which the recorder keeps the kernel's counters, and the records of what threads were doing
+/// when their host died.
 constexpr Nanoseconds kHistory = seconds{30};
 constexpr std::size_t kMostChanges = 4096;
-/// The delay between a fault and its trace. It lets the trace also show the consequences of the fault.
+/// The time from a fault to its trace, so that the trace also shows the consequences of the fault.
 constexpr Nanoseconds kAftermath = milliseconds{200};
 constexpr Nanoseconds kTraceEvery = seconds{5};
-/// The shortest interval between traces of missed rows, which recur when a cell overloads its machine.
+/// The shortest interval between two faults because of missed rows. Missed rows recur when a cell overloads
+/// its machine.
 constexpr Nanoseconds kMissedEvery = seconds{60};
 constexpr std::size_t kMostFileBytes = 32U << 20;
 constexpr std::size_t kMostFiles = 8;
@@ -53,6 +55,7 @@ FlightRecorder::FlightRecorder(Options options, const schedule::DevicePlan& plan
   machine_ = os::host_name();
   const os::Machine machine = os::read_machine();
   kernel_ = machine.kernel + " " + machine.version;
+  minor_fault_ = os::measure_minor_fault();
 }
 
 Result<std::unique_ptr<FlightRecorder>> FlightRecorder::create(Options options,
@@ -119,7 +122,7 @@ void FlightRecorder::trace(Nanoseconds last, std::size_t most,
 void FlightRecorder::step(Instant now) {
   if (now - sampled_at_ >= kSampleEvery) {
     sample(now);
-    watch_missed();
+    check_missed();
   }
   const bool again = !written_at_ || now - *written_at_ >= kTraceEvery;
   if (!fault_.empty() && again && now - fault_at_ >= kAftermath) write_fault();
@@ -154,7 +157,7 @@ void FlightRecorder::sample(Instant now) {
   samples_.push_back(std::move(sample));
 }
 
-void FlightRecorder::watch_missed() {
+void FlightRecorder::check_missed() {
   std::uint64_t missed = 0;
   for (std::size_t e = 0; e < basic_periods_.size(); ++e) missed += channel_.executor(e).missed.load();
   const std::uint64_t before = std::exchange(missed_, missed);
@@ -169,6 +172,7 @@ flight::Recording FlightRecorder::gather(const std::string& why, Nanoseconds las
                               .device = options_.device,
                               .machine = machine_,
                               .kernel = kernel_,
+                              .minor_fault = minor_fault_,
                               .why = why,
                               .taken_ns = to_ns(os::now()),
                               .wall_ns = os::wall_ns(),
@@ -205,13 +209,14 @@ void FlightRecorder::write_fault() {
   enqueue({.recording = gather(why, flight::kKept), .most = kMostFileBytes});
 }
 
-// The worker has the same priority as the rest of the node, because it shares locks and the heap with it. On
-// a busy machine, a thread of lower priority could hold for seconds a lock that the node's thread waits for.
+// The worker has the same priority as the rest of the node, because it shares locks and the heap with the
+// node's main thread. On a busy machine, a worker of lower priority could hold a lock for seconds while the
+// main thread waits for this lock.
 //
-// The worker first reads what a thread is doing, and then copies the thread's ring. A run that ends between
-// these steps is in both results and counts as ended. The worker takes the time of the trace before both
-// steps, because copying takes a while on a busy machine, and the end of the trace must not be later than the
-// copied entries.
+// The worker first reads what a thread is doing, and then copies the thread's ring. If a run ends between
+// these two steps, both results contain this run, and it counts as ended. The worker takes the time of the
+// trace before both steps, because copying takes a while on a busy machine, and the end of the trace must not
+// be later than the copied entries.
 void FlightRecorder::work() {
   std::unique_lock lock{mutex_};
   while (true) {
@@ -250,7 +255,7 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
   namespace fs = std::filesystem;
   const std::string path = options_.files + "." + utc(wall_ns) + kSuffix;
   const auto written = os::replace_file(path, text);
-  // The names contain the times, so sorting by name gives the order of the times.
+  // The names contain the times of the traces, so sorting by name sorts by time.
   std::vector<fs::path> all;
   std::error_code ignored;
   const std::string begin = fs::path{options_.files}.filename().string() + ".";
@@ -259,7 +264,8 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
     if (name.starts_with(begin) && name.ends_with(kSuffix)) all.push_back(entry.path());
   }
   std::sort(all.begin(), all.end());
-  // A file whose name has a later time than the new file is older, because the clock was set back.
+  // A file whose name has a later time than the new file is older: the clock was set back after that file was
+  // written.
   std::rotate(all.begin(), std::upper_bound(all.begin(), all.end(), fs::path{path}), all.end());
   for (std::size_t i = 0; i + kMostFiles < all.size(); ++i) fs::remove(all[i], ignored);
   const bool reported = std::exchange(write_failed_, !written) && !written;

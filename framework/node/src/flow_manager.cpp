@@ -15,7 +15,8 @@ using supervision::Wiring;
 
 namespace {
 
-// The number of bits of WakeWord::gateway_sleeps, without the bit of this node's gateway.
+// The number of bits in WakeWord::gateway_sleeps that bridges can use; one bit belongs to this node's own
+// gateway.
 constexpr std::uint32_t kMostBridges = 31;
 
 }  // namespace
@@ -66,13 +67,14 @@ Result<void> FlowManager::open_bridge(int domain, const os::SharedMemory& wake_w
                           .place = static_cast<std::uint32_t>(bridges_.size() + 1),
                           .flows = {}};
   if (options.place > kMostBridges)
-    return fail("its connections name more than " + std::to_string(kMostBridges) + " other domains");
+    return fail("the connections of this device name more than " + std::to_string(kMostBridges) +
+                " other domains; use fewer domains");
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
     const PlannedFlow& plan = wiring_.flows()[i];
     if (!plan.connected || plan.domain != domain) continue;
     BridgedFlow flow{.flow = flow_at(i), .outgoing = plan.outgoing, .links = {}};
-    for (const std::size_t wire : plan.links) flow.links.push_back(&wiring_.wires()[wire].memory.memory());
+    for (const std::size_t link : plan.links) flow.links.push_back(&wiring_.links()[link].memory.memory());
     options.flows.push_back(std::move(flow));
     indices.push_back(i);
   }
@@ -97,7 +99,7 @@ Result<void> FlowManager::open_flow(std::size_t index, std::optional<Instant> un
   const PlannedFlow& plan = wiring_.flows()[index];
   const dds::Flow flow = flow_at(index);
   std::vector<channel::Link> links;
-  for (const std::size_t wire : plan.links) links.push_back(wiring_.wires()[wire].link);
+  for (const std::size_t link : plan.links) links.push_back(wiring_.links()[link].link);
   auto id = plan.outgoing ? gateway_->add_outgoing(flow, links.front()) : gateway_->add_incoming(flow, links);
   if (!id) {
     Problems problems = id.problems();
@@ -121,7 +123,7 @@ Result<void> FlowManager::open_until(std::size_t index, Instant until) {
   }
   if (auto opened = open_flow(index, until); !opened) return opened;
   const PlannedFlow& flow = wiring_.flows()[index];
-  wiring_.wires()[flow.links.front()].link.block().enabled.store(1, std::memory_order_relaxed);
+  wiring_.links()[flow.links.front()].link.block().enabled.store(1, std::memory_order_relaxed);
   return {};
 }
 
@@ -129,7 +131,7 @@ Result<void> FlowManager::open_service(std::uint32_t module, const std::string& 
   for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
     const PlannedFlow& flow = wiring_.flows()[i];
     if (flow.connected) continue;
-    const PlannedLink& link = wiring_.wires()[flow.links.front()].plan;
+    const PlannedLink& link = wiring_.links()[flow.links.front()].plan;
     const LinkEnd end{module, service + (flow.outgoing ? model::kReplyPort : model::kRequestPort)};
     if ((flow.outgoing ? link.from : link.to) != end) continue;
     if (auto opened = open_until(i, until); !opened) return opened;
@@ -137,24 +139,25 @@ Result<void> FlowManager::open_service(std::uint32_t module, const std::string& 
   return {};
 }
 
-// Enables the links of requests whose service was found. Requests on a disabled link are not sent, and their
-// client learns at once that there is no service.
+// Enables the request links of this device's clients while the service of the client is found, and disables
+// them otherwise. A request on a disabled link is not sent, so its client learns at once that there is no
+// service.
 void FlowManager::enable_requests() {
   for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
     const PlannedFlow& flow = wiring_.flows()[i];
     if (!flow.outgoing || flow.carries != model::Carries::requests || !open_[i]) continue;
-    const Wiring::Wire& wire = wiring_.wires()[flow.links.front()];
-    const std::string& request = wire.plan.from.port;
-    LinkEnd reply = wire.plan.from;
+    const Wiring::CreatedLink& created = wiring_.links()[flow.links.front()];
+    const std::string& request = created.plan.from.port;
+    LinkEnd reply = created.plan.from;
     reply.port = request.substr(0, request.rfind('/')) + model::kReplyPort;
     bool answered = false;
-    for (std::size_t w = 0; w < wiring_.wires().size(); ++w) {
-      if (wiring_.wires()[w].plan.to != reply) continue;
+    for (std::size_t w = 0; w < wiring_.links().size(); ++w) {
+      if (wiring_.links()[w].plan.to != reply) continue;
       const auto replies = health(w);
       answered = answered || (replies && replies->matched > 0);
     }
     const bool served = answered && health(flow.links.front()).value_or(wire::FlowHealth{}).matched > 0;
-    wire.link.block().enabled.store(served ? 1 : 0, std::memory_order_relaxed);
+    created.link.block().enabled.store(served ? 1 : 0, std::memory_order_relaxed);
   }
 }
 
@@ -163,18 +166,18 @@ void FlowManager::step(Instant now) {
   enable_requests();
   for (std::size_t i = 0; i < open_.size(); ++i) {
     if (!open_[i] || !open_[i]->until || now < *open_[i]->until) continue;
+    if (!gateway_->remove(open_[i]->id)) continue;  // the next step tries again
     const PlannedFlow& flow = wiring_.flows()[i];
     if (flow.outgoing)
-      wiring_.wires()[flow.links.front()].link.block().enabled.store(0, std::memory_order_relaxed);
-    gateway_->remove(open_[i]->id);
+      wiring_.links()[flow.links.front()].link.block().enabled.store(0, std::memory_order_relaxed);
     open_[i].reset();
   }
 }
 
-std::optional<wire::FlowHealth> FlowManager::health(std::size_t wire) const {
+std::optional<wire::FlowHealth> FlowManager::health(std::size_t link) const {
   for (std::size_t i = 0; i < open_.size(); ++i) {
-    const std::vector<std::size_t>& wires = wiring_.flows()[i].links;
-    if (!open_[i] || std::find(wires.begin(), wires.end(), wire) == wires.end()) continue;
+    const std::vector<std::size_t>& links = wiring_.flows()[i].links;
+    if (!open_[i] || std::find(links.begin(), links.end(), link) == links.end()) continue;
     return open_[i]->bridge != nullptr ? open_[i]->bridge->health(open_[i]->id)
                                        : gateway_->health(open_[i]->id);
   }

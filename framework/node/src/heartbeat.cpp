@@ -1,5 +1,7 @@
 #include "heartbeat.hpp"
 
+#include <algorithm>
+
 #include <takt/os/clock.hpp>
 #include <takt/wire/words.hpp>
 
@@ -22,6 +24,16 @@ void Heartbeat::wake() {
   changed_.notify_one();
 }
 
+void Heartbeat::heard(const std::string& node, std::int64_t monotonic_ns, Instant arrived) {
+  const std::lock_guard lock{mutex_};
+  const auto known = std::find_if(unanswered_.begin(), unanswered_.end(),
+                                  [&node](const Heard& one) { return one.node == node; });
+  if (known != unanswered_.end())
+    *known = {node, monotonic_ns, arrived};
+  else if (unanswered_.size() < kMostHeard)
+    unanswered_.push_back({node, monotonic_ns, arrived});
+}
+
 void Heartbeat::kick(Instant now) {
   const std::lock_guard lock{mutex_};
   kicked_at_ = now;
@@ -42,6 +54,14 @@ void Heartbeat::beat(DeviceSink& sink, Instant now, std::int64_t wall_ns) {
     news_ = false;
     if (!status_) return;
     status = *status_;
+    while (!unanswered_.empty() && status.echoes().size() < kAnswered) {
+      const Heard& one = unanswered_.front();
+      StatusEcho& echo = status.echoes().emplace_back();
+      wire::set(echo.node(), one.node);
+      echo.monotonic_ns(one.monotonic_ns);
+      echo.held_ns((now - one.arrived).count());
+      unanswered_.pop_front();
+    }
     if (now - kicked_at_ > kHangs && kicked_at_ != Instant{}) {
       if (status.health() == HEALTH_OK) status.health(HEALTH_DEGRADED);
       const auto silent = std::chrono::duration_cast<std::chrono::seconds>(now - kicked_at_);
@@ -50,9 +70,10 @@ void Heartbeat::beat(DeviceSink& sink, Instant now, std::int64_t wall_ns) {
   }
   status.sequence_number(++sequence_);
   status.time_ns(wall_ns);
+  status.monotonic_ns(to_ns(now));
   sink.write(status);
-  // The new key is published before the old key is withdrawn, so that no observer sees the device leave in
-  // between.
+  // Publish the status under the new key before the old key is withdrawn, so that no observer sees the device
+  // leave in between.
   if (published_ && !(published_->path() == status.path())) sink.dispose(*published_);
   published_ = status;
 }

@@ -10,18 +10,18 @@ namespace takt::node {
 
 namespace {
 
-/// Returns the links of a host's modules, for the host's setup.
+/// Returns the links of a host's modules, for the host's setup. Adds their file descriptors to `inherit`.
 std::vector<host::PortLink> links_of(const model::HostShare& share, const supervision::Wiring& wiring,
                                      std::vector<const os::Fd*>& inherit) {
   std::vector<host::PortLink> ends;
-  for (const supervision::Wiring::Wire& wire : wiring.wires()) {
+  for (const supervision::Wiring::CreatedLink& created : wiring.links()) {
     const std::size_t before = ends.size();
-    for (const supervision::LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
+    for (const supervision::LinkEnd* end : {&created.plan.from, &created.plan.to}) {
       if (!end->module || std::count(share.modules.begin(), share.modules.end(), *end->module) == 0) continue;
-      ends.push_back({*end->module, end->port, wire.memory.memory().fd().get(), wire.plan.typed,
-                      end == &wire.plan.to && wire.plan.stale == model::Stale::error});
+      ends.push_back({*end->module, end->port, created.memory.memory().fd().get(), created.plan.typed,
+                      end == &created.plan.to && created.plan.stale == model::Stale::error});
     }
-    if (ends.size() > before) inherit.push_back(&wire.memory.memory().fd());
+    if (ends.size() > before) inherit.push_back(&created.memory.memory().fd());
   }
   return ends;
 }
@@ -77,8 +77,8 @@ Result<void> HostProcess::start() {
   child_ = std::move(*child);
   pid_ = child_.pid();
   output_ = Output{std::move(child_.output), std::move(child_.error)};
-  static_cast<void>(
-      socket_.send(host::encode(setup)));  // if this fails because the host has ended, ended() reports it
+  // If this fails because the host has ended, ended() reports the end.
+  static_cast<void>(socket_.send(host::encode(setup)));
   return {};
 }
 
@@ -99,21 +99,22 @@ std::optional<supervision::ProcessEnd> HostProcess::ended() {
 supervision::CrashCalls HostProcess::calls_of_crash(std::uint32_t module) {
   constexpr std::size_t kShown = 5;
   const channel::Crash& crash = parts_.channel.host(share_).crash;
-  const std::uint32_t depth = std::min<std::uint32_t>(crash.depth.load(std::memory_order_acquire),
-                                                      channel::Crash::kFrames);  // SYNC: crash frame
+  // The acquire load pairs with the host's release stores, so all frames below `depth` are complete.
+  const std::uint32_t depth =
+      std::min<std::uint32_t>(crash.depth.load(std::memory_order_acquire), channel::Crash::kFrames);
   if (!symbols_) symbols_.emplace();
   const std::string host = os::private_directory() + "/takt-host";
-  std::vector<std::string> calls;
+  std::vector<std::string> objects;
   for (std::uint32_t i = 0; i < depth; ++i) {
-    const channel::CrashFrame& frame = crash.frames[i];
-    std::string object{frame.object.view()};
+    std::string object{crash.frames[i].object.view()};
     if (object.empty()) object = host;
-    // The host may have loaded the module from a copy of its file in memory.
-    if (object.starts_with("/proc/self/fd/")) object = parts_.paths.at(module);
-    // Leaves out the host's own functions, which called the module.
-    if (!calls.empty() && object == host) break;
-    calls.push_back(symbols_->name(object, frame.address));
+    // The host may have loaded the module from a copy of its component in memory.
+    if (object.starts_with("/proc/")) object = parts_.paths.at(module);
+    objects.push_back(std::move(object));
   }
+  std::vector<std::string> calls;
+  for (std::size_t i = 0; i < calls_of_module(objects, host); ++i)
+    calls.push_back(symbols_->name(objects[i], crash.frames[i].address));
   const std::string text = called_by(calls, kShown);
   if (text.empty()) return {};
   const std::size_t end = std::min(text.find(", called by "), text.size());
@@ -129,7 +130,9 @@ void HostProcess::step(const std::string& device) {
 
 void HostProcess::wait_on(std::vector<const os::Fd*>& fds) const {
   if (!running()) return;
-  fds.insert(fds.end(), {&socket_.fd(), &output_.output(), &output_.error()});
+  fds.insert(fds.end(), {&output_.output(), &output_.error()});
+  // A closed socket would wake the node's main loop all the time.
+  if (!socket_.closed()) fds.push_back(&socket_.fd());
 }
 
 }  // namespace takt::node

@@ -1,4 +1,4 @@
-// A takt-host process, and the node's end of the connection to it.
+// A takt-host process, and the node's end of the socket to it.
 #pragma once
 
 #include <functional>
@@ -11,12 +11,14 @@
 #include <takt/node/symbols.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
+#include <takt/os/signals.hpp>
 #include <takt/supervision/parts.hpp>
 #include <takt/supervision/platform.hpp>
 
 namespace takt::node {
 
-/// What each process of a device inherits from the node, in addition to what only that process needs.
+/// The additional file descriptors and variables that a child process inherits from the node for a check or a
+/// recording.
 struct Inheritance {
   std::vector<const os::Fd*> descriptors;
   std::vector<std::pair<std::string, std::string>> environment;
@@ -33,11 +35,12 @@ class HostProcess final : public supervision::Host {
   std::optional<host::Answer> answer() override;
   std::optional<supervision::ProcessEnd> ended() override;
   void kill() override { child_.signal(os::kKill); }
+  void end_by(std::int32_t thread) override { child_.signal_thread(thread, os::kHangSignal); }
   [[nodiscard]] bool running() const override { return child_.running(); }
   [[nodiscard]] int pid() const override { return pid_; }
   supervision::CrashCalls calls_of_crash(std::uint32_t module) override;
 
-  /// Sends the requests that did not fit into the socket earlier, and logs what the host printed.
+  /// Sends the requests that had to wait because the socket was full, and logs the output of the host.
   void step(const std::string& device);
   void wait_on(std::vector<const os::Fd*>& fds) const;
 
@@ -49,10 +52,11 @@ class HostProcess final : public supervision::Host {
   os::Child child_;
   Output output_;
   int pid_ = 0;
-  std::optional<Symbols> symbols_;  // created after a crash
+  std::optional<Symbols> symbols_;  // created after the first crash
 };
 
-/// Describes how a child process ended, with its core dump if there is one.
+/// Describes how a child process ended. If a signal ended the process, the description names its core dump,
+/// or states why there is none.
 supervision::ProcessEnd end_of(int pid, const os::ProcessEnd& end);
 
 }  // namespace takt::node

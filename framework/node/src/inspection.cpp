@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/agent/problems_json.hpp>
+#include <takt/core/log_level.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/host/component_path.hpp>
 #include <takt/host/inspect.hpp>
@@ -15,6 +16,7 @@
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/signals.hpp>
+#include <takt/security/hash.hpp>
 
 namespace takt::node {
 
@@ -29,7 +31,8 @@ namespace {
 using json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-/// The time limit for all components of a device. Each component also has its own limit.
+/// The time limit for inspecting all components of a device. There is also a shorter limit for each
+/// component.
 constexpr Nanoseconds kLimit = std::chrono::seconds{60};
 
 class InspectionProgram final : public Inspection {
@@ -76,6 +79,8 @@ class InspectionProgram final : public Inspection {
     if (answer.contains("problems")) return problems_from(answer["problems"]);
     Inspected inspected{.paths = answer.at("paths").get<host::ComponentPaths>()};
     if (answer.contains("description")) inspected.description = model::json_text(answer["description"]);
+    for (const json& build : answer.at("builds"))
+      inspected.builds.push_back({.version = build.at("version"), .hash = build.at("hash")});
     for (const json& module : answer.at("ports")) {
       inspected.ports.emplace_back();
       if (module.is_null()) continue;
@@ -91,37 +96,41 @@ class InspectionProgram final : public Inspection {
   Instant begun_{};
 };
 
-// Describes a component with the ports that the check found, because the ports of a program may depend on its
-// properties. A program that the check did not query is not queried here, because it may be unable to answer.
-json describe(const model::Module& module, const std::string& path, const model::ModulePorts& ports) {
+/// The property that every module with a log has. The node keeps its value.
+json log_level_property() {
+  json choices = json::array();
+  for (const LogLevel level : {LogLevel::error, LogLevel::warning, LogLevel::info, LogLevel::debug})
+    choices.push_back(takt::to_text(level));
+  return {{"name", kLogLevelProperty},
+          {"type", "string"},
+          {"default", takt::to_text(kDefaultLogLevel)},
+          {"range", "error, warning, info or debug"},
+          {"choices", choices},
+          {"min", nullptr},
+          {"max", nullptr},
+          {"unit", ""},
+          {"text", "The least important log lines that are recorded."}};
+}
+
+// Describes a component for the answer. `ports` are the ports that check_components() found with the module's
+// properties, because the ports of a program may depend on the properties. If check_components() did not ask
+// a program for its ports, this function does not ask the program either, because such a program may be
+// unable to answer.
+json describe(const model::Module& module, const std::string& path, const json& build,
+              const model::ModulePorts& ports) {
   json entry{{"name", module.name}, {"path", path}};
+  entry.update(build);
   entry["ports"] = ports ? model::parse_json(model::ports_json(*ports)) : json(nullptr);
   if (module.type == model::ModuleType::process && !ports) {
     entry["interface"] = "process";
-    return entry;
+  } else if (const auto found = host::describe(path)) {
+    const json description = model::parse_json(host::to_json(*found));
+    entry["component"] = found->name;
+    for (const char* member : {"text", "interface", "operation", "hooks", "properties"})
+      entry[member] = description[member];
   }
-  const auto found = host::describe(path);
-  if (!found) return entry;
-  const json description = model::parse_json(host::to_json(*found));
-  entry["component"] = found->name;
-  for (const char* member : {"text", "interface", "operation", "hooks", "properties"})
-    entry[member] = description[member];
+  if (model::has_log(module)) entry["properties"].push_back(log_level_property());
   return entry;
-}
-
-// Finds the file of a component on this device's component path. Only the file name is used, because the
-// descriptor may come from another machine.
-Result<std::string> on_component_path(const std::string& filename) {
-  const std::string name = fs::path{filename}.filename().string();
-  std::string tried;
-  for (const std::string& folder : host::component_folders()) {
-    std::error_code error;
-    const fs::path path = fs::absolute(fs::path{folder} / name, error).lexically_normal();
-    if (fs::is_regular_file(path, error)) return path.string();
-    tried += (tried.empty() ? "" : ", ") + folder;
-  }
-  return fail("there is no file " + name + " on this device's component path (" + tried + ")",
-              "copy it to one of these folders, or add its folder to TAKT_COMPONENT_PATH of takt-node");
 }
 
 json inspect_here(const InspectionRequest& request) {
@@ -132,7 +141,7 @@ json inspect_here(const InspectionRequest& request) {
                                    [&](const model::Device& d) { return d.name == request.device; });
   if (device == cell->devices.end()) return refuse({fail("there is no device " + request.device)});
 
-  // Only this device is checked. Modules whose file is missing are left out.
+  // Check only the modules of this device. A module whose file is missing is reported and not checked.
   model::Cell mine = *cell;
   mine.devices = {*device};
   if (!request.only.empty()) {
@@ -147,7 +156,7 @@ json inspect_here(const InspectionRequest& request) {
   if (!request.as_written) {
     std::vector<model::Module> found;
     for (model::Module& module : mine.devices[0].modules) {
-      if (auto path = on_component_path(module.filename); path) {
+      if (auto path = host::find_on_component_path(module.filename); path) {
         module.filename = *path;
         found.push_back(module);
       } else {
@@ -170,12 +179,21 @@ json inspect_here(const InspectionRequest& request) {
   json ports = json::array();
   for (const model::ModulePorts& module : components->ports.at(0))
     ports.push_back(module ? json(model::ports_json(*module)) : json(nullptr));
-  json answer{{"paths", components->paths.at(0)}, {"ports", ports}};
+  json builds = json::array();
+  std::map<std::string, json> known;  // by path, because several modules may use one file, which is then read
+                                      // only once
+  for (const std::string& path : components->paths.at(0)) {
+    json& build = known[path];
+    if (build.is_null())
+      build = {{"version", host::component_version(path)}, {"hash", security::short_hash(path)}};
+    builds.push_back(build);
+  }
+  json answer{{"paths", components->paths.at(0)}, {"builds", builds}, {"ports", ports}};
   if (!request.describe) return answer;
   json modules = json::array();
   for (std::size_t i = 0; i < mine.devices[0].modules.size(); ++i)
-    modules.push_back(
-        describe(mine.devices[0].modules[i], components->paths.at(0)[i], components->ports.at(0)[i]));
+    modules.push_back(describe(mine.devices[0].modules[i], components->paths.at(0)[i], builds[i],
+                               components->ports.at(0)[i]));
   answer["description"] = {{"device", request.device}, {"modules", modules}};
   return answer;
 }

@@ -20,9 +20,11 @@ namespace {
 using json = nlohmann::ordered_json;
 
 constexpr const char* kDeploymentFormat = "takt deployment 2";
-/// The limit of the file's size. In JSON, each byte of a descriptor becomes at most six bytes; the rest of
+/// The size limit of the file. In JSON, each byte of the descriptor becomes at most six bytes; the rest of
 /// the file is small.
 constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
+constexpr const char* kUndeployedFormat = "takt undeployed 1";
+constexpr std::size_t kMostUndeployedBytes = 65536;
 
 }  // namespace
 
@@ -34,7 +36,8 @@ std::string default_state_folder() {
 }
 
 DeploymentFile::DeploymentFile(const std::string& folder, const std::string& device, int domain)
-    : path_(folder + "/" + device + "." + std::to_string(domain) + ".deployment") {}
+    : path_(folder + "/" + device + "." + std::to_string(domain) + ".deployment"),
+      undeployed_path_(folder + "/" + device + "." + std::to_string(domain) + ".undeployed") {}
 
 Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
   const std::string body = model::json_text({{"id", deployment.id},
@@ -44,7 +47,8 @@ Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
                                              {"t0_ns", deployment.t0_ns},
                                              {"boot", deployment.boot},
                                              {"t0_monotonic_ns", deployment.t0_monotonic_ns},
-                                             {"safe", deployment.safe}});
+                                             {"safe", deployment.safe},
+                                             {"update", deployment.update}});
   return write_whole(path_, kDeploymentFormat, body);
 }
 
@@ -61,11 +65,13 @@ Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
                         .text = value.at("text"),
                         .require_real_time = value.at("require_real_time"),
                         .boot = value.value("boot", ""),
-                        .safe = value.at("safe")};
+                        .safe = value.at("safe"),
+                        .update = value.value("update", "")};
     const auto t0_ns = model::whole_number(value.at("t0_ns"));
     if (!t0_ns || *t0_ns > std::numeric_limits<std::int64_t>::max()) return wrong;
     kept.t0_ns = static_cast<std::int64_t>(*t0_ns);
-    if (!kept.boot.empty()) {                               // an earlier version did not save the boot id
+    if (!kept.boot.empty()) {                               // an earlier version of Takt did not write the
+                                                            // boot id
       const json& monotonic = value.at("t0_monotonic_ns");  // negative if T0 was before the boot
       const auto positive = model::whole_number(monotonic);
       if (!monotonic.is_number_integer() ||
@@ -80,5 +86,22 @@ Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
 }
 
 Result<void> DeploymentFile::forget() const { return os::remove_file(path_); }
+
+Result<void> DeploymentFile::keep_undeployed(const std::vector<std::string>& ids) const {
+  return write_whole(undeployed_path_, kUndeployedFormat, model::json_text(ids));
+}
+
+Result<std::vector<std::string>> DeploymentFile::undeployed() const {
+  const Problem damage{undeployed_path_, "the saved list of undeployed deployments is damaged",
+                       "remove the file"};
+  const auto body = read_whole(undeployed_path_, kUndeployedFormat, kMostUndeployedBytes, damage);
+  if (!body) return body.problems();
+  if (!*body) return std::vector<std::string>{};
+  try {
+    return model::parse_json(**body).get<std::vector<std::string>>();
+  } catch (const json::exception&) {
+    return damage;
+  }
+}
 
 }  // namespace takt::node

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <takt/core/words.hpp>
+
 namespace takt::node {
 
 namespace {
@@ -22,9 +24,10 @@ void log(std::string_view device, std::string_view module, std::string_view text
   const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
   std::tm local{};
   ::localtime_r(&seconds, &local);
-  // Each line is printed by one write, so that the lines of several nodes do not mix.
-  const std::string line = fmt::format("{:02}:{:02}:{:02}.{:03} {}{}{}: {}\n", local.tm_hour, local.tm_min,
-                                       local.tm_sec, ms, device, module.empty() ? "" : ".", module, text);
+  // Print the whole line with one write, so that the lines of several nodes do not mix.
+  const std::string line =
+      fmt::format("{:02}:{:02}:{:02}.{:03} {}{}{}: {}\n", local.tm_hour, local.tm_min, local.tm_sec, ms,
+                  device, module.empty() ? "" : ".", module, on_one_line(text));
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

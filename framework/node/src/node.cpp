@@ -16,6 +16,8 @@
 #include <takt/agent/agent.hpp>
 #include <takt/dds/commands.hpp>
 #include <takt/dds/topics.hpp>
+#include <takt/host/component_path.hpp>
+#include <takt/model/findings.hpp>
 #include <takt/model/validate.hpp>
 #include <takt/node/device_platform.hpp>
 #include <takt/node/fault_record.hpp>
@@ -31,6 +33,7 @@
 #include <takt/os/real_time.hpp>
 #include <takt/os/signals.hpp>
 #include <takt/os/trial.hpp>
+#include <takt/os/writers.hpp>
 #include <takt/security/identity.hpp>
 #include <takt/security/signature.hpp>
 #include <takt/wire/words.hpp>
@@ -43,17 +46,19 @@ using supervision::Supervisor;
 
 namespace {
 
-/// The interval at which the node reads what its executors publish.
+/// The interval at which the main loop reads what the executors publish.
 constexpr int kPollEveryMs = 5;
-/// The interval at which the fault record is written to disk. A power failure loses at most this time.
+/// The interval at which the fault record is written to disk. A power failure loses only the events of this
+/// interval.
 constexpr int kSyncEveryMs = 1000;
-/// The interval of warnings about an identity that expires soon.
+/// The interval between warnings about an identity that expires soon.
 constexpr Nanoseconds kWarnEvery = std::chrono::hours{24};
-/// The number of trials that measure how late this machine usually wakes a thread.
+/// The number of wake-ups that the node measures when it starts. They show how late this machine usually
+/// wakes a thread.
 constexpr std::size_t kWakeUpsTried = 20;
 constexpr std::chrono::microseconds kWakeUpPause{500};
 
-/// Hands calls from other threads to the main loop.
+/// A queue of functions for the main loop. Other threads add functions, and the main loop calls them.
 class Inbox {
  public:
   explicit Inbox(os::Notice notice) : notice_(std::move(notice)) {}
@@ -111,7 +116,7 @@ class RecordKeeper {
   os::Thread thread_;
 };
 
-// Returns an id that is unique, even among earlier nodes with the same process id.
+// Returns an id for this node. No other node has this id, not even an earlier node with the same process id.
 std::string new_node_id() {
   std::random_device random;
   std::array<char, 9> digits{};
@@ -130,8 +135,7 @@ void warn_of_expiry(const security::Identity& identity, const NodeOptions& optio
     log(options.device, "", "warning: its identity must be renewed: " + warning + "; run takt secure renew");
 }
 
-/// Fails if the identity is not that of this device, because no other participant would accept such an
-/// identity.
+/// Fails if the identity does not belong to this device, because no other participant would accept it.
 Result<void> check_identity(const dds::Participant& participant, const NodeOptions& options) {
   const auto& identity = participant.identity();
   if (!identity) {
@@ -156,15 +160,19 @@ Result<void> check_identity(const dds::Participant& participant, const NodeOptio
 
 int run_node(const NodeOptions& options) {
   if (options.quiet) log_nothing();
-  os::survive_broken_pipes();  // the node continues even if the program that reads its output ends
+  os::survive_broken_pipes();  // the node continues even if the program that reads its output has ended
   os::MessageSocket lifetime{os::take_fd_from_environment(kLifetimeFd)};
   const bool temporary = static_cast<bool>(lifetime.fd());
-  // Called before threads are started, because they inherit the signal mask.
+  // Do this before any thread starts, because a new thread inherits the signal mask.
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
   if (!model::is_valid_name(options.device)) {
     return refuse({{"takt-node", "'" + options.device + "' is not a valid device name",
-                    "use a letter or '_', then letters, digits, '_' and '-', at most 63 in all"}});
+                    model::kNameRule}});
+  }
+  const bool keeps_files = !options.state_folder.empty() && (!temporary || options.state_folder_given);
+  if (keeps_files) {
+    if (auto writers = os::check_writers(options.state_folder); !writers) return refuse(writers.problems());
   }
   const bool real_time = os::may_be_real_time().ok();
   const os::WakeUps wake_ups = os::try_wake_ups(kWakeUpsTried, kWakeUpPause);
@@ -179,10 +187,11 @@ int run_node(const NodeOptions& options) {
     identity = std::filesystem::absolute(
                    security::folder_of(options.security, security::Role::device, options.device), error)
                    .string();
-    // Bridges to other domains use this identity, and so do programs of the cell that use DDS.
+    // Bridges use this identity. Programs of the cell that use DDS themselves use it, too.
     os::set_environment("TAKT_SECURITY", identity);
   }
-  // The processes that inspect components before anything is started need this setting.
+  // The hosts, and the processes that inspect components, read the path of this certificate from the
+  // environment.
   std::string signed_by = options.signed_by;
   const std::string granted = identity + "/" + security::kComponents;
   if (signed_by.empty() && !identity.empty() && os::rights_of(granted)) signed_by = granted;
@@ -190,6 +199,7 @@ int run_node(const NodeOptions& options) {
     if (auto usable = security::check_signer(signed_by, os::wall_ns() / 1'000'000'000); !usable)
       return refuse(usable.problems());
     os::set_environment("TAKT_SIGNED_BY", signed_by);
+    host::require_of_components(security::signature_check(signed_by));
     if (!options.quiet)
       log(options.device, "", "only components signed with the key of " + signed_by + " are used");
   }
@@ -233,7 +243,7 @@ int run_node(const NodeOptions& options) {
     agent_options.store =
         std::make_shared<DeploymentFile>(options.state_folder, options.device, options.domain);
   std::shared_ptr<FaultRecord> record;
-  if (!options.state_folder.empty() && (!temporary || options.state_folder_given)) {
+  if (keeps_files) {
     record = std::make_shared<FaultRecord>(
         FaultRecord::open(FaultRecord::path(options.state_folder, options.device, options.domain)));
     for (const Problem& problem : record->problems())
@@ -246,7 +256,8 @@ int run_node(const NodeOptions& options) {
       options.state_folder.empty() || temporary
           ? ""
           : options.state_folder + "/traces/" + options.device + "." + std::to_string(options.domain);
-  std::vector<std::weak_ptr<const DevicePlatform>> platforms;  // the platforms of the supervised devices
+  // The platforms of all Supervisors that still exist.
+  std::vector<std::weak_ptr<const DevicePlatform>> platforms;
   Agent agent{agent_options,
               {.inspect = inspect,
                .supervise =
@@ -263,16 +274,19 @@ int run_node(const NodeOptions& options) {
                    }},
               **dds_publisher};
 
-  // The state of other nodes is read before commands are accepted.
+  // The node reads the state of other nodes before it accepts commands.
   auto devices = dds::Reader<DeviceStatus>::create(
       *participant,
       {.sample =
-           [&inbox](const DeviceStatus& status, wire::WriterId writer) {
-             inbox.put([status, writer](Agent& a) { a.others().heard(status, writer); });
+           [&inbox, &publisher = **dds_publisher, own = agent_options.node](const DeviceStatus& status,
+                                                                            wire::WriterId writer) {
+             const Instant arrived = os::now();
+             if (status.node() != own) publisher.heard(status, arrived);
+             inbox.put([status, writer, arrived](Agent& a) { a.receive(status, writer, arrived); });
            },
        .disposed =
            [&inbox](const DeviceStatus& key, wire::WriterId writer) {
-             inbox.put([key, writer](Agent& a) { a.others().gone(key, writer); });
+             inbox.put([key, writer](Agent& a) { a.others().remove(key, writer); });
            },
        .lost =
            [&inbox](wire::WriterId writer) { inbox.put([writer](Agent& a) { a.others().lost(writer); }); }});
@@ -282,10 +296,10 @@ int run_node(const NodeOptions& options) {
       {.sample =
            [&inbox, &options](const LifecycleStatus& status, wire::WriterId) {
              if (status.device() == options.device) return;
-             inbox.put([status](Agent& a) { a.others().heard(status); });
+             inbox.put([status](Agent& a) { a.others().receive(status); });
            },
        .disposed = [&inbox](const LifecycleStatus& key,
-                            wire::WriterId) { inbox.put([key](Agent& a) { a.others().gone(key); }); },
+                            wire::WriterId) { inbox.put([key](Agent& a) { a.others().remove(key); }); },
        .lost = {}});
   if (!modules) return refuse(modules.problems());
   auto server = dds::CommandServer::create(*participant, options.device, agent_options.node,
@@ -337,11 +351,11 @@ int run_node(const NodeOptions& options) {
                   .count = now_refused - before});
     }
     agent.step();
-    // The record has lost its file or has opened it again.
+    // If the record has stopped using its file, or has opened it again, use the present file.
     if (keeper && keeper->disk() != record->disk()) keeper.emplace(record->disk());
   }
   agent.note_end();
-  return 0;
+  return agent.has_given_way() ? 1 : 0;  // a service manager restarts the node, which then waits
 }
 
 }  // namespace takt::node

@@ -42,7 +42,7 @@ void Outbox::send(LifecycleSink& sink, const Entry& entry) {
   const std::string key = entry.status.path().to_string();
   if (unacknowledged_.contains(key)) {
     last_wait_failed_ = !sink.wait_acknowledged(last_wait_failed_ ? kImpatient : kPatient);
-    unacknowledged_.clear();  // all samples are acknowledged, or the wait has failed
+    unacknowledged_.clear();  // all samples were acknowledged, or the wait has failed
   }
   if (entry.disposal) {
     sink.dispose(entry.status);

@@ -1,10 +1,10 @@
 // Sends lifecycle transitions so that no transition overwrites the previous one.
 //
 // The topic keeps only the last sample of each module, so that late readers get only the present state. But
-// if a module takes two steps at once, the second sample could overwrite the first before a reader on a busy
-// machine has received it. So the second sample of a module waits until the first is acknowledged. Samples of
-// other modules do not wait. A dead reader whose lease still runs acknowledges nothing. So the wait is
-// limited, and it is short after a wait that failed.
+// if a module makes two transitions in quick succession, the second sample could overwrite the first before a
+// reader on a busy machine has received the first. So the second sample of a module waits until the first is
+// acknowledged. Samples of other modules do not wait. A dead reader acknowledges nothing until its lease
+// expires. So the wait has a limit, and the limit is short after a wait that failed.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@
 
 namespace takt::node {
 
-/// The destination of transitions. This is a dds::Writer, or a fake in tests. Only one thread uses it.
+/// The destination of transitions: a dds::Writer, or a fake in tests. Only one thread uses the sink.
 class LifecycleSink {
  public:
   virtual ~LifecycleSink() = default;
@@ -38,12 +38,12 @@ class Outbox {
   static constexpr std::chrono::milliseconds kPatient{250};
   static constexpr std::chrono::milliseconds kImpatient{10};
 
-  /// Adds a transition. Any thread may call this; it never waits for the sink.
+  /// Adds a transition. Any thread may call put(), which never waits for the sink.
   void put(const LifecycleStatus& status);
   void put_disposal(const LifecycleStatus& key);
 
-  /// Sends the next transition; waits at most `limit` for one. Returns false if there was none. Only the
-  /// thread that serves the sink may call this.
+  /// Sends the next transition. If there is none, waits for one, but at most for `limit`. Returns false if no
+  /// transition was sent. Only the thread that uses the sink may call this.
   bool serve(LifecycleSink& sink, std::chrono::milliseconds limit);
   /// Makes serve() return if it is waiting.
   void wake();
@@ -59,7 +59,9 @@ class Outbox {
   std::condition_variable wanted_;
   std::deque<Entry> entries_;
   bool woken_ = false;
-  std::set<std::string> unacknowledged_;  // keys of samples; only the serving thread uses them
+  // The keys of the samples that may not be acknowledged yet. Only the thread that calls serve() uses this
+  // member.
+  std::set<std::string> unacknowledged_;
   bool last_wait_failed_ = false;
 };
 

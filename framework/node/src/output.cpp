@@ -1,5 +1,6 @@
 #include <takt/node/output.hpp>
 
+#include <takt/core/words.hpp>
 #include <takt/os/process.hpp>
 
 namespace takt::node {
@@ -7,21 +8,20 @@ namespace takt::node {
 void Lines::add(const std::string& bytes, const Line& line) {
   for (const char c : bytes) {
     if (c == '\n') {
-      line(partial_);
+      line(on_one_line(partial_));
       partial_.clear();
       continue;
     }
     if (partial_.size() == kLongest) {
-      line(partial_ + " ...");
+      line(on_one_line(partial_) + " ...");
       partial_.clear();
     }
-    const auto code = static_cast<unsigned char>(c);
-    partial_ += (code < 32 && c != '\t') || code == 127 ? '?' : c;
+    partial_ += c == '\t' ? ' ' : c;
   }
 }
 
 void Lines::finish(const Line& line) {
-  if (!partial_.empty()) line(partial_);
+  if (!partial_.empty()) line(on_one_line(partial_));
   partial_.clear();
 }
 

@@ -1,25 +1,27 @@
 #include "program_process.hpp"
 
+#include <takt/host/component_path.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/real_time.hpp>
-#include <takt/schedule/placement.hpp>
+#include <takt/schedule/levels.hpp>
 
 namespace takt::node {
 
 namespace {
 
-/// Returns the links of a program as the value of TAKT_LINKS, "PORT=FD,PORT=FD".
+/// Returns the links of a process module as the value of TAKT_LINKS, "PORT=FD,PORT=FD". Adds their file
+/// descriptors to `inherit`.
 std::string links_of(std::uint32_t module, const supervision::Wiring& wiring,
                      std::vector<const os::Fd*>& inherit) {
   std::string text;
-  for (const supervision::Wiring::Wire& wire : wiring.wires()) {
-    const os::Fd& fd = wire.memory.memory().fd();
-    for (const supervision::LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
+  for (const supervision::Wiring::CreatedLink& created : wiring.links()) {
+    const os::Fd& fd = created.memory.memory().fd();
+    for (const supervision::LinkEnd* end : {&created.plan.from, &created.plan.to}) {
       if (end->module == module)
         text += (text.empty() ? "" : ",") + end->port + "=" + std::to_string(fd.get());
     }
-    if (wire.plan.from.module == module || wire.plan.to.module == module) inherit.push_back(&fd);
+    if (created.plan.from.module == module || created.plan.to.module == module) inherit.push_back(&fd);
   }
   return text;
 }
@@ -40,11 +42,18 @@ Result<void> ProgramProcess::start() {
     const os::Fd& slot = parts_.slots[module_].memory().fd();
     const os::Fd& wake_word = parts_.wake_word.memory().fd();
     options.inherit.insert(options.inherit.end(), {&slot, &wake_word});
+    // If all process modules share one CPU, they begin their bodies in the order of the table, and use this
+    // memory to take turns. On several CPUs, no process module waits for another.
+    if (parts_.placement.background.size() == 1 && model().operation == model::Operation::periodic) {
+      const os::Fd& turn = parts_.turns[parts_.executor_of(model())].memory().fd();
+      options.inherit.push_back(&turn);
+      options.environment.emplace_back("TAKT_TURN_FD", std::to_string(turn.get()));
+    }
     options.environment.emplace_back("TAKT_SLOT_FD", std::to_string(slot.get()));
     options.environment.emplace_back("TAKT_WAKE_WORD_FD", std::to_string(wake_word.get()));
     options.environment.emplace_back("TAKT_LINKS", links_of(module_, parts_.wiring, options.inherit));
   }
-  auto child = os::Child::spawn(options);
+  auto child = host::start_component(std::move(options));
   if (!child) return child.problems();
   child_ = std::move(*child);
   output_ = Output{std::move(child_.output), std::move(child_.error)};
@@ -62,9 +71,9 @@ std::optional<supervision::ProcessEnd> ProgramProcess::ended() {
 }
 
 Result<void> ProgramProcess::make_real_time() {
-  const int executor = parts_.plan.executors[parts_.executor_of(model())].priority;
+  const schedule::ExecutorPlan& plan = parts_.plan.executors[parts_.executor_of(model())];
   return os::make_real_time(parts_.slots[module_][0].thread.load(),
-                            schedule::program_priority(executor, model().operation));
+                            schedule::program_level(parts_.of_device(), plan, module_));
 }
 
 void ProgramProcess::step(const std::string& device) {

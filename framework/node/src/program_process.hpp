@@ -1,4 +1,4 @@
-// The process of a process module or of a non-real-time program.
+// The process of a process module.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ namespace takt::node {
 
 class ProgramProcess final : public supervision::Program {
  public:
-  /// `inheritance` is called at each start of a program with releases.
+  /// If the program is periodic or sporadic, `inheritance` is called at each start of the program.
   ProgramProcess(const supervision::Parts& parts, std::uint32_t module,
                  std::function<Inheritance()> inheritance)
       : parts_(parts), module_(module), inheritance_(std::move(inheritance)) {}
@@ -30,7 +30,7 @@ class ProgramProcess final : public supervision::Program {
   [[nodiscard]] int pid() const override { return pid_; }
   [[nodiscard]] std::string last_line() const override { return output_.last_words(); }
 
-  /// Logs what the program printed.
+  /// Logs the output of the program.
   void step(const std::string& device);
   void wait_on(std::vector<const os::Fd*>& fds) const;
 

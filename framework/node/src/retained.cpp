@@ -28,7 +28,7 @@ SavedFile::SavedFile(const std::string& folder, const std::string& cell, const s
                      const std::string& module)
     : path_(folder + "/" + cell + "." + device + "." + module + ".saved") {}
 
-Result<void> SavedFile::write(const channel::SavedState::Place& saved) const {
+Result<void> SavedFile::write(const channel::SavedState::Copy& saved) const {
   return write_whole(path_, kSavedFormat,
                      model::json_text({{"version", saved.version},
                                        {"bytes", in_hex(std::span{saved.bytes}.first(saved.size))}}));
@@ -63,10 +63,15 @@ Result<std::unique_ptr<Retained>> Retained::start(std::vector<One> all,
   auto thread = os::Thread::start(
       {.name = "takt-retain"},
       [mine = retained.get(), every] {
-        do {  // runs at least once, so that the last state is always written
-          os::futex_wait(mine->end_, 0, ~0U, os::now() + every);
+        std::uint32_t asked = 0;
+        bool last = false;
+        while (!last) {
+          os::futex_wait(mine->asked_, asked, ~0U, os::now() + every);
+          last = mine->end_.load();  // read before the write, so that the last state is always written
+          asked = mine->asked_.load();
           mine->write_changes();
-        } while (mine->end_.load() == 0);
+          mine->done_.store(asked);
+        }
         mine->finished_ = true;
       },
       nullptr);
@@ -81,13 +86,27 @@ Retained::~Retained() {
 }
 
 bool Retained::finish() {
-  end_.store(1);
-  os::futex_wake(end_, ~0U);
+  if (!end_.exchange(true)) update();
   return finished_;
 }
 
+void Retained::update() {
+  asked_.fetch_add(1);
+  os::futex_wake(asked_, ~0U);
+}
+
+std::optional<Result<void>> Retained::updated(const channel::SavedState& state) const {
+  if (done_.load() != asked_.load()) return std::nullopt;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (all_[i].state == &state && failed_[i].load())
+      return fail("cannot write " + all_[i].file.path(), "the log of the node states the reason");
+  }
+  return Result<void>{};
+}
+
 void Retained::write_changes() {
-  for (One& one : all_) {
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    One& one = all_[i];
     const std::uint64_t number = one.state->whole.load(std::memory_order_acquire);
     if (number == one.written) continue;
     Result<void> written;
@@ -98,12 +117,12 @@ void Retained::write_changes() {
       written = one.file.write(*saved);
       if (written) one.written = saved->number;
     } else {
-      continue;  // the module is saving this state right now
+      continue;  // the module is saving this state now; the next round writes it
     }
-    if (!written && !one.failed)
+    if (!written && !failed_[i])
       report_("warning: cannot write the state that modules retain to disk: " + in_words(written.problems()));
-    if (written && one.failed) report_("the state that modules retain is on disk again: " + one.file.path());
-    one.failed = !written;
+    if (written && failed_[i]) report_("the state that modules retain is on disk again: " + one.file.path());
+    failed_[i] = !written;
   }
 }
 

@@ -1,8 +1,11 @@
 #include <takt/node/symbols.hpp>
 
 #include <cxxabi.h>
+#include <dwarf.h>
+#include <elfutils/libdw.h>
 #include <elfutils/libdwfl.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 
@@ -12,8 +15,8 @@ namespace takt::node {
 
 namespace {
 
-// Prevents a search for symbols in other files. Such a search may use the network, and the symbols in the
-// file itself are enough.
+// Prevents libdwfl from searching for symbols in other files. Such a search may use the network, and the
+// symbols in the file itself suffice.
 int no_other_file(Dwfl_Module*, void**, const char*, Dwarf_Addr, const char*, const char*, GElf_Word,
                   char**) {
   return -1;
@@ -34,6 +37,65 @@ std::string demangled(const char* name) {
   std::string result = text == nullptr ? name : text;
   std::free(text);
   return result;
+}
+
+// A line of a source file; empty if it is not known.
+struct Line {
+  std::string file;
+  int number = 0;
+};
+
+// True for a header of the system or of Takt. The author of a module needs the line in the module's own code,
+// not a line in such a header.
+bool is_of_library(const std::string& file) {
+  return file.starts_with("/usr/") || file.find("/include/takt/") != std::string::npos;
+}
+
+// The line of the call of an inlined function.
+Line call_of(Dwarf_Die& inlined, Dwarf_Files* files) {
+  Dwarf_Attribute attribute{};
+  Dwarf_Word file = 0;
+  Dwarf_Word number = 0;
+  if (dwarf_formudata(dwarf_attr(&inlined, DW_AT_call_file, &attribute), &file) != 0 ||
+      dwarf_formudata(dwarf_attr(&inlined, DW_AT_call_line, &attribute), &number) != 0)
+    return {};
+  const char* name = dwarf_filesrc(files, file, nullptr, nullptr);
+  return {name == nullptr ? "" : name, static_cast<int>(number)};
+}
+
+// The line of an address. If this line is in a function of a library that the compiler has inlined, returns
+// the line that calls the function.
+Line line_of(Dwfl_Module* module, Dwarf_Addr address) {
+  Line line;
+  Dwfl_Line* const found = dwfl_module_getsrc(module, address);
+  if (found == nullptr) return {};
+  const char* source = dwfl_lineinfo(found, nullptr, &line.number, nullptr, nullptr, nullptr);
+  if (source == nullptr) return {};
+  line.file = source;
+  Dwarf_Addr bias = 0;
+  Dwarf_Die* const unit = dwfl_module_addrdie(module, address, &bias);
+  Dwarf_Files* files = nullptr;
+  if (!is_of_library(line.file) || unit == nullptr || dwarf_getsrcfiles(unit, &files, nullptr) != 0)
+    return line;
+  const auto free_scopes = [](Dwarf_Die* scopes) { std::free(scopes); };
+  using Scopes = std::unique_ptr<Dwarf_Die, decltype(free_scopes)>;
+  Dwarf_Die* all = nullptr;
+  if (dwarf_getscopes(unit, address - bias, &all) <= 0) return line;
+  const Scopes at{all, free_scopes};
+  const int count = dwarf_getscopes_die(at.get(), &all);  // from the innermost inlined function outwards
+  if (count <= 0) return line;
+  const Scopes scopes{all, free_scopes};
+  for (int i = 0; i < count; ++i) {
+    Dwarf_Die& scope = scopes.get()[i];
+    if (dwarf_tag(&scope) != DW_TAG_inlined_subroutine) continue;
+    Line call = call_of(scope, files);
+    if (!call.file.empty() && !is_of_library(call.file)) return call;
+  }
+  return line;
+}
+
+bool is_c_library(const std::string& name) {
+  return name == "libc.so.6" || name == "libstdc++.so.6" || name == "libgcc_s.so.1";
 }
 
 std::string last_part(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
@@ -75,22 +137,26 @@ std::string Symbols::name(const std::string& object, std::uint64_t address) {
     const Dwarf_Addr at = file.bias + address;
     if (const char* symbol = dwfl_module_addrname(file.module, at); symbol != nullptr)
       text = demangled(symbol);
-    int line = 0;
-    Dwfl_Line* found = dwfl_module_getsrc(file.module, at);
-    if (found != nullptr) {
-      if (const char* source = dwfl_lineinfo(found, nullptr, &line, nullptr, nullptr, nullptr);
-          source != nullptr)
-        text += fmt::format(" at {}:{}", last_part(source), line);
-    }
+    if (const Line line = line_of(file.module, at); !line.file.empty())
+      text += fmt::format(" at {}:{}", last_part(line.file), line.number);
   }
   return text + " in " + last_part(object);
+}
+
+std::size_t calls_of_module(const std::vector<std::string>& objects, const std::string& host) {
+  const auto of_module = [&host](const std::string& object) {
+    return object != host && !is_c_library(last_part(object));
+  };
+  const auto outermost = std::find_if(objects.rbegin(), objects.rend(), of_module);
+  return outermost == objects.rend() ? objects.size() : static_cast<std::size_t>(objects.rend() - outermost);
 }
 
 std::string called_by(const std::vector<std::string>& calls, std::size_t most) {
   std::string text;
   std::size_t shown = 0;
   for (const std::string& call : calls) {
-    if (call.ends_with(" in libc.so.6") || call.ends_with(" in libstdc++.so.6")) continue;
+    const std::string object = call.substr(call.find_last_of(' ') + 1);
+    if (is_c_library(object) || object.starts_with("libtakt_component.so")) continue;
     if (shown++ == most) return text + ", ...";
     text += (text.empty() ? "in " : ", called by ") + call;
   }

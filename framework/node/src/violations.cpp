@@ -26,7 +26,7 @@ Result<Violations> Violations::create(std::size_t modules, std::size_t executors
   violations.library_ = os::private_directory() + "/libtakt_check.so";
   if (!os::is_shared_object(violations.library_)) {
     return fail("file not found: " + violations.library_,
-                "install it there, or run without --check-realtime");
+                "install Takt again, or run without --check-realtime");
   }
   auto memory = os::SharedMemory::create("takt-check", sizeof(ViolationLog));
   if (!memory) return memory.problems();
@@ -57,17 +57,19 @@ SeenViolation Violations::in_words(const channel::Violation& violation,
   if (violation.kind == channel::ViolationKind::system_call)
     seen.what = os::system_call_name(violation.system_call);
   const std::size_t depth = std::min<std::size_t>(violation.depth, violation.frames.size());
+  std::vector<std::string> objects;
   for (std::size_t i = 0; i < depth; ++i) {
     const channel::CodePlace& place = violation.frames[i];
     std::string object;
     if (place.object > 0 && place.object <= log().objects.size())
       object = log().objects[place.object - 1].path.view();
-    // The host may have loaded the module from a copy of its file in memory.
-    if (object.starts_with("/proc/self/fd/") && violation.module < paths.size())
+    // A module may run from a copy of its component in memory.
+    if ((object.starts_with("/proc/") || object.starts_with("/memfd:")) && violation.module < paths.size())
       object = paths[violation.module];
-    // Leaves out the host's own functions, which called the module, unless the host caused the violation.
-    if (!seen.calls.empty() && object == os::private_directory() + "/takt-host") break;
-    seen.calls.push_back(symbols_.name(object, place.address));
+    objects.push_back(std::move(object));
+  }
+  for (std::size_t i = 0; i < calls_of_module(objects, os::private_directory() + "/takt-host"); ++i) {
+    seen.calls.push_back(symbols_.name(objects[i], violation.frames[i].address));
     if (seen.calls.back().starts_with("main ")) break;
   }
   return seen;
@@ -78,8 +80,9 @@ std::vector<SeenViolation> Violations::news(const std::vector<std::string>& path
   for (std::size_t i = 0; i < log().violations.size(); ++i) {
     const channel::Violation& violation = log().violations[i];
     if (violation.key.load(std::memory_order_relaxed) == 0)
-      break;  // entries are claimed in order, so no claimed entry follows
-    if (reported_[i] || violation.ready.load(std::memory_order_acquire) == 0) continue;  // SYNC: violation
+      break;  // entries are claimed in order, so all further entries are free
+    // Skip an entry that record() in libtakt_check has claimed and not completed yet.
+    if (reported_[i] || violation.ready.load(std::memory_order_acquire) == 0) continue;
     reported_[i] = true;
     const std::uint32_t number = violation.module & ~channel::kOfExecutor;
     if (number >= (number == violation.module ? modules_ : executors_)) continue;
@@ -135,7 +138,7 @@ std::string sentence_of(const SeenViolation& violation) {
   constexpr std::size_t kShown = 4;
   std::string text = (violation.what.empty() ? "" : violation.what + ", ") + std::string{"a"} +
                      (violation.kind == "allocation" ? "n " : " ") + violation.kind;
-  // The message leaves out calls inside the C and C++ libraries; the report includes them.
+  // The sentence omits calls inside the C and C++ libraries; the report includes them.
   const std::string calls = called_by(violation.calls, kShown);
   return text + (calls.empty() ? "" : ", " + calls);
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include <takt/os/files.hpp>
+#include <takt/os/writers.hpp>
 
 namespace takt::node {
 
@@ -25,6 +26,7 @@ Result<void> write_whole(const std::string& path, const std::string& format, con
 
 Result<std::optional<std::string>> read_whole(const std::string& path, const std::string& format,
                                               std::size_t most, const Problem& damaged) {
+  if (auto writers = os::check_writers(path); !writers) return writers.problems();
   const auto content = os::read_file(path, most);
   if (!content) return content.problems();
   if (!*content) return std::optional<std::string>{};

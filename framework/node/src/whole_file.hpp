@@ -1,5 +1,5 @@
-// Writes files so that a power failure leaves the old or the new content, and checks for damage when it reads
-// them. A file consists of one line with the format and a checksum, followed by the body.
+// Writes files so that after a power failure they have either the old or the new content, and detects damaged
+// files when it reads them. A file consists of one line with its format and a checksum, followed by the body.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +11,9 @@
 namespace takt::node {
 
 Result<void> write_whole(const std::string& path, const std::string& format, const std::string& body);
-/// Returns the body of a file, or nothing if there is no file. Fails if the file cannot be read, has more
-/// than `most` bytes, or has been damaged since it was written. If it is damaged, the problem is `damaged`
-/// with the reason added.
+/// Returns the body of a file, or nothing if there is no file. Fails if other users can replace the file
+/// (os::check_writers()), if it cannot be read, if it has more than `most` bytes, or if it was damaged after it
+/// was written. For a damaged file, the result is the problem `damaged` with the reason added.
 Result<std::optional<std::string>> read_whole(const std::string& path, const std::string& format,
                                               std::size_t most, const Problem& damaged);
 

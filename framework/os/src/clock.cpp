@@ -11,8 +11,8 @@ std::int64_t wall_ns() noexcept {
 }
 
 Instant instant_of_wall(std::int64_t wall) noexcept {
-  // The thread may be preempted for milliseconds between reading one clock and reading the other. So read
-  // several pairs and use the closest one.
+  // The system may preempt the thread for milliseconds between the readings of the two clocks. So read
+  // several pairs, and use the pair whose readings are closest in time.
   constexpr int kPairs = 20;
   Nanoseconds closest = Nanoseconds::max();
   Nanoseconds offset{};

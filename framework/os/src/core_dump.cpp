@@ -38,7 +38,7 @@ std::string newest_of(const std::string& pattern) {
     }
   }
   ::globfree(&found);
-  // Ignore a file older than this (in s), because it is not from this crash.
+  // The maximum age of the file, in s. An older file is not from this crash.
   constexpr std::time_t kJustNow = 10;
   return newest.empty() || ::time(nullptr) - time.tv_sec > kJustNow ? "" : newest;
 }
@@ -54,7 +54,7 @@ std::string core_glob(std::string_view pattern, int pid, int signal) {
     } else if (c != '%') {
       glob += c;
     } else if (++i == pattern.size()) {
-      break;  // the kernel also drops a % at the end
+      break;  // the kernel, too, omits a % at the end
     } else if (pattern[i] == 'p' || pattern[i] == 'P') {
       glob += std::to_string(pid);
     } else if (pattern[i] == 's') {

@@ -7,10 +7,10 @@
 
 namespace takt::os {
 
-/// Returns a problem for the current errno, for example "CALL: No such file or directory".
+/// Returns a problem for the present errno, for example "CALL: No such file or directory".
 Problem errno_problem(std::string call, std::string fix = {});
-/// Returns a problem for an error number. If the error is that the process has too many open files, a fix for
-/// that replaces `fix`.
+/// Returns a problem for an error number. If the process has too many open files (EMFILE), the problem
+/// advises to raise the limit, and `fix` is not used.
 Problem error_problem(std::string call, int error, std::string fix = {});
 
 }  // namespace takt::os

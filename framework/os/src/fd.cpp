@@ -15,7 +15,8 @@ void Fd::close() noexcept {
 }
 
 Problem error_problem(std::string call, int error, std::string fix) {
-  // With EMFILE, the cause is the limit of the process, regardless of the call.
+  // EMFILE means that the process has too many open files, whatever the call was. So the caller's `fix` does
+  // not help.
   if (error == EMFILE)
     fix =
         "raise the limit on open files of this process: ulimit -n, prlimit --nofile or, for a service, "

@@ -21,11 +21,11 @@ namespace takt::os {
 
 struct Fiber::Course {
   ucontext_t context{};
-  std::byte* memory = nullptr;  // a guard page followed by the stack; null if the fiber uses the thread's own
-                                // stack
+  // A guard page followed by the stack; null for a fiber that uses the thread's own stack.
+  std::byte* memory = nullptr;
   std::size_t size = 0;
   std::function<void()> body;
-  // Used only with sanitizers.
+  // The members below are used only with sanitizers.
   const void* bottom = nullptr;
   std::size_t stack_bytes = 0;
   void* fake_stack = nullptr;
@@ -61,7 +61,7 @@ Fiber::Fiber(std::size_t stack_bytes, std::function<void()> body) : course_(std:
   course.context.uc_stack.ss_sp = course.memory + page;
   course.context.uc_stack.ss_size = course.stack_bytes;
   course.context.uc_link = nullptr;
-  // makecontext() can pass only ints, so the address is passed in two parts.
+  // makecontext() can pass only ints to the function, so the address of `course` is passed in two parts.
   const auto address = reinterpret_cast<std::uintptr_t>(&course);
   makecontext(&course.context, reinterpret_cast<void (*)()>(&Fiber::enter), 2,
               static_cast<unsigned>(address & 0xffff'ffffU), static_cast<unsigned>(address >> 32));

@@ -15,6 +15,7 @@
 #include <fstream>
 
 #include <takt/os/fd.hpp>
+#include <takt/os/writers.hpp>
 #include "error.hpp"
 
 namespace takt::os {
@@ -72,6 +73,27 @@ std::optional<std::string> read_section(const std::string& path, const std::stri
   return {};
 }
 
+std::string library_folders(const std::string& path) {
+  const std::string entries = read_section(path, ".dynamic").value_or("");
+  const std::string names = read_section(path, ".dynstr").value_or("");
+  ElfW(Dyn) entry{};
+  for (std::size_t at = 0; at + sizeof entry <= entries.size(); at += sizeof entry) {
+    std::memcpy(&entry, entries.data() + at, sizeof entry);
+    const bool folders = entry.d_tag == DT_RUNPATH || entry.d_tag == DT_RPATH;
+    if (folders && entry.d_un.d_val < names.size()) return names.c_str() + entry.d_un.d_val;
+  }
+  return {};
+}
+
+/// Syncs the folder of a file that was renamed or removed, so that the change survives a loss of power.
+static Result<void> sync_folder(const std::string& path) {
+  const std::filesystem::path above = std::filesystem::path{path}.parent_path();
+  const std::string folder = above.empty() ? "." : above.string();
+  const Fd directory{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (!directory || ::fsync(directory.get()) != 0) return errno_problem(folder);
+  return {};
+}
+
 Result<void> replace_file(const std::string& path, const std::string& content, Readers readers) {
   const std::filesystem::path target{path};
   const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
@@ -86,7 +108,8 @@ Result<void> replace_file(const std::string& path, const std::string& content, R
     ::unlink(temporary.c_str());
     return problem;
   };
-  Fd file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW,
+  ::unlink(temporary.c_str());  // an interrupted call, or another user, may have left it
+  Fd file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
                  readers == Readers::owner ? 0600 : 0644)};
   if (!file) return failed();
   for (std::size_t written = 0; written < content.size();) {
@@ -95,13 +118,11 @@ Result<void> replace_file(const std::string& path, const std::string& content, R
     if (n < 0) return failed();
     written += static_cast<std::size_t>(n);
   }
-  // Store the content on the disk before the rename, and the new name before this function returns.
+  // The content must be on the disk before the rename, and the new name before this function returns.
   if (::fsync(file.get()) != 0) return failed();
   file.close();
   if (::rename(temporary.c_str(), path.c_str()) != 0) return failed();
-  const Fd directory{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  if (!directory || ::fsync(directory.get()) != 0) return errno_problem(folder);
-  return {};
+  return sync_folder(path);
 }
 
 Result<std::optional<std::string>> read_file(const std::string& path, std::size_t most) {
@@ -130,8 +151,8 @@ std::string text_of(const std::string& path) {
 }
 
 Result<void> remove_file(const std::string& path) {
-  if (::unlink(path.c_str()) != 0 && errno != ENOENT) return errno_problem(path, "let this user remove it");
-  return {};
+  if (::unlink(path.c_str()) == 0) return sync_folder(path);
+  return errno == ENOENT ? Result<void>{} : errno_problem(path, "let this user remove it");
 }
 
 std::optional<Rights> rights_of(const std::string& path) {
@@ -150,13 +171,15 @@ Result<void> make_private_folder(const std::string& path) {
   const std::filesystem::path above = std::filesystem::path{path}.parent_path();
   if (!above.empty()) std::filesystem::create_directories(above, error);
   if (error) return error_problem(above.string(), error.value(), "name a folder that this user may write to");
-  if (::mkdir(path.c_str(), 0700) == 0) return {};
-  if (errno != EEXIST) return errno_problem(path, "name a folder that this user may write to");
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return errno_problem(path);
-  if (!S_ISDIR(status.st_mode)) return fail(path + " is a file", "name a folder");
-  if ((status.st_mode & 077) == 0) return {};
-  return fail("other users may enter the folder " + path, "run chmod 700 " + path);
+  if (::mkdir(path.c_str(), 0700) != 0) {
+    if (errno != EEXIST) return errno_problem(path, "name a folder that this user may write to");
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return errno_problem(path);
+    if (!S_ISDIR(status.st_mode)) return fail(path + " is a file", "name a folder");
+    if ((status.st_mode & 077) != 0)
+      return fail("other users may enter the folder " + path, "run chmod 700 " + path);
+  }
+  return check_writers(path);
 }
 
 bool output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }

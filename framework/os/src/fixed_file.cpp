@@ -42,7 +42,7 @@ Result<void> FixedFile::reserve(std::size_t bytes) {
   if (::fstat(fd_.get(), &before) != 0) return errno_problem(path_);
   const int error = ::posix_fallocate(fd_.get(), 0, static_cast<off_t>(bytes));
   if (error == 0) return {};
-  // Free the part of the space that was already allocated.
+  // Free the space that posix_fallocate() had allocated before it failed.
   if (::ftruncate(fd_.get(), before.st_size) != 0) return errno_problem(path_);
   return error_problem(path_, error, kRoom);
 }

@@ -13,13 +13,13 @@ KernelNews::KernelNews() : fd_(::open("/dev/kmsg", O_RDONLY | O_NONBLOCK | O_CLO
 }
 
 std::optional<std::string> KernelNews::next() {
-  std::array<char, 8192> record{};  // as long as the longest record of the kernel
+  std::array<char, 8192> record{};  // the maximum size of a record of the kernel
   while (fd_) {
     const ssize_t n = ::read(fd_.get(), record.data(), record.size());
     if (n > 0) return kernel_text({record.data(), static_cast<std::size_t>(n)});
     if (n < 0 && (errno == EINTR || errno == EPIPE))
-      continue;  // EPIPE means that this program read too
-                 // slowly, and some records are lost
+      // EPIPE means that the kernel has overwritten records before this process read them.
+      continue;
     break;
   }
   return std::nullopt;

@@ -42,8 +42,8 @@ Keyboard::Keyboard() : before_(std::make_unique<Before>()), fd_(fcntl(STDIN_FILE
   if (!before_->known) return;
   termios raw = before_->settings;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // otherwise Ctrl-Z would return to the shell without leaving the
-                                      // alternate screen
+  // Otherwise Ctrl-Z would return to the shell while the alternate screen is still shown.
+  raw.c_cc[VSUSP] = _POSIX_VDISABLE;
   raw.c_cc[VQUIT] = _POSIX_VDISABLE;  // otherwise Ctrl-\ would end the program without restoring the terminal
   raw.c_cc[VMIN] = 0;                 // read() must not wait
   raw.c_cc[VTIME] = 0;

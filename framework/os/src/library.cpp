@@ -5,38 +5,25 @@
 #include <fcntl.h>
 #include <link.h>
 #include <sys/mman.h>
-#include <sys/sendfile.h>
 #include <sys/stat.h>
 
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include <takt/os/sealed_copy.hpp>
 #include "error.hpp"
 
 namespace takt::os {
 
 namespace {
 
-Result<Fd> copy_of(const std::string& path) {
-  Fd from{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  struct stat status {};
-  if (!from || ::fstat(from.get(), &status) != 0) return errno_problem(path, "name a file that can be read");
-  Fd to{::memfd_create("takt-module", MFD_CLOEXEC)};
-  if (!to) return errno_problem("memfd_create for a copy of " + path, "free memory or file descriptors");
-  off_t done = 0;
-  while (done < status.st_size) {
-    if (::sendfile(to.get(), from.get(), &done, static_cast<std::size_t>(status.st_size - done)) <= 0) {
-      return errno_problem("copying " + path, "free memory");
-    }
-  }
-  return to;
-}
-
-// Returns the name of a symbol that the loader would share between copies of the object; empty if there is
-// none. The loader binds a GNU_UNIQUE symbol to one address in the whole process. Symbols of the C++ standard
-// library (guards and tags of its templates) are ignored, because they hold no state of the module.
+// Returns the name of a variable that the loader would share between copies of the object; empty if there is
+// none. The loader binds a GNU_UNIQUE symbol to one address in the whole process. Such symbols of the C++
+// standard library (guards and tags of its templates) are ignored, because they hold no state of the module.
 std::string shared_variable(const Fd& fd) {
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0) return {};
@@ -77,14 +64,14 @@ std::string shared_variable(const Fd& fd) {
   return found;
 }
 
-// Returns a path for the copy under which no object is loaded. The loader treats objects with the same path
-// as the same object, and descriptor numbers, which are part of the path, are reused.
-Result<std::string> unused_path(Fd& copy) {
+// Gives the copy a path that no loaded object has. The loader treats objects with the same path as one
+// object, and the path contains a descriptor number, which may have been used before. Duplicates `copy` until
+// its number is unused.
+Result<std::shared_ptr<Fd>> with_unused_path(Fd copy) {
   std::vector<Fd> taken;
   while (true) {
-    const std::string path = "/proc/self/fd/" + std::to_string(copy.get());
-    void* other = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
-    if (other == nullptr) return path;
+    void* other = ::dlopen(path_of(copy).c_str(), RTLD_LAZY | RTLD_NOLOAD);
+    if (other == nullptr) return std::make_shared<Fd>(std::move(copy));
     ::dlclose(other);
     taken.push_back(std::move(copy));
     copy = Fd{::fcntl(taken.back().get(), F_DUPFD_CLOEXEC, 0)};
@@ -93,13 +80,43 @@ Result<std::string> unused_path(Fd& copy) {
   }
 }
 
+/// The copies from which objects with shared globals were loaded, by the path of the copied file.
+class SharedCopies {
+ public:
+  Result<std::shared_ptr<Fd>> of(const std::string& path, Fd copy) {
+    const std::lock_guard lock{mutex_};
+    std::weak_ptr<Fd>& place = copies_[path];
+    if (auto loaded = place.lock()) return loaded;
+    auto own = with_unused_path(std::move(copy));
+    if (own) place = *own;
+    return own;
+  }
+  [[nodiscard]] bool contain(const std::string& path) {
+    const std::lock_guard lock{mutex_};
+    const auto at = copies_.find(path);
+    return at != copies_.end() && !at->second.expired();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::weak_ptr<Fd>> copies_;
+};
+
+SharedCopies& shared_copies() {
+  static SharedCopies copies;
+  return copies;
+}
+
 }  // namespace
 
 void* loaded_function(const char* name) noexcept { return ::dlsym(RTLD_DEFAULT, name); }
+void* next_function(const char* name) noexcept { return ::dlsym(RTLD_NEXT, name); }
 
-Library::Library(Library&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+Library::Library(Library&& other) noexcept
+    : copy_(std::move(other.copy_)), handle_(std::exchange(other.handle_, nullptr)) {}
 
 Library& Library::operator=(Library&& other) noexcept {
+  std::swap(copy_, other.copy_);
   std::swap(handle_, other.handle_);
   return *this;
 }
@@ -108,13 +125,14 @@ Library::~Library() {
   if (handle_ != nullptr) ::dlclose(handle_);
 }
 
-Result<Library> Library::open(const std::string& path, Globals globals) {
-  std::string file = path;
-  Fd copy;
+Result<Library> Library::open(const std::string& path, Globals globals, Fd copy) {
+  Library library;
   if (globals == Globals::own) {
-    auto copied = copy_of(path);
-    if (!copied) return copied.problems();
-    copy = std::move(*copied);
+    if (!copy) {
+      auto copied = sealed_copy(path);
+      if (!copied) return copied.problems();
+      copy = std::move(*copied);
+    }
     if (const std::string variable = shared_variable(copy); !variable.empty()) {
       return fail(path +
                       " cannot be loaded with its own globals for a second module: the loader would share "
@@ -122,24 +140,27 @@ Result<Library> Library::open(const std::string& path, Globals globals) {
                       variable,
                   "compile it with -fno-gnu-unique, or make it a takt::Component");
     }
-    auto own = unused_path(copy);
-    if (!own) return own.problems();
-    file = std::move(*own);
   }
-  Library library;
+  if (copy) {
+    auto kept = globals == Globals::own ? with_unused_path(std::move(copy))
+                                        : shared_copies().of(path, std::move(copy));
+    if (!kept) return kept.problems();
+    library.copy_ = std::move(*kept);
+  }
+  const std::string file = library.copy_ ? path_of(*library.copy_) : path;
   library.handle_ = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library.handle_ == nullptr) {
     const char* reason = ::dlerror();
     return fail("cannot load " + path + ": " + (reason != nullptr ? reason : "unknown"),
-                "name a shared object built for this machine, with every symbol it uses");
+                "use a shared object that is built for this machine and has no undefined symbols");
   }
   return library;
 }
 
-bool Library::is_loaded(const std::string& path) noexcept {
+bool Library::is_loaded(const std::string& path) {
   void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
   if (handle != nullptr) ::dlclose(handle);
-  return handle != nullptr;
+  return handle != nullptr || shared_copies().contain(path);
 }
 
 void* Library::own_symbol(const char* name) const noexcept {

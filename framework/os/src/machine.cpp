@@ -18,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The version of Linux (6.12) that introduced a deadline server for ordinary threads in place of real-time
-// throttling.
+// Linux 6.12 introduced a deadline server for ordinary threads, in place of real-time throttling.
 constexpr int kFairServerMajor = 6;
 constexpr int kFairServerMinor = 12;
 constexpr Nanoseconds kFairServerKeeps = std::chrono::milliseconds{50};
@@ -73,8 +72,8 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   };
   if (text_of(root / "sys/kernel/realtime") == "1" || says("PREEMPT_RT")) return Preemption::real_time;
   if (says("PREEMPT_DYNAMIC")) {
-    // The preemption model is chosen at run time, at boot, or in the kernel configuration; check in this
-    // order.
+    // The preemption model can be set at run time, by a boot parameter, or in the kernel's configuration, in
+    // this order of precedence. Read them in this order.
     const std::string now = chosen_of(text_of(root / "sys/kernel/debug/sched/preempt"), '(', ')');
     if (!now.empty()) return preemption_named(now);
     std::optional<Preemption> found;
@@ -94,7 +93,7 @@ std::optional<Preemption> preemption_of(const fs::path& root, const Machine& mac
   }
   if (says("PREEMPT_LAZY")) return Preemption::lazy;
   if (says("PREEMPT")) return Preemption::full;
-  // The version text is the same for kernels without preemption and with voluntary preemption.
+  // The version text does not distinguish kernels without preemption from those with voluntary preemption.
   return machine.version.empty() ? std::optional<Preemption>{} : Preemption::voluntary;
 }
 
@@ -139,7 +138,7 @@ std::vector<Interrupt> interrupts_of(const fs::path& root) {
     const auto number = number_in<int>(folder.filename().string());
     if (!number) continue;
     Interrupt interrupt{.number = *number};
-    // An interrupt that has a handler has a subfolder with the name of the handler.
+    // If an interrupt has a handler, its folder contains a folder with the name of the handler.
     std::error_code error;
     for (const fs::path& entry : entries_of(folder)) {
       if (fs::is_directory(entry, error)) interrupt.name = entry.filename().string();
@@ -189,7 +188,7 @@ std::optional<std::uint64_t> size_of_filesystem(const fs::path& folder) {
   return std::uint64_t{status.f_blocks} * status.f_frsize;
 }
 
-// An empty root stands for this machine.
+// Returns the root folder of this machine if `root` is empty.
 fs::path root_folder(const std::string& root) { return root.empty() ? "/" : root; }
 
 }  // namespace
@@ -254,8 +253,8 @@ std::optional<Throttling> read_throttling(const std::string& root_name) {
       const Throttling mine{
           .kept = Nanoseconds{*runtime}, .period = Nanoseconds{*period}, .fair_server = true, .seen = true};
       if (!found.seen || mine.kept > found.kept)
-        found = mine;  // keep the value of the CPU with the most
-                       // withheld time
+        // Use the CPU on which the kernel withholds the most time.
+        found = mine;
     }
     return found;
   }
@@ -271,11 +270,11 @@ std::optional<ProcessorTime> read_processor_time(const std::string& root) {
   std::string line;
   std::getline(stream, line);
   const auto words = words_in(line);
-  constexpr std::size_t kSteal = 8;  // Fields of the line: "cpu" user nice system idle iowait irq softirq
-                                     // steal guest guest_nice.
+  // Index of "steal" in the line: "cpu" user nice system idle iowait irq softirq steal guest guest_nice.
+  constexpr std::size_t kSteal = 8;
   if (words.size() <= kSteal || words[0] != "cpu") return std::nullopt;
   ProcessorTime time;
-  // Stop before the guest fields, because guest time is already part of user time.
+  // The fields after "steal" are not added, because guest time is already part of user time.
   for (std::size_t i = 1; i <= kSteal; ++i) time.all += number_in<std::uint64_t>(words[i]).value_or(0);
   time.stolen = number_in<std::uint64_t>(words[kSteal]).value_or(0);
   return time;

@@ -13,7 +13,7 @@
 namespace takt::os {
 
 namespace {
-using Length = std::uint32_t;  // the length that precedes each message
+using Length = std::uint32_t;  // each message begins with its length
 constexpr Length kMaxLength = 256U * 1024 * 1024;
 }  // namespace
 

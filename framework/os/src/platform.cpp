@@ -14,7 +14,8 @@ namespace takt::os {
 
 namespace {
 
-/// Reads a file of "key : value" lines, and returns the value of the first line that begins with `key`.
+/// Reads a file with lines of the form "key : value". Returns the value of the first line that begins with
+/// `key`.
 std::string value_of(const char* path, const std::string& key) {
   std::ifstream file{path};
   std::string line;

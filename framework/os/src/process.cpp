@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 
 #include <takt/core/time.hpp>
@@ -40,6 +41,10 @@ ProcessEnd ended(int status) {
   if (WIFSIGNALED(status)) return {.signalled = true, .code = WTERMSIG(status)};
   return {.signalled = false, .code = WEXITSTATUS(status)};
 }
+
+/// The time from the report of a child's end until the child is reaped. By then, the child's last thread has
+/// normally ended.
+constexpr Nanoseconds kReapAfter = std::chrono::seconds{1};
 
 std::vector<char*> pointers(std::vector<std::string>& texts) {
   std::vector<char*> result;
@@ -78,7 +83,11 @@ std::string ProcessEnd::text() const {
 }
 
 Child::Child(Child&& other) noexcept
-    : output(std::move(other.output)), error(std::move(other.error)), pid_(std::exchange(other.pid_, 0)) {}
+    : output(std::move(other.output)),
+      error(std::move(other.error)),
+      pid_(std::exchange(other.pid_, 0)),
+      zombie_(std::exchange(other.zombie_, 0)),
+      reap_at_(other.reap_at_) {}
 
 Child& Child::operator=(Child&& other) noexcept {
   std::swap(output, other.output);
@@ -88,14 +97,30 @@ Child& Child::operator=(Child&& other) noexcept {
 }
 
 Child::~Child() {
+  reap();
   if (!running()) return;
   signal(SIGKILL);
   wait();
 }
 
+namespace {
+
+/// Returns the interpreter that the first line of a script names; empty if the file is not a script.
+std::string interpreter_of(const std::string& program) {
+  std::ifstream file{program};
+  std::string line;
+  std::getline(file, line);
+  if (!line.starts_with("#!")) return {};
+  const std::size_t begin = line.find_first_not_of(" \t", 2);
+  if (begin == std::string::npos) return {};
+  return line.substr(begin, line.find_first_of(" \t\r", begin) - begin);
+}
+
+}  // namespace
+
 Result<Child> Child::spawn(const SpawnOptions& options) {
-  auto failure = make_pipe();  // A successful exec closes this pipe; if exec fails, the pipe carries the
-                               // error number.
+  // A successful exec closes this pipe. If exec fails, the child writes the error number to it.
+  auto failure = make_pipe();
   if (!failure) return failure.problems();
   Pipe output;
   Pipe error;
@@ -108,13 +133,17 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
     error = std::move(*second);
   }
 
-  // Allocate everything before the fork, because a child must not allocate after it.
+  // The child must not allocate memory after fork(), so everything is allocated before the fork.
   std::vector<std::string> arguments{options.program};
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   std::vector<std::string> environment = with_environment(options.environment);
   const std::vector<char*> argv = pointers(arguments);
   const std::vector<char*> envp = pointers(environment);
   const int parent = ::getpid();
+  std::array<char, 2> begin{};
+  const bool script = options.copy != nullptr &&
+                      ::pread(options.copy->get(), begin.data(), begin.size(), 0) == 2 && begin[0] == '#' &&
+                      begin[1] == '!';
 
   const int pid = ::fork();
   if (pid < 0) return errno_problem("fork", "free memory or raise the limit on processes");
@@ -126,7 +155,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
     };
     if (options.dies_with_parent) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      if (::getppid() != parent) ::_exit(127);  // the parent died before prctl() took effect
+      if (::getppid() != parent) ::_exit(127);  // the parent ended before prctl() took effect
     }
     if (options.new_group) ::setpgid(0, 0);
     if (options.capture_output) {
@@ -135,12 +164,19 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
       const int nothing = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
       ::dup2(nothing, STDIN_FILENO);
     }
+    // Libraries such as Fast DDS open sockets that survive exec. So mark all descriptors close-on-exec, and
+    // then unmark those that the program inherits.
+    if (::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) != 0) give_up();
     for (const Fd* fd : options.inherit) ::fcntl(fd->get(), F_SETFD, 0);
+    if (script) ::fcntl(options.copy->get(), F_SETFD, 0);
     sigset_t none;
     ::sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
-    ::signal(SIGPIPE, SIG_DFL);  // an ignored signal would remain ignored in the new program
-    ::execve(options.program.c_str(), argv.data(), envp.data());
+    ::signal(SIGPIPE, SIG_DFL);  // otherwise the new program would ignore the signal, too
+    if (options.copy != nullptr)
+      ::fexecve(options.copy->get(), argv.data(), envp.data());
+    else
+      ::execve(options.program.c_str(), argv.data(), envp.data());
     give_up();
   }
 
@@ -154,6 +190,10 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
   } while (got < 0 && errno == EINTR);
   if (got == sizeof number) {
     child.wait();
+    if (const std::string interpreter = number == ENOENT ? interpreter_of(options.program) : "";
+        !interpreter.empty() && ::access(interpreter.c_str(), F_OK) != 0)
+      return fail(options.program + " needs the interpreter " + interpreter + ", which does not exist",
+                  "install it, or correct the first line of the script");
     return error_problem(options.program, number,
                          "name a program that this user may execute on this machine");
   }
@@ -166,11 +206,21 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
 }
 
 std::optional<ProcessEnd> Child::poll() noexcept {
+  if (zombie_ != 0 && now() >= reap_at_) reap();
   if (!running()) return std::nullopt;
-  int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
-  pid_ = 0;
-  return ended(status);
+  siginfo_t info{};
+  if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+      info.si_pid != pid_) {
+    return std::nullopt;
+  }
+  reap();
+  zombie_ = std::exchange(pid_, 0);
+  reap_at_ = now() + kReapAfter;
+  return ProcessEnd{.signalled = info.si_code != CLD_EXITED, .code = info.si_status};
+}
+
+void Child::reap() noexcept {
+  if (zombie_ != 0) ::waitpid(std::exchange(zombie_, 0), nullptr, 0);
 }
 
 ProcessEnd Child::wait() noexcept {
@@ -185,10 +235,15 @@ void Child::signal(int number) const noexcept {
   if (running()) ::kill(pid_, number);
 }
 
+void Child::signal_thread(int thread, int number) const noexcept {
+  if (running()) ::tgkill(pid_, thread, number);
+}
+
 std::string read_available(const Fd& fd, bool* end) {
   std::string text;
   std::array<char, 4096> buffer{};
-  // Limit the loop, so that a child that writes without pause cannot block this thread.
+  // Read only a limited number of bytes, so that a child that writes without pause cannot hold this thread
+  // up.
   while (text.size() < 16 * buffer.size()) {
     const ssize_t n = ::read(fd.get(), buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
@@ -207,7 +262,7 @@ Result<std::string> in_child(const std::string& what, const std::function<std::s
   if (pid < 0) return errno_problem("fork", "free memory or raise the limit on processes");
   if (pid == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    // Keep the output of the foreign code out of the output of this program.
+    // The output of foreign code must not mix with the output of this process.
     const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
     ::dup2(nothing, STDOUT_FILENO);
     ::dup2(nothing, STDERR_FILENO);

@@ -30,8 +30,8 @@ constexpr const char* kFifoCure =
     "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
 constexpr const char* kLockCure = "run as root, or raise the memlock limit (ulimit -l unlimited)";
 
-// The number of free bytes on the calling thread's stack. The loader puts the thread-local variables of all
-// libraries on the stack, and they may take most of the requested size.
+// Returns the number of free bytes on the calling thread's stack. The C library puts the thread-local
+// variables of all libraries on the stack, and these variables may take most of the requested size.
 std::size_t stack_left() {
   pthread_attr_t attributes;
   if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return 0;
@@ -43,8 +43,8 @@ std::size_t stack_left() {
          reinterpret_cast<std::uintptr_t>(lowest);
 }
 
-// Touches pages of the thread's stack in advance. Touches only half of the free part, so that the calling
-// functions can use the rest.
+// Maps pages of the thread's stack in advance, by writing to them. Uses only half of the free part, because
+// the functions that are running use the stack, too.
 [[gnu::noinline]] void touch_stack(std::size_t requested) {
   const std::size_t bytes = std::min(requested, stack_left()) / 2;
   auto* stack = static_cast<volatile char*>(__builtin_alloca(bytes));
@@ -117,7 +117,8 @@ Result<void> pin(int tid, const std::vector<int>& cpus) {
 
 Result<void> lock_memory() {
   if (auto all = may_lock_memory(); !all) return all;
-  // Make the process keep freed memory, and allocate large blocks from the heap, which is already locked.
+  // From now on, the heap keeps freed memory and serves large blocks itself, so that new blocks are in locked
+  // memory.
   ::mallopt(M_TRIM_THRESHOLD, -1);
   ::mallopt(M_MMAP_MAX, 0);
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno_problem("mlockall is denied", kLockCure);
@@ -139,8 +140,9 @@ Result<void> may_have_priority() {
   return {};
 }
 
-// A limit is not enough even if it is above the present memory. mlockall() also locks future memory, so the
-// first thread or allocation beyond the limit would fail.
+// Fails if the memlock limit is finite and the process does not have CAP_IPC_LOCK, even if the limit is above
+// the present memory. mlockall() also locks future memory, so the first thread or allocation beyond the limit
+// would fail.
 Result<void> may_lock_memory() {
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -181,8 +183,8 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, options.stack_bytes);
-  // The thread sets its own priority and CPU before its body runs. If the system denies them, the thread runs
-  // without them.
+  // The new thread itself sets its priority and CPU before it runs `body`. If the system denies them, the
+  // thread runs without them.
   auto ready = std::make_shared<std::atomic<bool>>(false);
   auto prepared = [ready, options, body = std::move(body), refused] {
     Problems mine;
@@ -206,7 +208,7 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   ::pthread_attr_destroy(&attributes);
   if (error != 0)
     return error_problem("a thread could not be created", error, "free memory or raise the limit on threads");
-  start.release();  // NOLINT(bugprone-unused-return-value): the thread owns it
+  start.release();  // NOLINT(bugprone-unused-return-value): the new thread owns it
   thread.started_ = true;
   ready->wait(false, std::memory_order_acquire);
   return thread;

@@ -32,8 +32,7 @@ Result<SharedMemory> SharedMemory::create(const std::string& name, std::size_t s
   if (!fd) return errno_problem("memfd_create " + name, "free memory or file descriptors");
   if (::ftruncate(fd.get(), static_cast<off_t>(size)) != 0)
     return errno_problem("ftruncate " + name, "free memory");
-  // Seal the memory, so that no process that holds the descriptor can remove pages that another process
-  // reads.
+  // Seal the memory, so that no process can remove pages that another process reads.
   ::fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
   return attach(std::move(fd));
 }
@@ -48,6 +47,13 @@ Result<SharedMemory> SharedMemory::attach(Fd fd) {
   memory.data_ = static_cast<std::byte*>(data);
   memory.fd_ = std::move(fd);
   return memory;
+}
+
+Result<void> SharedMemory::make_read_only(std::size_t size) {
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  if (::mprotect(data_, size / page * page, PROT_READ) != 0)
+    return errno_problem("mprotect of shared memory");
+  return {};
 }
 
 }  // namespace takt::os

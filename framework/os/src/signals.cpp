@@ -12,11 +12,15 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
+#include <exception>
 #include <memory>
 
 #include "error.hpp"
 
 namespace takt::os {
+
+const int kHangSignal = SIGSTKFLT;  // neither Linux nor common libraries use it; its default ends the process
 
 namespace {
 
@@ -35,9 +39,24 @@ std::uintptr_t place_of_crash(const void* context) noexcept {
 }
 
 void crashed(int signal, siginfo_t*, void* context) {
-  if (crash_handler != nullptr) crash_handler(signal, place_of_crash(context));
+  if (crash_handler != nullptr) crash_handler(signal, place_of_crash(context), nullptr);
   ::signal(signal, SIG_DFL);
   ::raise(signal);
+}
+
+// Called by std::terminate(), for example when an exception leaves a function that is noexcept.
+[[noreturn]] void terminated() noexcept {
+  const auto at = reinterpret_cast<std::uintptr_t>(__builtin_return_address(0));
+  if (std::current_exception() != nullptr) {
+    try {
+      throw;
+    } catch (const std::exception& exception) {
+      crash_handler(SIGABRT, at, exception.what());
+    } catch (...) {
+      crash_handler(SIGABRT, at, "it is not a std::exception");
+    }
+  }
+  std::abort();
 }
 
 }  // namespace
@@ -71,14 +90,17 @@ bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms) {
 }
 
 void on_crash(CrashHandler handler) {
-  // Call backtrace() once now, because its first call loads a library and allocates memory.
+  // The first call of backtrace() loads a library and allocates memory. So make this call now, not in a
+  // crash.
   std::array<void*, 2> frames{};
   ::backtrace(frames.data(), frames.size());
   crash_handler = handler;
+  std::set_terminate(terminated);
   struct sigaction action {};
   action.sa_sigaction = crashed;
   action.sa_flags = static_cast<int>(SA_ONSTACK | SA_RESETHAND | SA_NODEFER | SA_SIGINFO);
-  for (int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::sigaction(signal, &action, nullptr);
+  for (int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, kHangSignal})
+    ::sigaction(signal, &action, nullptr);
 }
 
 void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept {
@@ -88,8 +110,8 @@ void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&
     const link_map* map = object.dlfo_link_map;
     found({address - map->l_addr - back, map->l_name});
   };
-  // The first frames are those of this function and the signal handler. If the walk cannot get beyond them
-  // (after a call of an invalid function pointer), report at least the address of the crash.
+  // The first frames are those of this function and of the signal handler. If the list does not contain the
+  // address of the crash (after a call of an invalid function pointer), only this address is reported.
   constexpr std::size_t kOwn = 8;
   constexpr std::size_t kMost = 64;
   std::array<void*, kMost + kOwn> frames{};
@@ -98,13 +120,13 @@ void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&
   void* const* const end = frames.data() + all;
   void* const* frame = std::find(frames.data(), frames.data() + all, reinterpret_cast<void*>(at));
   if (frame == end) return;
-  // A return address is behind the call instruction, so subtract 1.
+  // A return address points behind the call instruction, so subtract 1.
   for (std::size_t reported = 1; ++frame != end && reported < most; ++reported)
     report(reinterpret_cast<std::uintptr_t>(*frame), 1);
 }
 
 void prepare_crash_stack() {
-#ifndef __SANITIZE_ADDRESS__  // the sanitizer gives each thread such a stack itself
+#ifndef __SANITIZE_ADDRESS__  // the sanitizer itself gives each thread such a stack
   constexpr std::size_t kBytes = 64 * 1024;
   thread_local std::unique_ptr<std::array<char, kBytes>> stack;
   if (stack) return;

@@ -19,7 +19,7 @@ constexpr Nanoseconds kPause = std::chrono::milliseconds{1};
 // The default priority of executors.
 constexpr int kPriority = 80;
 
-// Tries to lock memory, in a separate process because memory would stay locked in this one.
+// Tries to lock memory. Does this in a child process, because this process would keep its memory locked.
 Result<void> try_locking() {
   if (auto allowed = may_lock_memory(); !allowed) return allowed;
   const auto tried = in_child(

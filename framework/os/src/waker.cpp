@@ -8,8 +8,9 @@
 namespace takt::os {
 
 namespace {
-// The step in ns by which a wake-up later than the margin raises the margin. It equals 99 steps down, so the
-// margin settles at the value that one wake-up in a hundred exceeds.
+// The margin grows by kUp ns after a wake-up that is later than the margin, and shrinks by kDown ns after any
+// other wake-up. kUp is 99 times kDown, so the margin settles where one wake-up in a hundred is later than
+// the margin.
 constexpr std::int64_t kUp = 990;
 constexpr std::int64_t kDown = 10;
 constexpr std::int64_t kLeast = 1'000;

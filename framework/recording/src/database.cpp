@@ -10,7 +10,7 @@ namespace takt::recording {
 
 namespace {
 
-constexpr int kBusy_ms = 2000;  // how long to wait while another program writes the file
+constexpr int kBusy_ms = 2000;  // the time to wait while another program writes the file
 
 Problem problem_of(sqlite3* database, const std::string& file) {
   const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);

@@ -15,11 +15,11 @@
 #include <takt/client/operator.hpp>
 #include <takt/core/words.hpp>
 #include <takt/dds/gateway.hpp>
-#include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
 #include <takt/os/signals.hpp>
 
+#include <takt/client/answer_data.hpp>
 #include <takt/client/connection.hpp>
 #include <takt/client/port_names.hpp>
 #include <takt/recording/amounts.hpp>
@@ -31,10 +31,11 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr Nanoseconds kTappedFor = seconds{30};     // how long a device publishes a port after one request
+constexpr Nanoseconds kTappedFor = seconds{30};     // the time for which a device publishes a port after one
+                                                    // request
 constexpr Nanoseconds kAskAgain = seconds{5};       // time between requests while all ports are present
 constexpr Nanoseconds kLookAgain = seconds{1};      // time between requests while some ports are missing
-constexpr Nanoseconds kAtOnce = milliseconds{100};  // time to the next request after a device changed
+constexpr Nanoseconds kAtOnce = milliseconds{100};  // time from a change of a device to the next request
 constexpr Nanoseconds kAnswered = seconds{2};
 constexpr Nanoseconds kExpandAgain = seconds{10};
 constexpr std::uint32_t kDepth = 256;  // number of samples that DDS keeps for the recorder
@@ -92,7 +93,7 @@ class Recorder {
 
  private:
   struct Source {
-    bool tapped = false;  ///< whether its device has accepted a request
+    bool tapped = false;  ///< true if the device has accepted the last request for this port
     std::string topic;
     std::string type;
     bool reliable = false;
@@ -112,7 +113,9 @@ class Recorder {
       if (device.alive) devices.insert_or_assign(device.name(), std::move(device));
     }
     expand(devices);
-    std::vector<client::Question> questions;
+    if (looked_) report_unmatched(devices);
+    looked_ = true;
+    std::vector<client::CommandRequest> requests;
     std::vector<std::string> asked;
     for (auto& [path, source] : sources_) {
       const auto name = client::parse_port(path);
@@ -121,36 +124,36 @@ class Recorder {
         wait_for(path, source, "device " + name->device + " not found");
         continue;
       }
-      questions.push_back({.kind = COMMAND_TAP,
-                           .device = name->device,
-                           .module = name->module,
-                           .property = name->port,
-                           .time_ns = os::wall_ns() + kTappedFor.count(),
-                           .limit = kAnswered});
+      requests.push_back({.kind = COMMAND_TAP,
+                          .device = name->device,
+                          .module = name->module,
+                          .property = name->port,
+                          .time_ns = os::wall_ns() + kTappedFor.count(),
+                          .limit = kAnswered});
       asked.push_back(path);
     }
-    auto answers = client_.asker->ask(questions, [this] { return should_end(); });
+    auto answers = client_.sender->send(requests, [this] { return should_end(); });
     if (ended_) return;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       Source& source = sources_.at(asked[i]);
-      // A device that does not answer may be busy. It continues to publish for the time of the last accepted
-      // request.
+      // A device that does not answer may be busy. The device continues to publish for 30 s after the last
+      // request that it accepted.
       if (!answers[i] && source.tapped) continue;
       const auto answer = client::accepted(std::move(answers[i]));
       if (!answer) {
         wait_for(asked[i], source, in_words(answer.problems()));
         continue;
       }
-      const std::string cell = devices.at(questions[i].device).status.cell().to_string();
+      const std::string cell = devices.at(requests[i].device).status.cell().to_string();
       if (auto heard = listen(asked[i], source, answer->data, cell); !heard)
         wait_for(asked[i], source, in_words(heard.problems()));
     }
   }
 
-  /// Finds the ports that match the patterns, for each new deployment of a device. Repeats this from time to
-  /// time, because an update adds ports without changing the deployment's id.
+  /// Finds the ports that match the patterns, for each new deployment of a device. Repeats the search every
+  /// 10 s, because an update adds ports without changing the deployment's id.
   void expand(const std::map<std::string, wire::ObservedDevice>& devices) {
-    std::vector<client::Question> questions;
+    std::vector<client::CommandRequest> requests;
     for (const auto& [name, device] : devices) {
       const std::string deployment = device.node() + "/" + device.status.deployment().to_string();
       const Expanded& last = expanded_[name];
@@ -163,24 +166,35 @@ class Recorder {
                          return client::is_pattern(pattern) && client::may_match(pattern, name);
                        }))
         continue;
-      questions.push_back({.kind = COMMAND_REPORT, .device = name, .limit = kAnswered});
+      requests.push_back({.kind = COMMAND_REPORT, .device = name, .limit = kAnswered});
     }
-    if (questions.empty()) return;
-    auto answers = client_.asker->ask(questions, [this] { return should_end(); });
+    if (requests.empty()) return;
+    auto answers = client_.sender->send(requests, [this] { return should_end(); });
     for (std::size_t i = 0; i < answers.size(); ++i) {
       const auto answer = client::accepted(std::move(answers[i]));
       if (!answer) continue;
-      const std::string& device = questions[i].device;
-      const auto report = model::parse_json(answer->data);
-      try {
+      const std::string& device = requests[i].device;
+      const auto read = client::read_answer(device, answer->data, [&](const nlohmann::ordered_json& report) {
         for (const auto& module : report.at("modules")) add_outputs(device, module);
         const wire::ObservedDevice& seen = devices.at(device);
         expanded_[device] = {seen.node() + "/" + seen.status.deployment().to_string(), os::now()};
-      } catch (const nlohmann::json::exception&) {
-        say("device " + device +
-            ": the report of its modules cannot be read; check that the device runs the same version of "
-            "Takt");
-      }
+      });
+      if (!read) say(in_words(read.problems()));
+    }
+  }
+
+  /// Reports, once, each pattern that no port matches.
+  void report_unmatched(const std::map<std::string, wire::ObservedDevice>& devices) {
+    for (const std::string& pattern : options_.ports) {
+      if (!client::is_pattern(pattern) || std::any_of(sources_.begin(), sources_.end(), [&](const auto& s) {
+            return client::matches(pattern, s.first);
+          }))
+        continue;
+      std::string names;
+      for (const auto& [name, device] : devices) names += (names.empty() ? "" : ", ") + name;
+      if (unmatched_.insert(pattern).second)
+        say("waits for an output port that matches '" + pattern + "'; " +
+            (names.empty() ? "no device was found" : "devices found: " + names));
     }
   }
 
@@ -199,15 +213,19 @@ class Recorder {
 
   Result<void> listen(const std::string& path, Source& source, const std::string& data,
                       const std::string& cell) {
-    const auto place = model::parse_json(data);
-    if (!place.is_object())
-      return fail("the device answered in a format that this version of Takt does not know",
-                  "install the same version on all devices");
-    if (place.contains("reply"))
-      return fail("it is a service", "record the client's NAME/request and NAME/reply");
-    const std::string topic = place.value("topic", "");
-    const std::string text = place.value("type", "");
-    const bool reliable = place.value("reliable", false);
+    bool is_service = false;
+    std::string topic;
+    std::string text;
+    bool reliable = false;
+    const auto read =
+        client::read_answer(path.substr(0, path.find('.')), data, [&](const nlohmann::ordered_json& place) {
+          is_service = place.contains("reply");
+          topic = place.at("topic").get<std::string>();
+          text = place.at("type").get<std::string>();
+          reliable = place.at("reliable").get<bool>();
+        });
+    if (!read) return read.problems();
+    if (is_service) return fail("it is a service", "record the client's NAME/request and NAME/reply");
     if (source.tap && topic == source.topic && text == source.type && reliable == source.reliable) {
       source.tapped = true;
       source.reported.clear();
@@ -273,9 +291,11 @@ class Recorder {
     std::string deployment;
     Instant at{};
   };
-  std::map<std::string, Expanded> expanded_;   // the last expansion of each device
+  std::map<std::string, Expanded> expanded_;   // the last result of expand() for each device
   std::map<std::int64_t, Recorded> recorded_;  // the recorded ports by port number in the file
-  std::uint64_t lost_ = 0;                     // samples that were lost by subscriptions that have ended
+  std::uint64_t lost_ = 0;                     // number of samples lost by subscriptions that have ended
+  std::set<std::string> unmatched_;            // the reported patterns that match no port
+  bool looked_ = false;  // true if the devices that were present at the start have been asked
   bool ended_ = false;
   Instant last_progress_{};
   std::uint64_t last_samples_ = 0;
@@ -305,7 +325,7 @@ int record(const RecordOptions& options) {
   Recorder recorder{options, **writer, *signals, *client, news};
   recorder.run();
 
-  // Finishes the file first, because little time may remain before the process is killed.
+  // Finish the file before the summary, because little time may remain before the process is killed.
   const std::string& file = options.recording.file;
   const auto finished = (*writer)->finish();
   const RecordingHealth health = (*writer)->health();
@@ -325,7 +345,7 @@ int record(const RecordOptions& options) {
   }
   if (!finished) return refuse(finished.problems());
   if (!recorder.recorded().empty()) return 0;
-  if (!options.recording.append) {  // otherwise the next attempt would fail because the empty file exists
+  if (!options.recording.append) {  // otherwise the next attempt would fail, because the empty file exists
     writer->reset();
     if (const auto removed = os::remove_file(file); !removed) return refuse(removed.problems());
   }

@@ -54,7 +54,7 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const Recording
   std::unique_ptr<RecordingWriter> writer{new RecordingWriter{options, std::move(*database)}};
   const auto tables = writer->database_.number("SELECT count(*) FROM sqlite_master");
   if (!tables) return tables.problems();
-  // An empty file is accepted, because a recorder that is killed at its start leaves one.
+  // An empty file is accepted, because a recorder that is killed at its start leaves an empty file.
   if (*tables != 0) {
     if (auto right = check_version(writer->database_); !right) return right.problems();
   }
@@ -130,7 +130,7 @@ void RecordingWriter::add(std::int64_t port, std::int64_t time_ns, const std::by
   }
   waiting_.samples.push_back({port, time_ns, size});
   waiting_.bytes.insert(waiting_.bytes.end(), bytes, bytes + size);
-  // Wakes the writer once, long before the queue is full.
+  // Wake the writer's thread once, long before the queue is full.
   const std::size_t early = options_.queue_bytes / 4;
   if (waiting_.bytes.size() >= early && waiting_.bytes.size() - size < early) news_.notify_one();
 }
@@ -182,7 +182,8 @@ Result<void> RecordingWriter::write(Batch& batch) {
     batch.ports.clear();
     batch.cell.clear();
   }
-  // Once the file is full, later and smaller samples are not written either, because they would follow a gap.
+  // Once the file is full, smaller samples that come later are not written either, because they would follow
+  // a gap.
   if (health().full) batch.samples.clear();
   std::size_t first = 0;
   std::size_t offset = 0;
@@ -245,7 +246,7 @@ Result<void> RecordingWriter::write_ports(const Batch& batch) {
 
 Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size_t first,
                                                    std::size_t offset) {
-  // SQLite's log must hold a whole transaction, so a transaction is limited to a quarter of the log. It
+  // SQLite's log must hold a whole transaction, so a transaction is limited to a quarter of the log. But it
   // contains at least one sample.
   std::size_t next = first;
   std::uint64_t bytes = 0;
@@ -268,7 +269,7 @@ Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size
   }
   if (auto done = database_.run("COMMIT"); !done) return done.problems();
   // An error of the checkpoint is ignored: SQLite's log is part of the recording, and a later checkpoint can
-  // move its content into the main file.
+  // move the log's content into the main file.
   static_cast<void>(checkpoint());
   return next;
 }
@@ -284,7 +285,7 @@ Result<std::uint64_t> RecordingWriter::used() {
 Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
   if (options_.max_bytes == 0) return true;
   const std::uint64_t bound = options_.max_bytes - log_room_;
-  // SQLite's log may be too large because another program is reading it. SQLite then cannot move the log's
+  // SQLite's log may be too large because another program is reading it. Then SQLite cannot move the log's
   // content into the main file.
   if (size_of(options_.file + "-wal") > log_room_) {
     if (auto done = database_.run("PRAGMA wal_checkpoint(TRUNCATE)"); !done) return done.problems();
@@ -303,8 +304,8 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     const auto newest = database_.number("SELECT max(id) FROM sample");
     if (!newest) return newest.problems();
     if (*newest == 0) return false;  // a single sample is larger than the limit
-    // Deletes a little more than needed, so that not every batch needs a deletion. Deletes in portions that
-    // fit into SQLite's log.
+    // Delete a little more than needed, so that not every batch needs a deletion. Delete in portions that fit
+    // into SQLite's log.
     const std::uint64_t all = static_cast<std::uint64_t>(*newest - *oldest + 1);
     const std::uint64_t each = std::max<std::uint64_t>(1, *now / all);
     const std::uint64_t excess = std::min(*now + bytes - bound + bound / 16, log_room_ / 4);
@@ -318,7 +319,7 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     }
     if (auto done = checkpoint(); !done) return done.problems();
   }
-  // The pages of deleted samples are reused. If the file had a larger limit before, the pages beyond the
+  // SQLite reuses the pages of deleted samples. If the file had a larger limit before, the pages beyond the
   // limit are returned to the file system.
   const auto pages = database_.number("PRAGMA page_count");
   if (!pages) return pages.problems();
@@ -351,7 +352,7 @@ Result<void> RecordingWriter::finish() {
   news_.notify_one();
   if (thread_.running()) thread_.join();
   insert_.reset();
-  // This fails if another program has the file open. Then the log file stays.
+  // Remove SQLite's log file. This fails if another program has the recording open; then the log file stays.
   if (!health_.trouble) static_cast<void>(database_.run("PRAGMA journal_mode=DELETE"));
   measure();
   if (health_.trouble) return *health_.trouble;

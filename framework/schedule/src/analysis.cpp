@@ -6,6 +6,7 @@
 
 #include <takt/core/check.hpp>
 #include <takt/core/words.hpp>
+#include <takt/schedule/levels.hpp>
 #include "contender.hpp"
 
 namespace takt::schedule {
@@ -19,14 +20,14 @@ using model::ModuleType;
 using model::Operation;
 using model::Wakeup;
 
-// The maximum number of steps of a search for a bound. A search that needs more stops without a bound.
+// The maximum number of steps of settle(), which gives up without a result after these steps.
 constexpr int kMaxIterations = 100'000;
-/// The number of rounds in which the bounds of threads below the rows are computed. Each round uses the
-/// bounds that the previous round found.
+/// The number of rounds that compute the bounds of threads with a lower priority than the rows. Each round
+/// uses the bounds that the previous round found.
 constexpr int kRounds = 3;
-/// The maximum number of table entries to visit for an executor that others interrupt.
+/// The maximum number of table entries that the analysis visits for an executor that other threads interrupt.
 constexpr std::size_t kMaxVisited = 5'000'000;
-/// The maximum time that a wake-up spins, whatever share of its period it may spin (os::margin_cap).
+/// The maximum time that a thread spins before a release, regardless of its period (see os::margin_cap).
 constexpr Nanoseconds kLongestSpin = std::chrono::microseconds{100};
 
 constexpr const char* kOverload = "the work does not fit into the available time";
@@ -41,9 +42,10 @@ Nanoseconds longest_spin(Nanoseconds period, double share) {
                                                           : kLongestSpin;
 }
 
-/// Returns the length of the shortest window at whose end both the work `own` and the work `before(window)`
-/// of other threads are done. The window is at least `least` long. Returns none if there is no such window.
-/// If `coarse` is true, the search takes larger steps, and the result may be too long by a thousandth.
+/// Finds the shortest time window that is long enough for the work `own` of a thread and for the work
+/// `before(window)` of other threads. The window is at least `least` long. Returns the length of the window,
+/// or nothing if there is no such window. If `coarse` is true, the search takes larger steps, and the result
+/// may be too long by a thousandth.
 template <class Before>
 std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coarse = false) {
   Wide window = std::max(own, least);
@@ -55,23 +57,23 @@ std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coar
   return std::nullopt;
 }
 
-/// A program, with the executor whose rows release it.
+/// A process module, with the executor whose rows release it.
 struct Program {
   Contender* self = nullptr;
   const ExecutorPlan* plan = nullptr;
   std::uint32_t module = 0;
-  Wide delay = 0;  ///< the maximum time from its release until it may run
-  Wide spin = 0;   ///< maximum time that it spins before its release
-  bool periodic = true;
+  Wide delay = 0;  ///< maximum time from the module's release until the module may run
+  Wide spin = 0;   ///< maximum time that the module spins before its release
 };
 
 /// An executor with its threads: one for the rows and one for its sporadic modules.
 struct Served {
   const ExecutorPlan* plan = nullptr;
   Contender* rows = nullptr;
-  Contender* sporadic = nullptr;  ///< the thread of its sporadic thread modules; null if it has none
-  std::vector<Wide> ends{};  ///< for each row, the latest end as time from its release; kForever if there is
-                             ///< no bound
+  Contender* sporadic = nullptr;  ///< the thread of the sporadic thread modules; null if the executor has
+                                  ///< none
+  std::vector<Wide> ends{};  ///< for each row, the latest end, counted from the row's release; kForever if it
+                             ///< has no bound
 };
 
 class Analyst {
@@ -90,8 +92,8 @@ class Analyst {
   void walk(Served& served);
   void walk_alone(Served& served);
   void walk_interrupted(Served& served);
-  /// Examines one interval in which the CPU is always busy, and which begins with this row. If there is no
-  /// bound, returns false and sets `why` to the reason.
+  /// Examines one interval in which the CPU is always busy, and which begins with this row. If the interval
+  /// has no bound, returns false and sets `why` to the reason.
   bool walk_stretch(Served& served, std::size_t first, std::size_t& visited, const char*& why);
   void serve_sporadic(const Served& served, std::uint32_t module, Recurring& job);
   void run_program(const Program& program);
@@ -116,7 +118,7 @@ class Analyst {
   [[nodiscard]] Wide taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const;
 
   void set(std::uint32_t module, Wide response);
-  /// Records a response time of the module. Only the longest one is kept.
+  /// Records a response time of the module, unless a longer one is already recorded.
   void note(std::uint32_t module, Wide response);
   void note(std::uint32_t module, const std::string& why);
   void give_up(Served& served, const std::string& why);
@@ -154,8 +156,8 @@ void Analyst::add_rows(const ExecutorPlan& plan) {
   served_.push_back({.plan = &plan, .rows = &contenders_.back()});
 }
 
-/// The minimum time between two releases of the module. If the executor's rows release the module, they
-/// release it at most once per row.
+/// The minimum time between two releases of the module. If the executor's rows release the module, there is
+/// at most one release per row.
 Wide Analyst::apart(const ExecutorPlan& plan, const Module& module) const {
   const Wide interarrival = module.interarrival.value_or(Nanoseconds{}).count();
   if (module.dispatch == Dispatch::immediate) return interarrival;
@@ -165,7 +167,7 @@ Wide Analyst::apart(const ExecutorPlan& plan, const Module& module) const {
 
 void Analyst::add_sporadic(Served& served) {
   Contender sporadic{.kind = Contender::Kind::sporadic,
-                     .priority = sporadic_priority(served.plan->priority),
+                     .priority = sporadic_level(served.plan->priority),
                      .cpus = cpus_of(*served.plan)};
   for (const auto index : served.plan->sporadic) {
     if (!is_thread(index)) continue;
@@ -180,8 +182,8 @@ void Analyst::add_sporadic(Served& served) {
   served.sporadic = &contenders_.back();
 }
 
-// Adds the programs that the executor releases. A spinning program starts at its position in the row; a
-// sleeping program is woken at the end of the row.
+// Adds the process modules that the executor releases. A process module that spins starts when the executor
+// reaches the module's position in the row; a module that sleeps is woken at the end of the row.
 void Analyst::add_programs(const Served& served) {
   const ExecutorPlan& plan = *served.plan;
   const auto add = [&](std::uint32_t index, Wide delay) {
@@ -195,7 +197,7 @@ void Analyst::add_programs(const Served& served) {
     const Wide after = periodic ? std::min(before, delay) : before;
     if (immediate) delay = 0;
     Contender program{.kind = Contender::Kind::program,
-                      .priority = program_priority(plan.priority, m.operation),
+                      .priority = program_level(device_, plan, index),
                       .cpus = placement_.background};
     const Wide apart_by = periodic ? m.period->count() : apart(plan, m);
     const Wide deadline = (periodic ? *m.period : *m.deadline).count();
@@ -204,12 +206,8 @@ void Analyst::add_programs(const Served& served) {
                             .jitter = delay + before,
                             .response = std::min(deadline, apart_by) + before});
     contenders_.push_back(std::move(program));
-    programs_.push_back({.self = &contenders_.back(),
-                         .plan = &plan,
-                         .module = index,
-                         .delay = delay,
-                         .spin = before,
-                         .periodic = periodic});
+    programs_.push_back(
+        {.self = &contenders_.back(), .plan = &plan, .module = index, .delay = delay, .spin = before});
   };
 
   std::vector<Wide> latest(device_.modules.size());
@@ -249,22 +247,21 @@ bool Analyst::is_alone(const Contender& self) const {
 // The time that other threads take from `self` on the only CPU of `self`. When the window begins, no thread
 // of higher priority that has only this CPU is waiting, so only new work of these threads counts. Two kinds
 // of threads may also have unfinished work from an earlier release: threads with several CPUs, and threads of
-// equal priority that came first. If `self` is a thread of rows, threads of equal priority count like those
-// of higher priority, because none of them is waiting when the window begins, either.
+// equal priority. A process module that waits for its turn lets threads of equal priority run first, even if
+// these threads were released later. If `self` is a thread of rows, threads of equal priority count like
+// those of higher priority, because none of them is waiting when the window begins, either.
 Wide Analyst::taken_by_others(const Contender& self, Wide window) const {
   Wide taken = 0;
   for (const Contender& other : contenders_) {
     if (&other == &self || other.priority < self.priority || !other.may_run_on(self.cpus.front())) continue;
     const bool above = other.priority > self.priority || self.kind == Contender::Kind::rows;
-    taken += !other.stays() ? other.carried(window)
-             : above        ? other.fresh(window)
-                            : other.before_equal(window);
+    taken += other.stays() && above ? other.fresh(window) : other.carried(window);
   }
   return taken;
 }
 
-// The time that other threads take from a program that may run on any of these CPUs. The program waits only
-// while threads of equal or higher priority occupy all of the CPUs.
+// The time that other threads take from a process module that may run on any of these CPUs. The module waits
+// only while threads of equal or higher priority occupy all of the CPUs.
 Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus, Wide window) const {
   const Contender& self = *program.self;
   Wide taken = 0;
@@ -278,8 +275,9 @@ Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus,
 
 // The time that a sporadic module waits for other sporadic modules of its executor (its peers). These modules
 // do not interrupt each other. A module waits for one run of each peer that is ready or running, and for
-// later runs with an earlier deadline. Some peers always finish before their deadline could be the earlier
-// one of the two. Such a peer counts only if it is already running, and only one peer can be running.
+// later runs with an earlier deadline. Some peers always end so long before their deadline that, until they
+// end, their deadline is later than that of this module. Such a peer counts only if it is already running,
+// and only one peer can be running.
 Wide Analyst::taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const {
   const Module& self = module(sporadic);
   Wide taken = 0;
@@ -299,8 +297,8 @@ Wide Analyst::taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, W
     taken += run(index) + (earlier > 0 ? later.fresh(earlier) : 0);
   }
   taken += running;
-  // For a module with immediate dispatch, events are checked only between two runs, so it may also have to
-  // wait for one whole run.
+  // For a module with immediate dispatch, events are checked only between two runs. So the module may also
+  // have to wait for one whole run.
   return taken + (self.dispatch == Dispatch::immediate ? longest : 0);
 }
 
@@ -321,8 +319,8 @@ void Analyst::walk(Served& served) {
 }
 
 // Simulates an executor that is alone on its CPU. The longest runs are the worst case, because a shorter run
-// never delays another one. If more work is left over after the second round than after the first, the amount
-// grows forever.
+// never delays another run. Each round simulates one macro period. If more work is left over after the second
+// round than after the first, the backlog grows forever.
 void Analyst::walk_alone(Served& served) {
   const ExecutorPlan& plan = *served.plan;
   const Wide basic = plan.basic_period.count();
@@ -369,11 +367,11 @@ bool Analyst::walk_stretch(Served& served, std::size_t first, std::size_t& visit
   const std::size_t longest = 4 * plan.rows() + 64;
   Wide own = 0;
   Wide release = 0;
-  Wide done = 0;  // the time at which the work of the rows so far is done, including the work of other
-                  // threads before it
+  // The time at which the work of the rows so far is done, including the work of other threads before it.
+  Wide done = 0;
   for (std::size_t i = 0; i < longest; ++i, release += basic) {
     const std::size_t row = (first + i) % plan.rows();
-    // The latest time at which the thread may get the CPU for a further nanosecond of work.
+    // The latest time at which the thread may get the CPU for one more nanosecond of work.
     const auto start = settle(own + 1, done, others);
     if (!start) return false;
     if (i > 0 && done <= release) return true;
@@ -401,7 +399,7 @@ bool Analyst::walk_stretch(Served& served, std::size_t first, std::size_t& visit
   return false;
 }
 
-// ---- threads below the rows
+// ---- threads with a lower priority than the rows
 
 void Analyst::serve_sporadic(const Served& served, std::uint32_t index, Recurring& job) {
   const Contender& self = *served.sporadic;
@@ -445,7 +443,6 @@ void Analyst::run_program(const Program& program) {
     const Wide found = *response + program.delay;
     set(program.module, found);
     job.response = std::min(job.response, found + program.spin);
-    self.sleeps_between = program.periodic && found + program.spin <= job.apart;
   } else {
     note(program.module, kOverload);
   }
@@ -455,8 +452,7 @@ void Analyst::run_program(const Program& program) {
 
 void Analyst::set(std::uint32_t index, Wide response) {
   if (worst_[index].why == kOverload)
-    worst_[index].why.clear();  // an earlier round did not find a bound,
-                                // but this one does
+    worst_[index].why.clear();  // an earlier round found no bound, but this round found one
   constexpr Wide kLargest = Nanoseconds::max().count();
   worst_[index].response = Nanoseconds{static_cast<std::int64_t>(std::min(response, kLargest))};
 }
@@ -484,8 +480,8 @@ std::vector<WorstCase> Analyst::solve() {
   std::stable_sort(plans.begin(), plans.end(),
                    [](const auto* a, const auto* b) { return a->priority > b->priority; });
   for (const ExecutorPlan* plan : plans) add_rows(*plan);
-  // Handle executors in the order of priority, highest first, because only executors of higher priority can
-  // interrupt rows.
+  // Analyse the executors in the order of priority, highest first, because only executors of higher priority
+  // can interrupt rows.
   for (Served& served : served_) {
     walk(served);
     add_sporadic(served);

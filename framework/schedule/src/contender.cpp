@@ -9,12 +9,12 @@ namespace takt::schedule {
 namespace {
 
 /// The maximum number of rows for which sums of consecutive rows are computed exactly. For a longer table,
-/// the fullest row gives an upper bound of each sum.
+/// the load of the fullest row gives an upper bound of each sum.
 constexpr std::size_t kExactRows = 4096;
 
 Wide ceiling(Wide a, Wide b) { return a <= 0 ? 0 : (a + b - 1) / b; }
 
-/// The product of both numbers, but at most kForever.
+/// Returns `count` times `work`, but at most kForever.
 Wide product(Wide count, Wide work) {
   return work != 0 && count >= kForever / work ? kForever : count * work;
 }
@@ -62,8 +62,8 @@ Wide Recurring::fresh(Wide window) const {
   return apart == 0 ? kForever : product(ceiling(window + jitter, apart), work);
 }
 
-// In the worst case, the window begins while the first release runs as late as it can, and all later releases
-// are served at once.
+// In the worst case, the window begins when the first release runs as late as possible, and all later
+// releases run as soon as possible.
 Wide Recurring::carried(Wide window) const {
   if (work >= apart) return window;
   const Wide reach = window + std::max(response, work) - work;
@@ -86,11 +86,6 @@ Wide Contender::carried(Wide window) const {
   Wide sum = 0;
   for (const Recurring& job : jobs) sum += job.carried(window);
   return sum;
-}
-
-// With SCHED_FIFO, a thread that has slept goes to the end of the queue of its priority.
-Wide Contender::before_equal(Wide window) const {
-  return sleeps_between ? std::min(jobs.front().work, carried(window)) : carried(window);
 }
 
 }  // namespace takt::schedule

@@ -58,24 +58,19 @@ struct Contender {
 
   Kind kind = Kind::rows;
   int priority = 0;
-  std::vector<int> cpus{};        ///< the CPUs on which it may run
-  bool never_sleeps = false;      ///< true if it leaves no CPU time to threads of equal or lower priority
+  std::vector<int> cpus{};        ///< the CPUs on which the thread may run
+  bool never_sleeps = false;      ///< true if the thread leaves no CPU time to threads of equal or lower
+                                  ///< priority
   RowDemand rows{};               ///< for Kind::rows
-  Wide rows_response = 0;         ///< for Kind::rows: the latest end of a row, as time from its release
-  std::vector<Recurring> jobs{};  ///< for the other kinds: one job for each sporadic module, or the job of
-                                  ///< the program
-  /// For a program: true if it sleeps after each run of its body. After that, it waits behind threads of
-  /// equal priority.
-  bool sleeps_between = false;
+  Wide rows_response = 0;         ///< for Kind::rows: the latest end of a row, counted from the row's release
+  std::vector<Recurring> jobs{};  ///< for the other kinds: one job for each sporadic thread module, or the
+                                  ///< job of the process module
 
   [[nodiscard]] bool may_run_on(int cpu) const;
   /// Returns true if the thread has only one CPU.
   [[nodiscard]] bool stays() const noexcept { return cpus.size() == 1; }
   [[nodiscard]] Wide fresh(Wide window) const;
   [[nodiscard]] Wide carried(Wide window) const;
-  /// The work of this thread that another thread of equal priority must wait for. This thread must have only
-  /// one CPU.
-  [[nodiscard]] Wide before_equal(Wide window) const;
 };
 
 }  // namespace takt::schedule

@@ -16,7 +16,7 @@ using model::Operation;
 Nanoseconds times(Nanoseconds run, double factor) {
   constexpr auto kLargest = static_cast<double>(Nanoseconds::max().count());
   const double longer = std::ceil(static_cast<double>(run.count()) * factor);
-  // Avoid the conversion to double, which has only 53 bits and would round a long run time.
+  // For factor 1, return the exact time: a double has only 53 bits and would round a long run time.
   if (factor == 1) return run;
   return longer >= kLargest ? Nanoseconds::max() : Nanoseconds{static_cast<std::int64_t>(longer)};
 }

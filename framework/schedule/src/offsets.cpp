@@ -7,8 +7,9 @@
 namespace takt::schedule {
 namespace {
 
-/// The maximum number of search steps; each step visits one row. Trying each position of each module once
-/// takes one step per row and module. If these steps alone exceed half of the maximum, no offsets are chosen.
+/// The maximum number of search steps; each step visits one row. To try each position of each module once
+/// takes one step per row and module. If these steps alone exceed half of the maximum, the search chooses no
+/// offsets.
 constexpr std::uint64_t kMaxSearchSteps = 20'000'000;
 
 std::uint64_t count(Nanoseconds time) { return static_cast<std::uint64_t>(time.count()); }
@@ -38,8 +39,8 @@ class Search {
       }
     }
     for (const std::int64_t load : loads_) all_ += load;
-    // Place the modules with the fewest possible positions first, and among these the modules with the
-    // largest weight.
+    // Place the modules with the fewest possible positions first. Of several modules with equally many
+    // positions, place the one with the largest weight first.
     std::stable_sort(free_.begin(), free_.end(), [this](std::size_t a, std::size_t b) {
       if (modules_[a].period != modules_[b].period) return modules_[a].period < modules_[b].period;
       return modules_[a].weight > modules_[b].weight;
@@ -84,7 +85,7 @@ class Search {
     return result;
   }
 
-  /// The load of the heaviest row that contains the module if the module is at this position.
+  /// The load of the heaviest row that contains the module, if the module is at position `first`.
   std::int64_t heaviest_with(std::size_t i, std::uint64_t first) {
     std::int64_t most = 0;
     for (std::uint64_t row = first; row < rows_; row += stride(i)) most = std::max(most, loads_[row]);
@@ -92,13 +93,13 @@ class Search {
     return most + modules_[i].weight;
   }
 
-  struct Place {
+  struct Candidate {
     std::int64_t load;
     std::uint64_t first;
   };
   /// The positions that the search still has to try for one module, while all modules before it are placed.
   struct Level {
-    std::vector<Place> places;
+    std::vector<Candidate> candidates;
     std::size_t next = 0;
     bool placed = false;
   };
@@ -109,10 +110,10 @@ class Search {
     const std::uint64_t to_try = depth == 0 && all_alike() ? 1 : stride(free_[depth]);
     for (std::uint64_t first = 0; first < to_try; ++first) {
       const std::int64_t load = std::max(heaviest, heaviest_with(free_[depth], first));
-      if (load < best_) result.places.push_back({load, first});
+      if (load < best_) result.candidates.push_back({load, first});
     }
-    std::stable_sort(result.places.begin(), result.places.end(),
-                     [](const Place& a, const Place& b) { return a.load < b.load; });
+    std::stable_sort(result.candidates.begin(), result.candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.load < b.load; });
     return result;
   }
 
@@ -126,12 +127,12 @@ class Search {
       const std::size_t i = free_[levels.size() - 1];
       if (last.placed) put(i, places_[i], -modules_[i].weight);
       last.placed = false;
-      if (last.next == last.places.size() || last.places[last.next].load >= best_ || best_ <= least_ ||
-          steps_ > kMaxSearchSteps) {
+      if (last.next == last.candidates.size() || last.candidates[last.next].load >= best_ ||
+          best_ <= least_ || steps_ > kMaxSearchSteps) {
         levels.pop_back();
         continue;
       }
-      const Place candidate = last.places[last.next++];
+      const Candidate candidate = last.candidates[last.next++];
       places_[i] = candidate.first;
       put(i, candidate.first, modules_[i].weight);
       last.placed = true;

@@ -14,16 +14,17 @@ struct Shiftable {
   Nanoseconds period{};     ///< > 0
   Nanoseconds offset{};     ///< if `fixed` is true: the offset; at least 0 and less than the period
   bool fixed = false;       ///< true if the module keeps its offset
-  std::int64_t weight = 1;  ///< the load that it adds to a row, 1 to 2^40
+  std::int64_t weight = 1;  ///< the load that the module adds to a row, 1 to 2^40
 };
 
-/// Returns the offsets of all modules, in their order. Fixed offsets do not change. The others are multiples
-/// of the greatest common divisor of all periods and fixed offsets, so that the basic period of the table
-/// does not change. A search makes the load of the heaviest row as small as possible. For small tables it
-/// finds the optimum; for large tables it stops after a fixed number of steps. The result is never worse than
-/// with all free offsets at 0, and if it is no better, they are all 0. Of several equally good results, the
-/// search returns the one with the earliest offsets, module by module. The same input always gives the same
-/// result. Allocates memory; takes up to some tens of milliseconds.
+/// Returns the offsets of all modules, in the order of `modules`. Fixed offsets do not change. All other
+/// offsets are multiples of the greatest common divisor of all periods and fixed offsets, so that the basic
+/// period of the table does not change. A search makes the load of the heaviest row as small as possible. For
+/// small tables, the search finds the optimum; for large tables, it stops after a fixed number of steps. The
+/// result is never worse than with all free offsets at 0. If the search finds nothing better, all free
+/// offsets are 0. Of several equally good results, the search returns the one with the earliest offsets,
+/// module by module. The same input always gives the same result. Allocates memory; takes up to some tens of
+/// milliseconds.
 std::vector<Nanoseconds> flatten(std::span<const Shiftable> modules);
 
 }  // namespace takt::schedule

@@ -26,7 +26,9 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
   for (const model::Executor& executor : executors) {
     if (executor.cpu && !has(allowed, *executor.cpu)) {
       placement.warnings.push_back(
-          "executor " + executor.name + " requests CPU " + std::to_string(*executor.cpu) +
+          "executor " + executor.name +
+          (executor.line.given() ? " (line " + std::to_string(executor.line.number) + ")" : "") +
+          " requests CPU " + std::to_string(*executor.cpu) +
           ", which does not exist or may not be used on this machine; the node chooses another CPU");
     }
     if (executor.cpu && has(allowed, *executor.cpu)) {

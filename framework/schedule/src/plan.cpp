@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
@@ -19,8 +20,10 @@ using model::Operation;
 /// The maximum number of modules that an error message about a full row lists.
 constexpr std::size_t kNamedModules = 12;
 
-Problem problem_of(const model::Cell& cell, const Module& module, std::string what, std::string fix) {
-  Problem problem = model::problem_at(cell.texts(), module.line, std::move(what), std::move(fix));
+Problem problem_of(const model::Cell& cell, const Module& module, std::string what, std::string fix,
+                   model::Line element = {}) {
+  Problem problem = model::problem_at(cell.texts(), element.given() ? element : module.line, std::move(what),
+                                      std::move(fix));
   if (cell.file.empty()) problem.where = "module " + module.name;
   return problem;
 }
@@ -58,6 +61,16 @@ void check_own_budgets(const model::Cell& cell, const Device& device, Problems& 
   for (const Module& module : device.modules) {
     if (!module.budget) continue;
     const bool sporadic = module.operation == Operation::sporadic;
+    if (sporadic && module.interarrival && *module.interarrival < *module.budget) {
+      const std::string budget = to_text(*module.budget);
+      problems.push_back(problem_of(cell, module,
+                                    "the interarrival time of '" + module.name + "', " +
+                                        to_text(*module.interarrival) + ", is shorter than its budget, " +
+                                        budget,
+                                    "lengthen the <interarrival> to at least " + budget +
+                                        ", or reduce the budget: a run must end before the next release",
+                                    module.lines.interarrival));
+    }
     const auto& bound = sporadic ? module.deadline : module.period;
     if (!bound || *module.budget <= *bound) continue;
     const std::string word = sporadic ? "deadline" : "period";
@@ -67,6 +80,21 @@ void check_own_budgets(const model::Cell& cell, const Device& device, Problems& 
                        ", is larger than its " + word + ", " + to_text(*bound),
                    "reduce the budget to at most " + to_text(*bound) + ", or lengthen the " + word));
   }
+}
+
+/// The module whose given offset is not a multiple of `period`, and shortens the basic period most; null if
+/// there is none.
+const Module* shortens(const Device& device, const ExecutorPlan& plan, Nanoseconds period) {
+  const Module* found = nullptr;
+  std::int64_t shortest = period.count();
+  for (const auto index : plan.periodic) {
+    const Module& module = device.modules[index];
+    const std::int64_t basic = std::gcd(period.count(), module.offset.value_or(Nanoseconds{0}).count());
+    if (basic >= shortest) continue;
+    shortest = basic;
+    found = &module;
+  }
+  return found;
 }
 
 void check_rows(const model::Cell& cell, const Device& device, const ExecutorPlan& plan, Problems& problems) {
@@ -96,6 +124,22 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
   }
   if (named.size() > kNamedModules) list += " and " + std::to_string(named.size() - kNamedModules) + " more";
 
+  Nanoseconds by_periods{0};  // the basic period that the table would have without offsets
+  for (const auto index : plan.periodic)
+    by_periods = Nanoseconds{std::gcd(by_periods.count(), device.modules[index].period->count())};
+  const Module* offset = most <= by_periods.count() ? shortens(device, plan, by_periods) : nullptr;
+  if (offset != nullptr) {
+    problems.push_back(problem_of(
+        cell, *offset,
+        "the offset of '" + offset->name + "', " + to_text(*offset->offset) +
+            ", shortens the basic period of executor '" + device.executors[plan.executor].name + "' from " +
+            to_text(by_periods) + " to " + to_text(plan.basic_period) +
+            ", which is too short for the budget" + (named.size() == 1 ? "" : "s") + " of row " +
+            std::to_string(fullest) + ": " + list,
+        "choose an offset that is a multiple of " + to_text(by_periods) + ", or reduce the budgets",
+        offset->lines.offset));
+    return;
+  }
   const std::string sum =
       most > kLargestBudget ? "more than 10^18 ns" : to_text(Nanoseconds{static_cast<std::int64_t>(most)});
   problems.push_back(problem_of(
@@ -108,8 +152,8 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
 }
 
 /// Chooses the offsets that the descriptor does not give. If all thread modules have a budget, balances the
-/// budgets of the rows, and counts a program as almost no load. Otherwise balances the number of modules per
-/// row.
+/// budgets of the rows; then a process module counts as almost no load. Otherwise balances the number of
+/// modules per row.
 std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& plan) {
   constexpr Nanoseconds kHeaviest{std::int64_t{1} << 40};
   std::vector<Nanoseconds> given;
@@ -131,7 +175,7 @@ std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& pl
 
 /// Sets the priorities of the executors with priority="auto". A shorter basic period gives a higher priority.
 void assign_priorities(const Device& device, std::vector<ExecutorPlan>& plans) {
-  constexpr int kStep = 4;
+  constexpr int kStep = 10;
   std::set<Nanoseconds> periods;
   for (ExecutorPlan& plan : plans) {
     plan.priority = device.executors[plan.executor].priority;
@@ -144,7 +188,8 @@ void assign_priorities(const Device& device, std::vector<ExecutorPlan>& plans) {
   }
 }
 
-/// Builds the table of an executor, and sets its periods. The executor's modules must already be in the plan.
+/// Builds the table of an executor, and sets the periods in `plan`. The executor's modules must already be in
+/// the plan.
 void build_table(const model::Cell& cell, const Device& device, ExecutorPlan& plan, Problems& problems) {
   if (plan.periodic.empty()) {
     if (plan.sporadic.empty()) return;

@@ -123,8 +123,9 @@ PeriodPair longest_pair(std::span<const Task> tasks) {
                           [&](auto a, auto b) { return tasks[a].period == tasks[b].period; }),
               order.end());
 
-  // Start with the longest periods, so that each inner loop ends early. It ends when the product of the two
-  // periods, divided by the common divisor of all periods, is smaller than the largest multiple so far.
+  // Start with the longest periods, so that each inner loop ends early. The inner loop ends when the product
+  // of the two periods, divided by the common divisor of all periods, is smaller than the largest multiple so
+  // far.
   std::uint64_t common = 0;
   for (const auto index : order) common = std::gcd(common, period_of(tasks[index]));
   PeriodPair best{};
@@ -186,8 +187,8 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   }
   std::exclusive_scan(offsets.begin(), offsets.end(), offsets.begin(), Index{0});
 
-  // Visit the tasks in the order of priority, so that each row is filled in that order. Meanwhile, the offset
-  // of a row moves to the end of the row, which is the beginning of the next row.
+  // Visit the tasks in the order of priority, so that each row is filled in that order. In this loop, the
+  // offset of a row advances to the end of the row, which is the beginning of the next row.
   std::vector<Index> order(tasks.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(),

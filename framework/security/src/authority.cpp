@@ -28,7 +28,8 @@ constexpr const char* kDomain = "domain";
 constexpr std::size_t kMostAuthorityBytes = std::size_t{32} << 20;
 
 constexpr std::int64_t kDay = 24 * 3600;
-/// The validity of a certificate begins this long before it is issued, because the clocks of machines differ.
+/// The validity of a certificate begins this long before the certificate is issued, because the clocks of
+/// machines differ.
 constexpr std::int64_t kBefore = 3600;  // s
 constexpr std::int64_t kAuthorityDays = 3650;
 
@@ -49,8 +50,8 @@ Result<void> read_into(Object& object, const fs::path& path, From from) {
   return {};
 }
 
-/// Returns random digits for the name of a new authority. They distinguish the identities of two cells with
-/// the same name.
+/// Returns random digits for the name of a new authority. The digits distinguish the identities of two cells
+/// with the same name.
 std::string new_mark() {
   std::random_device random;
   std::array<char, 9> digits{};
@@ -202,6 +203,11 @@ Result<void> Authority::issue(const Subject& subject, const Plan& plan, int days
   if (!again && fs::exists(folder, error)) {
     return Problem{folder.string(), "this identity already exists",
                    "use takt secure renew " + inside_->folder.string() + " " + subject.name + " to renew it"};
+  }
+  for (const Subject& other : named(subject.name)) {
+    if (other.role != subject.role)
+      return fail(std::string{to_text(other.role)} + " " + subject.name + " already has this name",
+                  "give each identity a different name, because takt secure renew and revoke take only a name");
   }
   const std::int64_t until = std::min(now + days * kDay, valid_until(*inside_->identity));
   const Key key = make_key();

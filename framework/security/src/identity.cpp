@@ -6,6 +6,7 @@
 #include <takt/core/words.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/writers.hpp>
 #include <takt/security/choice.hpp>
 #include "pki.hpp"
 
@@ -24,7 +25,7 @@ class Folder {
   explicit Folder(std::string path) : path_(std::move(path)) {}
 
   std::string read(const char* file) {
-    auto content = os::read_file(place(file), kMostIdentityBytes);
+    auto content = os::read_file(path_of(file), kMostIdentityBytes);
     if (!content) {
       add(file, content.problems());
     } else if (!*content) {
@@ -42,12 +43,12 @@ class Folder {
     return object;
   }
   void add(const char* file, std::string what, std::string fix) {
-    problems_.push_back({place(file), std::move(what), std::move(fix)});
+    problems_.push_back({path_of(file), std::move(what), std::move(fix)});
   }
   void add(const char* file, const Problems& problems) {
     for (const Problem& problem : problems) add(file, problem.what, problem.fix);
   }
-  [[nodiscard]] std::string place(const char* file) const { return (fs::path{path_} / file).string(); }
+  [[nodiscard]] std::string path_of(const char* file) const { return (fs::path{path_} / file).string(); }
   [[nodiscard]] const Problems& problems() const { return problems_; }
 
  private:
@@ -56,11 +57,13 @@ class Folder {
 };
 
 void check_access_of_others(Folder& folder) {
-  const auto rights = os::rights_of(folder.place(kPrivateKey));
-  if (!rights) return;  // already reported
+  if (auto writers = os::check_writers(folder.path_of(kPrivateKey)); !writers)
+    folder.add(kPrivateKey, writers.problems());
+  const auto rights = os::rights_of(folder.path_of(kPrivateKey));
+  if (!rights) return;  // the function that reads the key reports this problem
   if (rights->group_reads || rights->group_writes || rights->others_read || rights->others_write) {
     folder.add(kPrivateKey, "other users may read or write this private key",
-               "run chmod 600 " + folder.place(kPrivateKey));
+               "run chmod 600 " + folder.path_of(kPrivateKey));
   }
 }
 

@@ -92,7 +92,7 @@ Key make_key() {
 }
 
 Key key_from(std::string_view pem) {
-  // Prevents OpenSSL from asking for a password. Takt does not create keys with a password.
+  // Prevent OpenSSL from asking for a password. Takt does not create keys with a password.
   const auto no_password = [](char*, int, int, void*) { return 0; };
   Key key{PEM_read_bio_PrivateKey(bytes_of(pem).get(), nullptr, no_password, nullptr)};
   ERR_clear_error();
@@ -283,8 +283,8 @@ Prefix prefix_of(const Subject& subject) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned length = 0;
   TAKT_CHECK(X509_NAME_digest(name_of(subject).get(), EVP_sha256(), digest.data(), &length) == 1);
-  // As DDS Security 1.1, section 9.3.3, defines it: one bit with the value 1, then the first 47 bits of the
-  // hash.
+  // Build the prefix as DDS Security 1.1, section 9.3.3, defines it: one bit with the value 1, then the first
+  // 47 bits of the hash.
   Prefix prefix{};
   for (std::size_t i = 0; i < prefix.size(); ++i) {
     const unsigned above = i == 0 ? 1U : digest[i - 1];

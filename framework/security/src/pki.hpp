@@ -1,5 +1,5 @@
-// Smart pointers for OpenSSL objects, and functions that use these objects. For the source files of this room
-// only.
+// Smart pointers for OpenSSL objects, and functions that use these objects. Only the source files of
+// framework/security include this header.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ std::int64_t valid_until(const X509& certificate);
 std::string subject_text(const X509& certificate);
 /// Returns the name of an authority in the form that participants announce: "/O=cell/CN=identities 3f2a".
 std::string announced_name(const X509& certificate);
-/// Returns whether the certificate was issued for this key.
+/// Returns true if the certificate was issued for this key.
 bool belong_together(const X509& certificate, const EVP_PKEY& key);
 
 enum class Kind { authority, identity };
@@ -64,10 +64,10 @@ Certificate make_certificate(Kind kind, const Subject& subject, EVP_PKEY& key, X
 /// at the time `now`.
 Result<void> check_issued(X509& certificate, X509& authority, std::int64_t now);
 
-/// Returns whether the certificate is on the list of revoked certificates.
+/// Returns true if the certificate is on the list of revoked certificates.
 bool is_revoked(X509_CRL& crl, const X509& certificate);
-/// Creates a list of revoked certificates: the entries of the list `before`, and the certificate `more`. Both
-/// may be null. The list is valid as long as the authority's certificate.
+/// Creates a list of revoked certificates from the entries of the list `before` and the certificate `more`,
+/// both of which may be null. The list is valid as long as the authority's certificate.
 Crl make_crl(X509_CRL* before, const X509* more, X509& authority, EVP_PKEY& key, std::int64_t now);
 bool is_signed_by(X509_CRL& crl, X509& authority);
 

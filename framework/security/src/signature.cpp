@@ -3,8 +3,13 @@
 #include <openssl/err.h>
 #include <openssl/evp.h>
 
+#include <utility>
+
 #include <takt/core/check.hpp>
+#include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/sealed_copy.hpp>
+#include <takt/os/writers.hpp>
 #include "pki.hpp"
 
 namespace takt::security {
@@ -31,6 +36,7 @@ std::string signature_of(const std::string& file) { return file + ".sig"; }
 Result<Certificate> signer(const std::string& file, std::int64_t now) {
   constexpr const char* kName =
       "name the certificate that takt sign prints: DIR/authority/components.cert.pem";
+  if (auto writers = os::check_writers(file); !writers) return writers.problems();
   const auto pem = read_signed_file(file, kMostPem, kName);
   if (!pem) return pem.problems();
   Certificate certificate = certificate_from(*pem);
@@ -63,11 +69,12 @@ Result<void> check_signer(const std::string& certificate, std::int64_t now) {
   return {};
 }
 
-Result<void> check_signature(const std::string& file, const std::string& certificate_file, std::int64_t now) {
+Result<void> check_signature(const std::string& file, const os::Fd& copy, const std::string& certificate_file,
+                             std::int64_t now) {
   constexpr const char* kSign = "sign it with takt sign";
   const auto certificate = signer(certificate_file, now);
   if (!certificate) return certificate.problems();
-  const auto content = read_signed_file(file, kMostSigned, "name an existing file");
+  const auto content = read_signed_file(os::path_of(copy), kMostSigned, "name an existing file");
   if (!content) return content.problems();
   auto signature = os::read_file(signature_of(file), kMostPem);
   if (!signature) return signature.problems();
@@ -83,6 +90,12 @@ Result<void> check_signature(const std::string& file, const std::string& certifi
   return Problem{
       file, "its signature does not match its contents, or was not made with the key of " + certificate_file,
       "restore the signed file, or sign the changed file"};
+}
+
+std::function<Result<void>(const std::string&, const os::Fd&)> signature_check(std::string certificate) {
+  return [certificate = std::move(certificate)](const std::string& file, const os::Fd& copy) {
+    return check_signature(file, copy, certificate, os::wall_ns() / 1'000'000'000);
+  };
 }
 
 }  // namespace takt::security

@@ -19,7 +19,7 @@ namespace {
 
 /// The interval at which a node checks its modules.
 constexpr Nanoseconds kStepEvery = std::chrono::milliseconds{5};
-/// Programs have this much less priority than the executors with which they share a CPU.
+/// The priority of a process module is lower by this number than the priority of its executor.
 constexpr int kProgramBelow = 2;
 
 }  // namespace
@@ -45,33 +45,34 @@ Result<void> Device::prepare() {
 
 void Device::begin(supervision::Parts& parts) {
   parts_ = &parts;
-  // Each program has a CPU of its own to spin on.
+  // The placement has enough CPUs that each process module has its own CPU for spinning.
   for (int i = 0; i <= static_cast<int>(model().modules.size()); ++i) parts.placement.background.push_back(i);
   parts.placement.executors.resize(model().executors.size());
   wake_word().gateway_sleeps.store(1);
   rows_.resize(model().executors.size());
   for (std::uint32_t i = 0; i < model().modules.size(); ++i)
     members_.push_back(std::make_unique<Member>(*this, world_, parts, i));
-  make_wires();
+  make_links();
 }
 
-// The wiring has its links in the order of the connections; a connection within the device over a topic has
-// two. The links for observers follow; the simulation does not use them.
-void Device::make_wires() {
-  const auto& planned = parts_->wiring.wires();
+// Makes the simulated links of the device's connections. The wiring contains the links in the order of the
+// connections. A connection over a topic within the device has two links. The links for observers come last;
+// the simulation does not use them.
+void Device::make_links() {
+  const auto& planned = parts_->wiring.links();
   const auto add = [&](std::uint32_t index) {
-    TAKT_CHECK(wires_.size() < planned.size());
-    const supervision::Wiring::Wire& place = planned[wires_.size()];
+    TAKT_CHECK(links_.size() < planned.size());
+    const supervision::Wiring::CreatedLink& created = planned[links_.size()];
     const model::Connection& connection = world_.cell.connections[index];
-    wires_.push_back(
-        std::make_unique<Wire>(connection, index, place.plan.from.module, place.plan.to.module, place.link));
-    Wire& wire = *wires_.back();
-    if (wire.reader()) {
+    links_.push_back(std::make_unique<SimulatedLink>(connection, index, created.plan.from.module,
+                                                     created.plan.to.module, created.link));
+    SimulatedLink& link = *links_.back();
+    if (link.reader()) {
       const model::Port* port = model::find_port(world_.cell, world_.ports, connection.to);
-      members_[*wire.reader()]->inputs.push_back({&wire, port->direction == model::Direction::event});
+      members_[*link.reader()]->inputs.push_back({&link, port->direction == model::Direction::event});
     }
-    if (wire.writer()) members_[*wire.writer()]->outputs.push_back({&wire});
-    return &wire;
+    if (link.writer()) members_[*link.writer()]->outputs.push_back({&link});
+    return &link;
   };
   for (std::uint32_t i = 0; i < world_.cell.connections.size(); ++i) {
     const model::Connection& connection = world_.cell.connections[i];
@@ -79,8 +80,8 @@ void Device::make_wires() {
     const bool to = connection.to.given() && connection.to.device == model().name;
     if (from) add(i);
     if (!to || connection.topic.empty()) continue;
-    Wire* const wire = add(i);
-    if (connection.from.given()) world_.network->connect(i, *this, *wire);
+    SimulatedLink* const link = add(i);
+    if (connection.from.given()) world_.network->connect(i, *this, *link);
   }
 }
 
@@ -164,10 +165,10 @@ std::unique_ptr<Device::Row> Device::make_row(std::uint32_t executor, VirtualHos
   return row;
 }
 
-// Executors that name the same CPU share it. Executors that name no CPU have one CPU each, or share the CPUs
-// of the device.
-Kernel::Place Device::place_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index,
-                               int below) {
+// Executors that name the same CPU share it. Executors that name no CPU have one CPU each, or share the
+// `cpus` CPUs of the device if this option is set.
+Kernel::Scheduling Device::scheduling_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index,
+                                         int below) {
   const int priority = parts_->plan.executors[executor].priority - below;
   if (world_.cpus == 0 && !wanted) return {.cpu = nullptr, .priority = priority};
   int cpu = wanted.value_or(static_cast<int>(index));
@@ -175,10 +176,11 @@ Kernel::Place Device::place_of(std::uint32_t executor, std::optional<int> wanted
   return {.cpu = &shared_cpus_[cpu], .priority = priority};
 }
 
-// Programs avoid the CPUs of executors if the device has others.
-Kernel::Place Device::place_of(const Member& member) {
+// A process module has its own CPU. If the option `cpus` is set, a real-time process module shares these CPUs
+// with the executors.
+Kernel::Scheduling Device::scheduling_of(const Member& member) {
   if (!member.scheduled()) return {.cpu = nullptr, .priority = 0};
-  return place_of(member.executor, std::nullopt, member.index, kProgramBelow);
+  return scheduling_of(member.executor, std::nullopt, member.index, kProgramBelow);
 }
 
 void Device::emit(Event event) {
@@ -194,8 +196,8 @@ void Device::emit(Event event, const Member& member) {
 
 void Device::emit(What what, const Member& member) { emit({.what = what}, member); }
 
-// The number of calls or releases of a module. Includes the releases that a program with immediate dispatch
-// gave itself.
+// Returns the number of calls or releases of a module. This includes the releases that a process module with
+// immediate dispatch gave itself.
 std::uint64_t Device::cycles(const Member& member) {
   return member.block.cycles.load() + (member.slot == nullptr ? 0 : member.slot->begun.load());
 }
@@ -215,8 +217,8 @@ Totals Device::totals() const {
                               .state = machine.state(),
                               .steps = machine.sequence()});
   }
-  for (const auto& wire : wires_) {
-    if (!wire->adds_up()) totals.unbalanced.push_back(wire->connection());
+  for (const auto& link : links_) {
+    if (!link->adds_up()) totals.unbalanced.push_back(link->connection());
   }
   return totals;
 }

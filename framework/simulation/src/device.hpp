@@ -1,5 +1,6 @@
 // One device of a simulated cell: the real supervision and the real executors, on virtual hosts, programs and
-// flows. It stands for the processes of a machine: takt-host, libtakt_process and the gateway.
+// flows. This class replaces the processes of a real device: takt-host, process modules with libtakt_process,
+// and the gateway.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +20,12 @@
 #include <takt/model/profile.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/simulation/event.hpp>
-#include <takt/simulation/fault.hpp>
+#include <takt/simulation/injection.hpp>
 #include <takt/supervision/supervisor.hpp>
 #include "invariants.hpp"
 #include "kernel.hpp"
 #include "run_time.hpp"
-#include "wire.hpp"
+#include "simulated_link.hpp"
 
 namespace takt::simulation {
 
@@ -34,19 +35,20 @@ class VirtualHost;
 class VirtualPlatform;
 class VirtualProgram;
 
-/// What the devices of a cell share. The referenced objects outlive the devices.
+/// The objects and options that the devices of a cell share. The referenced objects outlive the devices.
 struct World {
   Kernel& kernel;
   Listener& listener;
-  const model::Cell& cell;        ///< as simulated: see simulated_cell()
+  const model::Cell& cell;        ///< the result of simulated_cell()
   const model::CellPorts& ports;  ///< the ports of every module
   const model::Profile& profile;
   std::uint64_t seed = 0;
-  int cpus = 0;  ///< CPUs per device for executors that name no CPU; 0 for one per executor
+  int cpus = 0;  ///< CPUs per device for executors that name no CPU; if 0, each of these executors has its
+                 ///< own CPU
   Network* network = nullptr;
   /// Called when a fault on this device stops the whole cell.
   std::function<void(std::uint32_t device, const std::string& why)> stop_cell{};
-  /// Whether a module executes, as far as another device knows.
+  /// Returns true if a module is in EXECUTING. Other devices call this function.
   std::function<bool(const std::string& device, const std::string& module)> executes{};
 };
 
@@ -59,21 +61,22 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  /// Loads, initialises and starts every module. This takes no time; then the device is ready.
+  /// Loads, initialises and starts every module. This takes no simulated time. Afterwards, the device is
+  /// ready.
   Result<void> prepare();
   void go(Instant t0) { supervisor_->go(t0); }
-  /// Halts and destructs everything; the device ends some time later.
+  /// Begins to halt the executors and to destruct the modules; the device ends some time later.
   void stop();
-  /// Stops because of a fault of another device that stops the whole cell.
+  /// Stops the device because another device had a fault that stops the whole cell.
   void stop_for(Problem problem);
   [[nodiscard]] Phase phase() const noexcept { return supervisor_->phase(); }
   [[nodiscard]] const Problems& failures() const noexcept { return supervisor_->failures(); }
-  /// Whether the module is in EXECUTING.
+  /// True if the module is in EXECUTING.
   [[nodiscard]] bool executes(const std::string& module) const;
 
-  void inject(const Fault& fault);
-  /// Delivers a sample for one of its modules; `wall_ns` is its time on the sender's wall clock.
-  void arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns);
+  void inject(const Injection& injection);
+  /// Delivers a sample to a module of this device; `wall_ns` is the sample's time on the sender's wall clock.
+  void arrive(SimulatedLink& link, const std::byte* sample, std::int64_t wall_ns);
 
   /// The device's object in the status JSON.
   [[nodiscard]] nlohmann::ordered_json report() const;
@@ -91,20 +94,22 @@ class Device {
 
   // Set-up (device.cpp)
   void begin(supervision::Parts& parts);
-  void make_wires();
+  void make_links();
   [[nodiscard]] std::unique_ptr<Row> make_row(std::uint32_t executor, VirtualHost& host,
                                               std::uint64_t generation);
   [[nodiscard]] executor::Unit unit_of(Member& member) const;
-  /// `wanted` is the CPU that the descriptor names; without one, `index` selects it.
-  Kernel::Place place_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index, int below);
-  Kernel::Place place_of(const Member& member);
-  void command(std::uint32_t module, const Fault& fault);
+  /// `wanted` is the CPU that the descriptor names. If it names none, `index` selects the CPU.
+  Kernel::Scheduling scheduling_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index,
+                                   int below);
+  Kernel::Scheduling scheduling_of(const Member& member);
+  void command(std::uint32_t module, const Injection& injection);
   void step();
   void step_regularly();
-  /// Lets the supervision react at once.
+  /// Makes the supervision react now, before its next regular step.
   void poke();
   [[nodiscard]] static std::uint64_t cycles(const Member& member);
-  /// Whether hooks and starts of programs take time. Before T0, they take none.
+  /// True if hooks and starts of process modules take simulated time. They do not while the device is being
+  /// prepared.
   [[nodiscard]] bool takes_time() const { return phase() != Phase::preparing; }
 
   // Real-time strands (device_strands.cpp)
@@ -121,14 +126,14 @@ class Device {
   void emit(Event event, const Member& member);
   void emit(Event event);
 
-  // A module's work, in run() or in the body of a program (device_work.cpp)
+  // A module's work, in run() or in the body of a process module (device_work.cpp)
   void connect(Member& member);
-  /// Does the work of a run or body that begins at `begin` for `release`.
+  /// Does the work of a run or body that serves `release` and begins at `begin`.
   executor::Outcome work(Member& member, Instant release, Instant begin);
   const char* stale_input(Member& member, Instant start);
   template <class Input>
   [[nodiscard]] bool gets_safe_value(const Input& input) const;
-  /// When the first available event may be read; channel::kNever if there is none.
+  /// The time from which the module may read its first event; channel::kNever if there is no event.
   [[nodiscard]] std::int64_t news_at(const Member& member) const;
 
   [[nodiscard]] Instant now() const noexcept { return world_.kernel.now(); }
@@ -143,11 +148,12 @@ class Device {
   Draws draws_;
   supervision::Parts* parts_ = nullptr;  // owned by the supervisor; null before prepare()
   std::unique_ptr<supervision::Supervisor> supervisor_;
-  std::map<int, Cpu> shared_cpus_;  // shared CPUs, by number
+  std::map<int, Cpu> shared_cpus_;  // the CPUs that strands share, by number
   std::vector<std::unique_ptr<Member>> members_;
-  std::vector<std::unique_ptr<Wire>> wires_;  // in the order of the wiring
-  std::vector<Row*> rows_;                    // for each executor; its host owns the row
-  Nanoseconds wall_offset_{};                 // wall clock minus monotonic clock
+  std::vector<std::unique_ptr<SimulatedLink>> links_;  // the links of connections, in the order of the wiring
+  std::vector<Row*> rows_;                             // the row of each executor; the executor's host owns
+                                                       // it
+  Nanoseconds wall_offset_{};                          // wall clock minus monotonic clock
   bool gateway_awake_ = false;
   bool poked_ = false;
   bool stopped_cell_ = false;

@@ -1,5 +1,5 @@
-// The strands of a simulated device, which are threads and programs on a real one: rows, sporadic modules,
-// non-real-time modules, process modules and the gateway.
+// The strands of a simulated device: rows, sporadic modules, non-real-time modules, process modules and the
+// gateway. On a real device, these are threads and processes.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-/// The delay of a wake-up by the clock, including the final spin.
+/// The delay of a wake-up by the clock, including the spinning at its end.
 Nanoseconds wake_up(Draws& draws) {
   if (draws.chance(0.001)) return draws.between(Nanoseconds{microseconds{1}}, Nanoseconds{microseconds{30}});
   return draws.between(Nanoseconds{100}, Nanoseconds{1000});
@@ -23,9 +23,9 @@ Nanoseconds wake_up(Draws& draws) {
 Nanoseconds futex_wake_up(Draws& draws) {
   return draws.between(Nanoseconds{microseconds{4}}, Nanoseconds{microseconds{30}});
 }
-/// The time until a store to a slot is visible to another CPU.
+/// The time until another CPU sees a store to a slot.
 Nanoseconds store_seen(Draws& draws) { return draws.between(Nanoseconds{100}, Nanoseconds{500}); }
-/// The time from waking the gateway until it has taken the samples.
+/// The time from the wake-up of the gateway until the gateway has taken the samples.
 constexpr Nanoseconds kGatewayShortest = microseconds{15};
 constexpr Nanoseconds kGatewayLongest = microseconds{60};
 /// The pause between runs of a non-real-time module without a period.
@@ -37,6 +37,7 @@ void Device::walk_rows(Row& row) {
   Kernel& kernel = world_.kernel;
   executor::Executor& executor = *row.executor;
   channel::ExecutorBlock& block = parts_->channel.executor(row.index);
+  block.row.thread.store(kernel.running()->id());
   const std::uint64_t missed_before = block.missed.load();
   executor.join_grid(row.host.t0(), now());
   emit({.what = What::joined,
@@ -67,6 +68,7 @@ void Device::walk_rows(Row& row) {
 }
 
 void Device::serve_sporadic(Row& row) {
+  parts_->channel.executor(row.index).sporadic.thread.store(world_.kernel.running()->id());
   while (!row.host.halting()) {
     const std::uint32_t rings = wake_word().rings.load();
     while (!row.host.halting() && row.executor->run_sporadic()) {
@@ -81,7 +83,7 @@ void Device::serve_sporadic(Row& row) {
   row.sporadic = nullptr;
 }
 
-// Corresponds to host::Host::run_background().
+// Runs a non-real-time thread module in the same way as host::Host::run_background().
 void Device::run_background(Member& member) {
   channel::ModuleBlock& block = member.block;
   const Nanoseconds period = member.model.period.value_or(Nanoseconds{0});
@@ -104,6 +106,11 @@ void Device::run_background(Member& member) {
         block.error.store(static_cast<std::uint32_t>(outcome.type));
         member.reported_in_tables = false;
         emit({.what = What::taken_out, .error = outcome.type}, member);
+      } else if (outcome.finished) {
+        block.in_tables.store(0);
+        block.finished.store(1);
+        member.reported_in_tables = false;
+        emit({.what = What::taken_out}, member);
       }
     }
     ring_pending();
@@ -113,7 +120,7 @@ void Device::run_background(Member& member) {
   }
 }
 
-// Corresponds to libtakt_process in the user's program.
+// Runs a process module in the same way as libtakt_process.
 void Device::run_program(Member& member) {
   channel::ReleaseSlot& slot = *member.slot;
   connect(member);
@@ -131,7 +138,7 @@ void Device::run_program(Member& member) {
     const executor::Outcome outcome = work(member, from_ns(release), started);
     if (!outcome.ok())
       member.process->leave(
-          {.text = "ended with status 1", .code = 1});  // a program reports a failure in this way
+          {.text = "ended with status 1", .code = 1});  // a process module reports a failure in this way
     slot.run.record((now() - started).count());
     emit({.what = What::done, .took = now() - started}, member);
     const std::int64_t late = to_ns(now()) - release - slot.deadline_ns;
@@ -140,11 +147,12 @@ void Device::run_program(Member& member) {
       slot.late.fetch_add(1);
     }
     ring_pending();
+    if (outcome.finished) break;
   }
   member.process->leave({.text = "ended with status 0"});
 }
 
-// Returns false if the program has to end.
+// Waits for the next release of a process module. Returns false if the module must end.
 bool Device::await_release(Member& member, channel::Taken& taken) {
   channel::ReleaseSlot& slot = *member.slot;
   Kernel& kernel = world_.kernel;
@@ -166,7 +174,7 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
     const Instant from = from_ns(std::max(event, channel::not_before_ns(slot)));
     if (event != channel::kNever && now() >= from) {
       if (channel::begin(slot, to_ns(now()))) return true;
-      taken.count = slot.released.load();  // the program was taken out of the tables in between
+      taken.count = slot.released.load();  // begin() failed, because the module has left the tables
       slot.done.store(taken.count);
     }
     slot.sleeping.store(1);
@@ -180,7 +188,8 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
   return true;
 }
 
-// Emits events for the executor's actions since the last call, except those that modules report themselves.
+// Emits an event for each of the executor's actions since the last call: releases, overruns, and removals of
+// modules from the tables.
 void Device::emit_table_changes(std::uint32_t executor) {
   const Row& row = *rows_[executor];
   const auto released = [this](Member& member) {
@@ -230,21 +239,22 @@ void Device::ring(std::uint32_t bits) {
   kernel.at(now() + draws_.between(kGatewayShortest, kGatewayLongest), [this] { forward_samples(); });
 }
 
-// The gateway takes all samples for other devices, and sleeps again.
+// Does the work of the gateway: takes all samples for other devices, sends them, and sleeps until the next
+// wake-up.
 void Device::forward_samples() {
   std::int64_t next = channel::kNever;
-  for (const auto& wire : wires_) {
-    if (wire->reader()) continue;
-    channel::LinkReader reader{wire->link()};
+  for (const auto& link : links_) {
+    if (link->reader()) continue;
+    channel::LinkReader reader{link->link()};
     while (reader.take(to_ns(now()))) {
-      const std::byte* sample = wire->link().payload(reader.buffer());
-      if (!is_whole(sample, wire->connection()))
-        emit({.what = What::read, .connection = wire->connection(), .number = number_of(sample), .count = 1});
-      world_.network->send(wire->connection(), sample, wall_of(reader.info().stamp_ns));
+      const std::byte* sample = link->link().payload(reader.buffer());
+      if (!is_whole(sample, link->connection()))
+        emit({.what = What::read, .connection = link->connection(), .number = number_of(sample), .count = 1});
+      world_.network->send(link->connection(), sample, wall_of(reader.info().stamp_ns));
     }
     next = std::min(next, reader.news_at());
   }
-  if (next != channel::kNever) {  // a sample is there but not valid yet
+  if (next != channel::kNever) {  // a sample has been written but is not valid yet
     world_.kernel.at(from_ns(next), [this] { forward_samples(); });
     return;
   }
@@ -252,33 +262,33 @@ void Device::forward_samples() {
   gateway_awake_ = false;
 }
 
-void Device::arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns) {
+void Device::arrive(SimulatedLink& link, const std::byte* sample, std::int64_t wall_ns) {
   if (phase() == Phase::ended) return;
-  const std::int64_t stamp = wall_ns - wall_offset_.count();
-  if (wire.model().lifespan && to_ns(now()) - stamp > wire.model().lifespan->count()) {
+  const std::int64_t stamp = std::min(wall_ns - wall_offset_.count(), to_ns(now()));
+  if (link.model().lifespan && to_ns(now()) - stamp > link.model().lifespan->count()) {
     emit({.what = What::lost,
-          .connection = wire.connection(),
+          .connection = link.connection(),
           .number = number_of(sample),
           .text = "too old"});
     return;
   }
-  channel::LinkWriter writer{wire.link()};
-  std::copy_n(sample, kSampleBytes, wire.link().payload(writer.buffer()));
+  channel::LinkWriter writer{link.link()};
+  std::copy_n(sample, kSampleBytes, link.link().payload(writer.buffer()));
   writer.publish(kSampleBytes, stamp);
-  emit({.what = What::arrived, .connection = wire.connection(), .number = number_of(sample)});
-  wake_word().note(wire.link().block().wake_bits);
+  emit({.what = What::arrived, .connection = link.connection(), .number = number_of(sample)});
+  wake_word().note(link.link().block().wake_bits);
   ring_pending();
 }
 
-void Device::command(std::uint32_t module, const Fault& fault) {
+void Device::command(std::uint32_t module, const Injection& injection) {
   using supervision::Verb;
-  static const std::map<Fault::Kind, Verb> verbs{{Fault::Kind::initialize, Verb::initialize},
-                                                 {Fault::Kind::start, Verb::start},
-                                                 {Fault::Kind::stop, Verb::stop},
-                                                 {Fault::Kind::recover, Verb::recover},
-                                                 {Fault::Kind::reset, Verb::reset},
-                                                 {Fault::Kind::destruct, Verb::destruct}};
-  const auto verb = verbs.find(fault.kind);
+  static const std::map<Injection::Kind, Verb> verbs{{Injection::Kind::initialize, Verb::initialize},
+                                                     {Injection::Kind::start, Verb::start},
+                                                     {Injection::Kind::stop, Verb::stop},
+                                                     {Injection::Kind::recover, Verb::recover},
+                                                     {Injection::Kind::reset, Verb::reset},
+                                                     {Injection::Kind::destruct, Verb::destruct}};
+  const auto verb = verbs.find(injection.kind);
   const std::string name = verb == verbs.end() ? "swap" : supervision::name_of(verb->second);
   const auto done = [this, module, name](const supervision::Outcome& outcome) {
     const std::string text = name + ": " + (outcome.code == REPLY_OK ? "done" : outcome.text);
@@ -290,48 +300,51 @@ void Device::command(std::uint32_t module, const Fault& fault) {
     supervisor_->command(module, verb->second, done);
 }
 
-void Device::inject(const Fault& fault) {
-  emit({.what = What::fault, .text = to_text(fault, world_.cell)});
-  if (fault.hook != channel::Doing::run) return members_[fault.place]->in_hooks.push_back(fault);
-  switch (fault.kind) {
-    case Fault::Kind::late:
-      members_[fault.place]->late_by += fault.by;
+void Device::inject(const Injection& injection) {
+  emit({.what = What::fault, .text = to_text(injection, world_.cell)});
+  if (injection.hook != channel::Doing::run) return members_[injection.target]->in_hooks.push_back(injection);
+  switch (injection.kind) {
+    case Injection::Kind::late:
+      members_[injection.target]->late_by += injection.by;
       break;
-    case Fault::Kind::crash:
-      members_[fault.place]->to_crash = true;
+    case Injection::Kind::crash:
+      members_[injection.target]->to_crash = true;
       break;
-    case Fault::Kind::fail:
-      members_[fault.place]->to_fail = true;
+    case Injection::Kind::fail:
+      members_[injection.target]->to_fail = true;
       break;
-    case Fault::Kind::hang:
-      members_[fault.place]->to_hang = true;
+    case Injection::Kind::hang:
+      members_[injection.target]->to_hang = true;
       break;
-    case Fault::Kind::unmended:
-      members_[fault.place]->unmended += fault.count;
+    case Injection::Kind::finish:
+      members_[injection.target]->to_finish = true;
       break;
-    case Fault::Kind::oversleep:
-      rows_[fault.place]->oversleep += fault.by;
+    case Injection::Kind::unmended:
+      members_[injection.target]->unmended += injection.count;
       break;
-    case Fault::Kind::clock_step:
-      wall_offset_ += fault.by;
+    case Injection::Kind::oversleep:
+      rows_[injection.target]->oversleep += injection.by;
       break;
-    case Fault::Kind::cut:
-      world_.network->cut(fault.device, fault.place, fault.by);
+    case Injection::Kind::clock_step:
+      wall_offset_ += injection.by;
       break;
-    case Fault::Kind::lose:
-      world_.network->lose(fault.place, fault.count);
+    case Injection::Kind::cut:
+      world_.network->cut(injection.device, injection.target, injection.by);
       break;
-    case Fault::Kind::delay:
-      world_.network->delay(fault.place, fault.by);
+    case Injection::Kind::lose:
+      world_.network->lose(injection.target, injection.count);
       break;
-    case Fault::Kind::initialize:
-    case Fault::Kind::start:
-    case Fault::Kind::stop:
-    case Fault::Kind::recover:
-    case Fault::Kind::reset:
-    case Fault::Kind::destruct:
-    case Fault::Kind::swap:
-      command(fault.place, fault);
+    case Injection::Kind::delay:
+      world_.network->delay(injection.target, injection.by);
+      break;
+    case Injection::Kind::initialize:
+    case Injection::Kind::start:
+    case Injection::Kind::stop:
+    case Injection::Kind::recover:
+    case Injection::Kind::reset:
+    case Injection::Kind::destruct:
+    case Injection::Kind::swap:
+      command(injection.target, injection);
       break;
   }
 }

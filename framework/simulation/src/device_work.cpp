@@ -1,5 +1,6 @@
-// The work of a simulated module in its run(), or in the body of its program: it reads its inputs, uses its
-// run time, and writes its outputs. Meanwhile it holds buffers of its links, as a real module may.
+// The work of a simulated module in its run(), or in the body of a process module. The module reads its
+// inputs, uses its run time, and writes its outputs. During this time it holds buffers of its links, as a
+// real module may.
 #include <algorithm>
 
 #include "member.hpp"
@@ -9,20 +10,20 @@ namespace takt::simulation {
 
 namespace {
 
-/// The share of rows in which a sporadic module without an event port is ready.
+/// The probability that a sporadic module without an event port is ready in a row.
 constexpr double kReady = 0.1;
 /// The duration of a run that never returns.
 constexpr Nanoseconds kForEver = std::chrono::hours{24 * 365};
 
 }  // namespace
 
-// Connects the links as a newly loaded module does.
+// Connects the module to its links, as the real host does when it loads a module.
 void Device::connect(Member& member) {
   for (Member::Input& input : member.inputs) {
-    input.reader = channel::LinkReader{input.wire->link()};
+    input.reader = channel::LinkReader{input.link->link()};
     input.late = false;
   }
-  for (Member::Output& output : member.outputs) output.writer = channel::LinkWriter{output.wire->link()};
+  for (Member::Output& output : member.outputs) output.writer = channel::LinkWriter{output.link->link()};
   member.entered = 0;
 }
 
@@ -34,7 +35,8 @@ std::int64_t Device::news_at(const Member& member) const {
   return first;
 }
 
-// Corresponds to host::ThreadModule::check_inputs().
+// Returns an error text if an input with stale="error" is too old; otherwise null. Checks the inputs in the
+// same way as host::ThreadModule::check_inputs().
 const char* Device::stale_input(Member& member, Instant start) {
   const std::uint64_t entered = member.block.entered.load();
   if (entered != member.entered) {
@@ -43,22 +45,22 @@ const char* Device::stale_input(Member& member, Instant start) {
   }
   const char* stale = nullptr;
   for (Member::Input& input : member.inputs) {
-    channel::LinkBlock& block = input.wire->link().block();
+    channel::LinkBlock& block = input.link->link().block();
     if (block.deadline_ns <= 0) continue;
     const std::int64_t newest = std::max(block.newest_ns.load(), to_ns(member.watched_since));
     const bool late = to_ns(start) - newest > block.deadline_ns;
     if (late && !input.late) block.late.fetch_add(1);
     input.late = late;
-    if (late && input.wire->model().stale == model::Stale::error && stale == nullptr)
+    if (late && input.link->model().stale == model::Stale::error && stale == nullptr)
       stale = "the newest value of an input is older than its deadline";
   }
   return stale;
 }
 
-// Corresponds to InPort::read(): whether the reader gets the safe value in place of the newest sample.
+// True if the reader gets the safe value in place of the newest sample. Uses the same rule as InPort::read().
 template <class Input>
 bool Device::gets_safe_value(const Input& input) const {
-  const channel::Link link = input.wire->link();
+  const channel::Link link = input.link->link();
   if (link.safe().empty()) return false;
   const channel::LinkBlock& block = link.block();
   const bool late = block.deadline_ns > 0 && to_ns(now()) - block.newest_ns.load() > block.deadline_ns;
@@ -72,18 +74,18 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
     if (const char* stale = stale_input(member, start); stale != nullptr) return {ErrorType::stale, stale};
   }
   for (Member::Output& output : member.outputs) {
-    write_first_half(output.writer.link().payload(output.writer.buffer()), output.wire->connection(),
+    write_first_half(output.writer.link().payload(output.writer.buffer()), output.link->connection(),
                      output.writer.next());
   }
-  // Reads everything in a queue, and keeps the last sample while time passes.
+  // Takes all samples of each input, and keeps the buffer of the last one while the run takes time.
   for (Member::Input& input : member.inputs) {
     const bool safe = gets_safe_value(input);
     if (std::exchange(input.safe, safe) != safe)
-      emit({.what = What::safe, .connection = input.wire->connection(), .count = safe ? 1U : 0U});
-    const std::uint32_t depth = input.wire->link().depth();
+      emit({.what = What::safe, .connection = input.link->connection(), .count = safe ? 1U : 0U});
+    const std::uint32_t depth = input.link->link().depth();
     for (std::uint32_t i = 0; i < depth && input.reader.take(to_ns(start)); ++i) {
-      const std::byte* sample = input.wire->link().payload(input.reader.buffer());
-      const std::uint32_t connection = input.wire->connection();
+      const std::byte* sample = input.link->link().payload(input.reader.buffer());
+      const std::uint32_t connection = input.link->connection();
       emit({.what = What::read,
             .connection = connection,
             .number = number_of(sample),
@@ -101,10 +103,10 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
         {.text = "was killed by SIGSEGV (Segmentation fault)", .signalled = true, .code = 11});
   }
   for (Member::Input& input : member.inputs) {
-    const std::byte* sample = input.wire->link().payload(input.reader.buffer());
-    if (input.reader.info().sequence == 0 || is_whole(sample, input.wire->connection())) continue;
+    const std::byte* sample = input.link->link().payload(input.reader.buffer());
+    if (input.reader.info().sequence == 0 || is_whole(sample, input.link->connection())) continue;
     emit({.what = What::read,
-          .connection = input.wire->connection(),
+          .connection = input.link->connection(),
           .number = number_of(sample),
           .count = 1});
   }
@@ -112,12 +114,14 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
   for (Member::Output& output : member.outputs) {
     std::byte* const sample = output.writer.link().payload(output.writer.buffer());
     const std::uint64_t number = output.writer.next();
-    write_second_half(sample, output.wire->connection(), number);
+    write_second_half(sample, output.link->connection(), number);
     output.writer.publish(kSampleBytes, to_ns(start), valid);
-    wake_word().note(output.wire->link().block().wake_bits);
-    emit({.what = What::wrote, .connection = output.wire->connection(), .number = number});
+    wake_word().note(output.link->link().block().wake_bits);
+    emit({.what = What::wrote, .connection = output.link->connection(), .number = number});
   }
-  return {};
+  executor::Outcome outcome;
+  outcome.finished = std::exchange(member.to_finish, false);
+  return outcome;
 }
 
 executor::Outcome ThreadBody::run(const Cycle& cycle) noexcept {

@@ -13,7 +13,7 @@ namespace {
 struct Rows {
   std::uint64_t first;
   std::uint64_t stride;
-  /// The number of these rows in [from, to).
+  /// The number of rows in [from, to) that contain the module.
   [[nodiscard]] std::uint64_t in(std::uint64_t from, std::uint64_t to) const {
     const auto before = [this](std::uint64_t row) {
       return row <= first ? 0 : (row - first + stride - 1) / stride;
@@ -69,19 +69,21 @@ void Invariants::on_event(const Event& event) {
     const model::HostShare host = model::hosts_of(cell_.devices[event.device])[event.host];
     for (const std::size_t index : host.executors) {
       OfExecutor& executor = device.executors[index];
-      // The current row was cut short: it counts as missed, including the modules that it has served.
+      // The end of the host cut the current row short. The row counts as missed, even for the modules that it
+      // has already served.
       const Nanoseconds basic = plans_[event.device].executors[index].basic_period;
       for (const Served& served : executor.served) {
         const bool unfinished = executor.runs == served.module && &served == &executor.served.back();
         if (!executor.in_row || unfinished) continue;
-        // A release that was made up for no longer counts as missed.
+        // If the module made up for the release of an earlier row, which it had missed, this release does not
+        // count as missed.
         const bool made_up = served.number && served.release + basic <= executor.woke_at;
         if (made_up)
           --device.modules[served.module].missed;
         else
           ++device.modules[served.module].twice;
       }
-      executor.served.clear();  // the host may end again before the executor joins its grid
+      executor.served.clear();  // because the restarted host may end before the executor joins its grid
       executor.runs.reset();
       executor.sporadic.reset();
     }
@@ -158,8 +160,10 @@ void Invariants::count_missed(OfDevice& device, const schedule::ExecutorPlan& pl
   }
 }
 
-// Releases that are made up for come first, row by row, in the order of each row. A module gets only its
-// newest missed releases, up to its limit. Until then, they counted as missed.
+// Checks the releases of missed rows that modules catch up on. The executor serves these releases before the
+// releases of the present row: the missed rows in their order, and in each row the modules in the order of
+// the table. A module gets only its newest missed releases, as many as its limit allows. These releases were
+// counted as missed before, so they are subtracted here.
 std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
     const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
   const std::vector<Served>& served = device.executors[event.executor].served;
@@ -189,7 +193,8 @@ std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
   return next;
 }
 
-// A program that catches up may get several releases at once, of which not all are reported.
+// True for a process module that catches up. Such a module may get several releases at once, and not all of
+// them appear in the events.
 bool Invariants::has_pending_releases(std::uint32_t device, std::uint32_t module) const {
   const model::Module& model = cell_.devices[device].modules[module];
   return model.type == model::ModuleType::process &&

@@ -1,13 +1,13 @@
-// Checks rules that hold for every cell, whatever happens to it, on the events of a simulation:
+// Checks, on the events of a simulation, rules that hold for every cell under all circumstances:
 //
 // - The grid is kept: every row is at T0 + n x period, and starts within its slot.
 // - Table order: a row serves each of its modules that is in the tables once, in the table's order.
-// - Catching up: releases of missed rows are served before the next row, in the order of those rows. Only
-//   modules whose contract allows it catch up, and no further than its limit.
-// - A sporadic module runs once for each time it was ready, the earliest deadline first. Between two releases
-//   at least its interarrival time passes.
-// - Every step is in the lifecycle's table and has the next number. A failed module is out of the tables
-//   before it can run again, and its supervisor takes the step `error`.
+// - Catching up: releases of missed rows are served before the next row, in the order of the missed rows. A
+//   module catches up only if its contract allows this, and only as far as the limit of the contract.
+// - A sporadic module runs once each time that it became ready, the module with the earliest deadline first.
+//   At least the interarrival time passes between two releases of a module.
+// - Every lifecycle step is in the lifecycle table and has the next number. A failed module leaves the tables
+//   before it can run again, and its supervisor makes the step `error`.
 // - No sample is read twice, torn, out of order, or before it was written.
 // - Counters match the events.
 #pragma once
@@ -34,7 +34,7 @@ struct Totals {
   struct OfModule {
     std::uint64_t cycles = 0;
     std::uint64_t missed = 0;
-    std::uint64_t overruns = 0;  ///< counted by the executor
+    std::uint64_t overruns = 0;  ///< overruns that the executor counted
     lifecycle::State state = lifecycle::State::idle;
     std::uint64_t steps = 0;
   };
@@ -45,7 +45,7 @@ struct Totals {
 
 class Invariants final : public Listener {
  public:
-  /// The largest number of reported violations. Further violations are not reported.
+  /// The maximum number of reported violations. Further violations are not reported.
   static constexpr std::size_t kMaxViolations = 50;
 
   /// `cell` and `plans` must outlive this object.
@@ -54,13 +54,13 @@ class Invariants final : public Listener {
   void on_event(const Event& event) override;
   /// Compares the device's final counters with its events. Call close() when the device has ended.
   void close(std::uint32_t device, const Totals& totals);
-  /// One line per violation, with the time since T0.
+  /// One line for each violation, with the time since T0.
   [[nodiscard]] const std::vector<std::string>& violations() const noexcept { return violations_; }
 
  private:
   struct Served {
     std::uint32_t module;
-    std::optional<std::uint64_t> number;  // none if the program was busy
+    std::optional<std::uint64_t> number;  // empty if the process module was still in its body
     Instant release;
   };
   struct OfExecutor {
@@ -76,18 +76,19 @@ class Invariants final : public Listener {
   struct OfModule {
     bool in_tables = false;
     std::uint64_t changes = 0;  // number of changes of in_tables
-    bool was_in = false;        // in_tables when its executor woke
+    bool was_in = false;        // value of in_tables when the module's executor woke
     std::uint64_t changes_then = 0;
     std::uint64_t cycles = 0;
     std::uint64_t busy = 0;
     std::uint64_t missed = 0;
-    std::uint64_t out = 0;    // releases that were due while it was out of the tables
-    std::uint64_t twice = 0;  // releases counted as served and missed, because a crash cut their row short
+    std::uint64_t out = 0;    // number of releases that were due while the module was out of the tables
+    std::uint64_t twice = 0;  // number of releases counted as both served and missed, because a crash cut
+                              // their row short
     lifecycle::State state = lifecycle::State::idle;
     lifecycle::State before_error = lifecycle::State::start;
     std::uint64_t steps = 0;
-    bool failed = false;  // it must be taken out of the tables next
-    bool raised = false;  // the step `error` must follow
+    bool failed = false;  // the module's run failed, so the module must leave the tables next
+    bool raised = false;  // the module left the tables with an error, so the step `error` must follow
     std::optional<Instant> ready_until{};
     std::uint64_t ready_changes = 0;
     std::optional<Instant> last_ready{};

@@ -10,11 +10,12 @@ namespace takt::simulation {
 
 Kernel::~Kernel() = default;
 
-Strand& Kernel::spawn(const Place& place, std::function<void()> body) {
+Strand& Kernel::spawn(const Scheduling& scheduling, std::function<void()> body) {
   strands_.push_back(std::unique_ptr<Strand>(new Strand));
   Strand& strand = *strands_.back();
-  strand.cpu_ = place.cpu == nullptr ? &strand.own_ : place.cpu;
-  strand.priority_ = place.priority;
+  strand.id_ = static_cast<std::int32_t>(strands_.size());
+  strand.cpu_ = scheduling.cpu == nullptr ? &strand.own_ : scheduling.cpu;
+  strand.priority_ = scheduling.priority;
   strand.fiber_ = std::make_unique<os::Fiber>(kStackBytes, [this, body = std::move(body)] {
     body();
     end();
@@ -44,8 +45,8 @@ void Kernel::end() {
 void Kernel::work(Nanoseconds time) {
   if (time <= Nanoseconds{0}) return;
   Strand& strand = *running_;
+  preempt(*strand.cpu_);  // a strand that became ready meanwhile may run first
   strand.left_ = time;
-  strand.cpu_->current_ = nullptr;  // a strand that became ready meanwhile may run first
   reschedule(*strand.cpu_);
   switch_to_next();
 }
@@ -74,8 +75,8 @@ bool Kernel::wait(Instant until) {
 
 void Kernel::wake(Strand& strand, Nanoseconds delay) {
   if (!strand.waits_ || strand.woken_) return;
-  strand.woken_ = true;  // further wake-ups do nothing
-  ++strand.wait_;        // the event that ends its waiting time is outdated
+  strand.woken_ = true;  // so that further calls of wake() have no effect
+  ++strand.wait_;        // makes the event at the end of the strand's waiting time outdated
   push({.when = now_ + delay,
         .order = 0,
         .strand = &strand,
@@ -116,8 +117,23 @@ void Kernel::make_ready(Strand& strand, Nanoseconds work) {
 void Kernel::make_not_ready(Strand& strand) {
   Cpu& cpu = *strand.cpu_;
   std::erase(cpu.ready_, &strand);
-  if (cpu.current_ == &strand) cpu.current_ = nullptr;
+  if (cpu.current_ == &strand) preempt(cpu);
   reschedule(cpu);
+}
+
+void Kernel::preempt(Cpu& cpu) {
+  if (cpu.current_ == nullptr) return;
+  const Nanoseconds ran = now_ - cpu.since_;
+  cpu.current_->left_ -= ran;
+  cpu.current_->ran_ += ran;
+  cpu.current_ = nullptr;
+}
+
+std::optional<Nanoseconds> Kernel::ran_if_ready(std::int32_t id) const noexcept {
+  if (id < 1 || static_cast<std::size_t>(id) > strands_.size()) return std::nullopt;
+  const Strand& strand = *strands_[static_cast<std::size_t>(id) - 1];
+  if (strand.ended_ || strand.waits_) return std::nullopt;
+  return strand.ran_ + (strand.cpu_->current_ == &strand ? now_ - strand.cpu_->since_ : Nanoseconds{0});
 }
 
 // Chooses the strand that runs from now on, and schedules the end of its work.
@@ -128,9 +144,9 @@ void Kernel::reschedule(Cpu& cpu) {
       });
   Strand* const best = first == cpu.ready_.end() ? nullptr : *first;
   if (cpu.current_ != nullptr && cpu.current_ == best) return;
-  // The running strand has not yet announced its next work.
+  // The running strand keeps the CPU until it calls work() or waits.
   if (cpu.current_ != nullptr && cpu.current_ == running_) return;
-  if (cpu.current_ != nullptr) cpu.current_->left_ -= now_ - cpu.since_;
+  preempt(cpu);
   cpu.current_ = best;
   cpu.since_ = now_;
   ++cpu.turn_;
@@ -158,7 +174,7 @@ bool Kernel::next(Event& event) {
       continue;
     }
     if (event.when > end_) return false;
-    if (event.strand == nullptr) return true;  // a call
+    if (event.strand == nullptr) return true;  // the event is a function to call, not a strand
     events_.pop();
     now_ = event.when;
     if (!event.is_wake) return true;
@@ -168,7 +184,8 @@ bool Kernel::next(Event& event) {
   return false;
 }
 
-// The running strand has nothing to do now. Switches to the strand of the next event, which may be the same.
+// Called when the running strand works, waits or ends. Switches to the strand of the next event, which may be
+// the same strand.
 void Kernel::switch_to_next() {
   Strand& strand = *running_;
   Event event{};
@@ -184,7 +201,7 @@ void Kernel::switch_to_next() {
   } else {
     strand.fiber_->hand_over_to(main_);
   }
-  // The strand that handed over has set running_ to this one.
+  // When another fiber switches back to this strand, it has already set running_ to this strand.
 }
 
 void Kernel::resume(Strand& strand) {
@@ -207,7 +224,7 @@ void Kernel::run_until(Instant end) {
       free_calls_.push_back(event.call);
       call();
     }
-    // No strand's stack is in use here.
+    // At this point, no strand's stack is in use.
     for (Strand* dead : dead_) dead->fiber_.reset();
     dead_.clear();
   }

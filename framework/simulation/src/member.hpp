@@ -43,7 +43,7 @@ struct Device::Member {
   [[nodiscard]] bool is_thread() const noexcept { return model.type == model::ModuleType::thread; }
   [[nodiscard]] bool scheduled() const noexcept { return model.operation != model::Operation::non_real; }
   [[nodiscard]] bool in_tables() const noexcept { return block.in_tables.load() != 0; }
-  /// The logical time of a run: it reads its inputs as of this instant, and stamps its outputs with it.
+  /// The logical time of a run: the time at which it reads its inputs, and the stamp of its outputs.
   [[nodiscard]] Instant as_of(Instant release, Instant start) const noexcept {
     return logical ? release : start;
   }
@@ -51,46 +51,47 @@ struct Device::Member {
   const model::Module& model;
   std::uint32_t index;
   std::uint32_t executor = 0;
-  VirtualHost* host = nullptr;  ///< the host of a thread module; null for a program
+  VirtualHost* host = nullptr;  ///< the host of a thread module; null for a process module
   channel::ModuleBlock& block;
   channel::ReleaseSlot* slot;
   Draws draws;
   RunTime run_time;
   model::OverrunContract contract;
-  bool logical;  ///< timing="let"
+  bool logical;  ///< true for a module with timing="let"
   ThreadBody body;
-  bool reported_in_tables = false;  ///< whether it is in the tables, as the last event reported
+  bool reported_in_tables = false;  ///< true if the last event reported that the module is in the tables
 
   // Injected faults.
   Nanoseconds late_by{};
   bool to_crash = false;
   bool to_fail = false;
   bool to_hang = false;
+  bool to_finish = false;
   std::uint64_t unmended = 0;
-  std::vector<Fault> in_hooks;  ///< each happens at the next call of its hook
+  std::vector<Injection> in_hooks;  ///< faults in hooks; each fault happens at the next call of its hook
 
   // The module's work.
   struct Input {
-    Wire* wire;
+    SimulatedLink* link;
     bool event;
     bool late = false;
-    bool safe = false;  ///< whether the last read gave the safe value
+    bool safe = false;  ///< true if the last read gave the safe value
     channel::LinkReader reader{};
   };
   struct Output {
-    Wire* wire;
+    SimulatedLink* link;
     channel::LinkWriter writer{};
   };
   std::vector<Input> inputs;
   std::vector<Output> outputs;
-  std::uint64_t entered = 0;  ///< block.entered at the last run()
+  std::uint64_t entered = 0;  ///< value of block.entered at the last run()
   Instant watched_since{};
 
-  // The following members are used only for programs.
+  // The following members are used only for process modules.
   VirtualProgram* process = nullptr;
   Strand* program = nullptr;
-  bool on_wake_word = false;  ///< whether it sleeps on the wake word
-  bool spins = false;         ///< whether it spins, and so sees its release at once
+  bool on_wake_word = false;  ///< true if the process module sleeps on the wake word
+  bool spins = false;         ///< true if the process module spins, so that it sees its release at once
   std::uint64_t reported_releases = 0;
   std::uint64_t reported_overruns = 0;
 };
@@ -104,7 +105,7 @@ struct Device::Row {
   Strand* sporadic = nullptr;
   bool sporadic_on_wake_word = false;
   Nanoseconds oversleep{};
-  std::vector<std::uint32_t> in_priority{};  ///< programs, in the order in which a row releases them
+  std::vector<std::uint32_t> in_priority{};  ///< process modules, in the order in which a row releases them
 };
 
 }  // namespace takt::simulation

@@ -10,12 +10,12 @@ namespace {
 
 using std::chrono::microseconds;
 
-/// The latency of a sample on an idle local network, from the gateway of one node to that of another.
+/// The latency of a sample on an idle local network, from the gateway of one node to the gateway of another.
 constexpr Nanoseconds kShortest = microseconds{60};
 constexpr Nanoseconds kUsual = microseconds{250};
 constexpr Nanoseconds kLongestDelay = microseconds{3000};
 constexpr double kSeldom = 0.002;
-/// The longest time after a cut until a reliable writer sends again.
+/// The maximum time from the end of a cut until a reliable writer sends again.
 constexpr Nanoseconds kResend = microseconds{2000};
 
 std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
@@ -33,10 +33,10 @@ std::uint32_t device_of(const model::Cell& cell, const std::string& name) {
 Network::Network(const World& world)
     : world_(world), draws_(world.seed, "network"), ways_(world.cell.connections.size()) {}
 
-void Network::connect(std::uint32_t connection, Device& device, Wire& wire) {
+void Network::connect(std::uint32_t connection, Device& device, SimulatedLink& link) {
   const model::Connection& model = world_.cell.connections[connection];
   ways_[connection].to = &device;
-  ways_[connection].wire = &wire;
+  ways_[connection].link = &link;
   ways_[connection].between =
       ordered(device_of(world_.cell, model.from.device), device_of(world_.cell, model.to.device));
 }
@@ -70,7 +70,7 @@ void Network::send(std::uint32_t connection, const std::byte* sample, std::int64
   way.last = arrival;
   std::array<std::byte, kSampleBytes> bytes{};
   std::memcpy(bytes.data(), sample, bytes.size());
-  world_.kernel.at(arrival, [&way, bytes, wall_ns] { way.to->arrive(*way.wire, bytes.data(), wall_ns); });
+  world_.kernel.at(arrival, [&way, bytes, wall_ns] { way.to->arrive(*way.link, bytes.data(), wall_ns); });
 }
 
 void Network::cut(std::uint32_t a, std::uint32_t b, Nanoseconds time) {

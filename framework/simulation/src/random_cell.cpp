@@ -79,7 +79,7 @@ class Maker {
     if (kind < 0.7) {
       module.operation = model::Operation::periodic;
       module.period = one_of(kPeriods);
-      // Small enough that all budgets of a device fit into any row.
+      // The budget is so small that the budgets of all modules of a device together fit into any row.
       if (draws_.chance(0.3))
         module.budget = kPeriods.front() / draws_.between(std::int64_t{6}, std::int64_t{30});
       if (module.budget && draws_.chance(0.3))
@@ -106,13 +106,13 @@ class Maker {
     return {.what = model::Overrun::catch_up, .limit = static_cast<int>(1 + draws_.below(5))};
   }
 
-  // Every module may write and read. Each connection has its own input port.
+  // Adds random connections between the modules. Each connection has its own input port.
   void connect(model::Cell& cell) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> places;
     for (std::uint32_t d = 0; d < cell.devices.size(); ++d) {
       for (std::uint32_t m = 0; m < cell.devices[d].modules.size(); ++m) {
         const model::Module& module = cell.devices[d].modules[m];
-        // The samples of a program outside the schedule are not simulated.
+        // Non-real-time process modules get no connections, because their samples are not simulated.
         if (module.type == model::ModuleType::thread || module.operation != model::Operation::non_real)
           places.emplace_back(d, m);
       }
@@ -162,15 +162,15 @@ RandomCell random_cell(std::uint64_t seed) {
   random.options.faults_per_second = draws.chance(0.2) ? 0 : static_cast<double>(draws.between(5, 100));
   random.options.cpus = static_cast<int>(draws.below(3));
   for (std::uint64_t commands = draws.chance(0.5) ? draws.below(10) : 0; commands != 0; --commands) {
-    constexpr auto kFirst = static_cast<std::int64_t>(Fault::Kind::initialize);
-    constexpr auto kLast = static_cast<std::int64_t>(Fault::Kind::swap);
-    Fault command;
-    command.kind = static_cast<Fault::Kind>(draws.between(kFirst, kLast));
+    constexpr auto kFirst = static_cast<std::int64_t>(Injection::Kind::initialize);
+    constexpr auto kLast = static_cast<std::int64_t>(Injection::Kind::swap);
+    Injection command;
+    command.kind = static_cast<Injection::Kind>(draws.between(kFirst, kLast));
     command.at = draws.between(Nanoseconds{0}, random.options.length);
     command.device = static_cast<std::uint32_t>(draws.below(random.cell.devices.size()));
-    command.place =
+    command.target =
         static_cast<std::uint32_t>(draws.below(random.cell.devices[command.device].modules.size()));
-    random.options.faults.push_back(command);
+    random.options.injections.push_back(command);
   }
   return random;
 }

@@ -6,7 +6,7 @@ namespace takt::simulation {
 
 namespace {
 
-/// The assumed run time of a module without a profile or budget is its period or deadline divided by this.
+/// The assumed run time of a module without a profile and budget is its period or deadline divided by kShare.
 constexpr int kShare = 20;
 constexpr Nanoseconds kLongestUsualRun = std::chrono::milliseconds{1};
 

@@ -7,8 +7,9 @@
 
 namespace takt::simulation {
 
-/// The run time of one module: as the profile measured it; else between a third and nine tenths of its
-/// budget; else a few percent of its period or deadline, at most about a millisecond.
+/// The run time of one module. Uses the measured times of the profile. Without them, draws a time between a
+/// third and nine tenths of the module's budget. Without a budget, uses a few percent of the period or
+/// deadline, at most about a millisecond.
 class RunTime {
  public:
   RunTime(const model::Cell& cell, const model::Device& device, const model::Module& module,

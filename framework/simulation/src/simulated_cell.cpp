@@ -5,13 +5,13 @@
 
 #include <takt/core/check.hpp>
 #include <takt/model/safe.hpp>
-#include "wire.hpp"
+#include "simulated_link.hpp"
 
 namespace takt::simulation {
 
 namespace {
 
-constexpr std::uint32_t kEncapsulation = 4;  // number of bytes in front of a sample in CDR
+constexpr std::uint32_t kEncapsulation = 4;  // size of the CDR header before a sample, in bytes
 
 model::Type sample_type(const std::string& name) {
   auto type = model::parse_type(

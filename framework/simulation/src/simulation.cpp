@@ -13,9 +13,9 @@ namespace takt::simulation {
 
 namespace {
 
-/// The time before T0, in which modules are initialised and started.
+/// The time before T0 in which modules are initialised and started.
 constexpr Nanoseconds kLead = std::chrono::milliseconds{150};
-/// How long the devices may take to end. No device needs more, even if something hangs.
+/// The maximum time that the devices may take to end. No device needs more, even if something hangs.
 constexpr Nanoseconds kEndLimit = std::chrono::seconds{30};
 constexpr Nanoseconds kLook = std::chrono::milliseconds{5};
 /// The time from a fault that stops the cell until the other devices react to it.
@@ -82,11 +82,11 @@ Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::Dev
   for (auto& device : devices) device->go(kT0);
 
   Draws draws{options.seed, "faults"};
-  std::vector<Fault> faults = draw_faults(cell, draws, options.length, options.faults_per_second);
-  faults.insert(faults.end(), options.faults.begin(), options.faults.end());
-  for (const Fault& fault : faults) {
-    if (fault.at < options.length)
-      kernel.at(kT0 + fault.at, [&devices, fault] { devices[fault.device]->inject(fault); });
+  std::vector<Injection> injections = draw_injections(cell, draws, options.length, options.faults_per_second);
+  injections.insert(injections.end(), options.injections.begin(), options.injections.end());
+  for (const Injection& injection : injections) {
+    if (injection.at < options.length)
+      kernel.at(kT0 + injection.at, [&devices, injection] { devices[injection.device]->inject(injection); });
   }
   constexpr std::int64_t kSteps = 500;
   for (std::int64_t i = 1; options.progress && i < kSteps; ++i) {

@@ -15,7 +15,7 @@ using supervision::ProcessEnd;
 /// The duration of a hook.
 constexpr Nanoseconds kHookShortest = microseconds{50};
 constexpr Nanoseconds kHookLongest = milliseconds{3};
-/// The time of a program from its start to its first wait.
+/// The time from the start of a process module to its first wait for a release.
 constexpr Nanoseconds kAttachShortest = milliseconds{2};
 constexpr Nanoseconds kAttachLongest = milliseconds{20};
 /// The time from the start of a host until it accepts requests.
@@ -24,7 +24,7 @@ constexpr Nanoseconds kHostLongest = milliseconds{30};
 /// The time from the end of a process until its node notices it.
 constexpr Nanoseconds kEndSeenShortest = microseconds{300};
 constexpr Nanoseconds kEndSeenLongest = microseconds{5000};
-/// The longest time that a program spins before its release.
+/// The longest time that a process module spins before its release.
 constexpr Nanoseconds kMostSpinning = microseconds{100};
 
 const ProcessEnd kKilled{.text = "was killed by SIGKILL (Killed)", .signalled = true, .code = 9};
@@ -42,14 +42,14 @@ Result<void> VirtualHost::start() {
   answers_.clear();
   end_.reset();
   free_at_ = device_.now() + (first ? Nanoseconds{0} : device_.draws_.between(kHostShortest, kHostLongest));
-  // C++ objects in links between two modules of the former process ended with that process. The links of an
-  // executor's own host hold bytes, which survive.
-  const auto has = [this](Wire::End end) {
+  // C++ objects in links between two modules of the shared host were lost when the former process of this
+  // host ended. The links of an executor's own host hold bytes, which survive the host.
+  const auto has = [this](SimulatedLink::End end) {
     const auto& modules = share().modules;
     return end && std::find(modules.begin(), modules.end(), *end) != modules.end();
   };
-  for (auto& wire : device_.wires_) {
-    if (!first && !share().is_own() && has(wire->writer()) && has(wire->reader())) wire->drop();
+  for (auto& link : device_.links_) {
+    if (!first && !share().is_own() && has(link->writer()) && has(link->reader())) link->drop();
   }
   rows_.clear();
   for (const std::size_t e : share().executors) {
@@ -63,7 +63,7 @@ Result<void> VirtualHost::start() {
 
 Instant VirtualHost::t0() const { return from_ns(device_.parts_->channel.host(share_).t0_ns.load()); }
 
-// Serves one request after the other.
+// Accepts a request. The host performs its requests one after the other, and each hook takes some time.
 bool VirtualHost::ask(const host::Request& request) {
   if (!alive_) return false;
   Nanoseconds takes{};
@@ -132,17 +132,17 @@ bool VirtualHost::meets_fault(const host::Request& request, channel::Doing hook,
                               channel::Activity& activity) {
   Device::Member& member = *device_.members_[request.module];
   const auto found = std::find_if(member.in_hooks.begin(), member.in_hooks.end(),
-                                  [hook](const Fault& fault) { return fault.hook == hook; });
+                                  [hook](const Injection& injection) { return injection.hook == hook; });
   if (found == member.in_hooks.end()) return false;
-  const Fault::Kind kind = found->kind;
+  const Injection::Kind kind = found->kind;
   member.in_hooks.erase(found);
-  if (kind == Fault::Kind::fail) reply(request, false, "injected failure");
-  if (kind == Fault::Kind::crash) end_by_crash(member, hook);
-  if (kind == Fault::Kind::hang) activity.begin(member.index, hook, to_ns(device_.now()));
+  if (kind == Injection::Kind::fail) reply(request, false, "injected failure");
+  if (kind == Injection::Kind::crash) end_by_crash(member, hook);
+  if (kind == Injection::Kind::hang) activity.begin(member.index, hook, to_ns(device_.now()));
   return true;
 }
 
-// Abandons the hook of a module that hangs, and makes the calls that waited behind it.
+// Gives up the hook that does not return, and then makes the calls that waited for the end of this hook.
 void VirtualHost::give_up(std::uint32_t module) {
   channel::Activity& hooks = device_.parts_->channel.host(share_).hooks;
   if (hooks.module.load() != module + 1) return;
@@ -157,9 +157,9 @@ void VirtualHost::reply(const host::Request& request, bool ok, std::string text)
   device_.poke();
 }
 
-void VirtualHost::spawn(const Kernel::Place& place, Strand** kept, std::function<void()> body) {
+void VirtualHost::spawn(const Kernel::Scheduling& scheduling, Strand** kept, std::function<void()> body) {
   ++strands_running_;
-  Strand& strand = device_.world_.kernel.spawn(place, [this, body = std::move(body)] {
+  Strand& strand = device_.world_.kernel.spawn(scheduling, [this, body = std::move(body)] {
     body();
     if (--strands_running_ == 0 && halt_asked_) halted();
   });
@@ -171,11 +171,12 @@ void VirtualHost::begin_rows() {
   for (auto& pointer : rows_) {
     Device::Row& row = *pointer;
     if (row.plan.basic_period == Nanoseconds{0}) continue;
-    // Executors that name the same CPU share it.
+    // Executors that name the same CPU share this CPU.
     const std::optional<int> cpu = device_.model().executors[row.index].cpu;
-    spawn(device_.place_of(row.index, cpu, row.index, 0), nullptr, [this, &row] { device_.walk_rows(row); });
+    spawn(device_.scheduling_of(row.index, cpu, row.index, 0), nullptr,
+          [this, &row] { device_.walk_rows(row); });
     if (row.plan.sporadic.empty()) continue;
-    spawn(device_.place_of(row.index, cpu, row.index, 1), &row.sporadic,
+    spawn(device_.scheduling_of(row.index, cpu, row.index, 1), &row.sporadic,
           [this, &row] { device_.serve_sporadic(row); });
   }
 }
@@ -188,7 +189,7 @@ void VirtualHost::begin_background() {
   }
 }
 
-// Wakes the strands so that they see the halt. A strand in a row ends it first.
+// Wakes the strands so that they see the halt. A strand that is executing a row completes the row first.
 void VirtualHost::halt() {
   halting_ = true;
   for (Strand* strand : strands_) device_.world_.kernel.wake(*strand);
@@ -253,7 +254,7 @@ void VirtualHost::end(ProcessEnd end) {
 
 Result<void> VirtualProgram::start() {
   Device::Member& member = this->member();
-  member.reported_releases = 0;  // because the start has cleared its slot
+  member.reported_releases = 0;  // because the start has cleared the module's slot
   if (member.unmended != 0) {
     --member.unmended;
     return fail("injected failure: the program cannot be started");
@@ -263,11 +264,11 @@ Result<void> VirtualProgram::start() {
   if (!member.scheduled()) return {};
   const Nanoseconds takes =
       device_.takes_time() ? member.draws.between(kAttachShortest, kAttachLongest) : Nanoseconds{0};
-  member.program =
-      &device_.world_.kernel.spawn(device_.place_of(member), [this, &member, from = device_.now() + takes] {
-        device_.world_.kernel.sleep_until(from);
-        device_.run_program(member);
-      });
+  member.program = &device_.world_.kernel.spawn(device_.scheduling_of(member),
+                                                [this, &member, from = device_.now() + takes] {
+                                                  device_.world_.kernel.sleep_until(from);
+                                                  device_.run_program(member);
+                                                });
   return {};
 }
 
@@ -308,19 +309,19 @@ class VirtualFlows final : public supervision::Flows {
 
   [[nodiscard]] std::optional<Result<void>> opened() const override { return Result<void>{}; }
   void step(Instant) override {}
-  [[nodiscard]] std::optional<wire::FlowHealth> health(std::size_t wire) const override {
-    if (wire >= device_.wires_.size()) return std::nullopt;  // for observers
-    const std::uint32_t connection = device_.wires_[wire]->connection();
+  [[nodiscard]] std::optional<wire::FlowHealth> health(std::size_t link) const override {
+    if (link >= device_.links_.size()) return std::nullopt;  // this link is for observers
+    const std::uint32_t connection = device_.links_[link]->connection();
     wire::FlowHealth health;
     health.matched = device_.world_.network->is_cut(connection) ? 0 : 1;
     health.lost = device_.world_.network->lost(connection);
     return health;
   }
   Result<void> tap(std::uint32_t, const std::string&, Instant) override {
-    return fail("nobody observes a simulated cell");
+    return fail("ports of a simulated cell cannot be observed");
   }
   Result<void> open_service(std::uint32_t, const std::string&, Instant) override {
-    return fail("nobody calls a simulated cell");
+    return fail("services of a simulated cell cannot be called");
   }
 
  private:
@@ -353,7 +354,7 @@ Result<std::unique_ptr<supervision::Flows>> VirtualPlatform::open_flows() {
 }
 
 void VirtualPlatform::stepped(const supervision::Step& step) {
-  // Removes the name of the error, because the event contains the error itself.
+  // Remove the name of the error, because the event contains the error itself.
   std::string_view text = step.text;
   const std::string prefix = std::string{takt::to_text(step.error)} + ": ";
   if (step.error != ErrorType::none && text.starts_with(prefix)) text.remove_prefix(prefix.size());

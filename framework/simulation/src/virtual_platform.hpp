@@ -1,4 +1,4 @@
-// What the supervision of a simulated device acts on: hosts and programs that are strands, and the flows of
+// The platform of a simulated device, for its supervision: hosts and programs as strands, and the flows of
 // the simulated network.
 #pragma once
 
@@ -24,33 +24,34 @@ class VirtualHost final : public supervision::Host {
   std::optional<host::Answer> answer() override;
   std::optional<supervision::ProcessEnd> ended() override;
   void kill() override;
+  void end_by(std::int32_t) override { kill(); }
   [[nodiscard]] bool running() const override { return alive_; }
   [[nodiscard]] int pid() const override { return 0; }
   supervision::CrashCalls calls_of_crash(std::uint32_t) override { return {}; }
 
-  /// Whether its strands must end.
+  /// True if the strands of the host must end.
   [[nodiscard]] bool halting() const noexcept { return halting_; }
   [[nodiscard]] Instant t0() const;
-  /// Strand: a module's run() ends the process.
+  /// Called on a strand: ends the process, because the module's run() crashed.
   [[noreturn]] void crash(const Device::Member& member);
 
  private:
   [[nodiscard]] const model::HostShare& share() const { return device_.parts_->shares[share_]; }
   void perform(const host::Request& request);
   void call(const host::Request& request);
-  /// Loads, initialises and starts the new instance of an update beside the old one.
+  /// Loads, initialises and starts the new instance of a module, while the old instance continues.
   void swap(const host::Request& request);
   void give_up(std::uint32_t module);
-  /// Carries out the injected fault of this call of a hook, if there is one. Returns whether there was one.
+  /// Carries out the fault that is injected into this call of a hook. Returns false if there is none.
   bool meets_fault(const host::Request& request, channel::Doing hook, channel::Activity& activity);
   void reply(const host::Request& request, bool ok = true, std::string text = {});
   void begin_rows();
   void begin_background();
-  void spawn(const Kernel::Place& place, Strand** kept, std::function<void()> body);
+  void spawn(const Kernel::Scheduling& scheduling, Strand** kept, std::function<void()> body);
   void halt();
   void halted();
   void end_by_crash(const Device::Member& member, channel::Doing doing);
-  /// Ends the process; its node notices that a little later.
+  /// Ends the process; the supervision notices the end a little later.
   void end(supervision::ProcessEnd end);
 
   Device& device_;
@@ -58,13 +59,14 @@ class VirtualHost final : public supervision::Host {
   std::vector<std::unique_ptr<Device::Row>> rows_;
   std::vector<Strand*> strands_;
   std::size_t strands_running_ = 0;
-  std::deque<host::Request> after_hang_;  // calls that wait because a hook does not return
-  std::uint64_t generation_ = 0;          // counts processes; requests to an earlier one get no answer
-  bool alive_ = false;                    // whether it runs, as far as the supervision knows
+  std::deque<host::Request> after_hang_;  // calls that wait because another hook does not return
+  std::uint64_t generation_ = 0;          // number of processes that this host has had; a request to an
+                                          // earlier process gets no answer
+  bool alive_ = false;                    // true if the process runs, as far as the supervision knows
   bool runs_ = false;
   bool halting_ = false;
   std::optional<host::Request> halt_asked_;
-  Instant free_at_{};  // when it can serve the next request
+  Instant free_at_{};  // the time from which the host can perform the next request
   std::deque<host::Answer> answers_;
   std::optional<supervision::ProcessEnd> end_;
 };
@@ -82,7 +84,7 @@ class VirtualProgram final : public supervision::Program {
   [[nodiscard]] int pid() const override { return 0; }
   [[nodiscard]] std::string last_line() const override { return {}; }
 
-  /// Strand: the program ends itself.
+  /// Called on the program's strand: the program ends itself.
   [[noreturn]] void leave(supervision::ProcessEnd end);
 
  private:
@@ -91,7 +93,7 @@ class VirtualProgram final : public supervision::Program {
 
   Device& device_;
   const std::uint32_t module_;
-  bool alive_ = false;  // whether it runs, as far as the supervision knows
+  bool alive_ = false;  // true if the process runs, as far as the supervision knows
   std::optional<supervision::ProcessEnd> end_;
 };
 
@@ -106,8 +108,13 @@ class VirtualPlatform final : public supervision::Platform {
   std::unique_ptr<supervision::Program> make_program(std::uint32_t module) override;
   Result<std::unique_ptr<supervision::Flows>> open_flows() override;
   void wake(std::uint32_t bits) override { device_.ring(bits); }
+  [[nodiscard]] std::optional<Nanoseconds> ran_if_ready(std::int32_t thread) const override {
+    return device_.world_.kernel.ran_if_ready(thread);
+  }
   void step(Instant) override {}
   std::vector<supervision::Detection> detections() override { return {}; }
+  void forget(std::uint32_t) override {}
+  std::optional<Result<void>> forgotten(std::uint32_t) override { return Result<void>{}; }
   bool finish() override { return true; }
   Problems final_problems() override { return {}; }
   void add_to(nlohmann::ordered_json&) const override {}

@@ -1,5 +1,5 @@
-// The commands of an operator to modules of a running device. Each is one or more steps of the lifecycle's
-// table, which take time because hooks and rows must complete in between.
+// The commands of an operator to modules of a running device. Each command takes one or more steps of the
+// lifecycle's table. A command takes time, because hooks and rows must complete between these steps.
 #include <array>
 #include <utility>
 
@@ -17,7 +17,8 @@ using lifecycle::State;
 
 namespace {
 
-// Whether a command is allowed in a state. Command `start` stands for two events, the hook and the first run.
+// True if a command is allowed in a state. The command `start` causes two events: `start` (the hook) and
+// `run` (the first run).
 bool allowed(Verb verb, State state) {
   const auto takes = [state](Event event) {
     return lifecycle::next(state, event, State::executing).has_value();
@@ -45,8 +46,11 @@ std::string refusal(Verb verb, State state) {
     if (!allowed(verb, each)) continue;
     states += (states.empty() ? "" : " or ") + std::string{lifecycle::to_text(each)};
   }
+  std::string cure;
+  if (verb == Verb::start && state == State::idle) cure = "; initialize the module first";
+  if (verb == Verb::start && state == State::destruct) cure = "; reset and initialize the module first";
   return std::string{name_of(verb)} + " is not allowed in state " + lifecycle::to_text(state) +
-         "; it is allowed in " + states;
+         "; it is allowed in " + states + cure;
 }
 
 }  // namespace
@@ -90,7 +94,7 @@ void Supervisor::end_command(Member& member, ReplyCode code, const std::string& 
   command.done({.code = code, .state = member.state(), .text = text});
 }
 
-// If a command meets an error, its target state stays valid: the recovery leads to that state.
+// Names the state to which a recovery leads: the target state of the command during which the error occurred.
 std::string Supervisor::what_follows(const Member& member) {
   if (member.state() != State::recover) return {};
   return std::string{"; its recovery continues, with target state "} +
@@ -121,7 +125,7 @@ void Supervisor::begin_command(Member& member) {
         } else if (!member.put_in) {
           put_in_tables(member);
         }
-        break;  // otherwise watch_process() continues when the program is ready
+        break;  // a process module that is not in START yet is put in by check_process()
       }
       if (member.state() == State::initialize) apply(member, Event::start);
       if (auto spawned = spawn(member); !spawned)
@@ -144,8 +148,11 @@ void Supervisor::begin_command(Member& member) {
       member.recovery = lifecycle::Recovery{
           {.attempts = member.model.recovery.attempts, .backoff = member.model.recovery.backoff}};
       member.block.error.store(0, std::memory_order_relaxed);
+      member.block.finished.store(0, std::memory_order_relaxed);
+      if (auto* const ring = member.log_ring()) ring->safe_stop.store(0, std::memory_order_relaxed);
       parts_.saved_of(member.index).clear();  // a reset module starts without its saved state
-      // the host was given up
+      platform_->forget(member.index);
+      // If the module's host was given up, start it again. Only an executor's own host can be given up.
       if (Hosted& host = host_of(member); member.scheduled() && !host.process->running()) {
         host.restarts.clear();
         notes_->note(member, model::FaultKind::host_restart,
@@ -192,8 +199,10 @@ void Supervisor::step_command(Member& member, Instant now) {
       return;
     case Verb::start:
       if (state == State::executing) return end_command(member, REPLY_OK);
+      if (member.has_finished()) return end_command(member, REPLY_OK, kFinished);
       if (state == State::recover || state == State::destruct) return failed();
-      if (state == State::start && member.in_tables() && now - member.put_in_at > kNamedWithin)
+      if (state == State::start && member.in_tables() && now - member.put_in_at > kNamedWithin &&
+          (!member.scheduled() || rows_every(member) > kNamedWithin))
         return end_command(member, REPLY_OK, "it will run in the next row of the table that contains it");
       return;
     case Verb::stop:
@@ -212,7 +221,15 @@ void Supervisor::step_command(Member& member, Instant now) {
         end_command(member, REPLY_FAILED, "it could not recover: " + member.why);
       return;
     case Verb::reset:
-      if (state == State::idle && !member.pending) return end_command(member, REPLY_OK);
+      if (state == State::idle && !member.pending) {
+        const auto forgotten = platform_->forgotten(member.index);
+        // Wait until the state is deleted from the disk. Otherwise a restart of the node would restore it.
+        if (!forgotten) return;
+        if (forgotten->ok()) return end_command(member, REPLY_OK);
+        return end_command(
+            member, REPLY_FAILED,
+            "the module is reset, but its saved state is still on disk: " + in_words(forgotten->problems()));
+      }
       if (state == State::destruct && !member.pending) end_command(member, REPLY_FAILED, member.why);
       return;
     case Verb::destruct:

@@ -22,6 +22,13 @@ void FaultNotes::note(const Member& member, FaultKind kind, const std::string& c
          {});
 }
 
+void FaultNotes::note_line(const Member& member, FaultKind kind, const std::string& text,
+                           std::uint64_t release, std::int64_t time_ns) const {
+  if (!noted_) return;
+  noted_({.time_ns = time_ns, .module = member.model.name, .kind = kind, .cause = text, .cycle = release},
+         {});
+}
+
 void FaultNotes::note_increase(const Member* member, FaultKind kind, std::uint64_t& seen, std::uint64_t now,
                                const std::string& cause, const std::string& origin) const {
   const std::uint64_t before = std::exchange(seen, now);

@@ -10,15 +10,15 @@ namespace takt::supervision {
 using model::FaultKind;
 
 PortHealth Health::of(const Member& member, const model::Port& port, Instant now) const {
-  PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), [this](std::size_t wire) {
-    return flows_ ? flows_->health(wire) : std::nullopt;
+  PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), [this](std::size_t link) {
+    return flows_ ? flows_->health(link) : std::nullopt;
   });
   const auto at_stop = matched_at_stop_.find({member.index, port.name});
   if (at_stop != matched_at_stop_.end()) health.matched = at_stop->second;
   return health;
 }
 
-void Health::watch_counts() {
+void Health::check_counts() {
   for (const auto& member : members_) {
     const bool sporadic = member->model.operation == model::Operation::sporadic;
     notes_.note_increase(
@@ -34,17 +34,41 @@ void Health::watch_counts() {
   }
 }
 
-void Health::watch_ports(Instant now) {
+void Health::check_ports(Instant now) {
   if (now - ports_watched_at_ < kPortsEvery) return;
   ports_watched_at_ = now;
   for (const auto& member : members_) {
     const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports) continue;
-    for (const model::Port& port : *ports) watch_port(*member, port, now);
+    for (const model::Port& port : *ports) check_port(*member, port, now);
+  }
+  check_queues();
+}
+
+void Health::check_queues() {
+  const auto& links = parts_.wiring.links();
+  noted_queues_.resize(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Wiring::CreatedLink& link = links[i];
+    const channel::LinkBlock& block = link.link.block();
+    if (!link.connected || block.is_queue == 0) continue;
+    NotedQueue& noted = noted_queues_[i];
+    const std::uint64_t before =
+        std::exchange(noted.dropped, block.overwritten.load(std::memory_order_relaxed));
+    const bool dropped_before = std::exchange(noted.drops, noted.dropped > before);
+    if (!noted.drops || dropped_before) continue;
+    const bool has_reader = link.plan.to.module.has_value();
+    const LinkEnd& end = has_reader ? link.plan.to : link.plan.from;
+    std::uint64_t seen = before;
+    notes_.note_increase(members_[*end.module].get(), FaultKind::dropped_samples, seen, noted.dropped,
+                         std::string{"the queue "} +
+                             (has_reader ? "of input '" : "between the network and output '") + end.port +
+                             "' is full and drops its oldest samples",
+                         end.port);
   }
 }
 
-void Health::watch_port(const Member& member, const model::Port& port, Instant now) {
+void Health::check_port(const Member& member, const model::Port& port, Instant now) {
   const PortHealth health = of(member, port, now);
   NotedPort& noted = noted_ports_[{member.index, port.name}];
   const std::string name = "'" + port.name + "'";
@@ -56,11 +80,12 @@ void Health::watch_port(const Member& member, const model::Port& port, Instant n
   if (health.late > noted.late) noted.stale = true;
   notes_.note_increase(&member, FaultKind::stale_input, noted.late, health.late,
                        "the newest value of input " + name + " is older than its deadline", port.name);
-  const bool late = std::any_of(member.inputs.begin(), member.inputs.end(), [&](const Wiring::Wire* wire) {
-    const std::int64_t newest = wire->link.block().newest_ns.load(std::memory_order_relaxed);
-    return wire->plan.to.port == port.name &&
-           now - from_ns(newest) > Nanoseconds{wire->plan.options.deadline_ns};
-  });
+  const bool late =
+      std::any_of(member.inputs.begin(), member.inputs.end(), [&](const Wiring::CreatedLink* created) {
+        const std::int64_t newest = created->link.block().newest_ns.load(std::memory_order_relaxed);
+        return created->plan.to.port == port.name &&
+               now - from_ns(newest) > Nanoseconds{created->plan.options.deadline_ns};
+      });
   if (noted.stale && !late) {
     noted.stale = false;
     note_once(FaultKind::fresh_input, "input " + name + " has new values");
@@ -93,9 +118,9 @@ void Health::stop(Instant now) {
 }
 
 void Health::finish(Instant now) {
-  watch_counts();
+  check_counts();
   ports_watched_at_ = {};
-  watch_ports(now);
+  check_ports(now);
 }
 
 }  // namespace takt::supervision

@@ -2,12 +2,14 @@
 #include <algorithm>
 
 #include <takt/core/check.hpp>
+#include <takt/core/words.hpp>
 #include <takt/supervision/supervisor.hpp>
 #include "fault_notes.hpp"
 #include "hosted.hpp"
 #include "limits.hpp"
 #include "member.hpp"
 #include "properties.hpp"
+#include "watch.hpp"
 
 namespace takt::supervision {
 
@@ -28,11 +30,12 @@ void Supervisor::ask(Member& member, Doing hook, ErrorType type) {
 
 void Supervisor::take_answers(Hosted& host) {
   while (auto answer = host.process->answer()) {
+    host.silent_since.reset();
     switch (answer->request.what) {
       case host::Request::Do::call: {
         Member* const member = member_at(answer->request.module);
         if (member == nullptr || member->lost || member->pending != answer->request.hook)
-          break;  // the module was given up in the meantime
+          break;  // the module was given up before this answer arrived
         member->pending.reset();
         answered(*member, answer->request.hook, answer->ok, answer->text);
         break;
@@ -50,6 +53,7 @@ void Supervisor::take_answers(Hosted& host) {
           parts_.real_time = false;
           log("WARNING: not real-time: " + warning);
         }
+        host.begun = answer->ok;
         if (!answer->ok) fail_device(fail(answer->text));
         break;
       case host::Request::Do::halt:
@@ -68,7 +72,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
   const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
   switch (hook) {
     case Doing::load:
-      if (!ok && member.state() == State::destruct) {  // during a reset
+      if (!ok && member.state() == State::destruct) {  // this load was part of a reset
         member.lost = true;
         member.why = failure;
       } else if (!ok && member.reload) {
@@ -94,8 +98,8 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
         break;
       }
       apply(member, Event::initialize);
-      // While the device is prepared, all modules are initialised before the first is started. A module that
-      // comes back later does not wait for others.
+      // While the device is prepared, all modules are initialised before the first module is started. A
+      // module that is loaded again later does not wait for other modules.
       if ((phase_ == Phase::ready || phase_ == Phase::running) && member.up_to != State::initialize)
         ask(member, Doing::start);
       break;
@@ -118,13 +122,14 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       if (!ok)
         not_recovered(member, failure);
       else if (member.machine.previous() == State::initialize)
-        ask(member, Doing::start);  // start() had failed
+        ask(member, Doing::start);  // start() had failed, so it must be called once more
       else
         recovered(member);
       break;
     case Doing::destruct:
       if (!ok) log(member, failure);
-      if (member.machine.accepts(Event::destruct)) apply(member, Event::destruct);
+      if (member.machine.accepts(Event::destruct))
+        apply(member, Event::destruct, member.has_finished() ? kFinished : "");
       break;
     case Doing::nothing:
     case Doing::run:
@@ -143,8 +148,13 @@ void Supervisor::begin_rows() {
 }
 
 // Detects a run() or a hook that does not return.
-void Supervisor::watch_host(Hosted& host, Instant now) {
-  if (!host.process->running() || host.hung) return;
+void Supervisor::check_host(Hosted& host, Instant now) {
+  if (!host.process->running()) return;
+  if (host.hung) {
+    const Nanoseconds limit = phase_ == Phase::stopping ? kCallsLimitAtStop : kCallsLimit;
+    if (now - host.hung->found > limit) host.process->kill();
+    return;
+  }
   const auto since = [now](const channel::Activity& activity) {
     return now - from_ns(activity.since_ns.load());
   };
@@ -159,7 +169,20 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
            ErrorType::hang);
     }
   }
-  watch_swaps(host, now);
+  const bool waits = std::any_of(host.share.modules.begin(), host.share.modules.end(), [this](auto index) {
+    return !members_[index]->lost && members_[index]->pending;
+  });
+  if (!waits || hooks.module.load(std::memory_order_relaxed) != 0) {
+    host.silent_since.reset();
+  } else if (!host.silent_since) {
+    host.silent_since = now;
+  } else if (now - *host.silent_since > kAnswerLimit) {
+    host.hung =
+        Hang{.limit = kAnswerLimit, .text = host.name() + " did not answer within " + to_text(kAnswerLimit)};
+    host.process->kill();
+    return;
+  }
+  check_swaps(host, now);
   for (const std::uint32_t index : host.share.modules) {
     Member& member = *members_[index];
     const channel::Activity& service = member.block.service;
@@ -170,18 +193,81 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
   }
   for (const std::size_t e : host.share.executors) {
     const channel::ExecutorBlock& block = parts_.channel.executor(e);
-    for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
-      const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1);
-      if (busy == nullptr || since(*activity) < stuck_after(busy->model)) continue;
-      host.hung = {.module = busy->index, .doing = activity->doing.load(), .limit = stuck_after(busy->model)};
-      host.process->kill();
-      return;
-    }
+    if (check_run(host, block.row, watches_[e].row, now)) return;
+    if (check_run(host, block.sporadic, watches_[e].sporadic, now)) return;
+  }
+  check_rows(host, now);
+}
+
+// Ends the host if the run in progress in one of its threads hangs. Returns true in this case. A thread that
+// is ready but has no CPU does not hang: another thread keeps the CPU from it, and may hang.
+bool Supervisor::check_run(Hosted& host, const channel::Activity& activity, Watch& watch, Instant now) {
+  const Member* const busy = member_at(activity.module.load(std::memory_order_acquire) - 1);
+  const std::int64_t since_ns = activity.since_ns.load();
+  const Nanoseconds lasted = now - from_ns(since_ns);
+  const Nanoseconds limit = busy == nullptr ? Nanoseconds{0} : model::hang_limit(busy->model);
+  if (busy == nullptr || lasted < limit / 4) {
+    watch = {};
+    return false;
+  }
+  const Nanoseconds seen = watch.look(static_cast<std::uint64_t>(since_ns), passed_, limit,
+                                      platform_->ran_if_ready(activity.thread.load()));
+  if (lasted < limit || seen < limit / 2) return false;
+  host.hung = Hang::of_call(busy->index, activity, limit, now);
+  host.process->end_by(host.hung->thread);
+  return true;
+}
+
+// Kills the host if one of its executors runs no rows, although no run keeps it from doing so. The host may
+// be stopped, for example. The time in which another process keeps the CPU from the executor does not count.
+void Supervisor::check_rows(Hosted& host, Instant now) {
+  if (phase_ != Phase::running || !host.begun || now < *t0_) return;
+  for (const std::size_t e : host.share.executors) {
+    const Nanoseconds basic = parts_.plan.executors[e].basic_period;
+    const Nanoseconds limit = stands_after(basic);
+    const channel::ExecutorBlock& block = parts_.channel.executor(e);
+    const std::uint64_t cycles = block.cycles.load(std::memory_order_relaxed);
+    Watch& watch = watches_[e].cycles;
+    const Nanoseconds stood =
+        watch.look(cycles, passed_, limit, ran_if_starved(watch, limit, block.row.thread.load()));
+    if (basic == Nanoseconds{0} || stood < limit || has_long_run(now)) continue;
+    host.hung = Hang{.limit = limit,
+                     .text = "executor " + device().executors[e].name + " ran no row for " + to_text(limit)};
+    host.process->kill();
+    return;
   }
 }
 
-// Finds a module that still keeps a thread of the host busy, long after all executors were told to halt.
-std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
+// Returns the CPU time of a thread if the thread is ready to run and its watch has reached a quarter of its
+// limit. Earlier, the time is not needed, and reading it takes a while.
+std::optional<Nanoseconds> Supervisor::ran_if_starved(const Watch& watch, Nanoseconds limit,
+                                                      std::int32_t thread) const {
+  return watch.seen_for() < limit / 4 ? std::nullopt : platform_->ran_if_ready(thread);
+}
+
+// True if a run or a body has lasted so long that it may keep other threads from their CPU. Then the caller
+// waits, because the hang limit of that run or body applies first. A run that has lasted twice its hang limit
+// does not count: it was not ended as a hang, so it has no CPU itself.
+bool Supervisor::has_long_run(Instant now) const {
+  const auto is_long = [now](const Member& member, std::int64_t since_ns) {
+    const Nanoseconds lasted = now - from_ns(since_ns);
+    return lasted >= kLongRun && lasted / 2 < model::hang_limit(member.model);
+  };
+  for (std::size_t e = 0; e < parts_.channel.executors(); ++e) {
+    const channel::ExecutorBlock& block = parts_.channel.executor(e);
+    for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
+      const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1);
+      if (busy != nullptr && is_long(*busy, activity->since_ns.load())) return true;
+    }
+  }
+  return std::any_of(members_.begin(), members_.end(), [&is_long](const auto& member) {
+    const channel::ReleaseSlot* const slot = member->slot;
+    return slot != nullptr && slot->in_body() && is_long(*member, slot->release_ns.load());
+  });
+}
+
+// Finds a module that keeps a thread of the host busy although all executors were told to halt.
+std::optional<Hang> Supervisor::never_halts(const Hosted& host, Instant now) const {
   std::vector<const channel::Activity*> activities;
   for (const std::size_t e : host.share.executors) {
     activities.push_back(&parts_.channel.executor(e).row);
@@ -191,17 +277,18 @@ std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
     activities.push_back(&members_[index]->block.background);
   for (const channel::Activity* activity : activities) {
     if (const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1))
-      return Hang{.module = busy->index, .doing = activity->doing.load(), .limit = kHaltLimit};
+      return Hang::of_call(busy->index, *activity, kHaltLimit, now);
   }
   return std::nullopt;
 }
 
-// Clears what the threads of an ended host were doing. Nothing else writes to its blocks now.
+// Clears the activities of the threads of an ended host. No other process writes to these blocks now.
 namespace {
 void clear_after(channel::HostBlock& block) {
   block.crash.signal.store(0);
   block.crash.module.store(0);
   block.crash.depth.store(0);
+  block.crash.exception = {};
   block.hooks.end();
   block.swap.end();
 }
@@ -212,39 +299,54 @@ void clear_after(channel::ExecutorBlock& executor) {
 }
 }  // namespace
 
+// Returns the calls in which a module crashed or hung.
+CrashCalls Supervisor::calls_of(Hosted& host, const Member& culprit) {
+  // A thread that hangs may not have reported its calls.
+  if (host.block.crash.module.load() != culprit.index + 1) return {};
+  CrashCalls calls = host.process->calls_of_crash(culprit.index);
+  if (host.hung && !calls.place.empty()) {
+    calls.place = std::string{"; "} + channel::to_text(host.hung->doing) + " was" + calls.place.substr(1);
+  }
+  return calls;
+}
+
 void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
   properties_->fail(host, host.name() + " of device " + device().name + " has ended");
-  platform_->wake(~0U);  // it may have written samples without waking their readers
+  platform_->wake(~0U);  // the host may have written samples without waking their readers
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   std::string text = host.name() + " " + end.text;
   Member* culprit = nullptr;
   const ErrorType type = host.hung ? ErrorType::hang : ErrorType::crash;
   const channel::Crash& crash = host.block.crash;
+  host.silent_since.reset();
   if (host.hung) {
-    culprit = members_[host.hung->module].get();
-    text = std::string{channel::to_text(host.hung->doing)} + " did not return within " +
-           to_text(host.hung->limit) + ", so the node killed " + host.name();
+    if (host.hung->module) culprit = members_[*host.hung->module].get();
+    text = host.hung->text + ", so the node killed " + host.name();
   } else if (crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit)) {
     culprit = member_at(crash.module.load() - 1);
     if (culprit != nullptr) text += std::string{" in "} + channel::to_text(crash.doing.load());
   }
   const Doing doing = host.hung ? host.hung->doing : crash.doing.load();
   const bool swapped = culprit != nullptr && by_swap(*culprit, doing);
+  if (swapped) text += " of its new instance";
+  if (!host.hung && !crash.exception.empty()) {
+    text += ", because nothing caught the exception '" + on_one_line(crash.exception.view()) +
+            "' (none can leave a noexcept function)";
+  }
   if (swapped) {
-    const CrashCalls calls = host.hung ? CrashCalls{} : host.process->calls_of_crash(culprit->index);
-    text += " of its new instance" + calls.place + calls.callers;
+    const CrashCalls calls = calls_of(host, *culprit);
+    text += calls.place + calls.callers;
     end_swap(*culprit, REPLY_FAILED, "the old instance is loaded again: " + text);
     culprit = nullptr;
   }
-  const bool crashed_itself = culprit != nullptr && type == ErrorType::crash;
-  const CrashCalls calls = crashed_itself ? host.process->calls_of_crash(culprit->index) : CrashCalls{};
+  const CrashCalls calls = culprit != nullptr ? calls_of(host, *culprit) : CrashCalls{};
   text += calls.place;
   const std::string reason = culprit == nullptr ? text : "module " + culprit->model.name + ": " + text;
   log(reason);
   const auto since = host.hung ? std::optional{time() - host.hung->limit} : std::nullopt;
   host.hung.reset();
 
-  // It crashed in its first run, and running_step() has not seen that run yet.
+  // The module crashed or hung in its first run, which running_step() has not noticed yet.
   if (culprit != nullptr && (doing == Doing::run || doing == Doing::condition) &&
       culprit->state() == State::start && culprit->in_tables()) {
     apply(*culprit, Event::run);
@@ -252,7 +354,11 @@ void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
   if (culprit == nullptr) platform_->fault(text);
   platform_->host_died(host.share);
   clear_after(host.block);
-  for (const std::size_t e : host.share.executors) clear_after(parts_.channel.executor(e));
+  host.begun = false;
+  for (const std::size_t e : host.share.executors) {
+    clear_after(parts_.channel.executor(e));
+    watches_[e] = {};
+  }
   for (const std::uint32_t index : host.share.modules) {
     Member& member = *members_[index];
     member.block.background.end();
@@ -260,11 +366,13 @@ void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
     member.block.on_trial.store(0);
     end_swap(member, REPLY_FAILED, reason + "; the old instance is loaded again");
     take_from_tables(member);
-    if (&member != culprit) member.pending.reset();  // no answer will come
+    if (&member != culprit) member.pending.reset();  // the host cannot answer any more
   }
 
   if (culprit != nullptr) {
-    ++culprit->errors;
+    // An error in IDLE, RECOVER or DESTRUCT takes no step of the lifecycle, so count the error here. apply()
+    // counts every other error.
+    if (!culprit->machine.accepts(Event::error)) ++culprit->errors;
     crashed(*culprit, text, type, since, calls.callers, end.core);
   } else if (phase_ == Phase::preparing) {
     fail_device({"device " + device().name, text, "read its output above"});
@@ -272,7 +380,7 @@ void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
   if (phase_ == Phase::stopping) {
     host.halted = true;
     for (const std::uint32_t index : host.share.modules)
-      members_[index]->lost = true;  // its instance is lost
+      members_[index]->lost = true;  // the module's instance ended with the host
     return;
   }
   if (culprit == nullptr && !swapped) {
@@ -289,8 +397,8 @@ void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
   end_commands_of(host, culprit, reason);
 }
 
-// Fails the commands to modules of an ended host, which can no longer answer. A command to the culprit ends
-// like any other command that meets an error.
+// Fails the commands to modules of an ended host, because the host can no longer answer. step_command() ends
+// the command to the culprit, as it ends every command during which an error occurs.
 void Supervisor::end_commands_of(const Hosted& host, const Member* culprit, const std::string& why) {
   for (const std::uint32_t index : host.share.modules) {
     Member& member = *members_[index];
@@ -318,8 +426,8 @@ void Supervisor::restart_host(Hosted& host) {
   if (background_begun_) host.process->ask({.what = host::Request::Do::background});
 }
 
-// Handles a module whose crash ended its host. In the shared host, the module is given up, because another
-// crash would stop the other modules again, which are not at fault.
+// Handles a module whose crash ended its host. A module in the shared host is given up, because a second
+// crash would also stop the other modules, which are not at fault.
 void Supervisor::crashed(Member& member, const std::string& text, ErrorType type,
                          std::optional<Instant> since, const std::string& callers, const std::string& core) {
   const bool ending = phase_ == Phase::stopping || member.pending == Doing::destruct;
@@ -337,7 +445,7 @@ void Supervisor::crashed(Member& member, const std::string& text, ErrorType type
   member.recovery.failed(time(), since);
 }
 
-// Gives up a host that ended repeatedly, although no module was found to be at fault.
+// Gives up a host that ended repeatedly without a module that was found to be at fault.
 void Supervisor::give_up_host(Hosted& host, const std::string& text) {
   const std::string why = text + "; it has been restarted " + std::to_string(kHostRestarts) + " times";
   if (!host.share.is_own()) {

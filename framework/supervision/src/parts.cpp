@@ -22,6 +22,12 @@ Result<void> Parts::create() {
   auto word = channel::Shared<channel::WakeWord>::create("takt-wake_word");
   if (!word) return word.problems();
   wake_word = std::move(*word);
+  turns.resize(self.executors.size());
+  for (auto& turn : turns) {
+    auto memory = channel::Shared<channel::Turn>::create("takt-turn");
+    if (!memory) return memory.problems();
+    turn = std::move(*memory);
+  }
   auto states = channel::Shared<channel::SavedState>::create("takt-saved",
                                                              std::max<std::size_t>(self.modules.size(), 1));
   if (!states) return states.problems();

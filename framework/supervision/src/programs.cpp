@@ -1,4 +1,4 @@
-// The programs of a device: process modules and non-real-time programs.
+// Starts, monitors and ends the programs of process modules, real-time or not.
 #include <algorithm>
 #include <utility>
 
@@ -37,7 +37,7 @@ void Supervisor::fill_slot(Member& member) {
   slot.period_ns = period.count();
   if (periodic) slot.offset_ns = schedule::offset_of(plan, member.index).count();
   slot.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
-  // Programs that spin for their release on the same CPU share the time that one program may spin.
+  // Process modules that spin for their releases on the same CPU share the spin limit of one module equally.
   slot.margin_cap_ns = platform_->spin_limit(member.model, period).count() /
                        schedule::programs_on_one(device(), parts_.placement);
   if (const auto contract = model::contract_of(device(), member.model);
@@ -54,14 +54,14 @@ Result<void> Supervisor::spawn(Member& member) {
   if (member.slot != nullptr) channel::clear_for_new_program(*member.slot);
   if (auto started = member.program->start(); !started) return started;
   member.spawned = time();
-  member.killed_for_hanging = false;
+  member.hung.clear();
   member.told_to_end = {};
   member.end_signals = 0;
   return {};
 }
 
-// Makes the thread that waits for releases real-time only now, when the program is ready, so that a long
-// preparation cannot starve other programs.
+// Gives a real-time priority to the thread of a process module that waits for releases. The thread gets it
+// only when the module is ready, so that the module's preparation cannot starve other processes.
 void Supervisor::process_ready(Member& member) {
   if (!parts_.real_time) return;
   const auto made = member.program->make_real_time();
@@ -70,7 +70,7 @@ void Supervisor::process_ready(Member& member) {
   log(member, "WARNING: not real-time: " + in_words(made.problems()));
 }
 
-void Supervisor::watch_process(Member& member, Instant now) {
+void Supervisor::check_process(Member& member, Instant now) {
   if (const auto end = member.program->ended()) {
     // The program may have made more progress before its end than the last check showed.
     if (member.state() == State::idle &&
@@ -101,15 +101,15 @@ void Supervisor::watch_process(Member& member, Instant now) {
              std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
              ErrorType::hang);
       } else if (phase == channel::ReleaseSlotPhase::ready && phase_ == Phase::running && member.wanted()) {
-        process_ready(member);  // during preparation, prepare_step() calls it once all are initialised
+        process_ready(member);  // during preparation, prepare_step() makes this call
         apply(member, Event::start);
         put_in_tables(member);
       }
       break;
     case State::recover:
       if (!member.started_again) {
-        watch_body(member, now);
-      } else if (phase == channel::ReleaseSlotPhase::ready && !member.killed_for_hanging) {
+        check_body(member, now);
+      } else if (phase == channel::ReleaseSlotPhase::ready && member.hung.empty()) {
         process_ready(member);
         recovered(member);
       } else if (slow) {
@@ -118,7 +118,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
       break;
     case State::start:
     case State::executing:
-      watch_body(member, now);
+      check_body(member, now);
       break;
     case State::destruct:
       break;
@@ -126,47 +126,56 @@ void Supervisor::watch_process(Member& member, Instant now) {
 }
 
 // Detects a body that does not end, or that ended after its deadline.
-void Supervisor::watch_body(Member& member, Instant now) {
+void Supervisor::check_body(Member& member, Instant now) {
   channel::ReleaseSlot& slot = *member.slot;
-  if (member.killed_for_hanging) return;
-  // This calls in_body() first. In the opposite order, a body that has just begun would be judged by the
-  // previous release.
+  if (!member.hung.empty()) return;
+  // Read in_body() before release_ns. In the opposite order, a body that has just begun would be judged by
+  // the time of the previous release.
   if (slot.in_body() &&
-      now - from_ns(slot.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
-    member.killed_for_hanging = true;
+      now - from_ns(slot.release_ns.load(std::memory_order_acquire)) >= hang_limit(member.model)) {
+    member.hung = std::string{"did not return to "} + wait_function(member) + " within " +
+                  to_text(hang_limit(member.model));
     member.program->kill();
     return;
   }
-  const std::uint64_t late = slot.late.load(std::memory_order_acquire);  // SYNC: late
+  // Read `late` before late_by_ns, because the process writes them in the opposite order.
+  const std::uint64_t late = slot.late.load(std::memory_order_acquire);
   if (std::exchange(member.seen_late, late) == late) return;
   if (member.model.miss != model::Miss::error || !member.in_tables()) return;
-  if (member.state() == State::start) apply(member, Event::run);  // its first body was late
-  ++member.errors;
+  if (member.state() == State::start) apply(member, Event::run);  // the module's first body was late
   const Nanoseconds by{slot.late_by_ns.load(std::memory_order_relaxed)};
   raise(member, ErrorType::deadline, "its body ended " + to_text(by) + " after its deadline");
 }
 
 void Supervisor::process_ended(Member& member, const ProcessEnd& end) {
-  platform_->wake(~0U);  // it may have written samples without waking their readers
+  platform_->wake(~0U);  // the process may have written samples without waking their readers
   std::string text = "the process " + end.text;
-  if (member.killed_for_hanging) {
-    text = "the process did not return to " + std::string{wait_function(member)} + " within " +
-           to_text(stuck_after(member.model)) + " and was killed";
-  }
+  if (!member.hung.empty()) text = "the process " + member.hung + " and was killed";
   if (const std::string words = member.program->last_line(); !words.empty())
     text += "; its last line was: " + words;
 
   if (member.state() == State::destruct) return;
   const bool to_end = member.command && member.command->begun && member.command->verb == Verb::destruct;
   if (phase_ == Phase::stopping || to_end) {
-    take_from_tables(member);  // an executor may still begin a last row
+    take_from_tables(member);  // otherwise an executor could begin a last row with the module
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
     apply(member, Event::destruct, end.text);
     return;
   }
+  // A program has not finished its work if it ends before the cell runs or before it calls its init function.
+  const bool finished =
+      !end.signalled && end.code == 0 && phase_ == Phase::running && member.state() != State::idle;
   if (member.command && member.command->begun && member.command->verb == Verb::stop && !member.scheduled() &&
       member.state() == State::executing) {
     apply(member, Event::stop, end.text);
+    return;
+  }
+  if (finished) {
+    member.block.finished.store(1, std::memory_order_release);
+    take_from_tables(member);
+    member.up_to = State::idle;
+    if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
+    apply(member, Event::destruct, kFinished);
     return;
   }
   switch (member.state()) {
@@ -181,13 +190,7 @@ void Supervisor::process_ended(Member& member, const ProcessEnd& end) {
     case State::start:
     case State::executing:
       take_from_tables(member);
-      if (!member.scheduled() && !end.signalled && end.code == 0) {
-        member.up_to = State::idle;
-        apply(member, Event::destruct, "it ended by itself");
-        break;
-      }
-      ++member.errors;
-      if (member.killed_for_hanging) {
+      if (!member.hung.empty()) {
         raise(member, ErrorType::hang, text,
               from_ns(member.slot->release_ns.load(std::memory_order_relaxed)));
       } else {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <takt/core/log_level.hpp>
 #include <takt/supervision/supervisor.hpp>
 #include "hosted.hpp"
 #include "member.hpp"
@@ -49,6 +50,7 @@ void Properties::fail(const Hosted& host, const std::string& why) {
 void Supervisor::get(std::uint32_t module, const std::string& property,
                      std::function<void(const Outcome&)> done) {
   const Member& member = *members_.at(module);
+  if (property == kLogLevelProperty) return log_level(member, nullptr, done);
   if (member.is_thread()) {
     ask_property({.what = host::Request::Do::get, .module = module, .property = property}, std::move(done));
     return;
@@ -63,6 +65,7 @@ void Supervisor::get(std::uint32_t module, const std::string& property,
 void Supervisor::set(std::uint32_t module, const std::string& property, const std::string& value,
                      std::function<void(const Outcome&)> done) {
   const Member& member = *members_.at(module);
+  if (property == kLogLevelProperty) return log_level(member, &value, done);
   if (member.is_thread()) {
     ask_property({.what = host::Request::Do::set, .module = module, .property = property, .value = value},
                  std::move(done));
@@ -71,8 +74,9 @@ void Supervisor::set(std::uint32_t module, const std::string& property, const st
   done({.code = REPLY_REFUSED,
         .state = member.state(),
         .text = member.model.name +
-                " is a program, which gets its properties when it starts; undeploy the cell, change the "
-                "descriptor and deploy it again"});
+                " is a program, which gets its properties, except log-level, when it starts; change the "
+                "descriptor and run takt deploy --update with it, which restarts device " +
+                device().name});
 }
 
 void Supervisor::ask_property(host::Request request, std::function<void(const Outcome&)> done) {
@@ -97,7 +101,7 @@ void Supervisor::property_answered(const host::Answer& answer) {
   const Member* const member = properties_->answered(answer);
   if (member == nullptr) return;
   log(*member, answer.request.property + " = " + answer.request.value);
-  // Keeps the value for a restart of the host, which another module may cause.
+  // Keep the value, so that the module also has it after a restart of the host.
   model::give_property(parts_.cell.devices[parts_.device].modules[member->index], answer.request.property,
                        answer.request.value);
 }

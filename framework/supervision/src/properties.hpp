@@ -1,5 +1,5 @@
 // Reads and sets properties of modules while the device runs. The host holds the properties of thread
-// modules; a program received its properties as arguments.
+// modules; a process module receives its properties as arguments when it starts.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +20,13 @@ class Properties {
  public:
   using Done = std::function<void(const Outcome&)>;
 
-  /// Whether a property of the module is being read or set.
+  /// True if a property of the module is being read or set.
   [[nodiscard]] bool busy(const Member& member) const;
-  /// Sends the request to the module's host. If the host has already ended, the next call of fail() answers.
+  /// Sends the request to the module's host. If the host has already ended, the next call of fail() answers
+  /// the request.
   void ask(const Member& member, const Hosted& host, host::Request request, Done done);
-  /// Passes a host's answer to the function that waits for it. Returns the module whose property was set, or
-  /// null.
+  /// Passes a host's answer to the function that waits for this answer. Returns the module whose property was
+  /// set, or null.
   const Member* answered(const host::Answer& answer);
   /// Answers all requests to the modules of a host that has ended, with the reason `why`.
   void fail(const Hosted& host, const std::string& why);

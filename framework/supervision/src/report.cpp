@@ -61,6 +61,7 @@ json in_json(const model::Port& port, const PortHealth& health) {
           {"lost", health.lost},
           {"dropped", health.dropped},
           {"refused", health.refused},
+          {"untimed", health.untimed},
           {"late", health.late},
           {"safe", health.safe},
           {"age_us", health.age_ns < 0 ? json(nullptr) : json(static_cast<double>(health.age_ns) / 1e3)},
@@ -114,7 +115,7 @@ Measures Supervisor::measures() const {
     entry.missed(block.missed.load(relaxed));
     entry.overruns(member->overruns());
     entry.over_budget(block.over_budget.load(relaxed));
-    entry.errors(block.errors.load(relaxed) + member->errors);
+    entry.errors(member->errors);
     entry.recoveries(member->recoveries);
     entry.jitter_us(on_the_wire(jitter_of(*member).read()));
     entry.run_us(on_the_wire(run_of(*member).read()));
@@ -139,7 +140,7 @@ Measures Supervisor::measures() const {
       status.lost(health.lost);
       status.dropped(health.dropped);
       status.late(health.late);
-      status.safe(health.safe);
+      status.safe(status.output() ? member->in_safe_stop() : health.safe);
       status.age_ns(health.age_ns);
       wire::set(status.incompatible(), health.incompatible);
       measures.ports.push_back(status);
@@ -173,13 +174,19 @@ json Supervisor::report() const {
          {"state", lifecycle::to_text(member->state())},
          {"cycles", member->releases()},
          {"overruns", member->overruns()},
-         {"errors", block.errors.load(relaxed) + member->errors},
+         {"errors", member->errors},
          {"jitter_us", in_microseconds(jitter_of(*member).read())},
          {"run_us", in_microseconds(run_of(*member).read())},
          {"pid", member->is_thread() ? host_of(*member).process->pid() : member->program->pid()}});
-    // The following members are added only where they apply: why the module is not in its proper state, the
-    // counts for overrun contracts and budgets, and the health of ports.
+    // Add the following members only where they apply. `text` states why the module is not in its target
+    // state, that it has finished, or that it is in a safe stop. The other members are counts for overrun
+    // contracts and budgets, and the health of ports.
     if (is_faulty(*member) && !member->why.empty()) modules.back()["text"] = member->why;
+    if (member->has_finished()) modules.back()["text"] = kFinished;
+    if (member->in_safe_stop()) {
+      modules.back()["text"] = kSafeStop;
+      modules.back()["safe_stop"] = true;
+    }
     if (contracts) modules.back()["missed"] = block.missed.load(relaxed);
     if (member->model.tolerance.times || member->model.tolerance.in_a_row)
       modules.back()["over_budget"] = block.over_budget.load(relaxed);

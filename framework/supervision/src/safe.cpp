@@ -1,5 +1,5 @@
-// Decides which outputs reach their readers: those of executing modules. Readers of other outputs get the
-// safe value.
+// Decides which outputs reach their readers: only the outputs of executing modules. Readers of other outputs
+// get the safe value. Also gives the gateway the known bounds of the other devices' clocks.
 #include <utility>
 
 #include <takt/supervision/supervisor.hpp>
@@ -20,25 +20,25 @@ void Supervisor::stop_for(Problem problem) {
   fail_device(std::move(problem));
 }
 
-// Called with `true` before the module can write its first sample, and with `false` while it may still be
-// writing its last one.
+// Lets the module's samples reach their readers, or withholds them. This is called with `true` before the
+// module can write its first sample, and with `false` while the module may still be writing its last sample.
 void Supervisor::trust(const Member& member, bool trusted) {
-  for (const Wiring::Wire& wire : parts_.wiring.wires()) {
-    if (wire.plan.from.module != member.index || !wire.plan.writer.given()) continue;
+  for (const Wiring::CreatedLink& created : parts_.wiring.links()) {
+    if (created.plan.from.module != member.index || !created.plan.writer.given()) continue;
     if (trusted)
-      wire.link.trust();
+      created.link.trust();
     else
-      wire.link.withhold();
+      created.link.withhold();
   }
 }
 
-// Checks the writing modules of samples that arrive over DDS, because in those links the gateway is the
-// writer.
-void Supervisor::watch_writers() {
-  for (std::size_t i = 0; i < parts_.wiring.wires().size(); ++i) {
-    const Wiring::Wire& wire = parts_.wiring.wires()[i];
-    const model::Endpoint& writer = wire.plan.writer;
-    if (!writer.given() || wire.plan.from.module) continue;
+// For each module of another device that sends samples to this device, checks whether the module executes.
+// The writer of the links for these samples is the gateway, so trust() skips these links.
+void Supervisor::check_writers() {
+  for (std::size_t i = 0; i < parts_.wiring.links().size(); ++i) {
+    const Wiring::CreatedLink& created = parts_.wiring.links()[i];
+    const model::Endpoint& writer = created.plan.writer;
+    if (!writer.given() || created.plan.from.module) continue;
     bool executes = false;
     if (writer.device == device().name) {
       for (const auto& member : members_) {
@@ -52,9 +52,19 @@ void Supervisor::watch_writers() {
           flow && flow->matched > 0 && options_.executes && options_.executes(writer.device, writer.module);
     }
     if (executes)
-      wire.link.trust();
+      created.link.trust();
     else
-      wire.link.withhold();
+      created.link.withhold();
+  }
+}
+
+// Gives the gateway the clocks of the devices that send samples to this device.
+void Supervisor::pass_on_clocks() {
+  if (!options_.latest_clock) return;
+  for (const Wiring::CreatedLink& created : parts_.wiring.links()) {
+    if (created.plan.sender.empty()) continue;
+    created.link.block().sender_clock_ns.store(options_.latest_clock(created.plan.sender).value_or(0),
+                                               std::memory_order_relaxed);
   }
 }
 

@@ -20,7 +20,7 @@ void Supervisor::stop() {
   asked_at_ = time();
   for (auto& member : members_) {
     member->up_to = State::start;
-    if (member->command) end_command(*member, REPLY_FAILED, "the device is shutting down");
+    if (member->command) end_command(*member, REPLY_FAILED, "the device is stopping");
   }
   // The modules stay in the tables until the last row has ended, so that no row runs without them.
   for (const auto& host : hosts_)
@@ -33,10 +33,13 @@ void Supervisor::stopping_step(Instant now) {
     if (host->halted) continue;
     halted = false;
     if (now - asked_at_ <= kHaltLimit || !host->process->running() || host->hung) continue;
-    host->hung = never_halts(*host);
-    if (!host->hung)
-      log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
-          "; the node kills the host");
+    host->hung = never_halts(*host, now);
+    if (host->hung) {
+      host->process->end_by(host->hung->thread);
+      continue;
+    }
+    log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
+        "; the node kills the host");
     host->process->kill();
   }
   if (!halted) return;
@@ -60,7 +63,7 @@ void Supervisor::stopping_step(Instant now) {
     running |= host->process->running();
   }
   if (running) return;
-  // Writing the last files may take long, and the node's thread must not wait for it.
+  // It may take long to write the last files, and the node's thread must not wait for this.
   if (!platform_->finish() && now - asked_at_ < kHostEndLimit + kWrittenWithin) return;
   platform_->step(now);
   report_detections();
@@ -72,7 +75,7 @@ void Supervisor::stopping_step(Instant now) {
 void Supervisor::destruct(Member& member, Instant now) {
   if (member.is_process()) {
     if (member.runs()) {
-      end_process(member, now);  // a program has no destruct(); it ends instead
+      end_process(member, now);  // a process module has no destruct(), so its process ends instead
     } else if (member.state() != State::destruct) {
       if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
       apply(member, Event::destruct);
@@ -82,7 +85,7 @@ void Supervisor::destruct(Member& member, Instant now) {
   if (member.state() == State::destruct || member.pending) return;
   if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
   if (member.lost || member.reload || !host_of(member).process->running() || member.state() == State::idle) {
-    apply(member, Event::destruct);
+    apply(member, Event::destruct, member.has_finished() ? kFinished : "");
   } else {
     ask(member, Doing::destruct);
   }

@@ -10,6 +10,7 @@
 #include "limits.hpp"
 #include "member.hpp"
 #include "properties.hpp"
+#include "watch.hpp"
 
 namespace takt::supervision {
 
@@ -42,6 +43,7 @@ bool Supervisor::apply(Member& member, Event event, const std::string& text, Err
     log(member, in_words(step.problems()));
     return false;
   }
+  if (event == Event::error) ++member.errors;
   if (member.is_process() && !member.scheduled()) trust(member, step->to == State::executing);
   log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
                   (text.empty() ? "" : " (" + on_one_line(text) + ")"));
@@ -63,6 +65,7 @@ void Supervisor::fail_device(Problem problem) {
 Result<void> Supervisor::prepare() {
   if (auto created = parts_.create(); !created) return created;
   if (auto begun = platform_->begin(parts_); !begun) return begun;
+  watches_.resize(parts_.plan.executors.size());
   auto flows = platform_->open_flows();
   if (!flows) return flows.problems();
   flows_ = std::move(*flows);
@@ -75,10 +78,12 @@ Result<void> Supervisor::prepare() {
     members_.push_back(std::make_unique<Member>(device().modules[i], i, parts_.channel.module(i)));
     Member& member = *members_.back();
     member.inputs = parts_.wiring.with_deadline(i);
-    if (!member.is_process()) continue;
-    member.program = platform_->make_program(i);
-    member.slot = parts_.slot_of(i);
-    if (member.slot != nullptr) fill_slot(member);
+    if (member.is_process()) {
+      member.program = platform_->make_program(i);
+      member.slot = parts_.slot_of(i);
+      if (member.slot != nullptr) fill_slot(member);
+    }
+    begin_log(member, time());
   }
   for (const auto& host : hosts_) {
     for (const auto* of : {&host->share.modules, &host->share.programs}) {
@@ -101,7 +106,7 @@ Result<void> Supervisor::prepare() {
   return {};
 }
 
-// Writes to the log and to the fault record what the platform has detected.
+// Writes the platform's detections to the log and to the fault record.
 void Supervisor::report_detections() {
   for (const Detection& detection : platform_->detections()) {
     if (!detection.module) {
@@ -116,7 +121,12 @@ void Supervisor::report_detections() {
 
 void Supervisor::step() {
   const Instant now = time();
+  passed_ = stepped_at_ == Instant{} ? Nanoseconds{0} : now - stepped_at_;
+  stepped_at_ = now;
   platform_->step(now);
+  // Take the log lines before the end of a process is handled, so that the last lines precede the report of a
+  // crash.
+  for (auto& member : members_) take_lines(*member, now);
   for (const auto& host : hosts_) {
     take_answers(*host);
     if (auto end = host->process->ended()) {
@@ -125,15 +135,16 @@ void Supervisor::step() {
     }
   }
   for (auto& member : members_) {
-    if (member->is_process()) watch_process(*member, now);
+    if (member->is_process()) check_process(*member, now);
   }
   if (phase_ == Phase::ended) return;
   if (flows_) flows_->step(now);
-  watch_writers();
-  for (const auto& host : hosts_) watch_host(*host, now);
+  check_writers();
+  pass_on_clocks();
+  for (const auto& host : hosts_) check_host(*host, now);
   report_detections();
-  health_->watch_counts();
-  if (rows_begun_) health_->watch_ports(now);
+  health_->check_counts();
+  if (rows_begun_) health_->check_ports(now);
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);
@@ -215,7 +226,8 @@ void Supervisor::trace(Nanoseconds last, std::size_t most,
   platform_->trace(last, most, std::move(done));
 }
 
-// Starts each module only when all are initialised.
+// Starts the modules once all of them are initialised. The device is ready when all modules are started and
+// the device's flows are open.
 void Supervisor::prepare_step() {
   const auto all = [this](auto&& holds) {
     return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
@@ -252,7 +264,8 @@ void Supervisor::go(Instant t0) {
   begin_rows();
 }
 
-// Lets a restored deployment continue on its grid. The rows between T0 and now do not count as missed.
+// Sets the first row of each executor, so that a restored deployment continues on its grid. The rows between
+// T0 and now do not count as missed.
 void Supervisor::join_grid(Instant t0) {
   const Instant first = time() + kJoinGridAhead;
   for (std::size_t e = 0; e < parts_.plan.executors.size(); ++e) {
@@ -263,16 +276,16 @@ void Supervisor::join_grid(Instant t0) {
   }
 }
 
-// Returns a counter that grows with each row that contains the module. For a periodic module, it counts the
-// calls or releases. For a sporadic module, whose condition every row of its executor evaluates, it counts
-// these rows.
+// Returns a counter that grows with each row that contains the module. For a periodic module, the counter
+// counts the calls or releases. For a sporadic module, whose condition is checked in every row of its
+// executor, the counter counts these rows.
 std::uint64_t Supervisor::cycles_of(const Member& member) const {
   const bool sporadic = member.model.operation == model::Operation::sporadic;
   const auto& cycles = sporadic ? parts_.channel.executor(executor_of(member)).cycles : member.block.cycles;
   return cycles.load(std::memory_order_relaxed);
 }
 
-channel::Place Supervisor::place_of(const Member& member) const {
+channel::ModuleMemory Supervisor::memory_of(const Member& member) const {
   return {.index = member.index,
           .block = &member.block,
           .executor = member.scheduled() ? &parts_.channel.executor(executor_of(member)) : nullptr,
@@ -284,28 +297,29 @@ void Supervisor::put_in_tables(Member& member) {
   member.put_in_at = time();
   member.put_in = true;
   trust(member, true);
-  channel::put_in(place_of(member));
+  channel::put_in(memory_of(member));
   platform_->in_tables(member.index, true);
-  // Events that arrived while the module was out of the tables are already waiting, and do not wake it again.
+  // Events that arrived while the module was out of the tables are already in the module's queues and do not
+  // wake the module. So wake it here.
   if (member.slot != nullptr && member.slot->immediate != 0) platform_->wake(member.slot->wake_bit);
 }
 
 void Supervisor::take_from_tables(Member& member) {
   trust(member, false);
   member.put_in = false;
-  member.removal.begin(place_of(member));
+  member.removal.begin(memory_of(member));
   platform_->in_tables(member.index, false);
 }
 
 bool Supervisor::is_out(const Member& member) const {
   if (member.is_process() && !member.scheduled()) return !member.runs();
-  return member.removal.over(place_of(member));
+  return member.removal.over(memory_of(member));
 }
 
 std::size_t Supervisor::executor_of(const Member& member) const { return parts_.executor_of(member.model); }
 
 void Supervisor::running_step(Instant now) {
-  // Background modules begin when each executor that has rows has run its first row.
+  // Background modules begin when each executor that has rows has executed its first row.
   if (rows_begun_ && !background_begun_ && now >= *t0_) {
     bool walked = true;
     for (const auto& member : members_) {
@@ -319,7 +333,7 @@ void Supervisor::running_step(Instant now) {
       for (auto& member : members_) {
         if (member->scheduled() || !member->wanted() || member->state() != State::start) continue;
         if (member->is_thread()) {
-          if (!member->put_in) put_in_tables(*member);  // a command may have put it in already
+          if (!member->put_in) put_in_tables(*member);  // a command may have put the module in already
         } else if (auto spawned = spawn(*member); !spawned) {
           raise(*member, ErrorType::crash, in_words(spawned.problems()));
         } else {
@@ -332,13 +346,13 @@ void Supervisor::running_step(Instant now) {
   for (auto& pointer : members_) {
     Member& member = *pointer;
     if (member.lost) continue;
-    watch_inputs(member, now);
-    // An error that the executor saw. SYNC: error raised
+    check_inputs(member, now);
+    // Handle an error that the executor detected.
     if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
       std::string text{member.block.error_text.view()};
       if (static_cast<ErrorType>(type) == ErrorType::budget) text += " of " + to_text(*member.model.budget);
       member.block.error.store(0, std::memory_order_relaxed);
-      if (member.state() == State::start) apply(member, Event::run);  // its first run failed
+      if (member.state() == State::start) apply(member, Event::run);  // the module's first run failed
       raise(member, static_cast<ErrorType>(type), text);
       const model::Overrun contract = model::contract_of(device(), member.model).what;
       if (static_cast<ErrorType>(type) == ErrorType::overrun &&
@@ -350,13 +364,55 @@ void Supervisor::running_step(Instant now) {
         return;
       }
     }
+    if (member.has_finished()) {
+      finish(member, now);
+      continue;
+    }
     if (member.state() == State::start && member.in_tables() && rows_begun_) {
       const bool named = cycles_of(member) != member.seen_cycles ||
                          member.block.background.module.load(std::memory_order_relaxed) != 0;
       if (named) apply(member, Event::run);
     }
+    check_cycles(member, now);
     if (member.state() == State::recover && !member.pending) attempt_recovery(member);
   }
+}
+
+// Detects a module in the tables that is not called or released any more, although its executor runs rows.
+// Its program may have damaged its release slot, for example. The check omits sporadic thread modules, which
+// the rows call only if their condition holds, and programs with immediate dispatch, which release
+// themselves. The time in which the executor runs no rows does not count, because check_rows() finds out why.
+void Supervisor::check_cycles(Member& member, Instant now) {
+  const bool in_rows = member.model.operation == model::Operation::periodic ||
+                       (member.slot != nullptr && member.slot->immediate == 0);
+  if (!in_rows || !member.in_tables() || phase_ != Phase::running || now < *t0_ || !host_of(member).begun ||
+      host_of(member).hung || !member.hung.empty()) {
+    member.cycles = {};
+    return;
+  }
+  const Nanoseconds limit =
+      stands_after(rows_every(member) + member.model.interarrival.value_or(Nanoseconds{0}));
+  const bool in_body = member.slot != nullptr && member.slot->in_body();  // check_body() checks the body
+  const std::uint64_t cycles = member.block.cycles.load(std::memory_order_relaxed);
+  const std::optional<Nanoseconds> ran =
+      member.program ? ran_if_starved(member.cycles, limit, member.program->pid()) : std::nullopt;
+  const std::size_t executor = executor_of(member);
+  const Nanoseconds rows_stand_after = stands_after(parts_.plan.executors[executor].basic_period);
+  const bool rows_stand = watches_[executor].cycles.seen_for() >= rows_stand_after / 4;
+  const Nanoseconds stood =
+      member.cycles.look(in_body ? ~cycles : cycles, rows_stand ? Nanoseconds{0} : passed_, limit, ran);
+  if (in_body || stood < limit || has_long_run(now)) return;
+  if (member.is_thread())
+    return raise(member, ErrorType::hang, "the executor has not called it for " + to_text(limit));
+  member.hung = "took no release for " + to_text(limit);
+  member.program->kill();
+}
+
+// Returns the time between two rows that contain the module.
+Nanoseconds Supervisor::rows_every(const Member& member) const {
+  return member.model.operation == model::Operation::periodic
+             ? *member.model.period
+             : parts_.plan.executors[executor_of(member)].basic_period;
 }
 
 // Takes a module with an error out of the tables, if the executor has not done so, and moves it to RECOVER.
@@ -371,13 +427,26 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text, 
   if (member.is_thread()) ask(member, Doing::error, type);
 }
 
+void Supervisor::finish(Member& member, Instant now) {
+  if (member.state() == State::destruct || member.swap) return;
+  if (member.put_in) {
+    if (member.state() == State::start)
+      apply(member, Event::run);  // the module's first run was also its
+                                  // last one
+    take_from_tables(member);
+  }
+  member.up_to = State::idle;
+  if (is_out(member)) destruct(member, now);
+}
+
 void Supervisor::attempt_recovery(Member& member) {
   const bool alive = member.is_process() && member.runs();
-  // Waits until a restarted program is ready or has ended, and until a program that still runs has left its
-  // body.
+  // A recovery attempt must wait if the program was restarted and has neither become ready nor ended, or if
+  // it was not restarted and is still in its body.
   if (alive && (member.started_again || !is_out(member))) return;
   if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).process->running())) return;
-  // Waiting for a value from another module does not count as an attempt.
+  // After a stale input, the module first waits for a new value. This wait does not count as a recovery
+  // attempt.
   if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, time())) return;
   switch (member.recovery.next(time())) {
     case lifecycle::Recovery::Step::wait:
@@ -391,8 +460,8 @@ void Supervisor::attempt_recovery(Member& member) {
   log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
                   std::to_string(member.model.recovery.attempts));
   platform_->recovering(member.index, member.recovery.attempts());
-  // After a failed attempt, the module restarts without its saved state, because this may be the cause of the
-  // crash.
+  // After a failed attempt, restart the module without its saved state, because this state may be the cause
+  // of the crash.
   if ((member.reload || (member.is_process() && !alive)) && member.recovery.attempts() > 1)
     parts_.saved_of(member.index).clear();
   if (member.is_thread()) {
@@ -430,9 +499,10 @@ void Supervisor::not_recovered(Member& member, const std::string& text) {
 
 void Supervisor::give_up(Member& member) {
   member.failed = true;
-  apply(member, Event::give_up, "after " + std::to_string(member.recovery.attempts()) + " attempts");
-  notes_->note(member, model::FaultKind::given_up,
-               "after " + std::to_string(member.recovery.attempts()) + " attempts: " + member.why);
+  const auto attempts = member.recovery.attempts();
+  const std::string after = "after " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts");
+  apply(member, Event::give_up, after);
+  notes_->note(member, model::FaultKind::given_up, after + ": " + member.why);
   if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
   member.lost |= member.reload;
   Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
@@ -465,8 +535,8 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   const bool starting = phase_ == Phase::preparing;
   if (member.machine.accepts(Event::error)) apply(member, Event::error, text, type);
   if (member.machine.accepts(Event::give_up)) {
-    apply(member, Event::give_up, text, type);  // repeats the text, because late joiners receive only the
-                                                // last step
+    apply(member, Event::give_up, text, type);  // with the text again, because a client that joins later
+                                                // receives only the last step
   } else if (member.machine.accepts(Event::destruct)) {
     apply(member, Event::destruct, text, type);
   }

@@ -1,6 +1,6 @@
 // Replaces the instance of a running module by a new one. The host makes the replacement, and the lifecycle
-// state does not change. An error of the new instance does not affect the old instance, unless the error ends
-// the host.
+// state does not change. An error of the new instance affects the old instance only if the error ends the
+// host.
 #include <utility>
 
 #include <takt/supervision/supervisor.hpp>
@@ -14,12 +14,31 @@ namespace takt::supervision {
 using channel::Doing;
 using lifecycle::State;
 
+namespace {
+
+/// Returns the commands that lead a module from `state` to EXECUTING, as advice for an operator.
+std::string way_to_executing(State state, const std::string& module) {
+  const std::string start = "takt start " + module;
+  switch (state) {
+    case State::recover:
+      return "wait until it has recovered, or run takt recover " + module;
+    case State::idle:
+      return "run takt initialize " + module + ", then " + start;
+    case State::destruct:
+      return "run takt reset " + module + ", then takt initialize " + module + ", then " + start;
+    default:
+      return "run " + start;
+  }
+}
+
+}  // namespace
+
 Result<void> Supervisor::may_swap(std::uint32_t module) const {
   const Member& member = *members_.at(module);
   const std::string name = "module " + device().name + "." + member.model.name;
   if (member.is_process())
     return fail(name + " is a program; only a thread module can be swapped while it runs",
-                "undeploy the cell, replace the program and deploy the cell again");
+                "replace its file, and run takt deploy CELL --update, which restarts the device");
   if (member.model.operation != model::Operation::periodic)
     return fail(name + " is " + model::to_text(member.model.operation) +
                     "; only a periodic module can be swapped while it runs",
@@ -28,11 +47,11 @@ Result<void> Supervisor::may_swap(std::uint32_t module) const {
   if (member.state() != State::executing)
     return fail(
         name + " is in " + lifecycle::to_text(member.state()) + "; it can be swapped only in EXECUTING",
-        "run takt start " + device().name + "." + member.model.name);
+        way_to_executing(member.state(), device().name + "." + member.model.name));
   if (member.command)
     return fail(std::string{name_of(member.command->verb)} + " is still in progress", "try again later");
   if (member.swap) return fail("a swap of " + name + " is still in progress", "try again later");
-  if (properties_->busy(member)) return fail("a property of " + name + " is being set", "try again later");
+  if (properties_->busy(member)) return fail("a property of " + name + " is being read or set", "try again later");
   return {};
 }
 
@@ -55,7 +74,7 @@ void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& tex
   if (!member.swap) return;
   const PendingSwap swap = *std::exchange(member.swap, std::nullopt);
   if (code == REPLY_OK) {
-    // A restarted host loads the new file too.
+    // If the host restarts, it loads the new component.
     parts_.paths.at(member.index) = swap.path;
     log(member, "runs " + swap.path + " " + text);
   } else {
@@ -65,7 +84,7 @@ void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& tex
 }
 
 // Detects a hook of the new instance that does not return.
-void Supervisor::watch_swaps(Hosted& host, Instant now) {
+void Supervisor::check_swaps(Hosted& host, Instant now) {
   const channel::Activity& activity = host.block.swap;
   Member* const member = member_at(activity.module.load(std::memory_order_acquire) - 1);
   if (member == nullptr || !member->swap || now - from_ns(activity.since_ns.load()) <= kHookLimit) return;

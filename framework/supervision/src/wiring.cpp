@@ -15,7 +15,7 @@ using model::ConnectionKind;
 using model::Direction;
 using model::Endpoint;
 
-/// The depth of ROS 2's default profile (rmw_qos_profile_default).
+/// The depth of ROS 2's default profile (rmw_qos_profile_default), in samples.
 constexpr std::uint32_t kRos2Depth = 10;
 
 constexpr std::uint32_t kTapDepth = 64;
@@ -37,7 +37,7 @@ class Planner {
         if (to_here) incoming(connection);
       }
     }
-    // Outputs without a connection can still be tapped, and services can be called from outside.
+    // Observers can read outputs without a connection, and programs outside the cell can call services.
     for (std::uint32_t module = 0; module < ports_.size(); ++module) {
       if (!ports_[module]) continue;
       for (const model::Port& port : *ports_[module]) {
@@ -60,7 +60,7 @@ class Planner {
     std::uint32_t module;
     const model::Port* port;
   };
-  /// Returns nothing if there is no such port or the module's ports are not known.
+  /// Returns the port at `end`; nothing if there is no such port or the module's ports are not known.
   [[nodiscard]] std::optional<Port> find(const Endpoint& end) const {
     for (std::uint32_t module = 0; module < ports_.size(); ++module) {
       if (device_.modules[module].name != end.module || !ports_[module]) continue;
@@ -73,7 +73,7 @@ class Planner {
   [[nodiscard]] std::string topic_of(std::uint32_t module, const std::string& port) const {
     return port_topic(cell_.name, {device_.name, device_.modules[module].name, port});
   }
-  /// Whether the port receives the requests of a service.
+  /// True if the port receives the requests of a service.
   static bool answers(const model::Port& port) {
     return (port.role == model::Role::service || port.role == model::Role::handler) &&
            port.direction != Direction::out;
@@ -86,8 +86,8 @@ class Planner {
     return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::wake_bit(to.module);
   }
 
-  /// Whether a link between two modules holds C++ objects. This is so only within the shared host. The links
-  /// of an executor's own host survive its crash, so they hold bytes.
+  /// True if a link between two modules holds C++ objects. Only links within the shared host hold C++
+  /// objects. The links of an executor's own host must survive a crash of this host, so they hold bytes.
   [[nodiscard]] bool as_objects(std::uint32_t one, std::uint32_t other) const {
     return std::any_of(hosts_.begin(), hosts_.end(), [&](const model::HostShare& host) {
       const auto has = [&](std::uint32_t module) {
@@ -134,8 +134,8 @@ class Planner {
     plan_.links.push_back(link);
   }
 
-  /// Returns the flow of an output to a topic. If there is none yet, plans the flow and its link to the
-  /// gateway.
+  /// Returns the flow of an output to a topic. If there is no such flow yet, plans the flow and its link to
+  /// the gateway.
   PlannedFlow& flow_of(std::uint32_t module, const model::Port& port, const std::string& topic,
                        std::optional<int> domain) {
     for (PlannedFlow& flow : plan_.flows) {
@@ -149,7 +149,7 @@ class Planner {
                     .payload = payload_of(port),
                     .wake_bits = channel::kGatewayBit,
                     .enabled = false};
-    // The port sends the replies of a service, which may go to any client.
+    // True if the port sends the replies of a service. A reply may go to any client.
     const bool replies = port.role == model::Role::service || port.role == model::Role::handler;
     if (replies) {
       link.options.depth += static_cast<std::uint32_t>(model::kServiceDepth);
@@ -172,11 +172,11 @@ class Planner {
   static void deepen_for_taps(channel::Link::Options& link) {
     const std::uint32_t fit = kTapBytes / std::max(link.payload, 1U);
     link.depth = std::max(link.depth, std::min(fit, kTapDepth));
-    link.is_queue = true;  // a queue counts the samples that do not fit
+    link.is_queue = true;  // only a queue counts the samples that it drops
   }
 
-  /// One flow serves all connections of the port to the topic, so it gets the strictest QoS of these
-  /// connections.
+  /// Plans the flow for a connection that begins at an output of this device. All connections of the output
+  /// to the same topic share one flow, which gets the strictest QoS of these connections.
   void outgoing(const Connection& connection) {
     const auto from = find(connection.from);
     if (!from) return;
@@ -189,7 +189,7 @@ class Planner {
                                                                     // while a service is matched
     link.depth = std::max(link.depth, depth);
     link.is_queue |= connection.kind == ConnectionKind::queue;
-    // By default, readers of ROS 2 are offered the last ten samples.
+    // As ROS 2 does by default, the flow offers at least the last ten samples to readers of ROS 2.
     flow.depth = std::max(flow.depth, connection.ros2 ? std::max(depth, kRos2Depth) : depth);
     flow.reliable |= connection.reliability == model::Reliability::reliable;
     // The flow gets the shortest deadline and the longest lifespan of all its connections.
@@ -208,6 +208,7 @@ class Planner {
     const auto to = find(connection.to);
     if (!to) return;
     PlannedLink link{.from = {}, .to = {to->module, to->port->name}};
+    if (connection.from.given() && !is_here(connection.from)) link.sender = connection.from.device;
     link.options = options_of(connection, *to->port);
     link.options.wake_bits = wake_bits(*to);
     link.stale = connection.stale;
@@ -225,8 +226,8 @@ class Planner {
                      .type = to->port->type,
                      .reliable = connection.reliability == model::Reliability::reliable,
                      .depth = static_cast<std::uint32_t>(connection.depth),
-                     // Writers of ROS 2 offer no deadline, so a reader that requests one would not match. The
-                     // link checks the deadline instead.
+                     // Writers of ROS 2 offer no deadline, so a reader that requests a deadline would not
+                     // match. Instead, the link checks the deadline.
                      .deadline = connection.ros2 ? std::nullopt : connection.deadline,
                      .lifespan = connection.lifespan,
                      .carries = connection.carries,
@@ -292,31 +293,32 @@ Result<Wiring> Wiring::create(WiringPlan plan) {
     channel::Link::format(memory->data(), planned.options);
     const channel::Link link{memory->data()};
     link.give_safe(planned.safe);
-    wiring.wires_.push_back({std::move(planned), std::move(*memory), link});
+    wiring.links_.push_back({std::move(planned), std::move(*memory), link});
   }
   for (const PlannedFlow& flow : wiring.flows_) {
-    for (const std::size_t wire : flow.links) wiring.wires_[wire].connected = flow.connected;
+    for (const std::size_t link : flow.links) wiring.links_[link].connected = flow.connected;
   }
   return wiring;
 }
 
-std::vector<Wiring::Wire*> Wiring::with_deadline(std::uint32_t module) {
-  std::vector<Wire*> found;
-  for (Wire& wire : wires_) {
-    if (wire.plan.to.module == module && wire.plan.options.deadline_ns > 0) found.push_back(&wire);
+std::vector<Wiring::CreatedLink*> Wiring::with_deadline(std::uint32_t module) {
+  std::vector<CreatedLink*> found;
+  for (CreatedLink& created : links_) {
+    if (created.plan.to.module == module && created.plan.options.deadline_ns > 0) found.push_back(&created);
   }
   return found;
 }
 
 void Wiring::give_safe(const model::SafeOutput& output) {
-  for (const Wire& wire : wires_) {
-    if (wire.plan.writer != output.port || !wire.link.safe().empty()) continue;
+  for (const CreatedLink& created : links_) {
+    if (created.plan.writer != output.port || !created.link.safe().empty()) continue;
     const auto flow = std::find_if(flows_.begin(), flows_.end(), [&](const PlannedFlow& each) {
       return std::any_of(each.links.begin(), each.links.end(),
-                         [&](std::size_t index) { return &wires_[index] == &wire; });
+                         [&](std::size_t index) { return &links_[index] == &created; });
     });
     if (flow == flows_.end()) continue;
-    if (const auto bytes = model::sample_bytes(flow->type, output.json); bytes) wire.link.give_safe(*bytes);
+    if (const auto bytes = model::sample_bytes(flow->type, output.json); bytes)
+      created.link.give_safe(*bytes);
   }
 }
 
@@ -326,33 +328,35 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
   const bool output = port.direction == model::Direction::out;
   PortHealth health;
   std::int64_t newest = 0;
-  for (std::size_t i = 0; i < wires_.size(); ++i) {
-    const Wire& wire = wires_[i];
-    const LinkEnd& end = output ? wire.plan.from : wire.plan.to;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const CreatedLink& created = links_[i];
+    const LinkEnd& end = output ? created.plan.from : created.plan.to;
     if (end.module != module || end.port != port.name) continue;
-    const bool enabled = wire.link.block().enabled.load(relaxed) != 0;
-    const bool reaches = enabled && wire.connected;
-    const bool goes_on = !(output ? wire.plan.to : wire.plan.from).module;
+    const bool enabled = created.link.block().enabled.load(relaxed) != 0;
+    const bool reaches = enabled && created.connected;
+    const bool goes_on = !(output ? created.plan.to : created.plan.from).module;
     if (const auto flow = goes_on ? on_dds(i) : std::nullopt) {
       health.matched += reaches && flow->matched > 0 ? 1 : 0;
       health.lost += flow->lost + flow->failures;
       health.refused += flow->refused;
+      health.untimed += flow->untimed;
       if (health.incompatible.empty()) health.incompatible = flow->incompatible;
     } else {
       health.matched += reaches && !goes_on ? 1 : 0;
     }
-    const channel::LinkBlock& block = wire.link.block();
+    const channel::LinkBlock& block = created.link.block();
     const std::uint64_t written = block.written.load(relaxed);
-    // An output writes each sample to all its enabled links, so the counts of its links are not added up.
+    // An output writes each sample to all its enabled links, so the output's count is the highest count of
+    // these links.
     health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
-    health.connections += wire.connected ? 1 : 0;
+    health.connections += created.connected ? 1 : 0;
     health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;
     health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
     health.late += block.late.load(relaxed);
     newest = std::max(newest, block.newest_ns.load(relaxed));
-    if (!output && !wire.link.safe().empty()) {
+    if (!output && !created.link.safe().empty()) {
       const std::int64_t last = block.newest_ns.load(relaxed);
-      health.safe |= wire.link.trusted_from() > written || written == 0 ||
+      health.safe |= created.link.trusted_from() > written || written == 0 ||
                      (block.deadline_ns > 0 && now_ns - last > block.deadline_ns);
     }
   }
@@ -362,7 +366,7 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
 
 const PlannedFlow* Wiring::flow_of(std::uint32_t module, const std::string& port) const {
   const auto found = std::find_if(flows_.begin(), flows_.end(), [&](const PlannedFlow& flow) {
-    return flow.outgoing && wires_[flow.links.front()].plan.from == LinkEnd{module, port};
+    return flow.outgoing && links_[flow.links.front()].plan.from == LinkEnd{module, port};
   });
   return found == flows_.end() ? nullptr : &*found;
 }

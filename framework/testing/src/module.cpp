@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <utility>
 
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 #include <takt/executor/executor.hpp>
+#include <takt/host/component_path.hpp>
+#include <takt/host/log_reader.hpp>
 #include <takt/lifecycle/machine.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/testing.hpp>
@@ -32,7 +35,10 @@ std::string file_of(const Options& options) {
                 " that takt_add_component_test() builds from it");
   if (options.period <= Nanoseconds{0})
     throw Error("the period is " + to_text(options.period) + "; it must be positive");
-  return file;
+  if (options.file.empty()) return file;
+  auto found = host::find_component(file, tested_file());
+  if (!found) throw Error(in_words(found.problems()));
+  return *found;
 }
 
 schedule::ExecutorPlan plan_of(const Options& options) {
@@ -53,7 +59,8 @@ schedule::ExecutorPlan plan_of(const Options& options) {
 
 detail::TestedFile::TestedFile(const char* path) { tested_file() = path; }
 
-Wire::Wire(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline) : type_(type) {
+TestLink::TestLink(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline)
+    : type_(type) {
   const channel::Link::Options options{.depth = depth,
                                        .payload = type.max_size,
                                        .is_queue = is_queue,
@@ -80,7 +87,7 @@ struct Module::Inside {
 
   struct Tied {
     std::string port;
-    std::unique_ptr<Wire> wire;
+    std::unique_ptr<TestLink> link;
     bool stale_is_error = false;
     bool connected = false;
   };
@@ -88,16 +95,19 @@ struct Module::Inside {
   [[nodiscard]] std::string name() const { return file.substr(file.rfind('/') + 1); }
   void make_executor();
   Result<void> load();
-  /// Connects every wire whose port exists by now.
+  /// Connects every link whose port the module has already constructed.
   void connect();
   Answer initialize();
   Answer take(Event event);
-  /// Goes to RECOVER, without calling error().
+  /// Takes the module to RECOVER, without calling its hook error().
   Answer leave(ErrorType type, std::string text, std::uint64_t cycle);
-  /// Goes to RECOVER and calls error().
+  /// Takes the module to RECOVER and calls its hook error().
   Answer fails(ErrorType type, std::string text, std::uint64_t cycle);
+  /// Takes the module to DESTRUCT after its last run.
+  void finish();
   void put_in(bool in);
   void collect();
+  void collect_log();
   [[nodiscard]] PortBase* port(const std::string& name) const;
   [[nodiscard]] std::string ports_in_words() const;
 
@@ -110,6 +120,9 @@ struct Module::Inside {
   channel::ExecutorBlock executor_block{};
   std::unique_ptr<Subject> subject;
   std::unique_ptr<executor::Executor> executor;
+  std::optional<host::LogReader> log_reader;
+  channel::LogRing* log_ring = nullptr;  // the ring that the reader reads
+  std::vector<Logged> log;
   std::vector<Tied> tied;
   irp::Property::Values values;
   lifecycle::Machine machine;
@@ -117,11 +130,11 @@ struct Module::Inside {
   std::vector<std::pair<std::string, std::unique_ptr<Responder>>> responders;  // the servers, by client name
   std::uint64_t calls = 0;
   std::uint64_t pending_misses = 0;
-  bool wanted = false;  // start() was called, and no stop() since
+  bool wanted = false;  // true from start() or recover() until stop(), destruct() or the last run
   bool was_started = false;
 };
 
-// Each load of a program makes a new release slot, so it needs a new executor.
+// Each load of a program makes a new release slot, so the module then needs a new executor.
 void Module::Inside::make_executor() {
   executor::Unit unit{.block = &block, .period = options.period};
   subject->enter(unit);
@@ -141,7 +154,7 @@ Result<void> Module::Inside::load() {
   if (!loaded) return loaded;
   make_executor();
   connect();
-  // A C++ component takes each property now; other modules get all of them in initialize().
+  // A C++ component takes each property now; other modules get all properties in initialize().
   for (const auto& [property, text] : values) {
     if (auto set = subject->check(property, text); !set) return set;
   }
@@ -152,9 +165,10 @@ void Module::Inside::connect() {
   for (Tied& tie : tied) {
     PortBase* port = this->port(tie.port);
     if (tie.connected || port == nullptr) continue;
-    subject->keep(tie.wire->memory_);
-    subject->connect(*port, tie.wire->link());
-    if (port->direction() != PortDirection::out) subject->watch(tie.wire->link(), *port, tie.stale_is_error);
+    subject->keep(tie.link->memory_);
+    subject->connect(*port, tie.link->link());
+    if (port->direction() != PortDirection::out)
+      subject->check_deadline(tie.link->link(), *port, tie.stale_is_error);
     tie.connected = true;
   }
 }
@@ -201,14 +215,35 @@ Answer Module::Inside::fails(ErrorType type, std::string text, std::uint64_t cyc
   return subject->error(type);
 }
 
+void Module::Inside::finish() {
+  put_in(false);
+  wanted = false;
+  static_cast<void>(take(Event::stop));
+  if (const auto done = subject->destruct(); !done)
+    failure = {.type = ErrorType::failure, .text = in_words(done.problems()), .cycle = executor->next_row()};
+  static_cast<void>(take(Event::destruct));
+}
+
+void Module::Inside::collect_log() {
+  channel::LogRing& ring = subject->log_ring();
+  if (log_ring != &ring) {  // each load of a program makes a new ring
+    log_ring = &ring;
+    log_reader.emplace(ring);
+  }
+  while (auto line = log_reader->next(clock.now())) {
+    log.push_back({line->level, line->release, std::move(line->text)});
+  }
+}
+
 void Module::Inside::collect() {
-  for (Tied& tie : tied) tie.wire->collect();
+  collect_log();
+  for (Tied& tie : tied) tie.link->collect();
   for (const auto& [client, responder] : responders) responder->answer(clock.now());
 }
 
 Answer Module::Inside::initialize() {
   if (!machine.accepts(Event::initialize)) return take(Event::initialize);
-  if (subject->ended()) {  // the program ended in a former attempt
+  if (subject->ended()) {  // the program ended in an earlier call of initialize()
     if (auto loaded = load(); !loaded) return loaded;
   }
   auto done = subject->initialize(irp::Property{values});
@@ -227,6 +262,12 @@ Module::~Module() {
 
 Answer Module::set(const std::string& property, const std::string& text) {
   Inside& in = *inside_;
+  if (property == kLogLevelProperty) {
+    const auto level = log_level_from(text);
+    if (!level) return level.problems();
+    in.subject->log_ring().level = static_cast<std::uint32_t>(*level);
+    return {};
+  }
   const bool idle = in.machine.state() == State::idle;
   if (in.machine.state() == State::destruct)
     return fail("properties cannot be set in state DESTRUCT", "call reset() first");
@@ -241,7 +282,16 @@ Answer Module::set(const std::string& property, const std::string& text) {
   return {};
 }
 
+const std::vector<Logged>& Module::log() const {
+  inside_->collect_log();
+  return inside_->log;
+}
+
+bool Module::in_safe_stop() const { return inside_->subject->log_ring().safe_stop != 0; }
+
 Result<std::string> Module::get(const std::string& property) const {
+  if (property == kLogLevelProperty)
+    return std::string{takt::to_text(static_cast<LogLevel>(inside_->subject->log_ring().threshold()))};
   if (auto got = inside_->subject->get(property)) return std::move(*got);
   for (const auto& [name, text] : inside_->values) {
     if (name == property) return text;
@@ -346,7 +396,7 @@ std::uint64_t Module::step(std::uint64_t releases) {
   if (!in.was_started && (state() == State::idle || state() == State::initialize))
     throw Error("step() is not allowed in state " + std::string{lifecycle::to_text(state())} +
                 "; call start() first");
-  for (Inside::Tied& tie : in.tied) tie.wire->begin_step();
+  for (Inside::Tied& tie : in.tied) tie.link->begin_step();
   const std::uint64_t before = runs();
   for (; releases > 0; --releases) {
     in.clock.go_to(next_release());
@@ -361,6 +411,10 @@ std::uint64_t Module::step(std::uint64_t releases) {
     const auto type = static_cast<ErrorType>(in.block.error.exchange(0));
     if (type != ErrorType::none) {
       static_cast<void>(in.fails(type, std::string{in.block.error_text.view()}, in.block.error_cycle));
+      in.collect();
+    }
+    if (in.block.finished.exchange(0) != 0) {
+      in.finish();
       in.collect();
     }
   }
@@ -381,7 +435,7 @@ const Failure& Module::last_error() const { return inside_->failure; }
 Answer Module::healthy() const {
   if (state() != State::recover) return {};
   const Failure& failure = inside_->failure;
-  return fail("the module has been in RECOVER since cycle " + std::to_string(failure.cycle) + ": " +
+  return fail("the module has been in RECOVER since release " + std::to_string(failure.cycle) + ": " +
               to_text(failure.type) + ": " + failure.text);
 }
 
@@ -419,7 +473,7 @@ Module::Tie Module::find(const std::string& port, Side side, const TypeInfo& typ
     if (wanted != nullptr)
       throw Error("port " + in_quotes(port) +
                   " is connected already; pass the connection in the first call of in() for the port");
-    return {.wire = tied->wire.get()};
+    return {.link = tied->link.get()};
   }
   if (wanted == nullptr) return {};
   const std::uint32_t queue = wanted->queue;
@@ -429,7 +483,7 @@ Module::Tie Module::find(const std::string& port, Side side, const TypeInfo& typ
 void Module::find_service(const std::string& name, bool is_client, const TypeInfo& request,
                           const TypeInfo& reply) const {
   const Inside& in = *inside_;
-  // The type names of its two ports are NAME_Request and NAME_Reply.
+  // The type names of a service's two ports are NAME_Request and NAME_Reply.
   const auto type_of = [&in](const std::string& service, const char* half) {
     const PortBase* port = in.port(service + half);
     const std::string type = port == nullptr ? "" : port->type().name;
@@ -464,9 +518,9 @@ void Module::respond(const std::string& client, std::unique_ptr<Responder> respo
 
 std::uint64_t Module::call_number() { return ++inside_->calls; }
 
-void Module::tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection) {
+void Module::tie(const std::string& port, std::unique_ptr<TestLink> link, const Connection& connection) {
   inside_->tied.push_back({.port = port,
-                           .wire = std::move(wire),
+                           .link = std::move(link),
                            .stale_is_error = connection.stale_is_error,
                            .connected = false});
   inside_->connect();

@@ -21,6 +21,7 @@
 #include <takt/component/property.hpp>
 #include <takt/component/saved.hpp>
 #include <takt/core/check.hpp>
+#include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 #include <takt/os/fiber.hpp>
 #include <takt/os/library.hpp>
@@ -28,7 +29,7 @@
 
 namespace takt::testing {
 
-/// While this object lives, allocations belong to the program and do not count as leaks of the test.
+/// While this object lives, allocations belong to the program and do not count as memory leaks of the test.
 class ProgramAllocations {
  public:
 #if defined(__SANITIZE_ADDRESS__)
@@ -44,7 +45,8 @@ class ProgramAllocations {
 
 using Main = int (*)(int, char**);
 
-/// The C++ library's state of the exceptions that are being handled. Each run of a program has its own.
+/// The C++ library's record of the exceptions that are being handled. Each run of a program has its own
+/// record.
 class Exceptions {
  public:
   void swap() noexcept {
@@ -56,22 +58,23 @@ class Exceptions {
   }
 
  private:
-  struct State {  // as the C++ ABI lays it out
+  struct State {  // with the layout of the C++ ABI
     void* caught = nullptr;
     unsigned uncaught = 0;
   };
   State state_{};
 };
 
-/// One run of a program, from main() to its end. As with a process, its objects are not destroyed at the end:
-/// one of its threads may still run. So its code and variables stay until the test ends.
+/// One run of a program, from main() to its end. At the end of a run, the objects of the program are not
+/// destroyed, because a thread of the program may still run. So the program's code and variables stay until
+/// the test ends.
 class ProgramRun {
  public:
   ProgramRun(std::string path, bool sporadic, channel::ReleaseSlot& slot, VirtualClock& clock)
       : path_(std::move(path)), sporadic_(sporadic), slot_(slot), clock_(clock) {}
 
   Result<void> load();
-  /// Lets the program continue until it waits, attaches or ends.
+  /// Lets the program continue until it calls its init function, waits for a release, or ends.
   void go_on();
 
   /// Ends the run: the program never continues.
@@ -79,8 +82,10 @@ class ProgramRun {
 
   [[nodiscard]] bool begun() const { return begun_; }
   [[nodiscard]] bool ended() const { return ended_; }
-  /// Why the run ended: "the program called exit(1) before it called initPeriodExe()".
+  /// The reason why the run ended, such as "the program called exit(1) before it called initPeriodExe()".
   [[nodiscard]] const std::string& end() const { return end_; }
+  /// True if the run ended with status 0.
+  [[nodiscard]] bool succeeded() const { return ended_ && status_ == 0; }
   [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
   std::vector<std::string> arguments;
 
@@ -113,9 +118,10 @@ class ProgramRun {
   Main main_ = nullptr;
   std::vector<PortBase*> ports_;
   std::vector<PropertyBase*> properties_of_file_;
-  std::vector<PropertyBase*> properties_;  // including those that main() constructed
+  std::vector<PropertyBase*> properties_;  // all properties, including those that main() constructed
   Problems rejected_;                      // values that the properties rejected
-  std::vector<SavedBase*> saved_by_;       // global variables, and those that main() constructed
+  std::vector<SavedBase*> saved_by_;       // the saved variables: global ones, and those that main()
+                                           // constructed
   takt_saved_state saved_{};               // the saved variable; data is null if there is none
   std::vector<char*> argv_;
   PortContext context_;
@@ -125,6 +131,7 @@ class ProgramRun {
   bool attached_ = false;
   bool ended_ = false;
   std::string end_;
+  int status_ = 1;
   std::vector<void (*)()> at_exit_;
   Exceptions exceptions_;
   os::Fiber test_;
@@ -170,7 +177,7 @@ void ProgramRun::go_on() {
   TAKT_CHECK(!ended_ && running == nullptr);
   running = this;
   begun_ = true;
-  serve_cycle(&cycle_);
+  serve_cycle(&cycle_, &slot_.log);
   exceptions_.swap();
   {
     const ProgramAllocations memory;
@@ -190,8 +197,8 @@ void ProgramRun::run_main() {
   argv_.push_back(nullptr);
   std::string what;
   try {
-    const int status = main_(static_cast<int>(argv_.size()) - 1, argv_.data());
-    what = "main() returned " + std::to_string(status);
+    status_ = main_(static_cast<int>(argv_.size()) - 1, argv_.data());
+    what = "main() returned " + std::to_string(status_);
   } catch (const std::exception& exception) {
     what = std::string{"main() threw: "} + exception.what();
   } catch (...) {
@@ -219,6 +226,7 @@ void ProgramRun::finish() {
 }
 
 void ProgramRun::exit(int status) {
+  status_ = status;
   if (end_.empty()) end_ = "the program called exit(" + std::to_string(status) + ")" + place();
   finish();
 }
@@ -240,23 +248,24 @@ void ProgramRun::give(const std::vector<PropertyBase*>& made) {
   }
 }
 
-// Makes the same checks as libtakt_process.
+// Checks the properties and arguments as libtakt_process does.
 void ProgramRun::check_properties(const char* function) {
   Problems problems = check_declared(properties_, "this program");
   problems.insert(problems.end(), rejected_.begin(), rejected_.end());
   std::vector<std::string_view> names;
   for (const PropertyBase* property : properties_) names.emplace_back(property->name());
+  names.emplace_back(kLogLevelProperty);
   for (const std::string& argument : arguments) {
     const std::string_view name = std::string_view{argument}.substr(0, argument.find('='));
-    if (!names.empty() && std::find(names.begin(), names.end(), name) == names.end())
+    if (!properties_.empty() && std::find(names.begin(), names.end(), name) == names.end())
       problems.push_back(fail("this program has no property " + in_quotes(name), suggestion(name, names)));
   }
   if (!problems.empty()) refuse(function, in_words(problems).c_str());
 }
 
-// Makes the same checks as libtakt_process.
+// Finds the saved variable, and checks it as libtakt_process does.
 void ProgramRun::find_saved(const char* function) {
-  for (SavedBase* one : take_loose_saved()) saved_by_.push_back(one);  // those that main() constructed
+  for (SavedBase* one : take_loose_saved()) saved_by_.push_back(one);  // constructed by main()
   if (saved_by_.size() + (saved_.data != nullptr ? 1 : 0) > 1)
     refuse(function, "the program saves more than one variable; put them into one struct");
   if (!saved_by_.empty()) saved_ = {saved_by_[0]->version(), saved_by_[0]->size(), saved_by_[0]->data()};
@@ -265,7 +274,7 @@ void ProgramRun::find_saved(const char* function) {
 }
 
 void ProgramRun::restore() const {
-  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : slot_.saved.saved();
+  const channel::SavedState::Copy* before = saved_.data == nullptr ? nullptr : slot_.saved.saved();
   if (before == nullptr) return;
   const bool same = before->version == saved_.version && before->size == saved_.size;
   if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
@@ -280,9 +289,9 @@ void ProgramRun::attach(bool sporadic, const char* function) {
                          : "the test declares the module periodic; use initPeriodExe() and waitPeriod()");
   }
   attached_ = true;
-  give(take_loose_properties());  // those that main() constructed
+  give(take_loose_properties());  // properties that main() constructed
   check_properties(function);
-  for (PortBase* port : take_loose_ports()) ports_.push_back(port);  // those that main() constructed
+  for (PortBase* port : take_loose_ports()) ports_.push_back(port);  // constructed by main()
   for (const PortBase* port : ports_) {
     for (const PortBase* other : ports_) {
       if (port != other && port->name() == other->name())
@@ -298,9 +307,20 @@ void ProgramRun::attach(bool sporadic, const char* function) {
   leave();
 }
 
-// Uses a release slot like takt-node's, and writes to it what libtakt_process writes.
+// Waits for a release. Uses a release slot like that of takt-node, and writes the same fields of the slot as
+// libtakt_process.
 void ProgramRun::wait(const char* function) {
   if (!attached_) refuse(function, "call initPeriodExe() or initSporadicExe() first");
+  if (std::string_view{function} != (sporadic_ ? "waitSporadic" : "waitPeriod")) {
+    refuse(function, sporadic_ ? "the module is sporadic; call waitSporadic()"
+                               : "the module is periodic; call waitPeriod()");
+  }
+  if (const auto late = take_loose_ports(); !late.empty()) {
+    const std::string what = "port '" + late.front()->name() +
+                             "' was created after this call, so it would have no effect; make it a global "
+                             "variable, or create it before this call";
+    refuse(sporadic_ ? "initSporadicExe" : "initPeriodExe", what.c_str());
+  }
   if (saved_.data != nullptr && taken_.count != 0)
     slot_.saved.save(saved_.data, saved_.size, saved_.version, context_.start_ns);
   slot_.done = taken_.count;
@@ -317,7 +337,8 @@ void ProgramRun::wait(const char* function) {
 
 namespace {
 
-/// A program. Each load, and each recovery after its end, starts it again.
+/// A process module. Each load() makes a new run of the module's program. A recovery after the end of the
+/// program calls load().
 class ProgramSubject final : public Subject {
  public:
   ProgramSubject(std::string path, bool sporadic, Nanoseconds period, VirtualClock& clock)
@@ -326,10 +347,12 @@ class ProgramSubject final : public Subject {
   Result<void> load() override {
     static auto& all = *new std::vector<std::unique_ptr<Life>>;  // never destroyed, see ProgramRun
     const auto before = life_ == nullptr ? std::nullopt : life_->slot.saved.copy();
+    const std::uint32_t log_level = life_ == nullptr ? 0 : life_->slot.log.level.load();
     all.push_back(std::make_unique<Life>(path_, sporadic_, clock_));
     life_ = all.back().get();
     channel::ReleaseSlot& slot = life_->slot;
     if (before) slot.saved.save(before->bytes.data(), before->size, before->version, before->saved_ns);
+    slot.log.level = log_level;
     slot.magic = channel::ReleaseSlot::kMagic;
     slot.kind = sporadic_ ? channel::ReleaseSlotKind::sporadic : channel::ReleaseSlotKind::periodic;
     slot.period_ns = period_.count();
@@ -341,7 +364,7 @@ class ProgramSubject final : public Subject {
     return go_on();
   }
   Result<void> start() override { return go_on(); }
-  Result<void> error(ErrorType) override { return {}; }  // a program has no error() hook
+  Result<void> error(ErrorType) override { return {}; }  // a process module has no hook error()
   Result<void> recover() override { return {}; }
   Result<void> destruct() override {
     life_->slot.end = 1;
@@ -350,6 +373,7 @@ class ProgramSubject final : public Subject {
   }
   void crash() override { life_->run.crash(); }
   [[nodiscard]] bool ended() const override { return life_->run.ended(); }
+  channel::LogRing& log_ring() override { return life_->slot.log; }
 
   Result<void> check(const std::string&, const std::string&) override { return {}; }
   Result<void> set(const std::string&, const std::string&) override {
@@ -373,6 +397,10 @@ class ProgramSubject final : public Subject {
     life_->run.go_on();
     if (!ended()) return;
     block.in_tables = 0;
+    if (life_->run.succeeded()) {
+      block.finished = 1;
+      return;
+    }
     block.errors = block.errors + 1;
     block.error_cycle = life_->slot.cycle(life_->slot.released);
     block.error_text.assign(life_->run.end());
@@ -387,7 +415,8 @@ class ProgramSubject final : public Subject {
     std::vector<std::shared_ptr<void>> kept;
   };
 
-  // The first call runs the program until it is attached, the next one until it waits.
+  // Lets the program continue. The first call runs the program until it has called its init function, and the
+  // second call until it waits for a release.
   Result<void> go_on() {
     ProgramRun& run = life_->run;
     run.go_on();
@@ -421,7 +450,7 @@ void waitPeriod(void) { ProgramRun::of_caller("waitPeriod").wait("waitPeriod"); 
 void waitSporadic(void) { ProgramRun::of_caller("waitSporadic").wait("waitSporadic"); }
 
 // The program calls these functions instead of those of the C library, because takt_add_component_test()
-// links it with --wrap.
+// links the program with --wrap.
 [[noreturn]] void __wrap_exit(int status);
 [[noreturn]] void __wrap_exit(int status) {
   if (ProgramRun::running == nullptr)

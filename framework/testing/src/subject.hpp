@@ -1,4 +1,4 @@
-// The interface to the tested module. It is the same for a thread module and a program.
+// The interface to the tested module, which is the same for thread modules and process modules.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@ class VirtualClock final : public Clock {
   void go_to(Instant now) noexcept { now_ = now; }
 
  private:
-  // Not 0, because a time of 0 means "never" elsewhere.
+  // The first time is not 0, because other code uses 0 for "never".
   Instant now_ = from_ns(1'000'000'000'000);
 };
 
@@ -43,13 +43,17 @@ class Subject {
   virtual Result<void> destruct() = 0;
   /// Simulates that the module's process dies.
   virtual void crash() = 0;
-  /// Whether the module crashed, or is a program that has ended. To recover, it must be loaded and started
-  /// again.
+  /// True if the module has crashed, or if it is a process module whose program has ended. To recover, such a
+  /// module must be loaded and started again.
   [[nodiscard]] virtual bool ended() const = 0;
-  /// Discards the saved state.
+  /// The ring with the log lines of the module. A process module gets a new ring, with the same level, with
+  /// each load().
+  virtual channel::LogRing& log_ring() = 0;
+  /// Discards the module's saved state.
   virtual void forget() {}
 
-  /// Before initialize(): whether the module accepts the property.
+  /// Checks, before initialize(), that the module accepts this value of the property. A C++ module also takes
+  /// the value.
   virtual Result<void> check(const std::string& name, const std::string& text) = 0;
   virtual Result<void> set(const std::string& name, const std::string& text) = 0;
   /// The value of a property. Empty if the module does not know its value; the caller then uses the value
@@ -58,24 +62,25 @@ class Subject {
 
   [[nodiscard]] virtual const std::vector<PortBase*>& ports() const = 0;
   virtual void connect(PortBase& port, channel::Link link) { port.connect(link, nullptr); }
-  /// Checks the deadline of an input, as host::ThreadModule::watch() does. Thread modules only.
-  virtual void watch(channel::Link, const PortBase&, bool /*stale_is_error*/) {}
-  /// Keeps memory alive that the ports use.
+  /// Checks the deadline of an input, in the same way as host::ThreadModule::check_deadline(). Thread modules
+  /// only.
+  virtual void check_deadline(channel::Link, const PortBase&, bool /*stale_is_error*/) {}
+  /// Keeps this memory, which the ports use, alive as long as the ports.
   virtual void keep(std::shared_ptr<void>) {}
 
   /// Sets the fields of `unit` through which the executor calls or releases the module.
   virtual void enter(executor::Unit& unit) = 0;
-  /// Called after each row: lets a released program run its body, and handlers answer requests. Stores an
-  /// error in `block`.
+  /// Called after each row. Lets a released program run its body, and lets handlers answer requests. Records
+  /// in `block` if the program failed or has finished.
   virtual void serve(channel::ModuleBlock& block) = 0;
 };
 
 std::unique_ptr<Subject> make_thread_subject(std::string path, bool sporadic, Nanoseconds period,
-                                             VirtualClock& clock, const channel::ModuleBlock& block);
+                                             VirtualClock& clock, channel::ModuleBlock& block);
 std::unique_ptr<Subject> make_program_subject(std::string path, bool sporadic, Nanoseconds period,
                                               VirtualClock& clock);
 
-/// Marks a file as loaded, while the object lives. A second module of the same file is loaded as a copy, with
+/// Marks a file as loaded while this object lives. A second module of the same file is loaded as a copy, with
 /// its own variables.
 class LoadedFile {
  public:
@@ -84,7 +89,7 @@ class LoadedFile {
   LoadedFile& operator=(const LoadedFile&) = delete;
   ~LoadedFile() { release(); }
 
-  /// Whether another object has marked the file.
+  /// True if another LoadedFile has marked the file.
   static bool is_taken(const std::string& path);
   void take(const std::string& path);
   void release();

@@ -34,14 +34,15 @@ namespace {
 class ThreadSubject final : public Subject {
  public:
   ThreadSubject(std::string path, bool sporadic, Nanoseconds period, VirtualClock& clock,
-                const channel::ModuleBlock& block)
-      : path_(std::move(path)), sporadic_(sporadic) {
+                channel::ModuleBlock& block)
+      : path_(std::move(path)), sporadic_(sporadic), log_(block.log) {
     module_.keep_time_by(clock);
     module_.attach(nullptr, &block, model::Timing::direct, sporadic ? Nanoseconds{0} : period);
     module_.save_in(*saved_);
   }
 
-  // As in the host, objects of a C++ component share a file, and each further module in C gets a copy of it.
+  // As in the host, all modules of a C++ component share one loaded file, and each further module in C gets
+  // its own copy of the file.
   Result<void> load() override {
     module_.unload();
     file_.release();
@@ -62,6 +63,7 @@ class ThreadSubject final : public Subject {
   Result<void> destruct() override { return crashed_ ? Result<void>{} : module_.destruct(); }
   void crash() override { crashed_ = true; }
   [[nodiscard]] bool ended() const override { return crashed_; }
+  channel::LogRing& log_ring() override { return log_; }
   void forget() override { saved_->clear(); }
 
   Result<void> check(const std::string& name, const std::string& text) override {
@@ -81,8 +83,8 @@ class ThreadSubject final : public Subject {
   }
 
   [[nodiscard]] const std::vector<PortBase*>& ports() const override { return module_.ports(); }
-  void watch(channel::Link link, const PortBase& input, bool stale_is_error) override {
-    module_.watch(link, input, stale_is_error);
+  void check_deadline(channel::Link link, const PortBase& input, bool stale_is_error) override {
+    module_.check_deadline(link, input, stale_is_error);
   }
 
   void enter(executor::Unit& unit) override { unit.body = &module_; }
@@ -94,7 +96,8 @@ class ThreadSubject final : public Subject {
  private:
   std::string path_;
   bool sporadic_;
-  bool crashed_ = false;  // crashed, and not yet started again
+  channel::LogRing& log_;
+  bool crashed_ = false;  // true from a crash until the module is started again
   LoadedFile file_;
   std::unique_ptr<channel::SavedState> saved_ = std::make_unique<channel::SavedState>();
   host::ThreadModule module_;
@@ -103,7 +106,7 @@ class ThreadSubject final : public Subject {
 }  // namespace
 
 std::unique_ptr<Subject> make_thread_subject(std::string path, bool sporadic, Nanoseconds period,
-                                             VirtualClock& clock, const channel::ModuleBlock& block) {
+                                             VirtualClock& clock, channel::ModuleBlock& block) {
   return std::make_unique<ThreadSubject>(std::move(path), sporadic, period, clock, block);
 }
 

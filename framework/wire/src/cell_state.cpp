@@ -19,14 +19,14 @@ std::string last(const std::string& path) { return path.substr(path.rfind('/') +
 
 }  // namespace
 
-void CellState::heard(const DeviceStatus& status, WriterId writer) {
+void CellState::receive(const DeviceStatus& status, WriterId writer) {
   const std::string id = status.node().to_string();
   // A new node of a device replaces the lost node of this device.
   std::erase_if(nodes_, [&](const auto& entry) {
     const Node& other = entry.second;
     if (entry.first == id || other.alive || other.status.device() != status.device()) return false;
-    // If the new node has resumed the same cell, the states of its modules may have arrived before its own
-    // status. So they are not deleted.
+    // If the new node has resumed the same cell, the states of its modules may have arrived before the status
+    // of the node. So do not delete these states.
     if (other.status.cell() != status.cell()) deployments_.erase(device_path(other.status));
     return true;
   });
@@ -36,32 +36,32 @@ void CellState::heard(const DeviceStatus& status, WriterId writer) {
   nodes_[id] = {.status = status, .writer = writer, .alive = true, .back_at = back_at};
 }
 
-void CellState::heard(const LifecycleStatus& status) {
+void CellState::receive(const LifecycleStatus& status) {
   deployments_[device_path(status)].modules[status.name().to_string()] = status;
 }
 
-void CellState::heard(const ModuleStatistics& statistics) {
+void CellState::receive(const ModuleStatistics& statistics) {
   deployments_[device_path(statistics)].statistics[statistics.name().to_string()] = statistics;
 }
 
-void CellState::heard(const ExecutorStatistics& statistics) {
+void CellState::receive(const ExecutorStatistics& statistics) {
   deployments_[device_path(statistics)].executors[statistics.name().to_string()] = statistics;
 }
 
-void CellState::heard(const PortStatus& status) {
+void CellState::receive(const PortStatus& status) {
   deployments_[device_path(status)].ports[status.name().to_string() + "." + status.port().to_string()] =
       status;
 }
 
-void CellState::gone(const DeviceStatus& key, WriterId writer) {
+void CellState::remove(const DeviceStatus& key, WriterId writer) {
   // A node that changes its key publishes the new key before it disposes of the old one. So the node has
-  // ended only if the last status received from it has the disposed key.
+  // ended only if the last status received from the node has the disposed key.
   std::erase_if(nodes_, [&](const auto& entry) {
     return entry.second.writer == writer && entry.second.status.path() == key.path();
   });
 }
 
-void CellState::gone(const LifecycleStatus& key) {
+void CellState::remove(const LifecycleStatus& key) {
   const std::string path = key.path().to_string();
   const auto found = deployments_.find(parent(path));
   if (found == deployments_.end()) return;
@@ -92,13 +92,22 @@ bool CellState::executes(const std::string& cell, const std::string& device,
   return found != deployment->second.modules.end() && found->second.state() == STATE_EXECUTING;
 }
 
-std::vector<CellState::Heard> CellState::of_deployment(const std::string& id, const std::string& but) const {
-  std::vector<Heard> heard;
+std::vector<CellState::LastStatus> CellState::of_deployment(const std::string& id,
+                                                            const std::string& but) const {
+  std::vector<LastStatus> found;
   for (const auto& [node_id, node] : nodes_) {
     if (node.status.deployment() == id && node.status.device() != but)
-      heard.push_back({node.status, node.alive});
+      found.push_back({node.status, node.alive});
   }
-  return heard;
+  return found;
+}
+
+std::vector<CellState::LastStatus> CellState::of_device(const std::string& name) const {
+  std::vector<LastStatus> found;
+  for (const auto& [node_id, node] : nodes_) {
+    if (node.status.device() == name) found.push_back({node.status, node.alive});
+  }
+  return found;
 }
 
 ObservedDevice CellState::seen(const Node& node) const {

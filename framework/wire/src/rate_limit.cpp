@@ -18,7 +18,7 @@ void RateLimit::Allowance::fill(Clock::time_point now) {
 
 bool RateLimit::admit(std::uint64_t client, Clock::time_point now) {
   if (clients_.size() >= kMostClients && !clients_.contains(client)) {
-    // Forgets the client that has sent nothing for the longest time, because its allowance has had the most
+    // Forget the client that has sent nothing for the longest time, because its allowance has had the most
     // time to refill.
     clients_.erase(std::min_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
       return a.second.since < b.second.since;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kHeader = 20;
 constexpr std::uint32_t kMostBits = 256;  // largest number of bits in a set of sequence or fragment numbers
+// The largest accepted sequence number. Fast DDS adds small numbers to it, and must not overflow.
 constexpr std::int64_t kMostNumber = std::int64_t{1} << 62;
 
 /// Reads values from a sequence of bytes in one byte order. If the bytes end within a value, this value and
@@ -51,7 +52,8 @@ class Cursor {
     fail();
     return least;
   }
-  /// Skips the bits of a set of sequence or fragment numbers. The base of the set must already be read.
+  /// Skips the bits of a set of sequence or fragment numbers. The caller must already have read the base of
+  /// the set.
   void bits() noexcept {
     const std::uint32_t n = u32();
     if (n > kMostBits) return fail();
@@ -68,6 +70,12 @@ class Cursor {
     }
     align();
     return {reinterpret_cast<const char*>(characters.data()), characters.size() - 1};
+  }
+  /// Reads the number of items that follow, each of `size` bytes. Returns true if the data contains so many
+  /// items.
+  bool fits(std::size_t size) noexcept {
+    const std::uint32_t n = u32();
+    return ok_ && n <= left() / size;
   }
   std::span<const std::uint8_t> octets() noexcept {
     const auto content = bytes(u32());
@@ -96,7 +104,20 @@ class Cursor {
 
 // ---- Parameter lists
 
-enum class Content { any, text, texts, properties, token, octets, locator, guid, number };
+enum class Content {
+  any,
+  text,
+  texts,
+  properties,
+  token,
+  octets,
+  locator,
+  guid,
+  number,
+  shorts,
+  longs,
+  filter
+};
 
 Content content_of(std::uint32_t parameter) noexcept {
   constexpr std::uint32_t kMustUnderstand = 0x4000;
@@ -132,6 +153,12 @@ Content content_of(std::uint32_t parameter) noexcept {
     case 0x71:  // disposed, unregistered
     case 0x77:
       return Content::number;
+    case 0x73:  // data representations
+      return Content::shorts;
+    case 0x8006:  // domains of data sharing
+      return Content::longs;
+    case 0x35:  // content filter
+      return Content::filter;
     default:
       return Content::any;
   }
@@ -155,7 +182,7 @@ void check_properties(Cursor& value) noexcept {
 }
 
 /// Checks a token, which Fast DDS calls a data holder. Calls `each` with the name and value of each binary
-/// property; `each` returns whether the property is valid.
+/// property; `each` returns true if the property is valid.
 template <class Each>
 void check_token(Cursor& value, Each&& each) noexcept {
   value.text();
@@ -175,7 +202,9 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
       value.text();
       break;
     case Content::texts:
-      for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) value.text();
+      // A text of length 0 is rejected: Fast DDS would read on to the next zero byte, even beyond the message.
+      for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n)
+        if (value.text().data() == nullptr) value.fail();
       break;
     case Content::properties:
       check_properties(value);
@@ -192,6 +221,14 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
       return value.left() == 16;
     case Content::number:
       return value.left() == 4;
+    case Content::shorts:
+      return value.fits(2);
+    case Content::longs:
+      return value.fits(8);
+    case Content::filter:
+      for (int i = 0; i < 4; ++i) value.text();  // the names of the topics and of the class, the expression
+      for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) value.text();
+      break;
   }
   return value.ok();
 }
@@ -220,7 +257,7 @@ void check_parameters(Cursor& list) noexcept {
 constexpr std::uint32_t kParticipants = 0x000100c2;  // entity id of the writer of participant announcements
 constexpr std::uint32_t kProofs = 0x000201c3;        // entity id of the writer of authentication messages
 
-/// Returns whether this writer announces participants, readers or writers. Samples of such a writer contain a
+/// Returns true if this writer announces participants, readers or writers. Samples of such a writer contain a
 /// parameter list.
 bool discovers(std::uint32_t writer) noexcept {
   return writer == kParticipants || writer == 0x000002c2 || writer == 0x000003c2 || writer == 0x000004c2;
@@ -241,12 +278,13 @@ std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
   body.skip(4);
   const std::uint32_t writer = body.id();
   static_cast<void>(body.sequence(1));
-  if (to_qos < behind || to_qos > behind + body.left()) body.fail();
+  constexpr std::uint32_t kMostToQos = 0x7fff;  // Fast DDS reads to_qos as a signed number
+  if (to_qos < behind || to_qos > behind + body.left() || to_qos > kMostToQos) body.fail();
   return writer;
 }
 
-/// Checks the sender, receiver, class and tokens of an authentication message (DDS Security 1.1, section
-/// 7.4.4).
+/// Checks that an authentication message contains a sender, a receiver and a class, whose values do not
+/// matter here, and that each of its tokens is valid (DDS Security 1.1, section 7.4.4).
 void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
   message.skip(24 + 24 + 16 + 16 + 16);
   message.text();
@@ -269,8 +307,8 @@ void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) 
   if ((flags & (kData | kKey)) == 0) return;
   const auto encapsulation = body.bytes(4);
   if (!body.ok() || (!discovers(writer) && writer != kProofs)) return;
-  // The encapsulation must be PL_CDR if the content is a parameter list, and CDR if not. Both byte orders are
-  // valid.
+  // The encapsulation must be PL_CDR if the content is a parameter list, and CDR otherwise. Both byte orders
+  // are valid.
   const int plain = encapsulation[1] - (discovers(writer) ? 2 : 0);
   if (encapsulation[0] != 0 || (plain != 0 && plain != 1)) return body.fail();
   Cursor content{body.bytes(body.left()), plain == 1};
@@ -287,9 +325,11 @@ void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
   copy.skip(2);
   const std::uint32_t to_qos = copy.u16();
   const std::uint32_t writer = check_head(body, 16);
-  // Fragments of discovery and authentication messages are rejected: Fast DDS reads such a message as soon as
-  // it has all fragments, so Takt could not check it before.
-  if (discovers(writer) || writer == kProofs) return body.fail();
+  // Fragments of discovery and authentication messages are rejected, because Fast DDS reads such a message as
+  // soon as it has all fragments, and Takt could not check the message before.
+  // Fragments of a key are rejected, because Fast DDS stores them as if they had no content.
+  constexpr std::uint8_t kKey = 4;
+  if (discovers(writer) || writer == kProofs || (flags & kKey) != 0) return body.fail();
   const std::uint64_t first = body.u32();
   const std::uint64_t count = body.u16();
   const std::uint64_t size = body.u16();
@@ -393,7 +433,7 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
 }
 
 /// Iterates over submessages as Fast DDS does: each submessage begins at a multiple of four bytes, even if
-/// the previous one claims another length.
+/// the length of the previous one says otherwise.
 class Submessages {
  public:
   explicit Submessages(std::span<const std::uint8_t> message) noexcept : left_(message.subspan(kHeader)) {}
@@ -401,14 +441,15 @@ class Submessages {
   struct One {
     std::uint8_t kind = 0;
     std::uint8_t flags = 0;
-    bool last = false;  // whether its length field is 0: it then extends to the message's end
+    bool last = false;  // true if the length field is 0: then the submessage extends to the end of the
+                        // message
     std::span<const std::uint8_t> body;
     [[nodiscard]] bool little() const noexcept { return (flags & kLittle) != 0; }
   };
   [[nodiscard]] bool empty() const noexcept { return left_.empty(); }
   [[nodiscard]] std::size_t left() const noexcept { return left_.size(); }
-  /// Returns the next submessage. If it extends past the end of the message, returns a submessage of kind 0,
-  /// a kind that RTPS does not define.
+  /// Returns the next submessage. If the submessage extends past the end of the message, returns one of kind
+  /// 0, a kind that RTPS does not define.
   One next() noexcept {
     if (left_.size() < 4) return {};
     One one{.kind = left_[0], .flags = left_[1], .last = false, .body = {}};
@@ -433,7 +474,7 @@ bool is_header(std::span<const std::uint8_t> message) noexcept {
   return message.size() >= kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
 }
 
-/// Returns whether an encrypted body and authentication codes follow this SEC_PREFIX or SRTPS_PREFIX, each
+/// Returns true if an encrypted body and authentication codes follow this SEC_PREFIX or SRTPS_PREFIX, each
 /// with a length that matches its content.
 bool is_protected(const Submessages::One& prefix, Submessages& rest) noexcept {
   const auto postfix_kind = static_cast<std::uint8_t>(prefix.kind + 1);
@@ -493,6 +534,16 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
   return true;
 }
 
+bool concerns_participants(std::span<const std::uint8_t> message) noexcept {
+  for (Submessages rest{message}; !rest.empty();) {
+    const auto one = rest.next();
+    if (one.kind != 0x15) continue;
+    Cursor body{one.body, one.little()};
+    if (check_head(body, kBeforeData) == kParticipants) return true;
+  }
+  return false;
+}
+
 Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   constexpr std::uint32_t kLease = 0x02;
   constexpr std::uint32_t kParticipant = 0x50;
@@ -510,7 +561,8 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
     const std::uint32_t to_qos = copy.u16();
     if (check_head(body, kBeforeData) != kParticipants) continue;
     body.skip(to_qos - kBeforeData);
-    // Skips the inline QoS. It can say that the participant leaves, but Fast DDS handles that.
+    // Skip the inline QoS. It can announce that the participant leaves; Fast DDS handles such an
+    // announcement.
     if ((one.flags & kInlineQos) != 0) check_parameters(body);
     const auto encapsulation = body.bytes(4);
     if (!body.ok()) continue;

@@ -7,26 +7,12 @@
 #include <cstring>
 #include <string_view>
 
+#include <takt/core/control_character.hpp>
 #include <takt/core/words.hpp>
 
 namespace takt::wire {
 
 namespace {
-
-bool is_control(char byte) noexcept {
-  const auto code = static_cast<unsigned char>(byte);
-  return code < 0x20 || code == 0x7f;
-}
-
-// Returns whether the text is valid UTF-8 without control characters.
-bool is_name(std::string_view text) noexcept {
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    if (length == 0 || is_control(text.front())) return false;
-    text.remove_prefix(length);
-  }
-  return true;
-}
 
 template <class... Fields>
 bool are_names(const Fields&... fields) noexcept {
@@ -45,14 +31,18 @@ void clean(eprosima::fastrtps::fixed_string<N>& field) noexcept {
   std::memcpy(text.data(), field.c_str(), size);
   for (std::size_t at = 0; at < size;) {
     const std::size_t length = utf8_length({text.data() + at, size - at});
-    if (length == 0) text[at] = '?';
-    if (is_control(text[at]) && text[at] != '\n' && text[at] != '\t') text[at] = ' ';
-    at += std::max<std::size_t>(1, length);
+    if (length == 0) {
+      text[at++] = '?';
+      continue;
+    }
+    const bool kept = text[at] == '\n' || text[at] == '\t';
+    if (!kept && is_control_character({text.data() + at, length})) std::memset(text.data() + at, ' ', length);
+    at += length;
   }
   field.assign(text.data(), size);
 }
 
-// Returns whether the value is one of the enumerators of its type. The generated enumerations are unsigned
+// Returns true if the value is one of the enumerators of its type. The generated enumerations are unsigned
 // and begin with 0.
 template <class Enum>
 bool exists(Enum value, Enum last) noexcept {
@@ -72,6 +62,15 @@ bool is_part(const Part& part) noexcept {
 
 }  // namespace
 
+bool is_name(std::string_view text) noexcept {
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    if (length == 0 || is_control_character(text.substr(0, length))) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
 bool validate(LifecycleStatus& status) noexcept {
   clean(status.text());
   return is_named(status) && exists(status.state(), STATE_DESTRUCT) &&
@@ -83,8 +82,12 @@ bool validate(DeviceStatus& status) noexcept {
   clean(status.text());
   clean(status.host_name());
   return are_given(status.path(), status.cell(), status.device(), status.node()) &&
-         are_names(status.path(), status.cell(), status.device(), status.node(), status.deployment()) &&
-         exists(status.state(), DEVICE_ENDED) && exists(status.health(), HEALTH_FAILED);
+         are_names(status.path(), status.cell(), status.device(), status.node(), status.deployment(),
+                   status.undeployed(), status.update()) &&
+         std::all_of(status.echoes().begin(), status.echoes().end(),
+                     [](const StatusEcho& echo) { return are_names(echo.node()); }) &&
+         exists(status.update_state(), UPDATE_UNDONE) && exists(status.state(), DEVICE_ENDED) &&
+         exists(status.health(), HEALTH_FAILED);
 }
 
 bool validate(ModuleStatistics& statistics) noexcept { return is_named(statistics); }
@@ -100,7 +103,7 @@ bool validate(FaultEvent& event) noexcept {
   clean(event.attachment());
   return are_given(event.path(), event.cell(), event.device()) &&
          are_names(event.path(), event.cell(), event.device(), event.name()) &&
-         exists(event.kind(), FAULT_NOT_REAL_TIME) && exists(event.severity(), SEVERITY_ERROR) &&
+         exists(event.kind(), FAULT_LOG_DEBUG) && exists(event.severity(), SEVERITY_ERROR) &&
          exists(event.error(), ERROR_OVERRUN);
 }
 

@@ -80,6 +80,10 @@ const char* to_text(DeviceState state) noexcept {
       return "preparing";
     case DEVICE_READY:
       return "ready";
+    case DEVICE_ARMED:
+      return "armed";
+    case DEVICE_STARTED:
+      return "started";
     case DEVICE_RUNNING:
       return "running";
     case DEVICE_STOPPING:
@@ -98,6 +102,22 @@ const char* to_text(DeviceHealth health) noexcept {
       return "degraded";
     case HEALTH_FAILED:
       return "failed";
+  }
+  return "?";
+}
+
+const char* to_text(UpdateState state) noexcept {
+  switch (state) {
+    case UPDATE_NONE:
+      return "none";
+    case UPDATE_OPEN:
+      return "open";
+    case UPDATE_CHANGED:
+      return "changed";
+    case UPDATE_KEPT:
+      return "kept";
+    case UPDATE_UNDONE:
+      return "undone";
   }
   return "?";
 }
@@ -161,7 +181,7 @@ std::string cut(std::string_view text, std::size_t bytes) {
   constexpr std::string_view kOmitted = "...";
   if (bytes <= kOmitted.size()) return std::string{text.substr(0, bytes)};
   std::size_t end = bytes - kOmitted.size();
-  // Moves the cut back to the beginning of a UTF-8 character. Text that is not UTF-8 may be cut at any byte.
+  // Move the cut back to the beginning of a UTF-8 character. Text that is not UTF-8 may be cut at any byte.
   for (std::size_t back = 0; back < 4 && back < end; ++back) {
     if (utf8_length(text.substr(end - back)) == 0) continue;
     end -= back;
@@ -175,6 +195,31 @@ std::string path_of(std::string_view cell, std::string_view device, std::string_
   path.append("/").append(device);
   if (!part.empty()) path.append("/").append(part);
   return path;
+}
+
+bool executes(const DeviceStatus& status) {
+  return status.state() == DEVICE_STARTED || status.state() == DEVICE_RUNNING;
+}
+
+std::string name_conflict(const DeviceStatus& other, int domain) {
+  std::string text = "another node named " + other.device().to_string() + " is on domain " +
+                     std::to_string(domain) + ": process " + std::to_string(other.process_id()) + " on " +
+                     other.host_name().to_string();
+  if (!executes(other)) return text;
+  const std::string cell = " cell " + other.cell().to_string();
+  if (other.uninterrupted_s() == 0) return text + ", which executes" + cell;
+  return text + ", which has executed" + cell + " without interruption for " +
+         std::to_string(other.uninterrupted_s()) + " s";
+}
+
+std::string nodes_of_one_name(const std::vector<DeviceStatus>& nodes, int domain) {
+  std::string places;
+  for (const DeviceStatus& node : nodes) {
+    places += (places.empty() ? "process " : ", process ") + std::to_string(node.process_id()) + " on " +
+              node.host_name().to_string();
+  }
+  return std::to_string(nodes.size()) + " nodes on domain " + std::to_string(domain) +
+         " have this name: " + places;
 }
 
 }  // namespace takt::wire

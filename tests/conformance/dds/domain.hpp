@@ -1,5 +1,5 @@
-// The interface and the domain of the tests: loopback, and a domain that tests of another build tree most
-// likely do not use.
+// The network interface and the DDS domain that the tests use: loopback, and a domain number that depends on
+// the build folder. So tests of two build folders rarely share a domain.
 #pragma once
 
 #include <cstdlib>

@@ -1,13 +1,17 @@
-// Tests of the gateway, which moves samples between the links of a device and DDS. Another process is at the
-// other end.
+// Tests the gateway, which moves samples between a device's links and DDS. At the other end of DDS is another
+// process (peer.cpp) or a second link.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <fstream>
+#include <iomanip>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <sstream>
@@ -31,20 +35,28 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// The memory of a link, formatted as the node formats it.
+/// Memory that contains a link, formatted as the node formats it.
+/// The memory of a link. It exists until the fixture has destroyed the gateway, which reads all links.
 class Memory {
  public:
   explicit Memory(channel::Link::Options options) : size_(channel::Link::layout(options).size()) {
     bytes_ = static_cast<std::byte*>(::operator new (size_, std::align_val_t{64}));
+    const std::lock_guard lock{mutex_};
+    all_.emplace_back(bytes_);
     std::memset(bytes_, 0, size_);
     channel::Link::format(bytes_, options);
   }
   Memory(const Memory&) = delete;
   Memory& operator=(const Memory&) = delete;
-  ~Memory() { ::operator delete (bytes_, std::align_val_t{64}); }
+  static void free_all() { all_.clear(); }
   [[nodiscard]] channel::Link link() const { return channel::Link{bytes_}; }
 
  private:
+  struct Free {
+    void operator()(std::byte* bytes) const { ::operator delete (bytes, std::align_val_t{64}); }
+  };
+  static inline std::mutex mutex_;
+  static inline std::vector<std::unique_ptr<std::byte, Free>> all_;
   std::size_t size_;
   std::byte* bytes_;
 };
@@ -66,7 +78,13 @@ class DdsGateway : public testing::Test {
     gateway_ = std::move(*gateway);
   }
 
-  /// Writes a sample as a module does, and wakes its readers as the executor does at the end of the cycle.
+  void TearDown() override {
+    gateway_.reset();
+    Memory::free_all();
+  }
+
+  /// Writes a sample as a module does. Then wakes the readers of the link as the executor does at the end of
+  /// a cycle.
   void write(channel::LinkWriter& writer, const std::vector<std::byte>& bytes,
              std::int64_t stamp = to_ns(os::now())) {
     std::memcpy(writer.link().payload(writer.buffer()), bytes.data(), bytes.size());
@@ -77,7 +95,8 @@ class DdsGateway : public testing::Test {
       os::futex_wake(wake_word_.rings, bits);
     }
   }
-  /// Writes sample 0 until the peer receives it: the peer's reader may match later than this writer.
+  /// Writes sample 0 repeatedly until the peer prints it, because the peer's reader may match this writer
+  /// late.
   void write_until_received(channel::LinkWriter& writer, Peer& tap) {
     ASSERT_TRUE(soon([&] {
       write(writer, bytes_of(0));
@@ -106,7 +125,7 @@ TEST_F(DdsGateway, SendsCompleteSamplesInOrder) {
     write(writer, bytes_of(number, 0, static_cast<std::uint32_t>(number * 37 % 5000)));
     std::this_thread::sleep_for(1ms);
   }
-  ASSERT_TRUE(tap.says("sample 1"));
+  ASSERT_TRUE(tap.prints("sample 1"));
   for (std::uint64_t number = 2; number <= 500; ++number)
     ASSERT_EQ(tap.line(), "sample " + std::to_string(number));
   EXPECT_EQ(health(*flow_id).failures, 0U);
@@ -119,15 +138,15 @@ TEST_F(DdsGateway, ReceivesCompleteSamplesInOrderWithTheirTimeStamps) {
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link(), latest.link()});
   ASSERT_TRUE(flow_id.ok());
   Peer feed{{"feed", "in", "reliable", "64"}};
-  ASSERT_TRUE(feed.says("ready"));
+  ASSERT_TRUE(feed.prints("ready"));
   ASSERT_TRUE(soon([&] { return health(*flow_id).matched == 1; }));
-  std::this_thread::sleep_for(300ms);  // waits until the writer has matched too
+  std::this_thread::sleep_for(300ms);  // time for the peer's writer to match this reader
   const std::int64_t begin = to_ns(os::now());
-  feed.say("200");
+  feed.write("200");
   ASSERT_TRUE(soon([&] { return health(*flow_id).samples == 200; }));
   const std::int64_t end = to_ns(os::now());
   channel::LinkReader reader{memory.link()};
-  std::int64_t last = begin - 1'000'000;  // tolerance: the wall clock may be corrected
+  std::int64_t last = begin - 1'000'000;  // tolerance of 1 ms: the system may correct the wall clock
   for (std::uint64_t number = 1; number <= 200; ++number) {
     ASSERT_TRUE(reader.take());
     const std::byte* bytes = reader.link().payload(reader.buffer());
@@ -135,7 +154,7 @@ TEST_F(DdsGateway, ReceivesCompleteSamplesInOrderWithTheirTimeStamps) {
     EXPECT_EQ(number_in(bytes), number);
     EXPECT_GE(reader.info().stamp_ns, last);
     EXPECT_LE(reader.info().stamp_ns, end);
-    last = reader.info().stamp_ns - 100'000;  // the two clocks are not read at the same instant
+    last = reader.info().stamp_ns - 100'000;  // tolerance of 100 us for the conversion between two clocks
   }
   channel::LinkReader newest{latest.link()};
   ASSERT_TRUE(newest.take());
@@ -143,7 +162,7 @@ TEST_F(DdsGateway, ReceivesCompleteSamplesInOrderWithTheirTimeStamps) {
   EXPECT_EQ(health(*flow_id).lost, 0U);
 }
 
-TEST_F(DdsGateway, KeepsTheTimeStampOfTheModuleUnlessItsClockIsWrong) {
+TEST_F(DdsGateway, KeepsTheTimeStampOfAModuleUnlessTheTimeIsImplausible) {
   const Memory out{queue(4, kWake)};
   const Memory in{queue(4)};
   const auto going = gateway_->add_outgoing(flow("stamp", kReliable), out.link());
@@ -153,13 +172,39 @@ TEST_F(DdsGateway, KeepsTheTimeStampOfTheModuleUnlessItsClockIsWrong) {
   channel::LinkWriter writer{out.link()};
   const std::int64_t now = to_ns(os::now());
   write(writer, bytes_of(1), now - 7'000'000'000);
-  write(writer, bytes_of(2), now - 100'000'000'000);  // as from a module whose clock is wrong
-  ASSERT_TRUE(soon([&] { return health(*coming).samples == 2; }));
+  write(writer, bytes_of(2), now - 100'000'000'000);       // 100 s old, as from a module whose clock is wrong
+  write(writer, bytes_of(3), -4'000'000'000'000'000'001);  // before 1970: Fast DDS would never return
+  ASSERT_TRUE(soon([&] { return health(*coming).samples == 3; }));
   channel::LinkReader reader{in.link()};
   ASSERT_TRUE(reader.take());
   EXPECT_NEAR(static_cast<double>(reader.info().stamp_ns), static_cast<double>(now - 7'000'000'000), 5e6);
   ASSERT_TRUE(reader.take());
   EXPECT_GE(reader.info().stamp_ns, now) << "the gateway uses the time of arrival instead";
+}
+
+/// What the node stores in a link whose samples come from a device whose clock is `ahead` of this one.
+std::int64_t clock_ahead_by(Nanoseconds ahead) { return os::wall_ns() - to_ns(os::now()) + ahead.count(); }
+
+TEST_F(DdsGateway, KnowsTheAgeOfASampleFromADeviceWhoseClockIsAhead) {
+  const Memory out{queue(4, kWake)};
+  const Memory in{queue(4)};
+  const auto going = gateway_->add_outgoing(flow("ahead", kReliable), out.link());
+  const auto coming = gateway_->add_incoming(flow("ahead", kReliable), {in.link()});
+  ASSERT_TRUE(going.ok() && coming.ok());
+  ASSERT_TRUE(soon([&] { return health(*going).matched == 1 && health(*coming).matched == 1; }));
+  in.link().block().sender_clock_ns = clock_ahead_by(500ms);
+  channel::LinkWriter writer{out.link()};
+  const std::int64_t now = to_ns(os::now());
+  write(writer, bytes_of(1), now - 310'000'000 + 500'000'000);  // 310 ms old
+  write(writer, bytes_of(2), now + 900'000'000);                // from the future, even by the sender's clock
+  ASSERT_TRUE(soon([&] { return health(*coming).samples == 2; }));
+  channel::LinkReader reader{in.link()};
+  ASSERT_TRUE(reader.take());
+  EXPECT_NEAR(static_cast<double>(reader.info().stamp_ns), static_cast<double>(now - 310'000'000), 5e6);
+  ASSERT_TRUE(reader.take());
+  EXPECT_GE(reader.info().stamp_ns, now);
+  EXPECT_LE(reader.info().stamp_ns, to_ns(os::now()));
+  EXPECT_EQ(health(*coming).untimed, 1U);
 }
 
 TEST_F(DdsGateway, WakesUpAsSoonAsASampleIsWritten) {
@@ -221,9 +266,9 @@ TEST_F(DdsGateway, DropsAndCountsInvalidSamples) {
     std::snprintf(digits.data(), digits.size(), "%02x", static_cast<unsigned>(each));
     good += digits.data();
   }
-  good.resize(48);  // the sample claims 40 bytes of data but has none, so every variant is too short
+  good.resize(48);  // the sample claims 40 bytes of data but has none, so it is too short
   Peer forger{{"forge", "in", "test::Sample", "plain", "500", good}};
-  ASSERT_TRUE(forger.says("forged", 60s));
+  ASSERT_TRUE(forger.prints("forged", 60s));
   const wire::FlowHealth after = health(*flow_id);
   EXPECT_EQ(after.refused + after.samples, 500U);
   EXPECT_GT(after.refused, 300U);
@@ -231,7 +276,7 @@ TEST_F(DdsGateway, DropsAndCountsInvalidSamples) {
   EXPECT_EQ(memory.link().block().written.load(), after.samples);
   Peer honest{{"feed", "in", "reliable", "64"}};
   EXPECT_TRUE(soon([&] {
-    honest.say("1");
+    honest.write("1");
     std::this_thread::sleep_for(50ms);
     return health(*flow_id).samples > after.samples;
   }));
@@ -288,7 +333,7 @@ TEST_F(DdsGateway, SendsToOtherReadersWhileOneReaderHangs) {
     write(to_other, bytes_of(number));
     std::this_thread::sleep_for(1ms);
   }
-  ASSERT_TRUE(live.says("sample 1000", 5s));
+  ASSERT_TRUE(live.prints("sample 1000", 5s));
   EXPECT_LT(Clock::now() - begin, 10s);
   EXPECT_EQ(to_live.link().block().overwritten.load() + to_stuck.link().block().overwritten.load(), 0U)
       << "the gateway was never more than 64 samples behind";
@@ -315,8 +360,8 @@ TEST_F(DdsGateway, AddsAndRemovesFlowsWithoutDisturbingOtherFlows) {
         passing.publish(24, to_ns(os::now()));
         std::this_thread::sleep_for(1ms);
       }
-      gateway_->remove(*going);
-      gateway_->remove(*coming);
+      EXPECT_TRUE(soon([&] { return gateway_->remove(*going); }));
+      EXPECT_TRUE(gateway_->remove(*coming));
       EXPECT_EQ(health(*going).samples + health(*coming).matched, 0U) << "the flow is removed";
     }
   }};
@@ -326,7 +371,7 @@ TEST_F(DdsGateway, AddsAndRemovesFlowsWithoutDisturbingOtherFlows) {
   }
   ending = true;
   changing.join();
-  ASSERT_TRUE(tap.says("sample 1"));
+  ASSERT_TRUE(tap.prints("sample 1"));
   for (std::uint64_t number = 2; number <= 3000; ++number)
     ASSERT_EQ(tap.line(), "sample " + std::to_string(number));
 }
@@ -336,11 +381,11 @@ TEST_F(DdsGateway, ReportsTheQosPolicyThatPreventsAMatch) {
   const auto going = gateway_->add_outgoing(flow("quality"), out.link());
   ASSERT_TRUE(going.ok());
   Peer tap{{"tap", "quality", "reliable", "8"}};
-  ASSERT_TRUE(tap.says("ready"));
+  ASSERT_TRUE(tap.prints("ready"));
   EXPECT_TRUE(soon([&] { return health(*going).incompatible == "reliability"; }));
   EXPECT_EQ(health(*going).matched, 0U);
   EXPECT_TRUE(soon([&] {
-    tap.say("health");
+    tap.write("health");
     return tap.line() == "matched 0 samples 0 lost 0 refused 0 incompatible reliability";
   }));
 
@@ -357,7 +402,7 @@ TEST_F(DdsGateway, CountsLostSamples) {
   const auto flow_id = gateway_->add_outgoing(flow("lossy"), memory.link());
   ASSERT_TRUE(flow_id.ok());
   Peer tap{{"tap", "lossy", "best-effort", "1"}};
-  ASSERT_TRUE(tap.says("ready"));
+  ASSERT_TRUE(tap.prints("ready"));
   channel::LinkWriter writer{memory.link()};
   std::uint64_t number = 0;
   std::optional<std::string> first;
@@ -365,7 +410,7 @@ TEST_F(DdsGateway, CountsLostSamples) {
     write(writer, bytes_of(++number));
     return (first = tap.line(20ms)).has_value();
   }));
-  tap.signal(SIGSTOP);  // samples that do not fit into its socket's 4 MB are dropped
+  tap.signal(SIGSTOP);  // the stopped peer loses samples that do not fit into its socket (4 MB)
   for (int i = 0; i < 300; ++i) {
     write(writer, bytes_of(++number, 0, 50000));
     std::this_thread::sleep_for(1ms);
@@ -373,9 +418,9 @@ TEST_F(DdsGateway, CountsLostSamples) {
   tap.signal(SIGCONT);
   ASSERT_TRUE(soon([&] {
     write(writer, bytes_of(++number));
-    return tap.says("sample " + std::to_string(number), 100ms);
+    return tap.prints("sample " + std::to_string(number), 100ms);
   }));
-  tap.say("health");
+  tap.write("health");
   std::istringstream words{*tap.line()};
   std::string word;
   std::uint64_t matched = 0;
@@ -403,6 +448,30 @@ TEST_F(DdsGateway, DropsSamplesOlderThanTheirLifespan) {
   EXPECT_EQ(number_in(reader.link().payload(reader.buffer())), 2U);
 }
 
+TEST_F(DdsGateway, ComparesTheLifespanWithTheAgeAccordingToTheSendersClock) {
+  for (const bool is_ahead : {true, false}) {
+    const std::string topic = is_ahead ? "brief ahead" : "brief behind";
+    const dds::Quality brief{.reliable = true, .depth = 8, .deadline = {}, .lifespan = 200ms};
+    const Memory out{queue(8, kWake)};
+    const Memory in{queue(8)};
+    const auto going = gateway_->add_outgoing(flow(topic, kReliable), out.link());
+    const auto coming = gateway_->add_incoming(flow(topic, brief), {in.link()});
+    ASSERT_TRUE(going.ok() && coming.ok());
+    ASSERT_TRUE(soon([&] { return health(*going).matched == 1 && health(*coming).matched == 1; }));
+    const Nanoseconds ahead = is_ahead ? 500ms : -500ms;
+    in.link().block().sender_clock_ns = clock_ahead_by(ahead);
+    channel::LinkWriter writer{out.link()};
+    write(writer, bytes_of(1), to_ns(os::now()) - 310'000'000 + ahead.count());
+    write(writer, bytes_of(2), to_ns(os::now()) + ahead.count());
+    ASSERT_TRUE(soon([&] { return health(*coming).samples == 2; }));
+    channel::LinkReader reader{in.link()};
+    ASSERT_TRUE(soon([&] { return reader.take(); })) << topic;
+    EXPECT_EQ(number_in(reader.link().payload(reader.buffer())), 2U) << topic;
+    EXPECT_EQ(health(*coming).lost, 1U) << topic;
+    ASSERT_TRUE(gateway_->remove(*going) && gateway_->remove(*coming));
+  }
+}
+
 TEST_F(DdsGateway, CarriesSamplesOfTheMaximumSize) {
   const Memory out{queue(4, kWake)};
   const Memory in{queue(4)};
@@ -414,7 +483,7 @@ TEST_F(DdsGateway, CarriesSamplesOfTheMaximumSize) {
   for (const std::uint32_t data : {0U, 1U, 2U, 3U, 65507U, static_cast<std::uint32_t>(kMostData)})
     write(writer, bytes_of(data, 0, data)), std::this_thread::sleep_for(20ms);
   channel::LinkReader reader{in.link()};
-  // The first samples may be overwritten: the link has room for 4.
+  // The link has room for only 4 of the 6 samples, so the gateway may overwrite the oldest samples.
   ASSERT_TRUE(soon([&] { return health(*coming).samples == 6; })) << health(*coming).samples;
   EXPECT_EQ(health(*coming).refused, 0U);
   std::uint64_t last = 0;
@@ -423,6 +492,148 @@ TEST_F(DdsGateway, CarriesSamplesOfTheMaximumSize) {
     EXPECT_TRUE(is_whole(reader.link().payload(reader.buffer()), reader.info().size)) << last;
   }
   EXPECT_EQ(last, kMostData);
+}
+
+// ---- Packets that a participant forges in the name of its own writer, which has matched the reader
+
+std::string hex(std::uint64_t value, int bytes) {
+  std::ostringstream text;
+  for (int i = 0; i < bytes; ++i)
+    text << std::hex << std::setw(2) << std::setfill('0') << (value >> 8 * i & 0xff);
+  return text.str();
+}
+std::string number(std::uint64_t value) { return hex(value >> 32, 4) + hex(value, 4); }
+std::string hex(const std::vector<std::byte>& bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) text += hex(std::to_integer<std::uint64_t>(byte), 1);
+  return text;
+}
+
+/// Returns a HEARTBEAT. `count` must be larger than in all HEARTBEATs that the writer itself sends.
+std::string heartbeat(std::uint64_t first, std::uint32_t count) {
+  return "07 03 - " + number(first) + number(first) + hex(count, 4) + " 0";
+}
+std::string gap(std::uint64_t start, std::uint64_t end) {
+  return "08 01 - " + number(start) + number(end) + hex(0, 4) + " 0";
+}
+std::string data(std::uint64_t sequence, const std::vector<std::byte>& bytes) {
+  return "15 05 00001000 " + number(sequence) + hex(bytes) + " 0";
+}
+/// Returns a DATA_FRAG of sample 1 with `count` fragments, whose bytes are 0.
+std::string fragments(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t sample) {
+  const std::uint32_t end = std::min((first - 1 + count) * size, sample);
+  return "16 01 00001c00 " + number(1) + hex(first, 4) + hex(count, 2) + hex(size, 2) + hex(sample, 4) + " " +
+         std::to_string(end - (first - 1) * size);
+}
+
+std::size_t resident_bytes() {
+  std::ifstream file{"/proc/self/statm"};
+  std::size_t all = 0;
+  std::size_t resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+class DeceivedGateway : public DdsGateway {
+ protected:
+  /// Makes a reader and a peer whose writer matches it.
+  void deceive(const std::string& reliability) {
+    const std::string topic = "deceived";
+    dds::Quality quality = kReliable;
+    quality.reliable = reliability == "reliable";
+    const auto id = gateway_->add_incoming(flow(topic, quality), {memory_.link()});
+    ASSERT_TRUE(id.ok());
+    deceived_ = *id;
+    peer_.emplace(std::vector<std::string>{"deceive", topic, reliability});
+    ASSERT_TRUE(soon([&] { return health(deceived_).matched == 1; }));
+  }
+  void send(const std::string& packet) {
+    peer_->write(packet);
+    ASSERT_TRUE(peer_->prints("sent"));
+  }
+  /// Expects that the gateway receives samples of another writer, and so has handled all earlier packets.
+  void expect_that_the_gateway_works() {
+    const std::string topic = "honest-" + std::to_string(++honest_);
+    const auto id = gateway_->add_incoming(flow(topic, kReliable), {memory_.link()});
+    ASSERT_TRUE(id.ok());
+    Peer feed{{"feed", topic, "reliable", "64"}};
+    EXPECT_TRUE(soon([&] {
+      feed.write("1");
+      return health(*id).samples > 0;
+    }));
+  }
+
+  const Memory memory_{queue(64)};
+  dds::Gateway::FlowId deceived_{};
+  std::optional<Peer> peer_;
+  int honest_ = 0;
+};
+
+TEST_F(DeceivedGateway, SkipsABillionSamplesThatAHeartbeatReportsAsLost) {
+  deceive("reliable");
+  send(heartbeat(1 << 30, 1000));
+  send(data(1 << 30, bytes_of(7)));
+  EXPECT_TRUE(soon([&] { return health(deceived_).samples == 1; }));
+  send(heartbeat(std::uint64_t{1} << 61, 1001));
+  expect_that_the_gateway_works();
+}
+
+TEST_F(DeceivedGateway, SkipsAGapOfABillionSamples) {
+  deceive("reliable");
+  send(gap(1, 1 << 30));
+  send(data(1 << 30, bytes_of(7)));
+  EXPECT_TRUE(soon([&] { return health(deceived_).samples == 1; }));
+  send(gap(1, std::uint64_t{1} << 61));
+  expect_that_the_gateway_works();
+}
+
+TEST_F(DeceivedGateway, StoresOnlyTheBeginningOfAGapAfterAMissingSample) {
+  deceive("reliable");
+  const std::size_t before = resident_bytes();
+  for (std::uint64_t i = 0; i < 64; ++i) send(gap(2 + (i << 18), 2 + ((i + 1) << 18)));
+  send(gap(2, std::uint64_t{1} << 61));
+  expect_that_the_gateway_works();
+  EXPECT_LT(resident_bytes(), before + 100'000'000);
+}
+
+class DeceivedFragments : public DeceivedGateway, public testing::WithParamInterface<const char*> {
+ protected:
+  void SetUp() override {
+    DeceivedGateway::SetUp();
+    deceive(GetParam());
+  }
+  void expect_samples(std::uint64_t count) {
+    expect_that_the_gateway_works();
+    const wire::FlowHealth found = health(deceived_);
+    EXPECT_EQ(found.samples + found.refused, count);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Reader, DeceivedFragments, testing::Values("reliable", "best_effort"),
+                         [](const auto& parameter) { return std::string{parameter.param}; });
+
+TEST_P(DeceivedFragments, AreIgnoredIfTheyContradictEarlierFragmentsOfTheirSample) {
+  send(fragments(1, 1, 4000, 8000));
+  send(fragments(2, 1, 4, 8));  // Fast DDS would copy 4000 bytes from this packet
+  send(fragments(2, 1, 4000, 7000));
+  expect_samples(0);
+  send(fragments(2, 1, 4000, 8000));
+  expect_samples(1);
+}
+
+// In each missing fragment, Fast DDS stores the number of the next missing fragment, which has 4 bytes.
+TEST_P(DeceivedFragments, AreIgnoredIfTheyAreTooShortForTheNumberThatFastDdsStores) {
+  send(fragments(1, 30, 3, 90));
+  expect_samples(0);
+  send(fragments(1, 20, 5, 100));
+  expect_samples(1);
+}
+
+// The last fragment of this sample, which has the maximum size of 65563 bytes, has only one byte.
+TEST_P(DeceivedFragments, AreIgnoredIfTheNumberThatFastDdsStoresWouldExceedTheMemoryOfTheReader) {
+  constexpr std::uint32_t kMost = kMostData + 27;
+  send(fragments(1, 13, 4683, kMost));
+  send(fragments(14, 2, 4683, kMost));
+  expect_samples(0);
 }
 
 }  // namespace

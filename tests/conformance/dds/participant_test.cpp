@@ -1,4 +1,5 @@
-// The DDS participant of a process: its options, its errors, and what it must not do.
+// Tests the DDS participant of a process: its options, its errors, and the side effects that it must not
+// have.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pthread.h>
@@ -45,8 +46,8 @@ TEST(Participant, LeavesNoFilesInSharedMemory) {
   {
     Peer one{{"all"}};
     Peer other{{"all"}};
-    ASSERT_TRUE(one.says("ready"));
-    ASSERT_TRUE(other.says("ready"));
+    ASSERT_TRUE(one.prints("ready"));
+    ASSERT_TRUE(other.prints("ready"));
     EXPECT_EQ(files_of_dds(), before) << "while two processes exchange samples of 30 kB";
     one.signal(SIGKILL);
   }
@@ -152,16 +153,16 @@ TEST(Participant, DoesNotCallAReaderOnTheWritingThread) {
   EXPECT_FALSE(in_this_thread);
 }
 
-/// Expects that two peers with these settings find each other.
+/// Expects that two peers, each with its own environment variables, find each other.
 void expect_match(const std::map<std::string, std::string>& one,
                   const std::map<std::string, std::string>& other, const std::string& folder = {}) {
   Peer tap{{"tap", "discovery", "reliable", "1"}, one, folder};
-  ASSERT_TRUE(tap.says("ready"));
+  ASSERT_TRUE(tap.prints("ready"));
   Peer feed{{"feed", "discovery", "reliable", "1"}, other, folder};
-  ASSERT_TRUE(feed.says("ready"));
-  // Samples written before they match are not delivered.
+  ASSERT_TRUE(feed.prints("ready"));
+  // DDS does not deliver samples that the peer `feed` wrote before it matched `tap`, so `feed` writes again.
   EXPECT_TRUE(soon([&] {
-    feed.say("1");
+    feed.write("1");
     return tap.line(std::chrono::milliseconds{100}).has_value();
   }));
 }
@@ -175,7 +176,7 @@ TEST(Discovery, FindsAPeerByItsHostName) {
 TEST(Discovery, FindsAPeerThroughADiscoveryServer) {
   const std::string place = "127.0.0.1:" + std::to_string(20000 + ::getpid() % 20000);
   Peer server{{"device", "server"}, {{"PEER_DISCOVERY", "serve=" + place}}};
-  ASSERT_TRUE(server.says("ready"));
+  ASSERT_TRUE(server.prints("ready"));
   expect_match({{"PEER_DISCOVERY", "server=" + place}}, {{"PEER_DISCOVERY", "server=" + place}});
 }
 
@@ -212,17 +213,17 @@ TEST(Participant, RejectsATopicWhoseTypeConflictsWithAnotherTopic) {
   EXPECT_THAT(to_text(conflicting.problems()), HasSubstr("two different types named 'test::Sample'"));
   const auto bytes = bytes_of(1);
   EXPECT_TRUE((*first)->write(bytes.data(), bytes.size()));
-  first = dds::Feed::create(*participant, flow("third"));  // deletes the first feed, and with it the topic
+  first = dds::Feed::create(*participant, flow("third"));  // this also deletes the topic "shared"
   EXPECT_TRUE(dds::Feed::create(*participant, other).ok());
-  first = dds::Feed::create(*participant, other);  // deletes the third feed, and with it the type
+  first = dds::Feed::create(*participant, other);  // this also deletes the type test::Sample
   EXPECT_TRUE(dds::Feed::create(*participant, longer).ok());
 }
 
 TEST(Participant, ShutsDownQuicklyWithAllItsEntities) {
   Peer peer{{"all"}};
   Peer other{{"all"}};
-  ASSERT_TRUE(peer.says("ready"));
-  peer.say("end");
+  ASSERT_TRUE(peer.prints("ready"));
+  peer.write("end");
   EXPECT_EQ(peer.wait(std::chrono::seconds{5}), 0);
 }
 

@@ -5,11 +5,14 @@
 // The process ends when its standard input is closed. Environment variables:
 //
 //   PEER_DISCOVERY    multicast, peers=HOST, server=HOST:PORT or serve=HOST:PORT
-//   PEER_INTERFACES   addresses with commas, or "all"; 127.0.0.1 if not given
+//   PEER_INTERFACES   addresses separated by commas, or "all"; the default is 127.0.0.1
 //   PEER_SECURITY     the folder of an identity; without it, DDS Security is off
 #include <dlfcn.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -30,9 +33,9 @@
 
 #include <takt/dds/commands.hpp>
 #include <takt/dds/gateway.hpp>
-#include "inside.hpp"
 #include <takt/dds/topics.hpp>
 #include <takt/wire/words.hpp>
+#include "inside.hpp"
 
 #include "sample.hpp"
 
@@ -58,7 +61,7 @@ T must(Result<T> result) {
   return std::move(*result);
 }
 
-/// Waits for the next line of standard input and returns it; "end" if standard input is closed.
+/// Waits for the next line of standard input and returns it. Returns "end" if standard input is closed.
 std::string next_line() {
   std::string line;
   return std::getline(std::cin, line) ? line : "end";
@@ -97,7 +100,7 @@ LifecycleStatus lifecycle_status(std::size_t module, std::uint64_t sequence) {
   return status;
 }
 
-/// Calls a function every 100 ms until it is destroyed.
+/// Calls a function every 100 ms, on its own thread, until the Heartbeat is destroyed.
 class Heartbeat {
  public:
   explicit Heartbeat(std::function<void()> beat)
@@ -117,7 +120,7 @@ class Heartbeat {
   std::thread thread_;
 };
 
-// device NAME: publishes its status ten times a second
+// Command `device NAME`: publishes the status of device NAME ten times a second
 void device(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<DeviceStatus>::create(participant));
   std::uint64_t sequence = 0;
@@ -126,7 +129,7 @@ void device(const Participant& participant, const Arguments& arguments) {
   next_line();
 }
 
-// stop DEVICE: sends a stop command; prints the answer
+// Command `stop DEVICE`: sends a stop command to DEVICE and prints the answer
 void stop(const Participant& participant, const Arguments& arguments) {
   std::mutex mutex;
   std::condition_variable came;
@@ -148,7 +151,8 @@ void stop(const Participant& participant, const Arguments& arguments) {
                : "no answer");
 }
 
-// state MODULES: publishes the states of this many modules twice, then only asserts its liveliness
+// Command `state MODULES`: publishes the states of MODULES modules twice. Then only asserts the liveliness of
+// its writer, and disposes of the states when it reads the line "dispose"
 void state(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
   const std::size_t modules = std::stoul(arguments[0]);
@@ -163,8 +167,25 @@ void state(const Participant& participant, const Arguments& arguments) {
   }
 }
 
-// transitions MODULES COUNT: publishes the first state of each module. After a line on standard input,
-// publishes more states, up to COUNT in total
+// Command `keys LENGTH`: publishes one state for each key length from 1 to LENGTH
+void keys(const Participant& participant, const Arguments& arguments) {
+  auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
+  std::vector<LifecycleStatus> states;
+  for (std::size_t length = 1; length <= std::stoul(arguments[0]); ++length) {
+    states.push_back(lifecycle_status(length, 1));
+    states.back().path(std::string(length, 'k'));
+  }
+  for (LifecycleStatus& state : states) writer.write(state);
+  const Heartbeat beat{[&] { writer.assert_liveliness(); }};
+  print("ready");
+  if (next_line() == "dispose") {
+    for (const LifecycleStatus& state : states) writer.dispose(state);
+    next_line();
+  }
+}
+
+// Command `transitions MODULES COUNT`: publishes the first state of each module. After a line on standard
+// input, publishes further states, until it has published COUNT states in total
 void transitions(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
   const std::size_t modules = std::stoul(arguments[0]);
@@ -184,7 +205,8 @@ void transitions(const Participant& participant, const Arguments& arguments) {
   next_line();
 }
 
-// server DEVICE BYTES [MS]: answers each command with this many bytes of data, after this time
+// Command `server DEVICE BYTES [MS]`: answers each command to DEVICE after MS milliseconds, with BYTES bytes
+// of data
 void server(const Participant& participant, const Arguments& arguments) {
   const std::string data(std::stoul(arguments[1]), 'r');
   dds::CommandServer* self = nullptr;
@@ -208,7 +230,8 @@ void server(const Participant& participant, const Arguments& arguments) {
   while (next_line() == "refused") print("refused " + std::to_string(server.refused()));
 }
 
-// client DEVICE ID BYTES: sends one command; exit status 0 if the answer arrives
+// Command `client DEVICE ID BYTES`: sends DEVICE one command with BYTES bytes of data. Exits with 0 if the
+// answer arrives
 int client(const Participant& participant, const Arguments& arguments) {
   std::mutex mutex;
   std::condition_variable came;
@@ -237,17 +260,17 @@ int client(const Participant& participant, const Arguments& arguments) {
 std::vector<std::byte> nonsense(std::mt19937& random, const std::vector<std::byte>& good) {
   std::vector<std::byte> bytes = good;
   switch (random() % 4) {
-    case 0:  // any bytes
+    case 0:  // random bytes
       bytes.resize(4 + random() % 400);
       for (auto& each : bytes) each = static_cast<std::byte>(random());
       break;
-    case 1:  // a part of the valid sample
+    case 1:  // only the beginning of the valid sample
       bytes.resize(4 + random() % (bytes.size() - 4));
       break;
-    case 2:  // a few changed bytes
+    case 2:  // the valid sample with up to four changed bytes
       for (int i = 0; i < 4; ++i) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
       break;
-    default:  // impossible lengths
+    default:  // the valid sample with impossible lengths
       for (std::size_t at = 4; at + 4 <= bytes.size(); at += 4) {
         if (random() % 8 == 0)
           std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), 4, std::byte{0xff});
@@ -256,7 +279,7 @@ std::vector<std::byte> nonsense(std::mt19937& random, const std::vector<std::byt
   return bytes;
 }
 
-/// Claims the name of a type, and writes any bytes.
+/// A DDS type that takes the name of another type, and whose samples are arbitrary bytes.
 class ForgedType final : public dds::fast::TopicDataType {
  public:
   ForgedType(const std::string& name, bool keyed) {
@@ -288,7 +311,15 @@ class ForgedType final : public dds::fast::TopicDataType {
   }
 };
 
-// forge TOPIC TYPE KEYED COUNT HEX: writes this many invalid samples, derived from a valid one
+std::vector<std::byte> bytes_of_hex(const std::string& hex) {
+  std::vector<std::byte> bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
+    bytes.push_back(static_cast<std::byte>(std::stoul(hex.substr(i, 2), nullptr, 16)));
+  return bytes;
+}
+
+// Command `forge TOPIC TYPE KEYED COUNT HEX`: writes COUNT damaged variants of the valid sample HEX
+// (hexadecimal digits). The type has a key if KEYED is "keyed"
 void forge(const Participant& participant, const Arguments& arguments) {
   dds::OwnParticipant& mine = dds::own(*participant);
   const bool keyed = arguments[2] == "keyed";
@@ -316,9 +347,7 @@ void forge(const Participant& participant, const Arguments& arguments) {
     std::this_thread::sleep_for(10ms);
     writer->get_publication_matched_status(status);
   } while (status.current_count < 1);
-  std::vector<std::byte> good;
-  for (std::size_t i = 0; i + 1 < arguments[4].size(); i += 2)
-    good.push_back(static_cast<std::byte>(std::stoul(arguments[4].substr(i, 2), nullptr, 16)));
+  const std::vector<std::byte> good = bytes_of_hex(arguments[4]);
   std::mt19937 random{1};
   const int count = std::stoi(arguments[3]);
   for (int i = 0; i < count; ++i) {
@@ -333,6 +362,99 @@ void forge(const Participant& participant, const Arguments& arguments) {
   mine.release(topic);
 }
 
+/// Sends RTPS messages, which need not be valid, to all participants on loopback.
+class Forger {
+ public:
+  Forger(unsigned domain, const dds::rtps::GuidPrefix_t& prefix) : domain_(domain), prefix_(prefix) {}
+  Forger(const Forger&) = delete;
+  Forger& operator=(const Forger&) = delete;
+  ~Forger() { ::close(udp_); }
+
+  /// Sends a message in the name of the participant with `prefix`. The message is one submessage that begins
+  /// with `head` (its kind and flags) and contains `content`.
+  void send(const std::vector<std::byte>& head, const std::vector<std::byte>& content) const {
+    std::vector<std::byte> message = bytes_of_hex("525450530203010f");
+    const auto add = [&message](const auto& bytes) {
+      for (const auto byte : bytes) message.push_back(static_cast<std::byte>(byte));
+    };
+    add(prefix_.value);
+    add(head);
+    add(std::array{content.size() & 0xff, content.size() >> 8});
+    add(content);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    for (unsigned port = 0; port < 240; ++port) {
+      to.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain_ + 10 + port));
+      ::sendto(udp_, message.data(), message.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    }
+  }
+
+ private:
+  unsigned domain_;
+  dds::rtps::GuidPrefix_t prefix_;
+  int udp_ = ::socket(AF_INET, SOCK_DGRAM, 0);
+};
+
+// Command `returning NAME`: publishes the status of device NAME ten times a second, and sends a HEARTBEAT of
+// each writer with which this participant announces its other writers and readers, 300 times a second. Other
+// participants that lose and rediscover this participant receive such a HEARTBEAT before they ask for
+// anything
+void returning(const Participant& participant, const Arguments& arguments) {
+  dds::OwnParticipant& mine = dds::own(*participant);
+  auto writer = must(dds::Writer<DeviceStatus>::create(participant));
+  std::uint64_t sequence = 0;
+  const Heartbeat beat{[&] { writer.write(device_status(arguments[0], ++sequence)); }};
+  const Forger forger{mine.participant().get_domain_id(), mine.participant().guid().guidPrefix};
+  std::atomic<bool> ending{false};
+  std::thread heartbeats{[&] {
+    while (!ending) {
+      for (const std::string announcer : {"000003c2", "000004c2"}) {
+        const std::string number = "0000000001000000";
+        forger.send(bytes_of_hex("0701"), bytes_of_hex("00000000" + announcer + number + number + "01000000"));
+      }
+      std::this_thread::sleep_for(3ms);
+    }
+  }};
+  print("ready");
+  next_line();
+  ending = true;
+  heartbeats.join();
+}
+
+// Command `deceive TOPIC RELIABILITY`: creates a writer of test::Sample that writes no sample. For each input
+// line "KIND FLAGS BEFORE AFTER ZEROS", sends an RTPS message in the name of this writer to all participants
+// on loopback. The message is one submessage that contains the bytes BEFORE, the ids of all readers and of
+// the writer, the bytes AFTER, and ZEROS bytes of value 0. KIND, FLAGS, BEFORE and AFTER are hexadecimal;
+// BEFORE may be "-"
+void deceive(const Participant& participant, const Arguments& arguments) {
+  dds::OwnParticipant& mine = dds::own(*participant);
+  auto* topic = must(mine.topic(arguments[0], dds::fast::TypeSupport{new ForgedType{"test::Sample", false}}));
+  dds::fast::DataWriterQos qos;
+  qos.reliability().kind = arguments[1] == "reliable" ? dds::fast::RELIABLE_RELIABILITY_QOS
+                                                      : dds::fast::BEST_EFFORT_RELIABILITY_QOS;
+  qos.data_sharing().off();
+  auto* writer = mine.publisher().create_datawriter(topic, qos);
+  const dds::rtps::GUID_t& guid = writer->guid();
+  const Forger forger{mine.participant().get_domain_id(), guid.guidPrefix};
+  print("ready");
+  for (std::string line = next_line(); line != "end"; line = next_line()) {
+    std::istringstream words{line};
+    std::string kind, flags, before, after;
+    std::size_t zeros = 0;
+    words >> kind >> flags >> before >> after >> zeros;
+    std::vector<std::byte> content = bytes_of_hex(before);
+    content.resize(content.size() + 4);
+    for (const auto byte : guid.entityId.value) content.push_back(static_cast<std::byte>(byte));
+    for (const std::byte byte : bytes_of_hex(after)) content.push_back(byte);
+    content.resize(content.size() + zeros);
+    forger.send(bytes_of_hex(kind + flags), content);
+    print("sent");
+  }
+  mine.publisher().delete_datawriter(writer);
+  mine.release(topic);
+}
+
 dds::Quality quality(const std::string& reliability, const std::string& depth) {
   return {.reliable = reliability == "reliable",
           .depth = static_cast<std::uint32_t>(std::stoul(depth)),
@@ -340,7 +462,7 @@ dds::Quality quality(const std::string& reliability, const std::string& depth) {
           .lifespan = {}};
 }
 
-// tap TOPIC RELIABILITY DEPTH: prints the number of each received sample
+// Command `tap TOPIC RELIABILITY DEPTH`: prints the number in each sample that it receives
 void tap(const Participant& participant, const Arguments& arguments) {
   auto tap = must(dds::Tap::create(participant, flow(arguments[0], quality(arguments[1], arguments[2])),
                                    [](const std::byte* bytes, std::size_t size, std::int64_t) {
@@ -356,7 +478,8 @@ void tap(const Participant& participant, const Arguments& arguments) {
   }
 }
 
-// feed TOPIC RELIABILITY DEPTH: for a line "N", writes N more samples without data; for "N BYTES", with data
+// Command `feed TOPIC RELIABILITY DEPTH`: for each input line "N", writes N samples without data; for each
+// line "N BYTES", writes N samples with BYTES bytes of data
 void feed(const Participant& participant, const Arguments& arguments) {
   auto feed = must(dds::Feed::create(participant, flow(arguments[0], quality(arguments[1], arguments[2]))));
   print("ready");
@@ -386,7 +509,7 @@ dds::Flow flow_of_file(const Arguments& arguments) {
           .quality = quality(arguments[1], arguments[2])};
 }
 
-// show TOPIC RELIABILITY DEPTH FILE: prints received samples of the type in the file, as JSON
+// Command `show TOPIC RELIABILITY DEPTH FILE`: prints each received sample as JSON. FILE describes the type
 void show(const Participant& participant, const Arguments& arguments) {
   const dds::Flow flow = flow_of_file(arguments);
   auto tap = must(
@@ -397,7 +520,8 @@ void show(const Participant& participant, const Arguments& arguments) {
   while (next_line() == "health") print("refused " + std::to_string(tap->health().refused));
 }
 
-// give TOPIC RELIABILITY DEPTH FILE: reads samples as JSON, one per line, and writes them
+// Command `give TOPIC RELIABILITY DEPTH FILE`: writes the samples that it reads as JSON, one per input line.
+// FILE describes the type
 void give(const Participant& participant, const Arguments& arguments) {
   const dds::Flow flow = flow_of_file(arguments);
   auto feed = must(dds::Feed::create(participant, flow));
@@ -408,7 +532,7 @@ void give(const Participant& participant, const Arguments& arguments) {
   }
 }
 
-// statistics MODULE: publishes the statistics of one module every 100 ms
+// Command `statistics MODULE`: publishes the statistics of MODULE every 100 ms
 void statistics(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<ModuleStatistics>::create(participant));
   ModuleStatistics sample;
@@ -427,7 +551,8 @@ void statistics(const Participant& participant, const Arguments& arguments) {
   next_line();
 }
 
-// echo TOPIC BACK RELIABILITY: sends samples of one topic back on the other, on the thread of Fast DDS
+// Command `echo TOPIC BACK RELIABILITY`: sends each sample of TOPIC back on the topic BACK, in the receive
+// thread of Fast DDS
 void echo(const Participant& participant, const Arguments& arguments) {
   const dds::Quality same = quality(arguments[2], "1");
   auto back = must(dds::Feed::create(participant, flow(arguments[1], same)));
@@ -438,7 +563,8 @@ void echo(const Participant& participant, const Arguments& arguments) {
   next_line();
 }
 
-// all: creates one of each entity, and writes with each
+// Command `all`: creates an entity of each kind, and prints "ready" after its readers have received 20
+// samples
 void all(const Participant& participant, const Arguments&) {
   auto devices = must(dds::Writer<DeviceStatus>::create(participant));
   auto modules = must(dds::Writer<LifecycleStatus>::create(participant));
@@ -495,10 +621,11 @@ Result<Participant> participate(int domain) {
 int run(int domain, const std::string& command, const Arguments& arguments) {
   const Participant participant = must(participate(domain));
   const std::map<std::string, std::function<void(const Participant&, const Arguments&)>> commands{
-      {"device", device}, {"stop", stop},   {"state", state}, {"transitions", transitions},
-      {"server", server}, {"forge", forge}, {"tap", tap},     {"feed", feed},
-      {"echo", echo},     {"show", show},   {"give", give},   {"statistics", statistics},
-      {"all", all}};
+      {"device", device}, {"stop", stop},   {"state", state},    {"transitions", transitions},
+      {"server", server}, {"forge", forge}, {"tap", tap},        {"feed", feed},
+      {"echo", echo},     {"show", show},   {"give", give},      {"statistics", statistics},
+      {"all", all},       {"keys", keys},   {"deceive", deceive},
+      {"returning", returning}};
   std::atomic<bool> rescanning{std::getenv("PEER_RESCAN") != nullptr};
   std::thread rescan{[&] {
     while (rescanning) {
@@ -522,8 +649,9 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
 }  // namespace
 }  // namespace takt::dds_test
 
-// With PEER_CHEATS, this program ignores its own permissions, as a manipulated program would. Other
-// participants must reject its samples. This function replaces the function of Fast DDS.
+// Replaces the function of Fast DDS that checks whether a participant may create a writer. If PEER_CHEATS is
+// set, this process ignores its own permissions, as a manipulated program would. Then other participants must
+// reject its samples.
 extern "C" bool
 ignores_own_permissions(const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic, const std::vector<std::string>& partitions, void* why) __asm__(
     "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__cxx1112"

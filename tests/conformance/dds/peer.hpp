@@ -1,4 +1,4 @@
-// Runs a command of the program peer.cpp in another process.
+// Runs the program peer.cpp in another process. The tests communicate with it over DDS and over pipes.
 #pragma once
 
 #include <chrono>
@@ -11,21 +11,23 @@ namespace takt::dds_test {
 
 class Peer {
  public:
-  /// Starts the process with these variables added to its environment, in `folder` if one is given.
+  /// Starts the process with the command in `arguments`, adds `variables` to its environment, and makes
+  /// `folder` its working folder if one is given.
   explicit Peer(const std::vector<std::string>& arguments,
                 const std::map<std::string, std::string>& variables = {}, const std::string& folder = {});
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
-  /// Kills the process if it still runs.
+  /// Kills the process if it has not ended.
   ~Peer();
 
-  void say(const std::string& line) const;
-  /// Returns the next line that the process prints. None if it has ended, or prints nothing in time.
+  void write(const std::string& line) const;
+  /// Returns the next line that the process prints. Returns no line if the process ends or prints nothing
+  /// within `limit`.
   std::optional<std::string> line(std::chrono::milliseconds limit = std::chrono::seconds{20});
-  /// Returns whether the process prints this line in time. Skips other lines.
-  bool says(const std::string& wanted, std::chrono::milliseconds limit = std::chrono::seconds{20});
+  /// Returns true if the process prints the line `wanted` within `limit`. Skips other lines.
+  bool prints(const std::string& wanted, std::chrono::milliseconds limit = std::chrono::seconds{20});
   void signal(int number) const;
-  /// Returns the exit status of the process; -1 if it did not end by itself in time.
+  /// Returns the exit status of the process, or -1 if the process does not exit by itself within `limit`.
   int wait(std::chrono::milliseconds limit = std::chrono::seconds{20});
   [[nodiscard]] int pid() const { return pid_; }
 
@@ -36,8 +38,7 @@ class Peer {
   std::string read_;
 };
 
-/// Waits until the condition holds, and checks it each millisecond. Returns false if it does not hold in
-/// time.
+/// Checks the condition every millisecond until it holds. Returns false if it does not hold within `limit`.
 template <class Condition>
 bool soon(Condition condition, std::chrono::milliseconds limit = std::chrono::seconds{20});
 

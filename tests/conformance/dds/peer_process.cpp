@@ -59,7 +59,7 @@ Peer::~Peer() {
   ::close(out_);
 }
 
-void Peer::say(const std::string& line) const {
+void Peer::write(const std::string& line) const {
   const std::string text = line + "\n";
   if (::write(in_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
     throw std::runtime_error("cannot write to the peer");
@@ -83,7 +83,7 @@ std::optional<std::string> Peer::line(std::chrono::milliseconds limit) {
   }
 }
 
-bool Peer::says(const std::string& wanted, std::chrono::milliseconds limit) {
+bool Peer::prints(const std::string& wanted, std::chrono::milliseconds limit) {
   const auto end = Clock::now() + limit;
   while (const auto next = line(std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()))) {
     if (*next == wanted) return true;

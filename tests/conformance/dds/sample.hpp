@@ -1,4 +1,4 @@
-// A type for the tests. Its samples are built byte by byte, without generated code.
+// A data type for the tests. The tests build its samples byte by byte, without generated code.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +14,7 @@ namespace takt::dds_test {
 
 inline constexpr std::size_t kMostData = 65536;
 
+/// Returns this type:
 /// struct Sample { unsigned long long number; long long value; sequence<octet, 65536> data; };
 inline model::Type sample_type() {
   return {.name = "test::Sample",
@@ -26,7 +27,7 @@ inline dds::Flow flow(const std::string& topic, dds::Quality quality = {}) {
   return {.topic = topic, .type = sample_type(), .quality = quality};
 }
 
-/// Returns a sample as XCDR1 bytes, little endian.
+/// Encodes a sample with `data` bytes of data in XCDR1, little endian.
 inline std::vector<std::byte> bytes_of(std::uint64_t number, std::int64_t value = 0, std::uint32_t data = 0) {
   std::vector<std::byte> bytes(24 + data);
   bytes[1] = std::byte{1};
@@ -49,7 +50,7 @@ inline std::int64_t value_in(const std::byte* bytes) {
   return value;
 }
 
-/// Returns whether the data is as bytes_of() made it.
+/// Returns true if the sample is complete and its data is as bytes_of() made it.
 inline bool is_whole(const std::byte* bytes, std::size_t size) {
   std::uint32_t data = 0;
   if (size < 24) return false;

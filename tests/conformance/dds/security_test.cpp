@@ -1,7 +1,8 @@
-// Tests of DDS Security between processes: the members of a cell receive samples of each other, and none of
-// strangers.
+// Tests DDS Security between processes: a member of a cell receives samples from other members, and none from
+// participants outside the cell.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <atomic>
 #include <filesystem>
@@ -31,12 +32,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr auto kLongEnough = 4s;  // in this time, a sample would arrive if its sender were not rejected
+constexpr auto kLongEnough = 4s;  // a sample would arrive within this time if its sender were not rejected
 
 std::int64_t now_s() { return os::wall_ns() / 1'000'000'000; }
 
-/// A cell "test", in which device robot writes "parts" and device line reads it. anna is an operator, eve is
-/// an observer.
+/// A cell "test" with two devices: robot writes the topic "parts", and line reads this topic. anna is an
+/// operator, and eve is an observer.
 class Security : public testing::Test {
  protected:
   Security() {
@@ -69,13 +70,13 @@ class Security : public testing::Test {
   [[nodiscard]] std::string of(const std::string& path, const std::string& authority = "home") const {
     return (folder_ / authority / path).string();
   }
-  /// Returns the environment variables of a peer with this identity.
+  /// Returns the environment variables that give a peer the identity in the folder `path`.
   [[nodiscard]] std::map<std::string, std::string> as(const std::string& path,
                                                       const std::string& authority = "home") const {
     return {{"PEER_SECURITY", of(path, authority)}};
   }
 
-  /// Makes this process a participant with this identity.
+  /// Makes this process a DDS participant with the identity in the folder `path`.
   void join(const std::string& path) {
     dds::ParticipantOptions options = on_loopback("test");
     options.security = of(path);
@@ -120,6 +121,16 @@ class Security : public testing::Test {
   std::optional<dds::Reader<DeviceStatus>> reader_;
 };
 
+TEST_F(Security, FindsAHaltedMemberAgainWhenItContinues) {
+  join("devices/line");
+  Peer robot{{"device", "robot"}, as("devices/robot")};
+  ASSERT_TRUE(soon([&] { return reader_->matched() == 1; }));
+  robot.signal(SIGSTOP);
+  ASSERT_TRUE(soon([&] { return reader_->matched() == 0; })) << "the lease is 3 s";
+  robot.signal(SIGCONT);
+  EXPECT_TRUE(soon([&] { return reader_->matched() == 1; })) << testing::PrintToString(refused());
+}
+
 TEST_F(Security, LetsMembersOfOneCellExchangeSamples) {
   join("operators/anna");
   Peer robot{{"device", "robot"}, as("devices/robot")};
@@ -130,7 +141,7 @@ TEST_F(Security, LetsMembersOfOneCellExchangeSamples) {
 TEST_F(Security, RejectsAndReportsAParticipantWithoutAnIdentity) {
   join("devices/line");
   Peer plain{{"device", "robot"}};
-  ASSERT_TRUE(plain.says("ready"));
+  ASSERT_TRUE(plain.prints("ready"));
   EXPECT_TRUE(reports("participant 'peer' at 127.0.0.1 has no identity of this cell"));
   std::this_thread::sleep_for(kLongEnough);
   EXPECT_THAT(heard(), IsEmpty());
@@ -140,21 +151,21 @@ TEST_F(Security, RejectsAndReportsAnIdentityFromAnotherAuthority) {
   make("evil");
   join("devices/line");
   Peer evil{{"device", "robot"}, as("devices/robot", "evil")};
-  ASSERT_TRUE(evil.says("ready"));
+  ASSERT_TRUE(evil.prints("ready"));
   EXPECT_TRUE(reports("device robot at 127.0.0.1: its identity was issued by another authority"));
   std::this_thread::sleep_for(kLongEnough);
   EXPECT_THAT(heard(), IsEmpty());
 }
 
 TEST_F(Security, RejectsARevokedIdentity) {
-  // The copy keeps the files from before the revocation.
+  // Copies the files of the identity before the revocation, as a thief would.
   fs::copy(of("devices/robot"), of("stolen"), fs::copy_options::recursive);
   auto authority = security::Authority::open(of(""));
   ASSERT_TRUE(authority.ok()) << to_text(authority.problems());
   ASSERT_TRUE(authority->revoke({"test", Role::device, "robot"}, now_s()).ok());
   join("devices/line");
   Peer robot{{"device", "robot"}, as("stolen")};
-  ASSERT_TRUE(robot.says("ready"));
+  ASSERT_TRUE(robot.prints("ready"));
   EXPECT_TRUE(reports("device robot at 127.0.0.1: its identity was revoked"));
   std::this_thread::sleep_for(kLongEnough);
   EXPECT_THAT(heard(), IsEmpty());
@@ -176,7 +187,7 @@ TEST_F(Security, RejectsAWriterWithoutPermissionForItsTopic) {
   ASSERT_TRUE(tap.ok()) << to_text(tap.problems());
 
   Peer robot{{"feed", "parts", "best-effort", "1"}, as("devices/robot")};
-  ASSERT_TRUE(robot.says("ready"));
+  ASSERT_TRUE(robot.prints("ready"));
   ASSERT_TRUE(soon([&] { return (*tap)->health().matched == 1; }));
 
   Peer honest{{"feed", "takt/test/line/m/out", "best-effort", "1"}, as("devices/robot")};
@@ -191,7 +202,7 @@ TEST_F(Security, RejectsAWriterWithoutPermissionForItsTopic) {
   auto as_robot = as("devices/robot");
   as_robot["PEER_CHEATS"] = "1";
   Peer cheat{{"feed", "takt/test/line/m/out", "best-effort", "1"}, as_robot};
-  ASSERT_TRUE(cheat.says("ready"));
+  ASSERT_TRUE(cheat.prints("ready"));
   EXPECT_TRUE(reports("device robot at 127.0.0.1 writes takt/test/line/m/out"));
   std::this_thread::sleep_for(kLongEnough);
   EXPECT_EQ((*own)->health().matched, 0U);
@@ -213,11 +224,11 @@ TEST_F(Security, LetsOnlyOperatorsSendCommands) {
   self = &*server;
 
   Peer anna{{"stop", "robot"}, as("operators/anna")};
-  EXPECT_TRUE(anna.says("answer 0 "));
+  EXPECT_TRUE(anna.prints("answer 0 "));
   EXPECT_EQ(handled, 1);
 
   Peer eve{{"stop", "robot"}, as("observers/eve")};
-  EXPECT_TRUE(eve.says("answer 1 observer eve at 127.0.0.1 may only observe, not stop"));
+  EXPECT_TRUE(eve.prints("answer 1 observer eve at 127.0.0.1 may only observe, not stop"));
   EXPECT_TRUE(reports("observer eve at 127.0.0.1 asked to stop, which only an operator may do"));
   EXPECT_EQ(handled, 1) << "a rejected command is not handled";
 }
@@ -225,7 +236,7 @@ TEST_F(Security, LetsOnlyOperatorsSendCommands) {
 TEST_F(Security, RejectsAReplyInTheNameOfAnotherDevice) {
   join("operators/anna");
   Peer impostor{{"server", "line", "0"}, as("devices/robot")};
-  ASSERT_TRUE(impostor.says("ready"));
+  ASSERT_TRUE(impostor.prints("ready"));
   std::atomic<int> answers{0};
   auto client = dds::CommandClient::create(participant_, [&](const wire::WholeReply&) { ++answers; });
   ASSERT_TRUE(client.ok());

@@ -1,4 +1,4 @@
-// Tests, between processes, of the topics on which nodes publish their state.
+// Tests, between several processes, the topics on which nodes publish their state.
 #include <fastcdr/Cdr.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@
 #include <vector>
 
 #include <takt/wire/taktPubSubTypes.h>
-#include "workarounds/checked_type.hpp"
 #include <takt/dds/topics.hpp>
 #include <takt/wire/validation.hpp>
+#include "workarounds/checked_type.hpp"
 
 #include "domain.hpp"
 #include "peer.hpp"
@@ -34,8 +34,8 @@ std::shared_ptr<dds::Participant> participate() {
   return made.ok() ? *made : nullptr;
 }
 
-/// The last sequence number received for each path.
-class Heard {
+/// Records the last sequence number received for each path.
+class Received {
   template <class F>
   auto with(F f) const {
     const std::lock_guard lock{mutex_};
@@ -43,7 +43,7 @@ class Heard {
   }
 
  public:
-  dds::Heard<LifecycleStatus> listener() {
+  dds::Callbacks<LifecycleStatus> listener() {
     return {.sample =
                 [this](const LifecycleStatus& status, wire::WriterId) {
                   const std::lock_guard lock{mutex_};
@@ -60,7 +60,7 @@ class Heard {
                   last_.erase(key.path().to_string());
                 }};
   }
-  /// Makes the reader take a second for the sample with this number.
+  /// Makes the reader sleep for a second when it receives the `sample`-th sample.
   void hold_up(std::size_t sample) {
     const std::lock_guard lock{mutex_};
     held_up_at_ = sample;
@@ -97,28 +97,39 @@ class Heard {
 TEST(LifecycleTopic, GivesALateReaderTheCurrentStatesOfThreeHundredModules) {
   Peer writer{{"state", "300"}};
   ASSERT_EQ(writer.line(), "failures 0");
-  Heard heard;
-  auto reader = dds::Reader<LifecycleStatus>::create(participate(), heard.listener());
+  Received received;
+  auto reader = dds::Reader<LifecycleStatus>::create(participate(), received.listener());
   ASSERT_TRUE(reader.ok());
-  EXPECT_TRUE(soon([&] { return heard.keys() == 300; })) << heard.keys();
-  EXPECT_EQ(heard.last(), std::set<std::uint64_t>{2}) << "the last state of each module, not the first";
-  EXPECT_EQ(heard.samples(), 300U);
+  EXPECT_TRUE(soon([&] { return received.keys() == 300; })) << received.keys();
+  EXPECT_EQ(received.last(), std::set<std::uint64_t>{2}) << "the last state of each module, not the first";
+  EXPECT_EQ(received.samples(), 300U);
 }
 
 TEST(LifecycleTopic, DoesNotGiveALateReaderDisposedStates) {
   Peer writer{{"state", "20"}};
   ASSERT_EQ(writer.line(), "failures 0");
   auto participant = participate();
-  Heard heard;
-  auto reader = dds::Reader<LifecycleStatus>::create(participant, heard.listener());
-  ASSERT_TRUE(soon([&] { return heard.keys() == 20; }));
-  writer.say("dispose");
-  EXPECT_TRUE(soon([&] { return heard.keys() == 0; }));
-  Heard late;
+  Received received;
+  auto reader = dds::Reader<LifecycleStatus>::create(participant, received.listener());
+  ASSERT_TRUE(soon([&] { return received.keys() == 20; }));
+  writer.write("dispose");
+  EXPECT_TRUE(soon([&] { return received.keys() == 0; }));
+  Received late;
   auto later = dds::Reader<LifecycleStatus>::create(participant, late.listener());
   ASSERT_TRUE(soon([&] { return later->matched() == 1; }));
   std::this_thread::sleep_for(300ms);
   EXPECT_EQ(late.samples(), 0U);
+}
+
+TEST(LifecycleTopic, NotifiesAReaderOfDisposedInstancesWithKeysOfAnyLength) {
+  Peer writer{{"keys", "40"}};
+  ASSERT_EQ(writer.line(), "ready");
+  Received received;
+  auto reader = dds::Reader<LifecycleStatus>::create(participate(), received.listener());
+  ASSERT_TRUE(soon([&] { return received.keys() == 40; })) << received.keys();
+  writer.write("dispose");
+  EXPECT_TRUE(soon([&] { return received.keys() == 0; }, 5s))
+      << received.keys() << " of 40 keys are still alive";
 }
 
 TEST(LifecycleTopic, DeliversEachOfTenThousandTransitionsOnceUnderLoad) {
@@ -128,29 +139,30 @@ TEST(LifecycleTopic, DeliversEachOfTenThousandTransitionsOnceUnderLoad) {
     load.emplace_back([&ending] {
       while (!ending) continue;
     });
-  Heard heard;
-  auto reader = dds::Reader<LifecycleStatus>::create(participate(), heard.listener());
+  Received received;
+  auto reader = dds::Reader<LifecycleStatus>::create(participate(), received.listener());
   ASSERT_TRUE(reader.ok());
   Peer writer{{"transitions", "20", "10000"}};
-  ASSERT_TRUE(writer.says("ready"));
-  ASSERT_TRUE(soon([&] { return heard.samples() == 20; })) << "the reader must match before the load begins";
-  heard.hold_up(1000);  // a writer that did not wait would overflow the socket in this second
+  ASSERT_TRUE(writer.prints("ready"));
+  ASSERT_TRUE(soon([&] { return received.samples() == 20; }))
+      << "the reader must match before the load begins";
+  received.hold_up(1000);  // a writer that did not wait would overflow the reader's socket in this second
   const auto begin = Clock::now();
-  writer.say("go");
+  writer.write("go");
   EXPECT_EQ(writer.line(100s), "written; failures 0, timeouts 0");
-  EXPECT_TRUE(soon([&] { return heard.samples() == 10000; }, 5s)) << heard.samples();
+  EXPECT_TRUE(soon([&] { return received.samples() == 10000; }, 5s)) << received.samples();
   std::cout << "10,000 transitions in " << std::chrono::duration<double>(Clock::now() - begin).count()
             << " s\n";
-  EXPECT_EQ(heard.gaps(), 0U);
-  EXPECT_EQ(heard.doubled(), 0U);
+  EXPECT_EQ(received.gaps(), 0U);
+  EXPECT_EQ(received.doubled(), 0U);
   ending = true;
   for (std::thread& each : load) each.join();
 }
 
-/// Records when the writers of device states become alive and lost.
+/// Records when each writer of device states becomes alive and when it is lost.
 class Devices {
  public:
-  dds::Heard<DeviceStatus> listener() {
+  dds::Callbacks<DeviceStatus> listener() {
     return {.sample =
                 [this](const DeviceStatus& status, wire::WriterId writer) {
                   const std::lock_guard lock{mutex_};
@@ -160,7 +172,7 @@ class Devices {
             .lost = [this](wire::WriterId writer) { note(writer, "lost"); },
             .alive = [this](wire::WriterId writer) { note(writer, "alive"); }};
   }
-  /// Returns the events of the device, such as "alive lost alive".
+  /// Returns the recorded events of the device in their order, such as "alive lost alive".
   std::string events(const std::string& device) const {
     const std::lock_guard lock{mutex_};
     std::string all;
@@ -192,7 +204,7 @@ TEST(Device, IsReportedLostWithinItsLeaseAfterItIsKilled) {
   Peer other{{"device", "other"}};
   ASSERT_TRUE(soon([&] { return devices.samples("other") > 0; }));
   std::vector<double> seconds;
-  // The test repeats the measurement if the machine stalled.
+  // Repeats the measurement if it took too long, because the machine may have stalled.
   for (int attempt = 0; attempt < 5 && (seconds.empty() || seconds.back() > 0.4); ++attempt) {
     const std::string name = "mortal" + std::to_string(attempt);
     Peer mortal{{"device", name}};
@@ -205,7 +217,7 @@ TEST(Device, IsReportedLostWithinItsLeaseAfterItIsKilled) {
   }
   EXPECT_LE(seconds.back(), 0.4);
   EXPECT_EQ(devices.events("other"), "alive") << "the other device continues";
-  std::this_thread::sleep_for(4s);  // in this time, the participant's lease expires too
+  std::this_thread::sleep_for(4s);  // the DDS lease of the killed process expires in this time, too
   EXPECT_EQ(devices.events("mortal0"), "alive lost") << "the loss is reported once";
 }
 
@@ -220,16 +232,28 @@ TEST(Device, IsReportedLostWhenItHangsAndAliveWhenItContinues) {
   EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost alive"; })) << devices.events("d");
 }
 
+TEST(Device, IsFoundAgainAfterItsParticipantWasLostOnOneSideOnly) {
+  Devices devices;
+  auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
+  Peer peer{{"returning", "d"}};
+  ASSERT_TRUE(soon([&] { return devices.samples("d") >= 3; }));
+  peer.signal(SIGSTOP);
+  ASSERT_TRUE(soon([&] { return reader->matched() == 0; })) << "the lease is 3 s";
+  peer.signal(SIGCONT);
+  EXPECT_TRUE(soon([&] { return reader->matched() == 1; }));
+  EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost alive"; })) << devices.events("d");
+}
+
 TEST(Device, IsReportedLostWhenItLeaves) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   Peer peer{{"device", "d"}};
   ASSERT_TRUE(soon([&] { return devices.samples("d") >= 1; }));
-  peer.say("end");
+  peer.write("end");
   EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost"; })) << devices.events("d");
 }
 
-/// Returns the hexadecimal digits of a sample in its wire format.
+/// Returns a sample in its wire format, as hexadecimal digits.
 template <class Generated>
 std::string wire(typename Generated::type& sample) {
   Generated type;
@@ -255,7 +279,7 @@ TEST(DeviceTopic, DeliversValidSamplesDespiteThousandsOfForgedOnes) {
   status.text("well");
   Peer forger{
       {"forge", "takt/device", "takt::DeviceStatus", "keyed", "3000", wire<DeviceStatusPubSubType>(status)}};
-  ASSERT_TRUE(forger.says("forged", 60s));
+  ASSERT_TRUE(forger.prints("forged", 60s));
   EXPECT_GT(reader->refused(), 1000U);
   Peer honest{{"device", "honest"}};
   EXPECT_TRUE(soon([&] { return devices.samples("honest") > 0; }));

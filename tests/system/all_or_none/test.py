@@ -5,6 +5,7 @@ import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import networks
 import takt_system
 from takt_system import LIFE, wait_until
 
@@ -51,8 +52,8 @@ class AllOrNone(takt_system.Case):
         return "\n".join(self.running[device].raw[self.marks[device]:])
 
     def assert_nothing_runs(self):
-        """Checks that all nodes wait for a deployment and have no other processes. Nodes reply shortly before they publish that they have
-        no cell."""
+        """Waits until all nodes wait for a deployment and have no child processes. They may not do so yet, because nodes reply shortly before
+        they publish that they have no cell."""
         def free():
             status = self.status_of()
             return status["cell"] == "-" and {d["name"]: d["modules"] for d in status["devices"]} == {"robot": [], "line": []}
@@ -101,10 +102,11 @@ class AllOrNone(takt_system.Case):
         self.refuse(self.cell("absent", "bad", "fine.so"),
                     r"(?m)absent\.xml:\d+: error: device line: module bad: there is no file fine\.so on this device's component path",
                     then_a_good_one=False)
-        # A node ignores the path in a component name, even if a file exists there.
+        # A node loads only files on its component path.
         shutil.copy(os.path.join(self.folder, "components", "grid.so"), os.path.join(self.folder, "mine.so"))
         self.refuse(self.cell("path", "bad", os.path.join(self.folder, "mine.so")),
-                    r"(?m)path\.xml:\d+: error: device line: module bad: there is no file mine\.so on this device's component path",
+                    r"(?m)path\.xml:\d+: error: device line: module bad: there is no file .*/mine\.so on this device's component path "
+                    r".*name it mine\.so, without a path",
                     then_a_good_one=False)
         self.refuse(self.cell("unknown", "bad", "grid.so", '<property><value name="fiel">x</value></property>'),
                     r"(?m)unknown\.xml:\d+: error: device line: .*bad.*'?fiel'?")
@@ -115,7 +117,13 @@ class AllOrNone(takt_system.Case):
         self.refuse(self.cell("crash", "bad", "segv.so", WHERE),
                     r"(?m)^module line\.bad: error: the host was killed by SIGSEGV .* in initialize\(\)")
         self.refuse(self.with_a_third_device(),
-                    r"(?m)^device third: error: not found on domain %d; start its node with takt-node --device third" % self.domain)
+                    r"(?m)^device third: error: not found on domain %d; start its node with takt-node --device third --domain %d; "
+                    r"devices found there: (\w+, )*line" % (self.domain, self.domain))
+        with open(self.beside("cell.xml")) as file:
+            text = file.read().replace('"cell"', '"lime"').replace('"line"', '"lime"')
+        self.refuse(self.write("lime.xml", text),
+                    r"(?m)^device lime: error: not found on domain %d; did you mean line\? Otherwise start its node" % self.domain,
+                    then_a_good_one=False)
         self.end(self.running)
 
     def with_a_third_device(self):
@@ -163,7 +171,10 @@ class AllOrNone(takt_system.Case):
         took = time.monotonic() - begun
         print("cancelled %.2f s after a node was killed" % took)
         self.assertLess(took, 4, "takt deploy must not wait for the hanging hook")
-        self.assert_refused_everywhere(run, "hang", r"(?m)^device line: error: it was lost before it answered command prepare$")
+        self.assert_refused_everywhere(
+            run, "hang", r"(?m)^device line: error: it was lost before it answered command prepare; the command was sent \d+ times?, and "
+            r"the last status of the device arrived [\d.]+ m?s ago; the device may have carried it out: check with takt status before you "
+            r"try again$")
         self.running["line"].wait(10)
         self.running["line"] = self.node("line")
         self.marks["line"] = 0
@@ -195,15 +206,22 @@ class AllOrNone(takt_system.Case):
     def test_takt_deploy_fails_while_two_nodes_have_the_same_name(self):
         self.begin()
         second = self.program("takt-node", "--device", "line", "--state-dir", os.path.join(self.folder, "second"))
-        clash = r"another node named line is on domain %d: process %%d on \S+; end or rename one of them: no cell can be deployed " \
-                r"to either while both run" % self.domain
+        clash = r"another node named line is on domain %d: process %%d on \S+; end or rename one of them: while both run, they " \
+                r"reject deployments and commands" % self.domain
         self.running["line"].wait_for_line(clash % second.pid)
         second.wait_for_line(clash % self.running["line"].pid)
-        # takt either finds both nodes, or it finds one of them, which reports the other.
-        two = r"(?m)^device line: error: (2 nodes on domain %d have this name: process \d+ on \S+, process \d+ on \S+; end all but " \
-              r"one of them|another node named line is on domain %d: process \d+ on)" % (self.domain, self.domain)
+        # takt either finds both nodes, or it finds one of them, which knows the other. The message is the same.
+        pids = [self.running["line"].pid, second.pid]
+        both = "|".join(r"process %d on \S+, process %d on \S+" % pair for pair in (tuple(pids), tuple(reversed(pids))))
+        two = r"(?m)^device line: error: 2 nodes on domain %d have this name: (%s); end all but one of them" % (self.domain, both)
         self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", two)
-        self.refused({"status": two})
+        self.refused({command: two for command in ("stop line", "get line.grid", "get line.grid x", "echo line.grid.x", "trace line")})
+        status = self.takt("status", "--json")
+        self.assertEqual(0, status.status, status.err)
+        devices = status.report["devices"]
+        self.assertEqual(sorted(list(self.running) + ["line"]), [d["name"] for d in devices], "both nodes named line are shown")
+        self.assertEqual(2, sum("another node named line" in d.get("conflict", "") for d in devices))
+        self.assertEqual(2, self.takt("status").out.count("NAME CONFLICT: another node named line"))
         second.signal(signal.SIGTERM)
         self.assertEqual(0, second.wait(10).status)
         self.running["line"].wait_for_line("the other node with this name is gone")
@@ -231,6 +249,65 @@ class AllOrNone(takt_system.Case):
             self.assertGreater(rows[1]["cycles"], rows[0]["cycles"])
         self.done("undeploy cell")
         self.end(self.running)
+
+
+class WithoutTheOperator(networks.NetworkCase):
+    MACHINES = ("robot", "line", "observer")
+
+    def begin(self):
+        self.running = self.nodes("robot", "line")
+        self.watch = self.start("watch", on="observer")
+        self.watch.wait_for_out(r"robot: waiting")
+        self.watch.wait_for_out(r"line: waiting")
+
+    def start_deployment(self):
+        """Deploys a cell in which device line is ready only after the test has called be_ready()."""
+        self.fifo = os.path.join(self.folder, "fifo")
+        os.mkfifo(self.fifo)  # the diary module waits in initialize() until the test reads its lines
+        with open(self.beside("cell.xml")) as file:
+            text = file.read()
+        diary = MODULE % ("diary", "diary.so", '<property><value name="file">%s</value></property>' % self.fifo)
+        self.run_of_deploy = self.start("deploy", self.write("cell.xml", text[:text.rindex("\n  </device>")] + diary))
+        self.running["line"].wait_for_line("preparing cell cell")
+        self.running["line"].wait_for_line("grid: IDLE -> INITIALIZE")
+
+    def be_ready(self):
+        reader = os.open(self.fifo, os.O_RDONLY | os.O_NONBLOCK)
+        self.addCleanup(os.close, reader)
+
+    def assert_waiting(self, *devices):
+        def free():
+            run = self.takt("status", "--json", on="observer")
+            state = {d["name"]: (d.get("state"), d["modules"]) for d in run.report["devices"]} if run.status == 0 else {}
+            return all(state.get(device) == ("waiting", []) for device in devices)
+        wait_until(free, 25, "devices %s to wait for a deployment" % ", ".join(devices))
+
+    def test_all_devices_undo_a_deployment_if_the_operator_loses_its_network_after_only_one_device_has_the_start_time(self):
+        self.begin()
+        self.start_deployment()
+        self.net.lose_packets("operator", "line")  # so the start time does not reach line
+        self.be_ready()
+        self.watch.wait_for_out(r"robot: (armed|running)")
+        self.net.cut("operator")
+        self.assert_waiting("robot", "line")
+        for device, node in self.running.items():
+            self.assertNotIn("EXECUTING", "\n".join(node.raw), device)
+        run = self.run_of_deploy.wait(60)
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertRegex(run.err, "(?m)^cell cell was not deployed; .*(robot|line).* not confirmed this; the devices decide together")
+        self.end(self.running)
+
+    def test_no_device_runs_if_a_node_is_killed_after_it_has_confirmed_the_start_time(self):
+        self.begin()
+        self.start_deployment()
+        self.be_ready()
+        self.watch.wait_for_out(r"line: (armed|running)")
+        self.running["line"].signal(signal.SIGKILL)
+        run = self.run_of_deploy.wait(60)
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertRegex(run.err, "(?m)^device line: error: ")
+        self.assert_waiting("robot")
+        self.end({"robot": self.running["robot"]})
 
 
 if __name__ == "__main__":

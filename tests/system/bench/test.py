@@ -50,7 +50,7 @@ class Bench(takt_system.Case):
                 self.assertEqual(JITTER, list(case["bare_us"]))
                 self.assertGreater(case["jitter_us"]["count"], 0)
                 self.assertGreater(case["bare_us"]["count"], 0)
-                # 0.2 s with a period of 100 us; each period is served or missed.
+                # In 0.2 s there are 2000 periods of 100 us. Each of them counts as served or as missed.
                 self.assertGreaterEqual(case["bare_us"]["count"] + case["bare_missed"], 2000)
                 self.assertGreaterEqual(case["cycles"] + case["missed"], 2000)
                 self.assertLessEqual(case["jitter_us"]["count"], case["cycles"])
@@ -65,7 +65,7 @@ class Bench(takt_system.Case):
         self.assertNotIn("script", seen.elements)
         self.assertTrue(all(reference.startswith("#case") for reference in seen.references), seen.references)
 
-    def test_takt_bench_table1_measures_with_the_period_of_its_option(self):
+    def test_takt_bench_table1_measures_with_the_period_given_as_an_option(self):
         run = self.takt("bench", "table1", "--for", "0.05", "--period", "1000", limit=150.0)
         self.assertEqual((0, ""), (run.status, run.err))
         self.assertIn("at a basic period of 1 ms", run.out)

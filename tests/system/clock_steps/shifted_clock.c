@@ -64,7 +64,8 @@ int timespec_get(struct timespec* t, int base) {
   return base;
 }
 
-/* The following functions wait until an instant of the wall clock. They count the wait, and use the present offset for its end. */
+/* The following functions wait until an instant of the wall clock. unshifted() counts the wait, and computes
+   its end from the current offset. */
 
 static struct timespec unshifted(const struct timespec* until) {
   if (shared != NULL) atomic_fetch_add(&shared->waits, 1);

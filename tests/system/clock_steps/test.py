@@ -17,7 +17,7 @@ DAY = 24 * HOUR
 
 
 class WallClock:
-    """The wall clock that the programs of one device see. It does not change the clock of the machine."""
+    """The wall clock that the programs of one device see. Setting this clock does not change the clock of the machine."""
 
     def __init__(self, path):
         with open(path, "wb") as file:
@@ -28,7 +28,7 @@ class WallClock:
 
     def set_by(self, seconds):
         """Sets this clock to `seconds` ahead of the clock of the machine."""
-        struct.pack_into("q", self._words, 0, seconds * 10**9)
+        struct.pack_into("q", self._words, 0, int(seconds * 10**9))
 
     @property
     def waits(self):
@@ -44,12 +44,15 @@ class ClockSteps(takt_system.Case):
         self.line = WallClock(os.path.join(self.folder, "clock.line"))
 
     def program(self, name, *arguments, **options):
-        """Starts a program. It uses the clock of device robot unless `environment` names another clock."""
+        """Starts a program with the clock of device robot, unless `environment` names another clock."""
         options["environment"] = {**self.robot.environment, **(options.get("environment") or {})}
         return super().program(name, *arguments, **options)
 
-    def start_cell(self):
+    def start_nodes(self):
         self.nodes_of_cell = {"robot": self.node("robot"), "line": self.node("line", environment=self.line.environment)}
+
+    def start_cell(self):
+        self.start_nodes()
         self.deploy("cell.xml")
         self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
 
@@ -113,9 +116,12 @@ class ClockSteps(takt_system.Case):
                 said = wait_until(lambda: self.robots_times()[before:], 15, "the source to execute again")[0]
                 ahead = (said - began + DAY // 2) % DAY - DAY // 2
                 self.assertAlmostEqual(seconds, ahead, delta=600)
-                log, trace = self.done("log --json --device robot", "trace robot --json")
+                log, trace = self.done("log robot --json", "trace robot --json")
                 told = [json.loads(line) for line in log.splitlines()]
-                self.assertEqual(sorted(event["sequence"] for event in told), [event["sequence"] for event in told])
+                self.assertEqual(len(told), len({event["sequence"] for event in told}))
+                for earlier, later in zip(told, told[1:]):  # a node may record an event up to a second after its time
+                    if earlier["sequence"] > later["sequence"]:
+                        self.assertLess(later["time_ns"] - earlier["time_ns"], 2 * 10**9, (earlier, later))
                 commands = [event for event in told if event["kind"] == "command"]
                 self.assertIn("start was carried out", commands[-1]["cause"])
                 self.assertAlmostEqual(seconds, commands[-1]["time_ns"] / 1e9 - time.time(), delta=600)
@@ -174,6 +180,49 @@ class ClockSteps(takt_system.Case):
         self.assertGreater(int(re.search(r"(\d+) samples", recording.out + recording.err)[1]), 100)
         self.end_cell()
         self.assert_one_grid()
+
+    def test_takt_deploy_rejects_a_cell_whose_clocks_differ_by_30_s(self):
+        self.start_nodes()
+        for seconds in (30, -30):
+            with self.subTest(seconds):
+                self.line.set_by(seconds)
+                # The operator has the clock that is ahead. Otherwise one device would reject its command as late.
+                operator = self.line if seconds > 0 else self.robot
+                deploy = self.takt("deploy", "cell.xml", environment=operator.environment)
+                self.assertEqual(1, deploy.status)
+                self.assertRegex(deploy.err, r"(?m)^error: the clock of device (robot|line) is (29\.\d+|30(\.\d+)?) s (behind|ahead of) the clock "
+                                             r"of device (robot|line) \(±.*\), more than the allowed 100 ms; .*chrony or ptp4l$")
+                self.assertNotIn("EXECUTING", "".join(node.err for node in self.nodes_of_cell.values()))
+        self.line.set_by(0)
+        self.deploy("cell.xml")
+        self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        self.end_cell()
+
+    def test_a_value_becomes_stale_although_the_clock_of_its_writer_is_ahead(self):
+        self.start_nodes()
+        self.deploy("delayed.xml")
+        self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+
+        def late():
+            sink = [m for m in self.status_of("line")["modules"] if m["name"] == "sink"][0]
+            return sink["ports"][0]["late"]
+
+        def become_late():
+            before = late()
+            wait_until(lambda: late() >= before + 3, 20, "three more late values")
+        become_late()
+        self.assertLess(abs(self.status_of("line")["clock"]["offset_us"]), 100e3)
+        self.robot.set_by(0.5)  # the values now seem to come from the future
+        clock = wait_until(lambda: [c for c in [self.status_of("line")["clock"]] if c and c["offset_us"] < -400e3], 15, "the step to be seen")[0]
+        self.assertEqual("robot", clock["reference"])
+        self.assertAlmostEqual(-500e3, clock["offset_us"], delta=clock["bound_us"] + 1)
+        self.assertRegex(self.done("status")[0], r"device line .*clock -[45]\d\d\.\d ms ±\d+\.\d ms")
+        become_late()
+        wait_until(lambda: "clocks-differ" in self.done("log --kind clocks-differ")[0], 15, "the event")
+        self.robot.set_by(0)
+        wait_until(lambda: "clocks-agree" in self.done("log --kind clocks-agree")[0], 15, "the event")
+        self.done("undeploy delayed")
+        self.end(self.nodes_of_cell)
 
 
 if __name__ == "__main__":

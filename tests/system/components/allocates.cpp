@@ -1,4 +1,5 @@
-// Allocates and frees `bytes` (64) in every `every`-th run (1), which a real-time thread must not do.
+// Allocates and frees `bytes` (default 64) in every `every`-th run (default 1), which a real-time thread must
+// not do.
 #include <takt/module.h>
 
 static std::size_t bytes = 64;

@@ -1,5 +1,6 @@
-// A module with two services that answer a number with its double: one in a handler, the other in run(). They
-// reject multiples of 7, throw for multiples of 11, and hang or crash at the numbers in their properties.
+// A module with two services that answer a number with its double: `handled` in a handler, `polled` in run().
+// Both reject multiples of 7. The handler also throws for multiples of 11, hangs at the number `hang_at`, and
+// crashes at the number `crash_at`.
 #include <takt/component.hpp>
 
 #include <chrono>

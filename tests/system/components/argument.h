@@ -1,4 +1,4 @@
-/* For programs that declare no properties and read their arguments themselves, as legacy programs do. Each
+/* Functions for programs that declare no properties and read their arguments, as legacy programs do. Each
  * argument is "name=value". An invalid value ends the program before it attaches, with exit status 1 and a
  * reason on standard error. */
 #ifndef TAKT_TESTS_ARGUMENT_H
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns the text after "name="; `fallback` if no argument has that name. */
+/* Returns the text after "name=", or `fallback` if no argument has that name. */
 static inline const char* argument_text(int argc, char* argv[], const char* name, const char* fallback) {
   const size_t length = strlen(name);
   for (int i = 1; i < argc; ++i) {
@@ -18,7 +18,7 @@ static inline const char* argument_text(int argc, char* argv[], const char* name
   return fallback;
 }
 
-/* Returns the number after "name=", from min to max inclusive; `fallback` if no argument has that name. */
+/* Returns the number after "name=", from min to max inclusive, or `fallback` if no argument has that name. */
 static inline double argument_number(int argc, char* argv[], const char* name, double fallback, double min,
                                      double max) {
   const char* text = argument_text(argc, argv, name, NULL);

@@ -15,7 +15,7 @@ class Asks : public takt::Component {
 
   samples::Count count_;
   std::uint64_t number_ = 0;
-  std::uint64_t told_[6] = {};  // the number of calls that ended with each CallStatus
+  std::uint64_t told_[6] = {};  // for each CallStatus, the number of calls that ended with it
   std::uint64_t wrong_ = 0;
   std::string refusal_ = std::string(128, ' ');
 

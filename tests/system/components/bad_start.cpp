@@ -1,5 +1,5 @@
-// A module whose start() fails. `how` is throw, say (it returns a failure), or other (it throws something
-// that is not a std::exception).
+// A module whose start() fails. The property `how` says how: throw; fail (return a failure); other (throw
+// something that is not a std::exception).
 #include <takt/module.h>
 
 static void fail(const std::string& how) {

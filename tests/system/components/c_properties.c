@@ -1,5 +1,5 @@
-/* A thread module or program in C with properties of every kind. It prints their values at the beginning and
- * at the end. */
+/* A thread module in C, or a process module if PROGRAM is defined, with properties of every kind. It
+ * prints their values at its beginning and at its end. */
 #ifdef PROGRAM
 #include <takt/process.h>
 #else
@@ -17,22 +17,22 @@ TAKT_INTEGER(count, 3, 1, INT64_MAX, "parts", "At a time.");
 TAKT_FLAG(on, 1, "Whether it does anything.");
 TAKT_STRING(label, "none", "What it is called.");
 
-static void say(const char* when) {
-  fprintf(stderr, "%s: speed %g, free_number %g, count %lld, on %d, label %s\n", when, speed, free_number, (long long)count, on,
-          label);
+static void print(const char* when) {
+  fprintf(stderr, "%s: speed %g, free_number %g, count %lld, on %d, label %s\n", when, speed, free_number,
+          (long long)count, on, label);
 }
 
 #ifdef PROGRAM
-static void at_the_end(void) { say("end"); }
+static void at_the_end(void) { print("end"); }
 
 int main(void) {
   initPeriodExe();
-  say("begin");
+  print("begin");
   atexit(at_the_end);
   while (1) waitPeriod();
 }
 #else
-void initialize(void) { say("begin"); }
+void initialize(void) { print("begin"); }
 void run(void) {}
-void destruct(void) { say("end"); }
+void destruct(void) { print("end"); }
 #endif

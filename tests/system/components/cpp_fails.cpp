@@ -1,12 +1,12 @@
-// A component in C++ whose run() fails in its `after`-th run (100) since the start and since each recovery.
-// `how` is throw or say (it returns a failure).
+// A component in C++ whose run() fails in the `after`-th cycle (default 100) after the start and after each
+// recovery. If `how` is throw, run() throws; if `how` is fail, run() returns a failure.
 #include <takt/component.hpp>
 
 #include <stdexcept>
 
 class CppFails : public takt::Component {
   takt::Property<std::int64_t> after{*this, "after", 100, {.min = 1, .text = "The run that fails."}};
-  takt::Property<std::string> how{*this, "how", "throw", {.text = "throw or say"}};
+  takt::Property<std::string> how{*this, "how", "throw", {.text = "throw or fail"}};
   takt::Property<bool> recoverable{*this, "recoverable", true, {.text = "Whether recover() succeeds."}};
   std::int64_t runs_ = 0;
 

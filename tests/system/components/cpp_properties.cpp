@@ -17,3 +17,4 @@ class CppProperties : public takt::Component {
   }
 };
 TAKT_COMPONENT(CppProperties)
+TAKT_COMPONENT_VERSION("1.2.0");

@@ -1,4 +1,5 @@
-/* Writes to address 0 after `after` releases (100). With 0, it does so before it first waits. */
+/* Writes to address 0 after `after` releases (default 100). If `after` is 0, the program does so before it
+ * waits for a release. */
 #include <takt/process.h>
 
 #include "argument.h"

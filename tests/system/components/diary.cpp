@@ -1,7 +1,7 @@
 // Prints a line for each hook except run() and condition(), and writes the line to `file`: "initialize",
-// "start", "error 2", "recover", "destruct". The first `bad_starts` calls (0) of start() fail. run() or
-// condition() fails in its `after`-th call (never) since the last recovery. `how` is throw, say (run()
-// returns a failure), slow (run() spins for `ns`, 2000000) or condition (condition() throws).
+// "start", "error 2", "recover", "destruct". The first `bad_starts` calls (default 0) of start() fail. run()
+// or condition() fails in its `after`-th call (default never) since the last recovery. `how` says how: throw;
+// fail (run() returns a failure); slow (run() spins for `ns`, 2000000); condition (condition() throws).
 #include <takt/module.h>
 
 #include <chrono>
@@ -37,7 +37,7 @@ void start(void) {
 void run(void) {
   if (++runs != after) return;
   if (how == "throw") throw std::runtime_error("run() threw as it was asked to");
-  if (how == "say") takt_fail("run() failed as it was asked to");
+  if (how == "fail") takt_fail("run() failed as it was asked to");
   if (how != "slow") return;
   const auto end = std::chrono::steady_clock::now() + length;
   while (std::chrono::steady_clock::now() < end) {

@@ -1,14 +1,23 @@
-// A module whose `after`-th run (100) never returns.
+// A module whose `after`-th run (default 100) never returns. If `deaf` is true, this run blocks all signals.
 #include <takt/module.h>
 
+#include <csignal>
+
 static long long after = 100;
+static bool deaf = false;
 static long long runs = 0;
 static volatile bool for_ever = true;
 
 extern "C" {
-void initialize(irp::Property const& property) { after = property.get("after", 100LL, 1, 1000000000); }
+void initialize(irp::Property const& property) {
+  after = property.get("after", 100LL, 1, 1000000000);
+  deaf = property.get("deaf", false);
+}
 void run(void) {
   if (++runs != after) return;
+  sigset_t all;
+  sigfillset(&all);
+  if (deaf) pthread_sigmask(SIG_BLOCK, &all, nullptr);
   while (for_ever) {
   }
 }

@@ -1,5 +1,5 @@
-/* A program for a non-real-time module, without any call to Takt. It prints when it was started, and returns
- * from main with `status` (0) after `ms` milliseconds (100). */
+/* A non-real-time process module that does not call Takt. It prints when it was started, and returns from
+ * main with `status` (default 0) after `ms` milliseconds (default 100). */
 #define _POSIX_C_SOURCE 200809L
 #include <time.h>
 

@@ -1,5 +1,5 @@
-/* Returns from main with `status` (0) after `after` releases (100). With 0, it does so before it first waits.
- */
+/* Returns from main with `status` (default 0) after `after` releases (default 100). If `after` is 0, the
+ * program returns before it waits for a release. */
 #include <takt/process.h>
 
 #include "argument.h"

@@ -1,5 +1,6 @@
-// A module whose run() fails in its `after`-th run (100) since the start and since each recovery. `how` is
-// throw or say (it returns a failure). recover() succeeds if `recoverable` (true) is set.
+// A module whose run() fails in the `after`-th cycle (default 100) after the start and after each recovery.
+// If `how` is throw, run() throws; if it is fail, run() calls takt_fail(). recover() fails if `recoverable`
+// is false.
 #include <takt/module.h>
 
 static long long after = 100;

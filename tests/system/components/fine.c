@@ -1,4 +1,4 @@
-/* A correct periodic program: counts its releases and prints the number at the end. */
+/* A correct periodic process module: counts its releases and prints the number at the end. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <takt/process.h>

@@ -1,5 +1,5 @@
-/* A correct sporadic program. Its condition holds at every `every`-th release (10), and its body then spins
- * for `ns` nanoseconds (0). It prints at the end how often the condition held. */
+/* A correct sporadic process module. Its condition holds at every `every`-th release (default 10), and its
+ * body then spins for `ns` nanoseconds (default 0). At the end it prints how often the condition held. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-// A correct sporadic module. Its condition is true at every `every`-th check (10), and run() then spins for
-// `ns` nanoseconds (0). It writes the number of runs to `file` at the end.
+// A correct sporadic module. Its condition is true at every `every`-th check (default 10), and run() then
+// spins for `ns` nanoseconds (default 0). It writes the number of runs to `file` at the end.
 #include "count_file.hpp"
 
 #include <chrono>

@@ -1,5 +1,5 @@
-/* A correct periodic program that checks its grid: release n is due at T0 + n x period. Prints "T0 RELEASES
- * STRAYED" at the end, in the form of grid.so. */
+/* A correct periodic process module that checks its grid: release n is due at T0 + n x period. At the end
+ * it prints T0 in ns, the number of its releases, and the number of releases off this grid. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

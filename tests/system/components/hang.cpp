@@ -1,5 +1,6 @@
-// The hook that `where` names never returns: initialize, start, error, recover or destruct. If `where` is
-// error or recover, run() fails in its `after`-th run (100), so that Takt calls this hook.
+// One hook never returns. The property `where` names this hook: initialize, start, error, recover or
+// destruct. For error and recover, run() fails in its `after`-th call (default 100), so that Takt calls these
+// hooks.
 #include <takt/module.h>
 
 #include <unistd.h>

@@ -1,4 +1,5 @@
-/* Ignores SIGTERM. After `after` releases (100) it sleeps in its body for ever, and only SIGKILL ends it. */
+/* Ignores SIGTERM. After `after` releases (default 100) the body sleeps for ever, so that only SIGKILL ends
+ * the program. */
 #define _POSIX_C_SOURCE 200809L
 #include <signal.h>
 #include <takt/process.h>

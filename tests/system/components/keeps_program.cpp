@@ -1,5 +1,5 @@
-// A program that counts the executions of its body in a saved value, prints the value that it restored, and
-// crashes in the `after`-th body of each process.
+// A process module that counts the executions of its body in a saved value, and prints the value that it
+// restored. Each of its processes crashes in the `after`-th execution of the body.
 #include <takt/process.hpp>
 
 #include <cstdio>

@@ -1,4 +1,5 @@
-/* A program in C that counts its bodies in a saved value, and prints what it restored. It never crashes. */
+/* A process module in C that counts the executions of its body in a saved value, and prints the value that
+ * it restored. */
 #include <stdint.h>
 #include <stdio.h>
 #include <takt/process.h>

@@ -1,4 +1,4 @@
-// Calls exit(3) in its `after`-th run (100), which ends its host.
+// Calls exit(3) in its `after`-th run (default 100), which ends its host.
 #include <takt/module.h>
 
 #include <cstdlib>

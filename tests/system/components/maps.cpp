@@ -1,5 +1,5 @@
-// In every `every`-th run (1), gets `pages` pages of memory from the kernel, writes to each page, and returns
-// the pages to the kernel.
+// In every `every`-th run (default 1), gets `pages` pages of memory from the kernel, writes to each page, and
+// returns the pages to the kernel.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // Runs for a random time of up to `most` nanoseconds, then computes a number from its inputs and sends it.
-// The number no longer changes after `runs` runs. The module writes it to `file` at the end.
+// After `runs` runs, the number no longer changes. At the end, the module writes the number to `file`.
 #include <takt/component.hpp>
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Overflows its stack in its `after`-th run (100).
+// Overflows its stack in its `after`-th run (default 100).
 #include <takt/module.h>
 
 static long long after = 100;

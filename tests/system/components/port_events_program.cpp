@@ -1,4 +1,4 @@
-// A sporadic program in C++ that forwards each event and reports wrong samples.
+// A sporadic process module in C++ that forwards each event and reports wrong samples.
 #include <takt/process.hpp>
 
 #include <cstdio>

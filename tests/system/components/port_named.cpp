@@ -1,5 +1,5 @@
-// A periodic program whose property `ports` determines its ports: with ports=a,b,c it has the outputs a, b
-// and c.
+// A periodic process module whose property `ports` determines its ports: with ports=a,b,c it has the outputs
+// a, b and c.
 #include <takt/process.hpp>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// A periodic program in C++ that forwards the samples that it reads.
+// A periodic process module in C++ that forwards the samples that it reads.
 #include <takt/process.hpp>
 
 #include "sample.hpp"

@@ -1,4 +1,5 @@
-/* A thread module in C that forwards the samples that it reads. With -DPROGRAM, it is a periodic program. */
+/* A thread module in C, or a periodic process module if PROGRAM is defined, that forwards the samples that
+ * it reads. */
 #ifdef PROGRAM
 #include <takt/process.h>
 #else

@@ -1,6 +1,6 @@
 /* Prints on both standard output and standard error: a line before it attaches, a numbered line in each of
- * its first `lines` releases (200), then a line of `long` letters (100000), and at the end a last line
- * without a line feed. */
+ * its first `lines` releases (default 200), then a line of `long` letters (default 100000), and at the end a
+ * last line without a line feed. */
 #include <takt/process.h>
 
 #include "argument.h"

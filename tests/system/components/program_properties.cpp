@@ -1,4 +1,4 @@
-// A sporadic program in C++ with properties.
+// A sporadic process module in C++ with properties.
 #include <takt/process.hpp>
 
 #include <cstdio>
@@ -12,12 +12,12 @@ takt::Property<double> gain{
     "gain", 1.5, {.unit = "1/s", .min = 0.0, .max = 100.0, .text = "How strong it is."}};
 takt::Property<std::string> label{"label", "none"};
 
-void say() { std::fprintf(stderr, "gain %g, label %s\n", gain.value(), label.value().c_str()); }
+void print() { std::fprintf(stderr, "gain %g, label %s\n", gain.value(), label.value().c_str()); }
 
 }  // namespace
 
 int main() {
-  say();  // the properties already have the values from the descriptor here
+  print();  // the properties already have the values from the descriptor here
   initSporadicExe();
   while (true) waitSporadic();
 }

@@ -1,4 +1,4 @@
-// A periodic program that uses SafeWatch to report the samples and safe values that it reads.
+// A periodic process module that uses SafeWatch to report the samples and safe values that it reads.
 #include <takt/process.hpp>
 
 #include <string>

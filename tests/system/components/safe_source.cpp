@@ -1,6 +1,6 @@
-// Writes samples numbered from 1. Its safe value has number 0, and -1 in the other fields. The property `how`
-// can be set while the module runs. 1: it writes nothing. 2: run() fails. 3: it crashes. 4: one run takes 50
-// ms.
+// Writes samples numbered from 1. The safe value of the output has number 0, and -1 in the other fields. The
+// property `how` can be set while the module runs. 1: the module writes nothing. 2: run() fails. 3: run()
+// crashes. 4: one call of run() takes 50 ms.
 #include <takt/component.hpp>
 
 #include <chrono>

@@ -17,7 +17,7 @@ inline samples::Count safe_value(std::uint64_t number) {
 /// Reports on standard error each time a reader switches between samples and the safe value, and each value
 /// that is neither. Every line contains the time (monotonic, ns): "SAFE 123 after 5", "LIVE 456 with 6",
 /// "WRONG 789 with 7". After a restart, a writer numbers its samples from 1 again. Numbers that are times
-/// (`told.so`) never decrease.
+/// (`failing_source.so`) never decrease.
 class SafeWatch {
  public:
   /// The deadline of the connection: a sample older than this is reported as wrong. 0 means no limit.
@@ -37,10 +37,10 @@ class SafeWatch {
       wrong |= !is_whole(count) || (news && count.number() <= last_ && !may_go_back);
       wrong |= oldest_.count() > 0 && port.age() > oldest_;
     }
-    if (wrong) say(who, "WRONG", "with", count.number());
+    if (wrong) print(who, "WRONG", "with", count.number());
     if (first || safe != safe_) {
-      if (!news) say(who, "WRONG", "without news, with", count.number());
-      say(who, safe ? "SAFE" : "LIVE", safe ? "after" : "with", safe ? last_ : count.number());
+      if (!news) print(who, "WRONG", "without news, with", count.number());
+      print(who, safe ? "SAFE" : "LIVE", safe ? "after" : "with", safe ? last_ : count.number());
     }
     said_ = true;
     safe_ = safe;
@@ -51,7 +51,7 @@ class SafeWatch {
   static constexpr std::uint64_t kTimes =
       1'000'000'000'000'000;  // larger numbers are times, in us since 1970
 
-  static void say(const char* who, const char* what, const char* with, std::uint64_t number) {
+  static void print(const char* who, const char* what, const char* with, std::uint64_t number) {
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
     std::fprintf(stderr, "%s %s %lld %s %llu\n", who, what, static_cast<long long>(now.count()), with,
                  static_cast<unsigned long long>(number));

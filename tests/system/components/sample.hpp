@@ -13,7 +13,7 @@ inline void fill(samples::Count& count, std::uint64_t number) {
   count.few().assign(number % 5, static_cast<std::uint32_t>(number));
 }
 
-/// Returns whether all fields have the values that belong to the number of the sample.
+/// Returns true if all fields have the values that belong to the number of the sample.
 inline bool is_whole(const samples::Count& count) {
   const std::uint64_t number = count.number();
   for (const double same : count.same()) {

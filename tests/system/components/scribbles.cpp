@@ -1,5 +1,5 @@
 // After `after` runs, writes `words` random words into the memory that its host shares with the node, with
-// other hosts and with programs. Then the module continues normally.
+// other hosts and with process modules. Then the module continues normally.
 #include <takt/component.hpp>
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Writes to address 0 in the hook that `where` names: run (in its `after`-th run, 100), initialize, start,
-// error, recover or destruct. If `where` is error or recover, run() fails in its `after`-th run, so that Takt
-// calls this hook.
+// One hook writes to address 0. The property `where` names this hook: run, initialize, start, error, recover
+// or destruct. run() does so in its `after`-th call (default 100). For error and recover, run() fails in its
+// `after`-th call, so that Takt calls these hooks.
 #include <takt/module.h>
 
 static std::string where;

@@ -1,5 +1,5 @@
-// A program with a service. It forwards each request to another service, and answers with the reply of that
-// service.
+// A process module with a service. It forwards each request to another service, and answers with the reply of
+// that service.
 #include <takt/process.hpp>
 
 #include "sample.hpp"

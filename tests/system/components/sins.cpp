@@ -1,5 +1,6 @@
-// Does what the property `sin` (none) names in every run(). With `in_condition`, it also does this in every
-// condition(), which always returns true.
+// Violates a real-time rule in every run(); the property `sin` (default none) names the violation. With
+// `in_condition`, the violation is in every condition() instead, except for `new` and `text`, which stay in
+// run().
 #include <takt/component.hpp>
 
 #include "sins.h"
@@ -8,6 +9,7 @@ class Sins : public takt::Component {
   takt::Property<std::string> sin{*this, "sin", "none"};
   takt::Property<bool> in_condition{*this, "in_condition", false};
   std::string name_;
+  std::string text_;
   int* volatile number_ = nullptr;  // volatile prevents the compiler from removing the allocation
 
   takt::Result<void> initialize() override {
@@ -25,8 +27,8 @@ class Sins : public takt::Component {
     if (name_ == "new") {
       number_ = new int{1};
       delete number_;
-      SIN_IS_DONE;
     }
+    if (name_ == "text") text_ = name_ + " is too long for the space in the object";
   }
 };
 TAKT_COMPONENT(Sins)

@@ -16,11 +16,8 @@ static char* sin_pages;
 static long sin_next_page;
 static pthread_mutex_t sin_mutex = PTHREAD_MUTEX_INITIALIZER;
 
-/* Prevents a tail call, so that the function stays in the backtrace. */
-#define SIN_IS_DONE __asm__ volatile("" : : : "memory")
-
-/* Call this before the other functions. It prepares memory that causes page faults on its first use, even if
- * all memory is locked. */
+/* Prepares memory that causes page faults on its first use, even if all memory is locked. Call this function
+ * before the other functions. */
 static void sins_prepare(void) {
   const size_t size = SIN_PAGES * 4096UL;
   sin_pages = (char*)mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -31,12 +28,10 @@ static void sins_prepare(void) {
 __attribute__((noinline)) static void sin_allocate(void) {
   void* volatile block = malloc(100);
   free(block);
-  SIN_IS_DONE;
 }
 __attribute__((noinline)) static void sin_lock(void) {
   pthread_mutex_lock(&sin_mutex);
   pthread_mutex_unlock(&sin_mutex);
-  SIN_IS_DONE;
 }
 __attribute__((noinline)) static void sin_sleep(void) {
   const struct timespec moment = {0, 1000};
@@ -45,7 +40,6 @@ __attribute__((noinline)) static void sin_sleep(void) {
 __attribute__((noinline)) static void sin_print(void) {
   printf("something\n");
   fflush(stdout);
-  SIN_IS_DONE;
 }
 __attribute__((noinline)) static void sin_fault(void) {
   ((volatile char*)sin_pages)[sin_next_page++ % SIN_PAGES * 4096] = 1;

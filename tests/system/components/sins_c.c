@@ -1,4 +1,4 @@
-/* Calls all functions of sins.h in every run(), or as a program in every body. */
+/* Calls all functions of sins.h in every run(), or, as a process module, in every execution of its body. */
 #define _GNU_SOURCE
 #ifdef PROGRAM
 #include <takt/process.h>

@@ -1,5 +1,5 @@
-/* A program whose body spins in every `every`-th release (1) for `ns` nanoseconds, by default for one and a
- * half periods. */
+/* A process module whose body spins in every `every`-th release (default 1) for `ns` nanoseconds, by
+ * default for one and a half periods. */
 #define _POSIX_C_SOURCE 200809L
 #include <takt/process.h>
 #include <time.h>

@@ -1,5 +1,5 @@
-// Spins for `ns` nanoseconds (50000) in every `every`-th run (1). Writes the number of runs to `file` at the
-// end.
+// Spins for `ns` nanoseconds (default 50000) in every `every`-th run (default 1). Writes the number of runs
+// to `file` at the end.
 #include "count_file.hpp"
 
 #include <chrono>

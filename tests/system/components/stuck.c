@@ -1,4 +1,4 @@
-/* Sleeps in its body for ever after `after` releases (100). SIGTERM ends it. */
+/* After `after` releases (default 100), the body sleeps for ever. SIGTERM ends the program. */
 #define _POSIX_C_SOURCE 200809L
 #include <takt/process.h>
 #include <unistd.h>

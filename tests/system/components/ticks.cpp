@@ -1,6 +1,6 @@
 // A module that counts its runs in a saved value and writes the count to its output. `ticks.so` saves version
-// 1 of the value, and `ticks_more.so` saves version 2. Each can restore the value of the other. A swap to one
-// of these must fail:
+// 1 of the value, and `ticks_more.so` saves version 2. Each can restore the value of the other. A swap to any
+// of the following components must fail:
 //
 //   ticks_fails    its third run fails        ticks_other     other ports and properties
 //   ticks_crashes  its third run crashes      ticks_forgets   does not restore what version 1 saved

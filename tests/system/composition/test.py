@@ -71,7 +71,7 @@ class Composition(takt_system.Case):
         for line, pattern in zip(lines, expected):
             self.assertRegex(line, pattern.replace("PARTS", re.escape(parts)).replace("CELL", re.escape(cell)))
 
-    def test_errors_in_a_template_cite_the_template_and_its_use(self):
+    def test_errors_in_a_template_cite_the_line_in_the_template_and_the_line_of_its_use(self):
         # The parser reports this error once for all three uses.
         self.assert_wrong(lambda text: text.replace("<priority>2</priority>", "<priority>two</priority>"),
                           r"^PARTS:7: error: <priority> is not a whole number: 'two' \(used at CELL:9, and 2 more\);")

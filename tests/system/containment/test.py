@@ -35,7 +35,7 @@ class Containment(takt_system.Case):
         return run.modules()
 
     def assert_untouched(self, run, hosts=0):
-        """The other executor walked every row, and its modules took only the normal steps."""
+        """Checks that the other executor ran every row, and that its modules went only through the normal states."""
         for module in ("grid", "source", "near"):
             self.assertEqual(LIFE, run.states(module))
         t0, runs, strayed = map(int, self.read("grid").split())
@@ -197,7 +197,7 @@ class Saved(takt_system.Case):
         wait_until(lambda: runs() > before + more, 10, "some runs")
 
     def said_of(self, run, what):
-        """What the instances printed about their state in start()."""
+        """Returns what the instances printed about their state in start()."""
         return [line.text for line in run.lines if line.module == "(host risky)" and line.text.startswith(what)]
 
     def finish(self, run):
@@ -218,7 +218,7 @@ class Saved(takt_system.Case):
         self.assertGreaterEqual(runs[1], 48)
         self.assertLessEqual(runs[3], run.modules()["neighbour"]["cycles"])
 
-    def test_a_module_restores_state_that_another_version_saved_only_if_it_supports_it(self):
+    def test_a_module_restores_the_state_of_another_version_only_if_it_supports_that_version(self):
         folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
         mine = os.path.join(self.folder, "mine.so")
         shutil.copy(os.path.join(folder, "keeps.so"), mine)
@@ -229,7 +229,7 @@ class Saved(takt_system.Case):
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
         run.wait_for_line(r"keeps: restore\(\) converted the state that version 1 saved")
         run.wait_for_line(r"version 2 restored \d{2,}")
-        # After version 2 has saved its state, version 1 is loaded again. It cannot restore that state, reports this, and starts from 0.
+        # Version 2 has saved its state, and then version 1 is loaded again. Version 1 cannot restore this state, says so, and starts at 0.
         self.wait_for_runs()
         shutil.copy(os.path.join(folder, "keeps.so"), mine + ".new")
         os.replace(mine + ".new", mine)
@@ -289,7 +289,7 @@ class SavedByPrograms(takt_system.Case):
         run = self.run_keeping(after=50)
         run.wait_for_state("keeps", "DESTRUCT", limit=20)
         self.finish(run)
-        # The second instance restored the state and crashed too, so the third one starts without it.
+        # The second instance restored the state and crashed too, so the third instance starts without this state.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"],
                          self.told(run, "keeps", "version"))
         self.assertEqual(["takt: the program's saved state was restored"], self.told(run, "keeps", "takt:"))
@@ -330,7 +330,7 @@ class SavedByPrograms(takt_system.Case):
         second = self.run_keeping(retain="true")
         self.finish(second)
         found = int(self.told(second, "keeps", "version 1 restored")[0].split()[-1])
-        # The end of the run may have interrupted its last body.
+        # The end of the run may have interrupted the last body of the program.
         self.assertIn(first.modules()["keeps"]["cycles"] - found, (0, 1))
         self.assertEqual(["c has 0"], second.printed("in_c"), "this program does not retain its state")
 

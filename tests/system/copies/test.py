@@ -36,7 +36,7 @@ class Copies(takt_system.Case):
     def test_takt_rejects_two_modules_that_would_share_a_variable(self):
         for command in (["check"], ["run", "--for", "1"]):
             run = self.takt(command[0], "unique.xml", *command[1:])
-            self.assert_refused(run, r"\S*unique\.xml:7: error: module two: .*/unique\.so cannot be loaded with its own globals for a "
+            self.assert_refused(run, r"\S*unique\.xml:9: error: module two: .*/unique\.so cannot be loaded with its own globals for a "
                                      r"second module: the loader would share the variable \w*shared_count\w*; compile it with "
                                      r"-fno-gnu-unique, or make it a takt::Component")
             self.assertEqual(1, len(run.err.splitlines()), run.err)

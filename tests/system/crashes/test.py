@@ -9,7 +9,7 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 STARTED = LIFE[:4]
-PLACE = r"(, in .+ in \w+\.so)?"  # unknown after a stack overflow or a call of exit()
+PLACE = r"(, in .+ in \w+\.so)?"  # the place is unknown after a stack overflow or a call of exit()
 SEGV = r"the host was killed by SIGSEGV \(Segmentation fault\) in %s\(\)"
 
 
@@ -72,8 +72,20 @@ class Crashes(takt_system.Case):
     def test_a_call_of_exit_in_a_module_restarts_the_host_without_this_module(self):
         self.crash("leaves", r"the host ended with status 3 in run\(\)")
 
+    def test_a_host_process_that_a_module_forks_executes_no_modules(self):
+        run = self.takt("run", "forks.xml", "--for", "1", "--json")
+        self.assertEqual(0, run.status, run.err)
+        pids = self.read("pids").split()
+        self.assertGreater(len(pids), 10)
+        self.assertEqual(1, len(set(pids)), "the copy executed a row")
+
     def test_a_call_of_abort_in_a_module_restarts_the_host_without_this_module(self):
         run = self.crash("abort", r"the host was killed by SIGABRT \(Aborted\) in run\(\)")
+        self.assertEqual(99, run.modules()["culprit"]["cycles"])
+
+    def test_the_text_of_an_exception_that_ends_the_host_is_reported(self):
+        run = self.crash("uncaught", r"the host was killed by SIGABRT \(Aborted\) in run\(\), because nothing caught the exception "
+                         r"'no part in\\nthe gripper' \(none can leave a noexcept function\), in \w.* at abort\.cpp:1\d in abort\.so")
         self.assertEqual(99, run.modules()["culprit"]["cycles"])
 
     def test_a_stack_overflow_in_a_module_restarts_the_host_without_this_module(self):
@@ -81,7 +93,8 @@ class Crashes(takt_system.Case):
 
     @takt_system.alone("an endless loop at a real-time priority keeps a CPU busy")
     def test_an_endless_loop_in_a_module_restarts_the_host_without_this_module(self):
-        run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the node killed the host")
+        run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the node killed the host; "
+                         r"run\(\) was in run at endless\.cpp:\d+ in endless\.so")
         self.assertGreaterEqual(run.executor()["missed"], 1000, "no row was walked during the endless loop")
 
     def test_a_crash_in_the_error_or_recover_hook_restarts_the_host_without_this_module(self):

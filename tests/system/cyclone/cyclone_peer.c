@@ -1,9 +1,9 @@
-/* A program of Cyclone DDS. Cyclone's own IDL compiler generates its types from Takt's IDL. It uses nothing else of Takt.
+/* A program that uses Cyclone DDS. Cyclone's own IDL compiler generates its types from Takt's IDL. This program uses nothing else of Takt.
  *
  *   cyclone_peer DOMAIN watch SECONDS                               prints what nodes publish, one JSON object a line
  *   cyclone_peer DOMAIN command DEVICE MODULE KIND [PROPERTY VALUE] KIND as a number of takt::CommandKind; prints the answer
  *   cyclone_peer DOMAIN write TYPE TOPIC COUNT PERIOD_MS RELIABILITY
- *   cyclone_peer DOMAIN read TYPE TOPIC COUNT SECONDS RELIABILITY   until COUNT have arrived
+ *   cyclone_peer DOMAIN read TYPE TOPIC COUNT SECONDS RELIABILITY   until COUNT samples have arrived
  *
  * TYPE: Sample, Mixed, BeltCommand, BeltState, Part. RELIABILITY: reliable, best-effort. "-" stands for no module. */
 #include <inttypes.h>
@@ -129,7 +129,11 @@ static int watch(dds_entity_t participant, double seconds) {
       const int count = dds_take(all[i].reader, samples, info, 16, 16);
       for (int k = 0; k < count; ++k) {
         if (info[k].valid_data) all[i].print(samples[k]);
-        if (info[k].instance_state == DDS_IST_NOT_ALIVE_DISPOSED) printf("{\"topic\": \"%s\", \"disposed\": true}\n", all[i].name + 5);
+        if (info[k].instance_state == DDS_IST_NOT_ALIVE_DISPOSED) {
+          printf("{\"topic\": \"%s\"", all[i].name + 5);
+          print_text("disposed", samples[k]); /* path is the first member of each type */
+          printf("}\n");
+        }
       }
       if (count > 0) dds_return_loan(all[i].reader, samples, count);
       dds_liveliness_changed_status_t liveliness;
@@ -164,7 +168,7 @@ static int ask(dds_entity_t participant, int count, char **words) {
   if (count > 4) snprintf(command.value, sizeof command.value, "%s", words[4]);
   command.deadline_ns = wall_ns() + INT64_C(10000000000);
   command.parts = 1;
-  /* A command sent before writer and reader have matched is lost, so this sends it again with the same id. */
+  /* A command sent before writer and reader have matched is lost, so this loop repeats it with the same id. */
   for (int attempt = 0; attempt < 100; ++attempt) {
     if (attempt % 10 == 0) dds_write(writer, &command);
     usleep(100000);

@@ -49,7 +49,7 @@ class Program:
     def line(self):
         return self.process.stdout.readline().rstrip("\n")
 
-    def say(self, text):
+    def write(self, text):
         self.process.stdin.write(text + "\n")
         self.process.stdin.flush()
 
@@ -108,10 +108,28 @@ class Cyclone(unittest.TestCase):
         self.assertEqual((2, 2, "module3", "test", "device"),
                          (one["sequence_number"], one["state"], one["name"], one["cell"], one["device"]))
         self.assertEqual({"robot"}, {s["device"] for s in seen["device"]})
-        self.assertEqual({(3, 0, "here")}, {(s["state"], s["health"], s["host_name"]) for s in seen["device"]})
+        self.assertEqual({(5, 0, "here")}, {(s["state"], s["health"], s["host_name"]) for s in seen["device"]})
         self.assertGreater(seen["device"][-1]["sequence_number"], seen["device"][0]["sequence_number"])
         self.assertEqual({("servo", 7, -1.5, 12.25)},
                          {(s["name"], s["overruns"], s["jitter_mean_us"], s["run_p99_us"]) for s in seen["statistics"]})
+
+    def test_a_cyclone_dds_reader_is_notified_when_the_states_of_modules_are_disposed(self):
+        state = self.takt("state", "12", first="failures 0")
+        watch = self.cyclone("watch", "30")
+        alive, disposed, told = set(), set(), False
+        for text in watch.lines():
+            said = json.loads(text)
+            if "path" in said:
+                alive.add(said["path"])
+            elif "disposed" in said:
+                disposed.add(said["disposed"])
+            if len(alive) == 12 and not told:
+                state.write("dispose")
+                told = True
+            if len(disposed) == 12:
+                break
+        self.assertEqual({"test/device/module%d" % n for n in range(12)}, alive)
+        self.assertEqual(alive, disposed)
 
     def test_a_cyclone_dds_program_can_send_a_command_and_receive_the_reply(self):
         server = self.takt("server", "robot", "5")
@@ -133,7 +151,7 @@ class Cyclone(unittest.TestCase):
                 for number in range(1, count + 1):
                     self.assertEqual("sample %d" % number, tap.line(), "samples must arrive complete and in order")
                 self.assertEqual("written", write.line())
-                tap.say("health")
+                tap.write("health")
                 self.assertEqual("samples %d lost 0 refused 0" % count, " ".join(tap.line().split()[2:8]))
 
     def test_a_cyclone_dds_reader_reads_the_samples_of_a_takt_port(self):
@@ -148,7 +166,7 @@ class Cyclone(unittest.TestCase):
                 written = 0
                 while reader.is_alive():  # a reader does not receive samples that were written before it matched
                     if not samples or written - samples[-1]["number"] < KEPT // 2:
-                        feed.say("1 3000")
+                        feed.write("1 3000")
                         written = int(feed.line().split()[1])
                     time.sleep(0.01 if samples else 0.05)
                 reader.join()
@@ -168,7 +186,7 @@ class Cyclone(unittest.TestCase):
                               "name": "abcdefghijklmno"[:n % 16], "places": [{"x": n, "angle": 0}, {"x": n + 1, "angle": 0.5}],
                               "values": [n * 10 + i for i in range(n % 5)],
                               "way": [{"x": i, "angle": 0.25} for i in range(n % 4)], "last": 1 << 40}, json.loads(show.line()))
-        show.say("health")
+        show.write("health")
         self.assertEqual("refused 0", show.line())
 
         give = self.takt("give", "mixed/from", "reliable", "32", mixed)
@@ -177,13 +195,13 @@ class Cyclone(unittest.TestCase):
                   "places": [{"x": 1.5, "angle": -2.5}, {"x": -0.25, "angle": 8}], "values": [0.5, 1e300, -1],
                   "way": [{"x": 9, "angle": 1}], "last": -5}
         while read.process.poll() is None:
-            give.say(json.dumps(sample))
+            give.write(json.dumps(sample))
             self.assertEqual("written", give.line())
             time.sleep(0.05)
         got = json.loads(read.line())
         self.assertEqual({**sample, "colour": 2, "places": [[1.5, -2.5], [-0.25, 8]], "way": [[9, 1]]}, got)
 
-    def test_a_takt_port_reads_cyclone_dds_samples_whose_type_comes_with_takt(self):
+    def test_a_takt_port_reads_cyclone_dds_samples_of_a_type_that_takt_provides(self):
         """The type line::Part is in the IDL files that come with Takt."""
         shape = {"name": "line::Part", "fields": [
             {"name": "number", "type": "unsigned long"}, {"name": "kind", "type": "string", "bound": 15},

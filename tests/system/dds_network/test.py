@@ -65,7 +65,7 @@ class Peer:
         self.reader = threading.Thread(target=self._read)
         self.reader.start()
 
-    def say(self, text):
+    def write(self, text):
         self.process.stdin.write(text + "\n")
         self.process.stdin.flush()
 
@@ -106,7 +106,7 @@ class Interfaces(unittest.TestCase):
         """Writes samples until one arrives while no other sample is in transit. Returns the number of the last sample."""
         end = time.monotonic() + limit
         while time.monotonic() < end:
-            feed.say("1")
+            feed.write("1")
             written = int(feed.line().split()[1])
             heard = tap.line(0.1)
             if heard:
@@ -116,7 +116,7 @@ class Interfaces(unittest.TestCase):
         self.fail("writer and reader did not find each other")
 
     def assert_arrive(self, feed, tap, first, count):
-        feed.say(str(count))
+        feed.write(str(count))
         for number in range(first, first + count):
             self.assertEqual("sample %d" % number, tap.line())
         self.assertTrue(feed.line().startswith("written %d failures 0" % (first + count - 1)))
@@ -128,7 +128,7 @@ class Interfaces(unittest.TestCase):
         feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_INTERFACES="10.80.1.1")
         last = self.match(feed, tap)
         before = [self.net.bytes("robot", cable) for cable in (0, 1)]
-        feed.say("100 5000")
+        feed.write("100 5000")
         for number in range(last + 1, last + 101):
             self.assertEqual("sample %d" % number, tap.line())
         after = [self.net.bytes("robot", cable) for cable in (0, 1)]
@@ -139,7 +139,7 @@ class Interfaces(unittest.TestCase):
         tap = self.peer("line", "tap", "t", "reliable", "64", PEER_RESCAN="yes")
         feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_RESCAN="yes")
         time.sleep(1)
-        feed.say("0")
+        feed.write("0")
         self.assertIn("matched 0", feed.line())
         self.net.connect(0)
         begin = time.monotonic()
@@ -154,7 +154,7 @@ class Interfaces(unittest.TestCase):
         last = self.match(feed, tap)
         self.assert_arrive(feed, tap, last + 1, 10)
         self.net.set("line", 0, "down")
-        feed.say("40")
+        feed.write("40")
         time.sleep(0.5)
         self.net.set("line", 0, "up")
         for number in range(last + 11, last + 51):

@@ -1,6 +1,7 @@
 import json
 import os
 import re
+import subprocess
 import sys
 import time
 
@@ -30,7 +31,8 @@ class Deploy(takt_system.Case):
             self.assertEqual((9, 9), (len(ready), len(first)))
             self.assertLessEqual(max(ready), min(first))
             self.assertEqual(["cell cell is undeployed from line, robot, station"], self.done("undeploy cell"))
-            # All devices use the same clocks here, but each node converts the instant of the start with its own readings of two clocks.
+            # All devices use the same clocks here, but each node reads the two clocks itself to convert the instant of the start from one to
+            # the other. So the results may differ slightly.
             instants = [int(self.read(device).split()[0]) for device in DEVICES]
             self.assertLess(max(instants) - min(instants), 20000, instants)
             print("the devices' instants differ by %d ns" % (max(instants) - min(instants)))
@@ -45,7 +47,7 @@ class Deploy(takt_system.Case):
         self.assertEqual((0, 0), (seen["gaps"], seen["wrong"]))
         status = self.status_of()
         self.assertEqual(("-", [[], [], []]), (status["cell"], [d["modules"] for d in status["devices"]]))
-        self.refused({"stop robot.grid": "^device robot: error: device robot has no deployment$"})
+        self.refused({"stop robot.grid": "^device robot: error: device robot has no deployment; deploy a cell to it first: takt deploy CELL$"})
         self.end(nodes)
         for device, node in nodes.items():
             for module in DEVICES[device]:
@@ -94,7 +96,7 @@ class Deploy(takt_system.Case):
 
     def test_each_lifecycle_command_works_on_each_kind_of_module(self):
         nodes = self.running()
-        self.assert_each("stop", "START")
+        self.assert_each("stop", "START (stopped)")
         stopped = self.robot()
         self.assert_each_refused("stop", "START", "EXECUTING")
         still = self.robot()
@@ -109,7 +111,7 @@ class Deploy(takt_system.Case):
             self.assert_each_refused(verb, "EXECUTING", allowed)
         self.assert_each("destruct", "DESTRUCT")
         self.assertEqual([], nodes["robot"].processes("monitoring.exe") + nodes["robot"].processes("grid.exe"))
-        self.assert_each_refused("start", "DESTRUCT", "INITIALIZE or START")
+        self.assert_each_refused("start", "DESTRUCT", "INITIALIZE or START; reset and initialize the module first")
         self.assert_each_refused("destruct", "DESTRUCT", "IDLE or INITIALIZE or START or EXECUTING or RECOVER")
         self.assert_each("reset", "IDLE")
         self.assert_each("initialize", "INITIALIZE")
@@ -126,16 +128,57 @@ class Deploy(takt_system.Case):
     def test_a_command_to_a_device_applies_to_all_its_modules(self):
         nodes = self.running()
         said = lambda state: "\n".join(["line.%s: %s" % (module, state) for module in DEVICES["line"]])
-        for verb, state in (("stop", "START"), ("start", "EXECUTING"), ("destruct", "DESTRUCT"), ("reset", "IDLE"),
+        for verb, state in (("stop", "START (stopped)"), ("start", "EXECUTING"), ("destruct", "DESTRUCT"), ("reset", "IDLE"),
                             ("initialize", "INITIALIZE"), ("start", "EXECUTING")):
             self.assertEqual([said(state)], self.done("%s line" % verb))
         self.done("stop line.grid")
         run = self.takt("stop", "line")
         self.assertEqual(1, run.status)
-        self.assertEqual(["line.grid: START (stop is not allowed in state START; it is allowed in EXECUTING)", "line.properties: START",
-                          "line.source: START"], sorted(run.out.splitlines()))
+        self.assertEqual(["line.grid: START (stop is not allowed in state START; it is allowed in EXECUTING)", "line.properties: START (stopped)",
+                          "line.source: START (stopped)"], sorted(run.out.splitlines()))
         self.assertRegex(run.err, "^device line: error: 1 of 3 modules failed: grid: stop is not allowed in state START")
         self.done("undeploy cell")
+        self.end(nodes)
+
+    def completed(self, line):
+        """Returns the words that bash offers as completions at the end of this line, and the seconds that this took."""
+        script = os.path.join(takt_system.BIN, "..", "tools", "pages", "completions", "takt")
+        begun = time.monotonic()
+        run = subprocess.run(["bash", "-c", 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _takt; '
+                              'printf "%s\\n" "${COMPREPLY[@]}"', "bash", script] + line.split(" "),
+                             capture_output=True, text=True, cwd=self.folder, timeout=20,
+                             env=dict(os.environ, TAKT_DOMAIN=str(self.domain), PATH=takt_system.BIN + ":" + os.environ["PATH"]))
+        self.assertEqual((0, ""), (run.returncode, run.stderr), line)
+        return set(run.stdout.split()), time.monotonic() - begun
+
+    def test_takt_get_without_a_name_lists_all_properties(self):
+        nodes = self.running()
+        self.done("set line.properties count 7")
+        listed, = self.done("get line.properties")
+        self.assertRegex(listed, r"(?m)^count +7 +parts +1 to 10 +\S+$")
+        self.assertRegex(listed, r"(?m)^label +none +string$")
+        report = json.loads(self.done("get line.properties --json")[0])
+        self.assertEqual("line.properties", report["module"])
+        properties = {one["name"]: one for one in report["properties"]}
+        self.assertEqual(("7", "parts", 1, 10), tuple(properties["count"][m] for m in ("value", "unit", "min", "max")))
+        self.assertEqual({"enabled", "count", "offset", "gain", "ratio", "label", "log-level"}, set(properties))
+        self.refused({"get line.proprties": r"^error: device line has no module 'proprties'; .*properties"})
+        self.end(nodes)
+
+    def wait_for_completion(self, line, words):
+        """Repeats the completion until bash offers exactly these words. On a busy machine, a completion may find a device too late, or
+        a device may not have described its components yet."""
+        wait_until(lambda: words == self.completed(line)[0], 20, "completion of %r" % line)
+
+    def test_bash_completes_the_names_of_the_running_cell(self):
+        self.assertEqual(set(), self.completed("takt stop ")[0])
+        nodes = self.running()
+        self.wait_for_completion("takt stop line", {"line", "line.grid", "line.properties", "line.source"})
+        self.wait_for_completion("takt get --domain %d robot.p" % self.domain, {"robot.program", "robot.plain"})
+        self.wait_for_completion("takt echo line.", {"line.source.out"})
+        self.wait_for_completion("takt get line.properties g", {"gain"})
+        self.wait_for_completion("takt log s", {"station", "station.grid", "station.program", "station.sink"})
+        print("completion took %.2f s" % self.completed("takt stop ")[1])
         self.end(nodes)
 
     def test_operators_can_address_properties_and_ports_by_name(self):
@@ -148,8 +191,14 @@ class Deploy(takt_system.Case):
             "set line.properties count seven": r"^device line: error: property 'count' cannot be 'seven'; .*whole number",
             "set line.properties cuont 7": r"^device line: error: component CppProperties has no property 'cuont'; .*count",
             "get line.proprties count": r"^device line: error: device line has no module 'proprties'; .*properties",
+            "get line.properties a\x01": r"^error: 'a\\x01' is not a valid name; a name has at most 63 bytes, and no control characters$",
+            "get line.properties %s" % ("x" * 64): r"^error: 'x+' is not a valid name",
+            "set line.properties label %s" % ("x" * 256): r"^error: the value 'x.*x' has 256 bytes; give a value of at most 255 bytes$",
             "set station.program x 1": r"^device station: error: program is a program",
             "echo line.source.nothing": r"^device line: error: module line\.source has no port 'nothing'; .*out",
+            "call line.source.out": r"^error: line\.source\.out is an output port, not a service; show its samples with takt echo "
+                                    r"line\.source\.out; module line\.source has no services$",
+            "call station.sink.in": r"^error: station\.sink\.in is an input port, not a service; module station\.sink has no services$",
             "echo station.sink.in": r"^device station: error: port station\.sink\.in is an input; .*line\.source\.out",
         })
         self.assertEqual(["7", "a b"], self.done("get line.properties count", "get line.properties label"))
@@ -157,21 +206,29 @@ class Deploy(takt_system.Case):
         # Every command to a missing device must fail within a few seconds.
         asked = ("get nobody.grid x", "set nobody.grid x 1", "stop nobody.grid", "start nobody", "echo nobody.grid.out")
         begun = time.monotonic()
-        self.refused({command: r"^device nobody: error: not found: no answer within 3 s; check that takt-node --device nobody is "
-                               r"running on domain %d$" % self.domain for command in asked})
+        self.refused({command: r"^device nobody: error: not found on domain %d; check that takt-node --device nobody --domain %d is running; "
+                               r"devices found there: line, robot, station$" % (self.domain, self.domain) for command in asked})
+        # If the name of a device is misspelled or missing, the message must suggest the correct name.
+        self.refused({"stop lien.source": r"^device lien: error: not found on domain %d; did you mean line\.source\?$" % self.domain,
+                      "stop lien": r"; did you mean line\?$",
+                      "get lien.properties count": r"; did you mean line\.properties\?$",
+                      "swap lien.source port_source.so": r"; did you mean line\.source\?$",
+                      "echo lien.source.out": r"; did you mean line\.source\.out\?$",
+                      "stop source": r"; for a module, write DEVICE\.MODULE; did you mean line\.source\?$",
+                      "stop sorce": r"; for a module, write DEVICE\.MODULE; did you mean line\.source\?$"})
         took = time.monotonic() - begun
         print("all commands to a missing device failed within %.2f s" % took)
         self.assertLess(took, 10)
         # takt echo must print the samples of a port in order.
-        run = self.takt("echo", "line.source.out", "--count", "5")
+        run = self.takt("echo", "line.source.out", "-n", "5")
         self.assertEqual(0, run.status, run.err)
         numbers = [json.loads(line)["number"] for line in run.out.splitlines()]
         self.assertEqual(list(range(numbers[0], numbers[0] + 5)), numbers)
         # takt echo must explain why there are no samples, and continue when there are samples again.
         self.done("stop line.source")
         echo = self.start("echo", "line.source.out", "--count", "1")
-        wait_until(lambda: "no sample from line.source.out in the last 2 s; line.source is in START" in echo.err, 10,
-                   "takt echo to explain the silence")
+        wait_until(lambda: "no samples from line.source.out: line.source is stopped, in START; takt start line.source starts it" in echo.err,
+                   10, "takt echo to explain the silence")
         self.done("start line.source")
         self.assertEqual(0, echo.wait(10).status, echo.err)
         described = self.done("describe cpp_properties.so")[0]

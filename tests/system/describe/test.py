@@ -10,7 +10,7 @@ import takt_system
 
 SCHEMA = os.path.join(takt_system.SOURCE, "config", "iso22166-profile.xsd")
 FOLDER = os.path.join(os.path.dirname(takt_system.BIN), "components")
-# The ready-made components. This list leaves out those of the benchmarks.
+# The ready-made components, without the components of the benchmarks.
 READY = sorted(f for f in glob.glob(os.path.join(FOLDER, "*.so")) + glob.glob(os.path.join(FOLDER, "*.exe"))
                if not os.path.basename(f).startswith("bench_"))
 MODULE = """  <module>
@@ -130,7 +130,7 @@ class Describe(takt_system.Case):
         self.assertNotIn("c_properties", here.out)
         self.assertIn("control2.so", here.out)
 
-    def test_takt_describe_lists_the_same_properties_of_a_c_component_built_as_module_or_program(self):
+    def test_takt_describe_lists_the_same_properties_for_a_c_component_built_as_a_module_and_as_a_program(self):
         of_module, of_program = (self.takt("describe", "c_properties." + kind, "--json").report for kind in ("so", "exe"))
         self.assertEqual(("c", "process"), (of_module["interface"], of_program["interface"]))
         self.assertEqual("periodic", of_program["operation"])
@@ -157,7 +157,7 @@ class Describe(takt_system.Case):
             (module("c3", "c_properties.so", ("count", "0")), "count", r"property 'count' cannot be '0'; it takes a whole number, at least 1, in parts"),
             (module("p", "c_properties.exe", ("speed", "2.5")), "speed", r"property 'speed' cannot be '2\.5'; it takes a number, 0 to 2, in m/s"),
             (module("p2", "c_properties.exe", ("nothing_like_it", "1")), "nothing_like_it",
-             r"this program has no property 'nothing_like_it'; use speed, free_number, count, on or label"),
+             r"this program has no property 'nothing_like_it'; use speed, free_number, count, on, label or log-level"),
             (module("q", "program_properties.exe", ("gain", "nan"), sporadic=True), "gain", r"property 'gain' cannot be 'nan'; it takes a number, 0 to 100"),
         ]
         file = self.write("wrong.xml", "<root>\n%s</root>\n" % "".join(text for text, _, _ in wrong))
@@ -174,7 +174,7 @@ class Describe(takt_system.Case):
                 self.assertIn('name="%s"' % name, lines[int(match[1]) - 1])
                 self.assertRegex(match[2], words)
 
-    def test_takt_check_reports_a_program_whose_operationtype_in_the_descriptor_is_wrong(self):
+    def test_takt_check_reports_a_program_with_the_wrong_operationtype_in_the_descriptor(self):
         file = self.write("kind.xml", "<root>\n%s</root>\n" % module("q", "program_properties.exe", ("gain", "2")))
         run = self.takt("check", file)
         self.assertEqual(1, run.status)
@@ -185,6 +185,15 @@ class Describe(takt_system.Case):
         run = self.takt("check", self.write("c.xml", "<root>\n%s</root>\n" % module("a", "contrl2.so")))
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"there is no file contrl2\.so \(looked in .*\); did you mean control2\.so\?")
+        # The first module has no <name>, so its name comes from the misspelled file name. This makes the connection wrong too.
+        text = "".join(module("", file).replace("<name></name> ", "") for file in ("Port_source.so", "port_sink.so"))
+        run = self.takt("check", self.write("case.xml", "<cell name='c'><device name='d'>\n%s</device>\n%s</cell>\n" % (
+            text, "<connection from='d.port_source.out' to='d.port_sink.in'/>")))
+        self.assertEqual(1, run.status)
+        cause, effect = run.err.splitlines()
+        self.assertRegex(cause, r"case\.xml:3: error: module Port_source: there is no file Port_source\.so \(looked in .*\); "
+                                r"did you mean port_source\.so\?$")
+        self.assertRegex(effect, r"case\.xml:11: error: .* did you mean Port_source\? The module on line 2 has this name from its <filename>$")
 
     def test_modules_and_programs_receive_their_property_values(self):
         given = (("speed", "1.25"), ("count", "7"), ("on", "false"), ("label", "a b"))

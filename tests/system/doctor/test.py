@@ -22,7 +22,8 @@ def become_nobody():
 
 
 def kept_by_the_kernel():
-    """Returns whether the kernel has its default settings, which interrupt a real-time thread that never sleeps for 50 ms each second."""
+    """Returns whether the kernel has its default settings. With these settings, if a real-time thread never
+    sleeps, the kernel interrupts it for 50 ms in each second."""
     release = tuple(int(n) for n in re.match(r"(\d+)\.(\d+)", os.uname().release).groups())
     if release >= (6, 12):
         return not os.path.isdir("/sys/kernel/debug/sched/fair_server")  # if this folder exists, the default may have been changed

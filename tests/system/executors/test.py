@@ -50,10 +50,10 @@ class Executors(takt_system.Case):
                     priorities[name.read().strip()] = os.sched_getparam(int(thread)).sched_priority
             except OSError:
                 pass  # this thread only called a hook and has already ended
-        self.assertEqual((80, 76), (priorities["fast"], priorities["slow"]))
+        self.assertEqual((80, 70), (priorities["fast"], priorities["slow"]))
         checked = self.takt("check", cell)
         self.assertRegex(checked.out, r"executor fast: cpu \d+, priority 80 \(auto\)")
-        self.assertRegex(checked.out, r"executor slow: cpu \d+, priority 76 \(auto\)")
+        self.assertRegex(checked.out, r"executor slow: cpu \d+, priority 70 \(auto\)")
 
 
 if __name__ == "__main__":

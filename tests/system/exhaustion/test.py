@@ -180,7 +180,7 @@ def processor_time(process):
 class NoDescriptors(Exhaustion):
     NONE_LEFT = r"Too many open files; raise the limit on open files of this process: ulimit -n, prlimit --nofile or, for a service, LimitNOFILE="
 
-    def test_a_swap_that_fails_because_the_node_has_no_free_file_descriptors_does_no_harm(self):
+    def test_a_swap_that_fails_because_the_node_has_no_free_file_descriptors_does_not_disturb_the_cell(self):
         node = self.begin()
         process = node.one("takt-node")
         threads = process.threads()
@@ -191,7 +191,7 @@ class NoDescriptors(Exhaustion):
         swap = self.takt("swap", "robot.source", "port_source.so")
         self.assertEqual(1, swap.status)
         self.assertRegex(swap.err, self.NONE_LEFT)
-        # In this time, the node does all its periodic work at least once.
+        # While these rows run, the node does all its periodic work at least once.
         self.walk_on(6000)
         spent = time.monotonic() - began
         for task, used in processor_time(process).items():
@@ -203,7 +203,7 @@ class NoDescriptors(Exhaustion):
         self.done("swap robot.source port_source.so", "echo robot.source.out --count 3")
         self.finish(node)
 
-    def test_a_swap_that_fails_because_the_host_has_no_free_file_descriptors_does_no_harm(self):
+    def test_a_swap_that_fails_because_the_host_has_no_free_file_descriptors_does_not_disturb_the_cell(self):
         node = self.begin()
         host = node.one("takt-host")
         limit = without_descriptors(host)

@@ -14,7 +14,8 @@ PERIOD_NS = 4_000_000
 DEADLINE_NS = 100_000_000
 BACKOFF_NS = 50_000_000
 ATTEMPTS = 3  # the default value, which the modules of the demo cell use
-# This time is longer than any fault of this test, so that no fault stops the cell. This test does not cover the manual reset.
+# If an input of the demo cell is older than this time, the cell stops and needs a manual reset, which this test does not cover. So the time
+# is longer than any fault of this test.
 STOP_TIMEOUT_S = 10
 
 _SAFE = """
@@ -40,9 +41,9 @@ def _watches(who):
 def _added(device):
     main = EXECUTORS[device]
     return "".join((
-        # This executor has the lowest priority, so that its endless loop disturbs no other executor.
+        # This executor has the lowest priority, so that an endless loop of its module disturbs no other executor.
         '\n    <executor name="risky" priority="10" host="own"/>',
-        _module("source", "told.so", "risky", _SAFE, 1),
+        _module("source", "failing_source.so", "risky", _SAFE, 1),
         _module("bystander", "fine.so", "risky", "", 2),
         _module("relay", "port_relay.exe", main, _SAFE),
         _module("near", "safe_reader.so", main, _watches("near")),
@@ -82,7 +83,7 @@ def _elements():
 
 
 def modules():
-    """The type ("thread" or "process") of each module, by device and module name."""
+    """Returns the type ("thread" or "process") of each module, by device and module name."""
     found = {device: {} for device in DEVICES}
     for device, name, module in _elements():
         found[device][name] = module.findtext("moduletype").strip()
@@ -90,7 +91,7 @@ def modules():
 
 
 def programs():
-    """The program file of each process module, by device and module name."""
+    """Returns the program file of each process module, by device and module name."""
     found = {device: {} for device in DEVICES}
     for device, name, module in _elements():
         if module.findtext("moduletype").strip() == "process":

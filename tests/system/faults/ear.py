@@ -13,7 +13,7 @@ Step = namedtuple("Step", "at module source target text")
 Reading = namedtuple("Reading", "at who what number")  # `what` is SAFE, LIVE or WRONG
 
 _READING = re.compile(r"\b(near|far|relayed) (SAFE|LIVE|WRONG) (\d+) [a-z, ]+ (\d+)$")
-_TOLD = re.compile(r"told (\d+) at (\d+)$")
+_CARRIED_OUT = re.compile(r"carries out (\d+) at (\d+)$")
 
 # The state transitions that the lifecycle allows (framework/lifecycle).
 ALLOWED = {("IDLE", "INITIALIZE"), ("INITIALIZE", "START"), ("START", "EXECUTING"), ("EXECUTING", "START"),
@@ -68,7 +68,7 @@ class Ear:
         self.run = run
         self.steps = []
         self.readings = []
-        self.told = {}  # for each command number, the time at which the module carried out the command
+        self.carried_out = {}  # for each command number, the time at which the module carried out the command
         self.said = []  # all lines of the node: (at, module, text)
         self.states = {}
         self.live = {}  # for each reader, True while it reads samples
@@ -101,9 +101,9 @@ class Ear:
             if found.what != "WRONG":
                 self.live[found.who] = found.what == "LIVE"
             return
-        told = _TOLD.search(what)
+        told = _CARRIED_OUT.search(what)
         if told:
-            self.told[int(told[1])] = int(told[2]) / 1e9
+            self.carried_out[int(told[1])] = int(told[2]) / 1e9
 
     def mark(self):
         """Returns a mark that separates the lines so far from later lines. Nodes print times in ms, so the first later line may show a time
@@ -161,7 +161,7 @@ class Monitor:
             at, device, module, what = line
             step = step_of(what)
             if step and step[0] == step[1]:
-                continue  # takt watch prints the first known state of a module in this form; it is not a transition
+                continue  # this is not a transition: takt watch prints the first known state of a module in this form
             if step:
                 self.seen.append(self.Seen(came + self._monotonic, device, Step(at, module, *step)))
             elif not module and what.startswith("LOST"):

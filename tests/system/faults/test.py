@@ -39,11 +39,11 @@ STUCK = 1 + 10 * PERIOD  # after this time, a run() or the body of a program cou
 # If a real-time thread is in an endless loop, the kernel gives the other threads of its CPU only 50 ms of each second
 # (sched_rt_runtime_us). If the other CPUs are busy, the node may be one of these threads.
 THROTTLED = 950 * MS
-# A machine that other programs use can stall. So a fault fails the test only if it exceeds its promised time by more than this.
+# A machine that other programs use can stall. So the test fails only if Takt exceeds a promised time by more than this time.
 HELD_UP = 500 * MS
 
-# weight: how often the test chooses this kind, relative to other kinds. detected, recovered: the promised times, in seconds. because,
-# afterwards: the reasons for these times.
+# A kind of fault. `weight` says how often the test chooses this kind, relative to other kinds. `detected` and `recovered` are the promised
+# times, in seconds. `because` and `afterwards` give the reasons for these two times.
 Kind = namedtuple("Kind", "weight detected because recovered afterwards")
 KINDS = {
     "host-killed": Kind(3, SAID, "a node checks every 5 ms; 50 ms are promised", 2.0, "two seconds to load"),
@@ -98,10 +98,10 @@ class Fault:
         self.at = at
         self.detected = lambda: None  # returns the time of the first report of this fault
         self.back = lambda: self.at  # returns when the failed part worked again; modules and readers are checked separately
-        self.told_when_mended = False  # True if Takt can report the fault only after its repair
+        self.reported_when_mended = False  # True if Takt can report the fault only after its repair
         self.mend = None  # repairs the fault
         self.from_then = None  # the start of the recovery time; None means the time of the fault
-        self.within = None  # the promised time of detection, if it differs from that of this kind
+        self.within = None  # the promised time of detection, if it differs from the promise for this kind
         self.safe = []  # (device, reader): the readers that must get the safe value
         self.module = None  # (device, module): the module whose recovery attempts are checked
 
@@ -123,7 +123,7 @@ class Faults(networks.NetworkCase):
         self.hosts_killed = {}
         self.excused = []  # (device, from, until): times in which the device could reach no other machine
 
-    # Nodes and modules
+    # Functions that read and check the states of nodes and modules.
 
     def start_node(self, device):
         self.running[device] = self.node(device, "--resume")
@@ -169,7 +169,7 @@ class Faults(networks.NetworkCase):
                 for at, module, said in self.ears[device].said[self.marks[device][0]:][:200]:
                     file.write("    %.3f %s.%s: %s\n" % (at - self.began, device, module, said))
 
-    # The faults. Each method chooses a random target among those that may fail now.
+    # The following methods inject faults. Each method chooses a random target that may fail now.
 
     def killed(self, pid, device, what):
         fault = Fault(device, what, time.time())
@@ -244,7 +244,7 @@ class Faults(networks.NetworkCase):
         fault.mend = mend
         return fault
 
-    def told(self, what, pattern):
+    def fail_on_command(self, what, pattern):
         device = self.random.choice(DEVICES)
         self.let_last(device, "source")
         self.orders += 1
@@ -254,7 +254,7 @@ class Faults(networks.NetworkCase):
         if run.status != 0 and "has ended" not in run.err:
             self.violated("takt set: " + run.err)
         fault = Fault(device, "source")
-        fault.at = self.wait_heard(lambda: ear.told.get(order), 5)
+        fault.at = self.wait_heard(lambda: ear.carried_out.get(order), 5)
         if fault.at is None:
             self.violated("%s.source did not carry out command %d" % (device, order))
             fault.at = time.time()
@@ -265,16 +265,16 @@ class Faults(networks.NetworkCase):
         return fault
 
     def crash(self):
-        return self.told(1, r"crash: the host .*SIGSEGV.* in run\(\)")
+        return self.fail_on_command(1, r"crash: the host .*SIGSEGV.* in run\(\)")
 
     def throw(self):
-        return self.told(2, r"failure: .*it was told to throw")
+        return self.fail_on_command(2, r"failure: .*it was told to throw")
 
     def failure(self):
-        return self.told(3, r"failure: .*it was told to fail")
+        return self.fail_on_command(3, r"failure: .*it was told to fail")
 
     def hang(self):
-        fault = self.told(4, r"hang: run\(\) did not return within")
+        fault = self.fail_on_command(4, r"hang: run\(\) did not return within")
         fault.within = STUCK + THROTTLED + SAID
         fault.safe.append((next_to(fault.device), "far"))
         return fault
@@ -317,7 +317,7 @@ class Faults(networks.NetworkCase):
             join()
             self.excused.append((device, fault.at - 0.5, time.time() + 1))
         fault.mend = mend
-        fault.told_when_mended = True  # the output of the other side arrives only when the cable is back
+        fault.reported_when_mended = True  # the output of the other side arrives only when the cable is back
         fault.detected = lambda: self.latest(self.record.first("device-lost", a, mark, cause="device %s " % b) for a, b in ends)
         fault.back = lambda: self.latest(self.record.first("device-back", a, mark, cause="device %s " % b) for a, b in ends)
         return fault
@@ -373,7 +373,7 @@ class Faults(networks.NetworkCase):
             time.sleep(max(0.0, steps[-1] + 1.1 - time.time()))
         self.mark()
 
-    # One fault
+    # Functions that inject one fault and check its effects.
 
     def waits(self):
         """Returns how long each thread has waited for a CPU. Leaves out the executor whose module may be in an endless loop."""
@@ -421,12 +421,12 @@ class Faults(networks.NetworkCase):
                 if at - fault.at > DEADLINE + PERIOD + HELD_UP:
                     self.violated("%s: %s.%s got its safe value after %.0f ms" % (of, device, who, 1e3 * (at - fault.at)))
 
-        if not fault.told_when_mended:
+        if not fault.reported_when_mended:
             detected()
         safe()
         if fault.mend:
             fault.mend()
-        if fault.told_when_mended:
+        if fault.reported_when_mended:
             detected()
         back = self.wait_heard(lambda: fault.back() is not None and self.all_execute() and fault.back(), promised.recovered + HELD_UP + 20)
         if not back:
@@ -468,7 +468,7 @@ class Faults(networks.NetworkCase):
         self.assertEqual(0, run.status, run.err)
         self.assertTrue(self.wait_heard(self.all_execute, 30), self.not_executing())
 
-    @takt_system.alone("each fault has to be reported within the time that the kernel and DDS need")
+    @takt_system.quiet("each fault has to be reported within the time that the kernel and DDS need")
     def test_the_demo_cell_recovers_from_random_faults_within_the_promised_times(self):
         print("seed %d" % SEED, flush=True)
         self.number = 0

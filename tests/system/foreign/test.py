@@ -68,6 +68,21 @@ class Foreign(takt_system.Case):
         watch.signal(signal.SIGKILL)
         watch.wait(10)
 
+    def test_a_program_with_cyclone_dds_is_notified_when_a_deployment_or_undeployment_disposes_states(self):
+        nodes = self.nodes("line")
+        watch = self.cyclone("watch", 90)
+        disposed = lambda: [json.loads(line).get("disposed") for _, line in list(watch.out_lines)]
+        wait_until(lambda: "-/line" in [s["path"] for s in self.said(watch, "device")], 20, "the waiting device")
+        self.deploy("cell.xml")
+        wait_until(lambda: "-/line" in disposed(), 10, "the end of the waiting device")
+        wait_until(lambda: len(self.said(watch, "lifecycle")) > 3, 20, "the modules")
+        self.done("undeploy foreign")
+        for path in ("foreign/line", "foreign/line/conveyor", "foreign/line/counter"):
+            wait_until(lambda: path in disposed(), 10, "the end of " + path)
+        watch.signal(signal.SIGKILL)
+        watch.wait(10)
+        self.end(nodes)
+
 
 if __name__ == "__main__":
     takt_system.main()

@@ -1,6 +1,7 @@
 import os
 import signal
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
@@ -9,6 +10,9 @@ from takt_system import LIFE, NEVER_RAN, wait_until
 
 def reason(hook):
     return "%s() did not return within 5 s" % hook
+
+
+NO_ROW = "executor main ran no row for 1.01 s, so the node killed the host"
 
 
 class Hangs(takt_system.Case):
@@ -24,6 +28,15 @@ class Hangs(takt_system.Case):
                 # Takt must still call the hooks of the next module in the descriptor.
                 self.assertEqual("destruct", self.read("after").splitlines()[-1])
                 os.remove(os.path.join(self.folder, "after"))
+
+    def test_a_host_that_sends_unreadable_answers_is_killed_and_takt_run_fails(self):
+        cell = self.write("unreadable.xml", """<cell name="unreadable"><device name="line"><module><filename>garbage.so</filename>
+            <moduletype>thread</moduletype><operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module>
+            </device></cell>""")
+        run = self.takt("run", cell, limit=40)
+        self.assertEqual(1, run.status, run.err)
+        failure = "device line: error: the host did not answer within 10 s, so the node killed the host; read its output above"
+        self.assertEqual(1, run.err.splitlines().count(failure), run.err[-2000:])
 
     def test_ctrl_c_ends_takt_run_as_soon_as_the_hanging_hook_times_out(self):
         run = self.start("run", "initialize.xml", "--json")
@@ -44,7 +57,7 @@ class Hangs(takt_system.Case):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
-        # if the first signal were still pending, the kernel would merge both into one
+        # If the first signal were still pending, the kernel would merge both signals into one.
         wait_until(lambda: not self.is_pending(run.pid, signal.SIGINT), 3, "the first signal to be delivered")
         run.signal(signal.SIGINT)
         run.wait(20)
@@ -68,8 +81,8 @@ class Hangs(takt_system.Case):
         for module in ("in_error", "in_recover"):
             self.assertEqual(LIFE[:4] + ["RECOVER", "DESTRUCT"], run.states(module))
             self.assertEqual(50, run.modules()[module]["cycles"])
-        # The hooks of module `after` had to wait for those of the other modules. All of them were called: error() and recover() for each
-        # attempt, and destruct().
+        # The hooks of module `after` had to wait for the hooks of the other modules. Nevertheless, all hooks of `after` were called: error()
+        # and recover() for each attempt, and destruct().
         diary = self.read("after").splitlines()
         self.assertEqual(["initialize", "start"] + ["error 1", "recover"] * 3 + ["error 1", "destruct"], diary)
         # The hanging hooks must not affect the modules in the tables.
@@ -78,6 +91,28 @@ class Hangs(takt_system.Case):
             self.assert_grid(run, module, every=every)
         self.assertEqual(run.executor()["cycles"], run.modules()["steady"]["cycles"])
         self.assertEqual(run.executor()["cycles"], run.modules()["in_destruct"]["cycles"])
+
+    def test_a_host_stopped_by_sigstop_is_killed_and_restarted(self):
+        run = self.start("run", "stopped.xml", "--json")
+        for module in ("steady", "program", "apart"):
+            run.wait_for_state(module, "EXECUTING")
+        self.done("stop stopped.steady")
+        host = next(m["pid"] for m in self.status_of("stopped")["modules"] if m["name"] == "steady")
+        os.kill(host, signal.SIGSTOP)
+        stopped = time.monotonic()
+        start = self.takt("start", "stopped.steady", limit=30)
+        print("takt start failed %.2f s after the host was stopped" % (time.monotonic() - stopped))
+        self.assertEqual(1, start.status, start.out)
+        self.assertIn(NO_ROW, start.err)
+        self.wait_for_states({"stopped": {"steady": "EXECUTING", "program": "EXECUTING", "apart": "EXECUTING"}})
+        run.signal(signal.SIGINT)
+        run.wait(20)
+        self.assertEqual(0, run.status, run.err)
+        self.assertIn("main ran no row", run.err)
+        self.assertEqual(1, run.err.count("the host is started again"))
+        self.assertEqual(LIFE + LIFE, run.states("steady"))
+        self.assertEqual(LIFE, run.states("apart"), "an executor with its own host must not be affected")
+        self.assertEqual(LIFE, run.states("program"))
 
 
 if __name__ == "__main__":

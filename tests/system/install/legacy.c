@@ -1,4 +1,4 @@
-/* A typical legacy program. It works about every millisecond. At its end, it prints how much its periods differed from 1 ms. */
+/* A typical legacy program: works about every millisecond, and at its end prints how much its periods differed from 1 ms. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>

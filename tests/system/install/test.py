@@ -21,8 +21,8 @@ CELL = os.path.join("share", "takt", "deploy", "palletizing.xml")
 
 
 def hidden(empty):
-    """Returns the words to put before a command so that it cannot see the source tree and the build tree. Returns None if this is not
-    permitted."""
+    """Returns a command prefix that hides the source tree and the build tree from the command after it. Returns None if the system does not
+    permit this."""
     alone = ["unshare", "--mount"] if os.getuid() == 0 else ["unshare", "--map-root-user", "--mount"]
     before = alone + ["sh", "-c", 'for tree in "$1" "$2"; do mount --bind "$0" "$tree" || exit 9; done; shift 2; exec "$@"',
                       empty, BUILD, SOURCE]
@@ -30,7 +30,7 @@ def hidden(empty):
 
 
 def block(language, containing=""):
-    """Returns the code block of this language that contains this text. The page must have exactly one."""
+    """Returns the code block of docs/install.md in this language that contains this text. The page must have exactly one such block."""
     found = [text for text in re.findall(r"```%s\n(.*?)```" % language, PAGE, re.S) if containing in text]
     assert len(found) == 1, (language, containing, len(found))
     return found[0]
@@ -87,7 +87,9 @@ class Installed(takt_system.Case):
         os.mkdir(project)
         with open(os.path.join(project, "CMakeLists.txt"), "w") as file:
             file.write("cmake_minimum_required(VERSION 3.25)\nproject(x LANGUAGES NONE)\nfind_package(takt REQUIRED)\n")
-        configured = subprocess.run(["cmake", "-S", project, "-B", os.path.join(self.folder, "out")], capture_output=True, text=True,
+        # This option excludes the system's folders, so that find_package() does not find a takt that is installed on this machine.
+        configured = subprocess.run(["cmake", "-S", project, "-B", os.path.join(self.folder, "out"),
+                                     "-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF"], capture_output=True, text=True,
                                     env=dict(os.environ, PATH=takt_system.BIN + ":" + os.environ["PATH"]))
         self.assertNotEqual(0, configured.returncode)
         self.assertIn("this is a build tree; install it, as docs/install.md says: cmake --install " + BUILD, configured.stderr)
@@ -138,7 +140,7 @@ class Installed(takt_system.Case):
         in_c = [header for header in headers if header.endswith(".h")]
         in_cpp = [header for header in headers if header not in in_c]
         for compiler, standard, of_it in (("gcc", "c11", in_c), ("g++", "c++20", in_cpp)):
-            # The preset `debug` already compiles each header alone. The short form only checks that all included headers are installed.
+            # The preset `debug` already compiles each header alone. So the short form only checks that all included headers are installed.
             for together in [[header] for header in of_it] if takt_system.FULL else [of_it]:
                 run = subprocess.run([compiler, "-x", "c" if of_it is in_c else "c++", "-std=" + standard, "-Wall", "-Wextra",
                                       "-fsyntax-only", "-I", include, "-"],
@@ -213,7 +215,39 @@ class Installed(takt_system.Case):
             self.assertGreater(int(re.search(said, words)[2]), 10)
         print("\n  with usleep(): %s\n  with Takt:     %s" % (usleep.strip(), takt))
 
-    # Manual, completion, unit
+    # Tests of the manual, of the completion in bash, and of the systemd unit.
+
+    def test_the_installed_manual_is_complete_and_all_its_links_are_valid(self):
+        manual = os.path.join(INSTALLED, "share", "doc", "takt")
+        pages = glob.glob(manual + "/**/*.md", recursive=True)
+        text_of, anchors = {}, {}
+        for page in pages:
+            with open(page, encoding="utf-8") as file:
+                text_of[page] = re.sub(r"(?ms)^```.*?^```$", "", file.read())
+            headings = re.findall(r"(?m)^#+ +(.*?) *$", text_of[page])
+            anchors[page] = {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+        broken, seen = [], 0
+        for page, text in text_of.items():
+            links = re.findall(r"\]\(([^()\s#]*)#?([^()\s]*)\)", text) + re.findall(r"(?m)^\[[^\[\]]+\]: +([^\s#]+)#?(\S*)", text)
+            for target, anchor in links:
+                if re.match(r"[a-z]+:", target):
+                    continue
+                to = os.path.normpath(os.path.join(os.path.dirname(page), target)) if target else page
+                seen += 1
+                if not os.path.isfile(to) or (anchor and anchor not in anchors[to]):
+                    broken.append("%s: %s#%s" % (os.path.relpath(page, manual), target, anchor))
+        self.assertEqual([], broken)
+        self.assertLess(100, seen)
+        # The manual must contain every page that a page names, even if the name is not a link.
+        named = {(os.path.relpath(page, manual), name) for page, text in text_of.items()
+                 for name in re.findall(r"(?<![\w./-])[\w./-]+\.md\b", re.sub(r"\]\([^)]*\)", "]", text))}
+        self.assertEqual([], sorted((page, name) for page, name in named if not any(
+            os.path.isfile(os.path.join(manual, folder, name)) for folder in ("", os.path.dirname(page)))))
+        source = {os.path.relpath(path, SOURCE) for path in glob.glob(SOURCE + "/docs/*.md") + glob.glob(SOURCE + "/components/*/README.md")}
+        explained = {"README.md", "framework/component/README.md", "framework/component/include/takt/port.h", "framework/testing/README.md",
+                     "framework/lifecycle/README.md", "idl/README.md", "config/takt.xsd"}
+        missing = [path for path in (source | explained) - {"docs/api.md"} if not os.path.isfile(os.path.join(manual, path))]
+        self.assertEqual([], sorted(missing))
 
     def test_each_takt_command_has_a_manual_page(self):
         manual = os.path.join(INSTALLED, "share", "man")
@@ -275,7 +309,7 @@ class Installed(takt_system.Case):
         run = subprocess.run(["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", here], capture_output=True, text=True)
         self.assertEqual((0, ""), (run.returncode, run.stderr))
 
-    # Packages
+    # Tests of the Debian packages.
 
     @unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "no dpkg-dev")
     def test_each_debian_package_has_the_correct_files_and_dependencies(self):
@@ -297,12 +331,12 @@ class Installed(takt_system.Case):
             subprocess.run(["dpkg-deb", "-x", package, root], check=True)
         for dependency in ("libfastrtps", "libtinyxml2", "libc6"):
             self.assertIn(dependency, fields["takt"])
-        for dependency in ("takt (= 0.1.0)", "g++", "fastddsgen", "libfastcdr-dev"):
-            self.assertIn(dependency, fields["takt-dev"])
+        # takt_add_idl() needs neither Fast DDS nor Java, so takt-dev must not depend on them.
+        self.assertEqual("takt (= 0.1.0), g++, cmake (>= 3.25), python3 (>= 3.9)", fields["takt-dev"].strip())
         for path in ("bin/takt", "lib/takt/takt-host", "lib/takt/components/servo.so", "share/takt/takt.xsd", "share/man/man1/takt.1",
                      "share/bash-completion/completions/takt", "lib/systemd/system/takt-node@.service"):
             self.assertRegex(content["takt"], r" \./usr/%s\n" % re.escape(path))
-        self.assertNotIn("/include/", content["takt"])
+        self.assertNotIn("./usr/include/", content["takt"])
         self.assertRegex(content["takt-dev"], r" \./usr/include/takt/component\.hpp\n")
         self.assertNotIn("/bin/", content["takt-dev"])
         for listing in content.values():

@@ -25,11 +25,13 @@ class Log(takt_system.Case):
                               "attachment", "count", "cycle"}, set(event))
         for device in {e["device"] for e in events}:
             numbers = [e["sequence"] for e in events if e["device"] == device]
-            self.assertEqual(sorted(set(numbers)), numbers, "events out of order: %s" % device)
+            self.assertEqual(len(set(numbers)), len(numbers), "an event was printed twice: %s" % device)
+        times = [e["time_ns"] for e in events]
+        self.assertEqual(sorted(times), times, "events out of order")
         return events
 
     def log_of_both(self):
-        """Repeats takt log until it finds both nodes, because it may miss a node that is stalled."""
+        """Repeats takt log until it finds both nodes, because takt log may miss a node whose machine stalls."""
         def both():
             events = self.log()
             return events if {e["device"] for e in events} == set(DEVICES) else None
@@ -65,8 +67,8 @@ class Log(takt_system.Case):
         self.assertEqual(("robot", "shop", "crash", 1), (crash["device"], crash["cell"], crash["error"], crash["count"]))
         self.assertEqual("error", crash["severity"])
         self.assertRegex(crash["cause"], r"^the host was killed by SIGSEGV \(Segmentation fault\) in run\(\), "
-                                         r"in \w.* at segv\.cpp:1\d in segv\.so, called by run at segv\.cpp:\d+ in segv\.so$|"
-                                         r"^the host was killed by SIGSEGV .* in run\(\), in run at segv\.cpp:\d+ in segv\.so$")
+                                         r"in \w.* at segv\.cpp:1\d in segv\.so, called by run at segv\.cpp:\d+ in segv\.so \(segv\.so [0-9a-f]{8}\)$|"
+                                         r"^the host was killed by SIGSEGV .* in run\(\), in run at segv\.cpp:\d+ in segv\.so \(segv\.so [0-9a-f]{8}\)$")
         self.assertIn(crash["cycle"], (199, 200))
         self.assertLess(begun, crash["time_ns"])
         self.assertLess(crash["time_ns"], time.time_ns())
@@ -85,7 +87,7 @@ class Log(takt_system.Case):
         self.assertLessEqual(len(overruns), seconds + 2, "at most one event a second, and one at the end")
         self.end(nodes)
 
-    def test_takt_undeploy_lists_a_module_that_failed_twice_only_once(self):
+    def test_takt_undeploy_lists_a_module_only_once_even_if_it_failed_twice(self):
         nodes = self.crashed()
         begun = len(nodes["robot"].raw)
         for order in ("reset", "initialize", "start"):
@@ -111,13 +113,14 @@ class Log(takt_system.Case):
 
     def test_takt_log_prints_only_the_events_that_its_filter_options_select(self):
         nodes = self.crashed()
-        self.assertEqual([], [e for e in self.log("--device", "line") if e["device"] != "line"])
+        self.assertEqual([], [e for e in self.log("line") if e["device"] != "line"])
         self.assertEqual({"culprit"}, {e["module"] for e in self.log("--module", "culprit")})
-        self.assertEqual({"error", "host-restart"}, {e["kind"] for e in self.log("--kind", "error,host-restart", "--device", "robot")})
+        self.assertEqual({("robot", "culprit")}, {(e["device"], e["module"]) for e in self.log("robot.culprit")})
+        self.assertEqual({"error", "host-restart"}, {e["kind"] for e in self.log("robot", "--kind", "error,host-restart")})
         self.assertEqual(2, len(self.log("--last", "2")))
         self.assertEqual([], self.log("--since", "2100-01-01"))
         self.assertLess(3, len(self.log("--since", "1h")))
-        text = self.takt("log", "--device", "robot")
+        text = self.takt("log", "robot")
         self.assertRegex(text.out, r"(?m)^\d\d\d\d-\d\d-\d\d$")
         self.assertRegex(text.out, r"(?m)^\d\d:\d\d:\d\d\.\d\d\d X robot\.culprit +error$")
         self.assertRegex(text.out, r"segv\.cpp:\d+")
@@ -128,7 +131,9 @@ class Log(takt_system.Case):
             run = self.takt("log", *arguments)
             self.assertEqual((2, ""), (run.status, run.out), arguments)
             self.assertRegex(run.err, pattern)
-        self.refused({"log --module culprid": "did you mean culprit", "log --device lime": "lime",
+        self.refused({"log --module culprid": "did you mean culprit", "log lime": r"^device lime: error: not found on domain \d+; did you mean line\?$",
+                      "log robot.culprid": r"device robot has no module 'culprid', .*did you mean culprit\?",
+                      "log robot.culprit --module slow": r"^error: both 'robot\.culprit' and --module name a module; leave out one of them$",
                       "log --file /nowhere/x.faults": "/nowhere/x.faults: error: there is no such file"})
         self.end(nodes)
 
@@ -137,7 +142,7 @@ class Log(takt_system.Case):
         begun = len(nodes["robot"].raw)
         nodes["robot"].one("takt-host").kill()
         nodes["robot"].wait_for_line("the host is started again", after=begun)
-        before = self.log("--device", "robot")
+        before = self.log("robot")
         restarts = self.of(before, "host-restart")
         self.assertEqual(2, len(restarts))
         self.assertIn("SIGKILL", restarts[-1]["cause"])
@@ -146,10 +151,10 @@ class Log(takt_system.Case):
 
         # takt log can read the record while the node is dead, and the other node records the loss of the device.
         dead = self.log("--file", self.file("robot"))
-        self.assertEqual(before, dead[:len(before)])
+        self.assertEqual([], [event for event in before if event not in dead])
         text = self.takt("log", "--file", self.file("robot"), "--kind", "host-restart")
         self.assertEqual(2, text.out.count("host-restart"))
-        lost = wait_until(lambda: self.of(self.log("--device", "line"), "device-lost"), 15, "line to record the loss of robot")
+        lost = wait_until(lambda: self.of(self.log("line"), "device-lost"), 15, "line to record the loss of robot")
         self.assertIn("device robot is lost", lost[0]["cause"])
         run = self.takt("log")
         self.assertEqual(1, run.status)
@@ -157,10 +162,10 @@ class Log(takt_system.Case):
         self.assertIn("line", run.out)
 
         nodes["robot"] = self.node("robot")
-        after = self.log("--device", "robot")
+        after = self.log("robot")
         self.assertEqual(dead, after[:len(dead)])
         restart, = self.of(after, "node-restart")
-        self.assertEqual(dead[-1]["sequence"] + 1, restart["sequence"])
+        self.assertEqual(max(event["sequence"] for event in dead) + 1, restart["sequence"])
         self.assertIn("did not shut down cleanly", restart["cause"])
         self.end(nodes)
         self.assertEqual("node-end", self.log("--file", self.file("robot"))[-1]["kind"])
@@ -216,6 +221,84 @@ class Log(takt_system.Case):
         error = crash("some", unlimited)
         self.assertTrue(os.path.isfile(error["attachment"]), error)
 
+    def lines(self, *arguments):
+        return [(e["module"], e["kind"], e["cause"], e["cycle"]) for e in self.log("robot", *arguments)
+                if e["kind"].startswith("log-")]
+
+    def wait_for_line(self, *wanted):
+        """Waits until the record has a line of this module, kind and cause, and returns the cycles of all such lines."""
+        return wait_until(lambda: [line[3] for line in self.lines() if line[:3] == wanted], 15, str(wanted))
+
+    def test_takt_log_shows_the_lines_that_modules_log_while_they_run(self):
+        nodes = self.nodes("robot")
+        begun = time.time_ns()
+        self.deploy("lines.xml")
+        text = "line 1 of 1 in a period of 0.005 s, as expected"
+        self.wait_for_line("cpp", "log-info", "logs every 100 cycles")
+        self.assertEqual({0}, {(cycle or 0) % 100 for cycle in self.wait_for_line("cpp", "log-info", text)})
+        for module in ("c", "program"):
+            cycles = self.wait_for_line(module, "log-warning", "level is at  1.50 of 3")
+            self.assertEqual({0}, {(cycle or 0) % 100 for cycle in cycles})
+        nodes["robot"].wait_for_line(r"robot\.program: warning: level is at  1\.50 of 3$")
+        nodes["robot"].wait_for_line(r"robot\.cpp: info: %s$" % re.escape(text))
+        for event in self.log("--kind", "log-info,log-warning"):
+            self.assertLess(begun, event["time_ns"])
+            self.assertLess(event["time_ns"], time.time_ns())
+        shown = self.takt("log", "--kind", "log-warning").out
+        self.assertRegex(shown, r"(?m)! robot\.program +log-warning +level is at 1\.50 of 3|level is at  1\.50 of 3")
+        self.done("undeploy shop")
+        self.end(nodes)
+
+    def test_the_log_level_of_a_module_can_be_changed_while_the_module_runs(self):
+        nodes = self.nodes("robot")
+        self.deploy("lines.xml")
+        self.wait_for_line("program", "log-warning", "level is at  1.50 of 3")
+        self.assertEqual(["info"], self.done("get robot.cpp log-level"))
+        for module in ("cpp", "c", "program"):
+            self.assertIn("log-level", self.takt("complete", "properties", "", "robot." + module).out.split())
+        self.assertFalse([line for line in self.lines() if line[1] == "log-debug"])
+        self.refused({"set robot.cpp log-level loud": r"^device robot: error: property 'log-level' cannot be 'loud'; .*debug",
+                      "set robot.cpp log-levl debug": "has no property 'log-levl'; did you mean log-level",
+                      "set robot.program log-levl debug": "gets its properties, except log-level, when it starts"})
+        self.assertEqual(["debug", "error"], self.done("set robot.cpp log-level debug", "set robot.program log-level error"))
+        self.assertEqual(["debug", "error"], self.done("get robot.cpp log-level", "get robot.program log-level"))
+        self.assertRegex(self.done("get robot.program")[0], r"(?m)^log-level +error +")
+        wait_until(lambda: [line for line in self.lines() if line[:2] == ("cpp", "log-debug")], 15, "a debug line")
+        before = len([line for line in self.lines() if line[0] == "program"])
+        time.sleep(1.5)
+        self.assertLessEqual(len([line for line in self.lines() if line[0] == "program"]), before + 1)
+        self.done("undeploy shop")
+        self.end(nodes)
+
+    def test_log_lines_of_a_module_above_the_rate_limit_are_dropped_and_counted(self):
+        nodes = self.nodes("robot")
+        self.deploy("lines.xml")
+        self.done("set robot.cpp lines 500")
+        def left_out():
+            return [int(cause.split()[0]) for _, kind, cause, _ in self.lines() if "log lines were left out" in cause]
+        self.assertGreater(wait_until(left_out, 15, "a count of lost lines")[0], 400)
+        time.sleep(3)
+        self.assertLess(len(self.lines("--module", "cpp")), 400)
+        self.assertEqual({"EXECUTING"}, set(self.states_of("robot").values()))
+        self.done("undeploy shop")
+        self.end(nodes)
+
+    def test_no_line_of_level_error_is_dropped_while_a_module_logs_too_many_lines_of_level_info(self):
+        nodes = self.nodes("robot")
+        self.deploy("lines.xml")
+        self.done("set robot.cpp lines 500", "set robot.cpp fails true")
+
+        def errors():
+            return [(cause, cycle) for module, kind, cause, cycle in self.lines() if (module, kind) == ("cpp", "log-error")]
+        wait_until(lambda: len(errors()) >= 6, 30, "six errors")
+        cycles = [cycle for _, cycle in errors()]
+        self.assertEqual(list(range(cycles[0], cycles[-1] + 1, 100)), cycles)
+        self.assertEqual([("failed in release %d" % cycle, cycle) for cycle in cycles], errors()[:len(cycles)])
+        counts = [cause for _, _, cause, _ in self.lines() if "left out" in cause]
+        self.assertRegex(counts[0], r"^\d+ log lines were left out: \d+ info; a module can log 10 lines of each level per second$")
+        self.done("undeploy shop")
+        self.end(nodes)
+
     def test_takt_log_follow_prints_every_event_once(self):
         nodes = self.nodes(*DEVICES)
         follower = self.start("log", "--follow", "--json")
@@ -245,6 +328,27 @@ class Log(takt_system.Case):
             self.assertIn("deployed", [e["kind"] for e in seen])
         self.end(nodes)
 
+    def test_takt_log_follow_begins_with_the_last_events(self):
+        node = self.node("robot")
+        self.refused({"stop robot.m%d" % n: "robot" for n in range(14)})
+
+        def followed(count, *arguments):
+            """Starts takt log --follow, waits until it has printed `count` events, and then causes a new event. Returns all printed
+            events."""
+            follower = self.start("log", "--follow", "--json", *arguments)
+            wait_until(lambda: len(follower.out_lines) >= count, 15, "%d events" % count)
+            name = "new%s" % "".join(arguments).replace("-", "")
+            self.refused({"stop robot.%s" % name: "robot"})
+            follower.wait_for_out(name)
+            follower.signal(signal.SIGINT)
+            self.assertEqual(0, follower.wait(10).status, follower.err)
+            return [json.loads(line) for line in follower.out.splitlines()]
+
+        self.assertEqual(followed(10), self.log()[-11:])
+        self.assertEqual(followed(3, "--last", "3"), self.log()[-4:])
+        self.assertEqual(followed(15, "--since", "1h"), self.log())
+        self.end({"robot": node})
+
     def test_takt_log_follow_prints_only_new_events_of_a_node_that_it_finds_late(self):
         node = self.node("robot")
         self.refused({"start robot.one": "robot", "stop robot.two": "robot", "recover robot.three": "robot"})
@@ -267,7 +371,7 @@ class Log(takt_system.Case):
 class Cable(networks.NetworkCase):
     MACHINES = DEVICES
 
-    def test_takt_log_reports_a_device_that_other_nodes_list_but_it_cannot_reach(self):
+    def test_takt_log_reports_an_unreachable_device_that_other_nodes_list(self):
         nodes = self.nodes(*DEVICES)
         self.deploy("cable.xml")
         for machine, other in (("operator", "line"), ("line", "operator")):
@@ -292,7 +396,7 @@ class Cable(networks.NetworkCase):
         since = {}
 
         def kinds(device):
-            run = self.takt("log", "--json", "--device", device, on=device)
+            run = self.takt("log", "--json", device, on=device)
             self.assertEqual(0, run.status, run.err)
             return {e["kind"]: e for e in map(json.loads, run.out.splitlines()) if e["sequence"] > since.get(device, -1)}
 

@@ -10,7 +10,8 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 LEASE_MS = 300
-# The promised limits are 50 ms, and the lease plus 100 ms. The limits here are longer, because a machine that other programs use can stall.
+# Takt promises 50 ms for a killed host or program, and the lease plus 100 ms for a killed node. The limits here are longer, because a
+# machine that other programs use can stall.
 LEAVES_MS = 500
 LOST_MS = 2000
 
@@ -54,8 +55,8 @@ class Lost(takt_system.Case):
         return now
 
     def told_by_the_line(self):
-        """Waits until the node of device line has also lost robot. Returns the status of all devices, which now knows about robot only from
-        line."""
+        """Waits until the node of device line has also lost robot. Returns the status of all devices. In this status, the data about robot
+        come only from the node of line."""
         def holds():
             status = {d["name"]: d for d in self.status_of()["devices"]}
             alive = {name: device["alive"] for name, device in status.items()}
@@ -146,10 +147,13 @@ class Lost(takt_system.Case):
         self.told_by_the_line()
         run = self.takt("undeploy", "cell")
         self.assertEqual((1, "cell cell is undeployed from line\n"), (run.status, run.out))
-        self.assertEqual("device robot: error: is lost and did not receive the command; when you start its node again, leave out "
-                         "--resume; otherwise the device resumes the cell", run.err.rstrip())
+        self.assertEqual("device robot: error: it is lost and did not receive the command; the other devices pass it on when the device "
+                         "is back, unless their nodes are restarted before", run.err.rstrip())
         self.assertEqual("-", self.status_of()["cell"])
-        self.end({"line": self.line})
+        self.robot = self.node("robot", "--resume")
+        self.robot.wait_for_line("the deployment of cell cell is undone: device line has ended it")
+        wait_until(lambda: self.status_of("robot")["state"] == "waiting", 20, "robot to wait for a deployment")
+        self.end({"robot": self.robot, "line": self.line})
 
 
 if __name__ == "__main__":

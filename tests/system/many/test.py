@@ -10,6 +10,7 @@ MODULE = ("<module><name>%s</name><filename>%s</filename><moduletype>%s</modulet
 
 
 class Many(takt_system.Case):
+    @takt_system.alone("a thousand modules in each row take a CPU for most of its time")
     def test_a_table_with_a_thousand_modules_runs_each_of_them_in_every_row(self):
         threads = ["m%d" % i for i in range(1000)]
         copies = ["c%d" % i for i in range(50)]

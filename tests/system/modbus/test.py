@@ -11,8 +11,8 @@ import modbus
 import takt_system
 from takt_system import wait_until
 
-# So many rows of 10 ms may find the body busy because the machine stalled. A body that waited for one missing answer (0.7 s) would be busy
-# in more rows.
+# The master must have fewer overruns than this. Some are tolerated because the machine may stall. A body that waited for one missing answer
+# (0.7 s) would be busy at 70 releases and have more overruns, because its period is 10 ms.
 FEW = 50
 
 
@@ -58,7 +58,7 @@ class Modbus(takt_system.Case):
         self.assertLess(master["overruns"], FEW)
         self.assertGreater(master["cycles"], 5)
 
-    # Runs Takt's master with the device of modbus.py.
+    # The tests below run Takt's master with the device of modbus.py.
 
     def test_the_master_accesses_neighbouring_addresses_in_one_request(self):
         device = self.device()
@@ -67,7 +67,7 @@ class Modbus(takt_system.Case):
         low, high = struct.unpack(">HH", struct.pack("<f", -2.0)[1::-1] + struct.pack("<f", -2.0)[3:1:-1])
         device.registers[20], device.registers[21] = low, high
         run = self.run_cell(device)
-        # -20.5 is below what the register of the speed can hold, -2.0 fits the target.
+        # -20.5 is below the range of register 10, so the master writes 0. -2.0 fits into registers 30 and 31.
         wait_until(lambda: (device.coils[0], device.registers[10], device.registers[30], device.registers[31]) ==
                    (1, 0, 0xFFFF, 0xFFFE), what="the values that were read to be written")
         device.inputs[4] = 25
@@ -75,7 +75,8 @@ class Modbus(takt_system.Case):
         device.discrete[3] = 0
         wait_until(lambda: device.coils[0] == 0)
         self.assert_on_time(self.end(run))
-        # Before the end, the master did not write the coil that has no value. It read and wrote neighbouring addresses in one request.
+        # Coil 1 has no value, so the master wrote only coil 0. At the end it wrote the safe values of both coils in one request. It also
+        # accessed other neighbouring addresses in one request.
         self.assertEqual({(2, 3, 1), (4, 4, 1), (3, 20, 2), (15, 0, 1), (16, 10, 1), (16, 30, 2), (15, 0, 2)},
                          set(device.requests))
         self.assertEqual((15, 0, 2), next(r for r in reversed(device.requests) if r[0] == 15))
@@ -144,7 +145,7 @@ class Modbus(takt_system.Case):
         self.assert_on_time(self.end(run))
         self.assertEqual(1, late())
 
-    # Runs Takt's master with Takt's device component, and with a master of modbus.py.
+    # The tests below run Takt's device component with Takt's master, and with a master of modbus.py.
 
     def test_the_master_and_the_device_component_exchange_values(self):
         port = modbus.free_port()
@@ -164,7 +165,7 @@ class Modbus(takt_system.Case):
         self.assertEqual([1], stranger.read_bits(1, 0))
         self.end(run)
 
-    def test_invalid_data_from_a_modbus_master_does_not_disturb_the_other_masters(self):
+    def test_invalid_data_from_one_modbus_master_does_not_disturb_other_masters(self):
         port = modbus.free_port()
         run = self.start("run", self.descriptor("pair.xml", port), "--json")
         run.wait_for_state("device", "EXECUTING")
@@ -207,7 +208,7 @@ class Modbus(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"cannot listen on 127.0.0.1:%d: Address already in use; choose a free port" % device.port)
 
-    # Before anything runs
+    # The tests below run no cell.
 
     def test_takt_check_reports_the_line_of_each_error_in_a_modbus_map(self):
         wrong = self.descriptor("cell.xml", 1502, replace=[("discrete 3", "discret 3"), ("int16 scale 0.1", "int16 scale x"),

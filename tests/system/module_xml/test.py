@@ -51,7 +51,7 @@ class ModuleXml(takt_system.Case):
         self.assertEqual([("emergency", "thread", "100 us", "1"), ("vision", "process", "10 ms", "2")], sporadic)
         self.assertRegex(run.out, r"not real-time: +monitoring")
 
-    def test_the_example_of_the_paper_runs_and_accounts_for_every_row(self):
+    def test_in_the_report_of_the_papers_example_executed_and_missed_rows_add_up(self):
         run = self.start("run", EXAMPLE, "--for", "10", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         programs = sorted(p.program for p in run.processes())

@@ -6,6 +6,7 @@ places parts again. Two tests check that without multicast, the nodes find each 
 import json
 import os
 import re
+import signal
 import sys
 import time
 
@@ -99,6 +100,35 @@ class Network(networks.NetworkCase):
         self.deploy(cell)
         self.assert_all_execute_by(("--server", server))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--server", server).status)
+
+    def test_a_node_may_use_a_discovery_server_on_its_own_machine(self):
+        for interface in ("", self.net.address("station")):
+            with self.subTest(interface=interface):
+                server = self.net.address("station") + ":11811"
+                environment = {"TAKT_INTERFACE": interface} if interface else {}
+                nodes = {"station": self.node("station", "--serve-discovery", "11811", environment=environment),
+                         "second": self.node("second", "--server", server, on="station", environment=environment)}
+
+                def both():
+                    run = self.operator("status", "--json", "--server", server)
+                    return run.status == 0 and {d["name"] for d in run.report["devices"]} == set(nodes)
+                wait_until(both, 15, "both nodes")
+                for node in nodes.values():
+                    node.signal(signal.SIGTERM)
+                    self.assertEqual(0, node.wait(10).status, node.err)
+
+    def test_programs_on_the_machine_of_the_discovery_server_keep_running(self):
+        # Fast DDS ended such programs with an assertion, about two seconds after they had found the server.
+        self.net.no_multicast()
+        server = self.net.address("station") + ":11811"
+        nodes = {"station": self.node("station", "--serve-discovery", "11811"), "line": self.node("line", "--server", server, on="station")}
+        for node in nodes.values():
+            node.wait_for_line("waits for a deployment")
+        watch = self.program("takt", "watch", "--for", "6", "--server", server, on="station").wait(30)
+        self.assertEqual(0, watch.status, watch.err)
+        status = self.takt("status", "--json", "--server", server, on="station")
+        self.assertEqual(["line", "station"], sorted(d["name"] for d in status.report["devices"] if d["alive"]))
+        takt_system.Case.end(self, nodes)
 
     def cell_with(self, attributes):
         with open(CELL) as file:

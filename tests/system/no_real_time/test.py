@@ -13,7 +13,7 @@ MODULES = ["steady", "program", "sporadic", "background"]
 
 
 def become_unprivileged(locked_bytes=0):
-    """The child process calls this to become a user without rights, with limits that grant none."""
+    """The child process calls this to become a user without rights, with resource limits that grant no rights either."""
     resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
     resource.setrlimit(resource.RLIMIT_MEMLOCK, (locked_bytes, locked_bytes))
     if os.getuid() == 0:

@@ -42,7 +42,7 @@ class Output(takt_system.Case):
         run = self.takt("check", "cell.xml", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
         self.assertEqual((1, "error: cannot write the report to standard output"), (run.status, run.err))
 
-    def test_a_device_keeps_running_when_nobody_reads_its_output(self):
+    def test_a_device_keeps_running_after_the_reader_of_its_log_has_exited(self):
         run = self.takt("run", "cell.xml", "--for", "0.5", "--json",
                         before=["/bin/sh", "-c", '"$0" "$@" 2>&1 >report | head -1'])
         self.assertEqual(1, len(run.out.splitlines()))

@@ -24,7 +24,7 @@ class Overload(takt_system.Case):
         cell = self.write("cell.xml", '<cell name="c"><device name="d"><executor name="main" %s/>%s</device></cell>\n' % (executor, modules))
         return self.takt("run", cell, "--for", seconds, "--json")
 
-    def test_the_overrun_policy_decides_if_missed_releases_are_dropped_or_run_later(self):
+    def test_the_overrun_policy_decides_whether_missed_releases_are_dropped_or_run_later(self):
         run = self.run_cell(HOG + module("skips", "grid.so", 1, file="skips") +
                             module("all", "grid.so", 2, "<overrun limit=\"1000\">catch-up</overrun>", file="all") +
                             module("one", "grid.so", 3, "<overrun>catch-up</overrun>", file="one"))
@@ -49,7 +49,7 @@ class Overload(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         steps = [s.text for s in run.steps("strict") if s.target == "RECOVER"]
         self.assertGreaterEqual(len(steps), 2)
-        self.assertRegex(steps[0], r"^overrun: \d+ releases? w(as|ere) missed, (from|of) cycle \d+( on)?$")
+        self.assertRegex(steps[0], r"^overrun: \d+ releases? w(as|ere) missed, (from )?number \d+( on)?$")
         # The run may end before the last recovery.
         recovered = [s.target for s in run.steps("strict") if s.source == "RECOVER"]
         self.assertGreaterEqual(recovered.count("EXECUTING"), len(steps) - 1, run.states("strict"))
@@ -81,6 +81,23 @@ class Overload(takt_system.Case):
         self.assertLess(modules["skips"]["cycles"], rows["cycles"])
         # The program with catch-up got one release for each row, even for rows that the executor missed.
         self.assertEqual(rows["cycles"] + rows["missed"], modules["owed"]["cycles"])
+
+    @takt_system.alone("an endless loop at a real-time priority keeps a CPU busy")
+    def test_the_node_kills_the_host_of_a_module_that_exceeds_its_hang_limit(self):
+        # If `deaf` is true, the hanging thread blocks all signals, so the message cannot name the place at which the thread hangs.
+        for budget, limit, deaf in (("", "1.1 s", "false"), ('<budget hang="200000000">300000</budget>', "200 ms", "true"),
+                                    ("<budget>300000</budget>", "20 ms", "false")):
+            with self.subTest(budget=budget, deaf=deaf):
+                run = self.run_cell(module("culprit", "endless.so", 1, budget, after=20, deaf=deaf) +
+                                    module("grid", "grid.so", 2, file="grid"), seconds="3")
+                self.assertEqual(1, run.status)
+                calls = "" if deaf == "true" else r"; run\(\) was in run at endless\.cpp:\d+ in endless\.so"
+                self.assertEqual(1, len(run.other_lines), run.other_lines)
+                self.assertRegex(run.other_lines[0], r"^module d\.culprit: error: run\(\) did not return within %s, so the node killed "
+                                 r"the host%s$" % (limit, calls))
+                self.assertEqual("DESTRUCT", run.states("culprit")[-1])
+                self.assertEqual(["DESTRUCT", "IDLE", "INITIALIZE", "START", "EXECUTING"], run.states("grid")[4:9])
+                print("hang limit %s: the executor missed %d rows of 10 ms" % (limit, run.executor("main", "d")["missed"]))
 
     def test_a_budget_tolerates_as_many_overruns_as_its_attributes_allow(self):
         long = dict(ns=2000000, every=7)

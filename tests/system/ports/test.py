@@ -16,7 +16,7 @@ class Ports(takt_system.Case):
     def port(self, run, module, port):
         return next(p for p in run.modules("d")[module]["ports"] if p["name"] == port)
 
-    def test_every_connected_reader_gets_all_samples_in_order(self):
+    def test_every_reader_with_a_sufficient_queue_gets_all_samples_in_order(self):
         run = self.takt("run", "cell.xml", "--for", "3", "--json")
         self.assertEqual(0, run.status, run.err)
         for name in ("objects", "bytes", "events"):
@@ -28,6 +28,19 @@ class Ports(takt_system.Case):
         self.assertEqual(0, slow["wrong"])
         self.assertGreater(slow["gaps"], slow["read"])
         self.assertGreater(self.port(run, "slow", "in")["dropped"], 100)
+
+    def test_the_fault_record_shows_once_that_a_queue_began_to_drop_samples(self):
+        run = self.start("run", "cell.xml")
+        run.wait_for_state("relay", "EXECUTING")
+        events = lambda: [json.loads(line) for line in self.takt("log", "--kind", "dropped-samples", "--json").out.splitlines()]
+        wait_until(lambda: any(e["module"] == "slow" for e in events()), 20, "the entry")
+        time.sleep(2)
+        slow = [e for e in events() if e["module"] == "slow"]
+        self.assertEqual(1, len(slow), "it drops samples all the time: %s" % slow)
+        self.assertEqual("the queue of input 'in' is full and drops its oldest samples", slow[0]["cause"])
+        self.assertGreater(slow[0]["count"], 0)
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait(20).status, run.err)
 
     def test_a_killed_program_continues_to_pass_on_samples_after_its_restart(self):
         run = self.start("run", "cell.xml", "--json")
@@ -80,7 +93,7 @@ class Ports(takt_system.Case):
         run = self.takt("check", wrong)
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"wrong.xml:13: error: module second: property 'ports' is missing; name the ports")
-        self.assertRegex(run.err, r"wrong.xml:10: error: module second: there is nothing to do\n")
+        self.assertRegex(run.err, r"wrong.xml:11: error: module second: there is nothing to do\n")
         self.assertRegex(run.err, r"wrong.xml:21: error: .*first has no port")
         self.refused({"describe port_named.exe": r"property 'ports' is missing; name the ports",
                       "describe port_named.exe ports=": r"property 'ports' is missing; name the ports",

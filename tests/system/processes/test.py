@@ -1,3 +1,4 @@
+import json
 import os
 import re
 import signal
@@ -34,15 +35,34 @@ class Processes(takt_system.Case):
         modules = run.modules()
         self.assert_recovered_then_given_up(run, "exits", "crash: the process ended with status 3", 2)
         self.assert_recovered_then_given_up(run, "crashes", "crash: the process was killed by SIGSEGV (Segmentation fault)", 2)
-        # For a program that gets releases, exit status 0 is an error too.
-        self.assert_recovered_then_given_up(run, "leaves", "crash: the process ended with status 0", 0)
         # A program that ends during its first release was EXECUTING before that, if only for a moment.
-        self.assert_recovered_then_given_up(run, "first_row", "crash: the process ended with status 0", 3)
-        for module, releases, lives in (("exits", 50, 3), ("crashes", 50, 3), ("leaves", 50, 1), ("first_row", 1, 4)):
+        self.assert_recovered_then_given_up(run, "first_row", "crash: the process ended with status 4", 3)
+        for module, releases, lives in (("exits", 50, 3), ("crashes", 50, 3), ("first_row", 1, 4)):
             # Each process ends by itself after this many releases. While it ends, at most one more release may be counted.
             self.assertIn(modules[module]["cycles"] - releases * lives, range(lives + 1), module)
-        self.assertEqual(4, len(run.other_lines), run.other_lines)
+        self.assertEqual(3, len(run.other_lines), run.other_lines)
         self.assert_others_unaffected(run)
+
+    def test_a_program_that_ends_with_status_0_counts_as_finished_and_is_not_restarted(self):
+        run = self.takt("run", "finishes.xml", "--for", "2", "--json")
+        self.assertEqual(0, run.status, run.err)
+        for module in ("program", "thread"):
+            self.assertEqual(LIFE, run.states(module))
+            self.assertEqual("it has finished", run.steps(module)[-1].text)
+            finished = run.modules()[module]
+            self.assertEqual((0, "it has finished"), (finished["errors"], finished["text"]))
+            self.assertIn(finished["cycles"], (50, 51))  # while the program ends, one more release may be counted
+        self.assertEqual([], run.other_lines)
+        self.assertEqual(LIFE, run.states("steady"))
+        self.assert_grid(run, "steady")
+
+    def test_a_program_gets_its_arguments_in_order_before_its_properties(self):
+        run = self.takt("run", "arguments.xml", "--for", "0.3", "--json")
+        self.assertEqual(0, run.status, run.err)
+        given = ["--camera", "0", "--mode=fast", "a lens.yaml", "", "speed=2.5"]
+        self.assertEqual(["argument %d: [%s]" % (i + 1, text) for i, text in enumerate(given)] + ["speed 2.5"], run.printed("arguments"))
+        described = json.loads(self.takt("describe", "arguments.xml", "--json").out)
+        self.assertEqual(given[:5], described["module"]["arguments"])
 
     def test_a_program_keeps_running_after_an_overrun(self):
         run = self.takt("run", "late.xml", "--for", "1", "--json")
@@ -63,18 +83,28 @@ class Processes(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         held = int(re.search(r"condition held (\d+) times", " ".join(run.printed("late")))[1])
         self.assertGreater(held, 5)
-        # Every body takes too long. More releases may be late, and the shutdown may interrupt the last body.
+        # Each time the condition holds, the body takes too long. Other releases may be late too. The shutdown may interrupt the last body.
         self.assertGreaterEqual(run.modules()["late"]["overruns"], held - 1)
         self.assertEqual(LIFE, run.states("late"))
 
-    def test_a_program_that_never_calls_the_takt_interface_prevents_the_start_of_the_device(self):
+    def test_takt_check_rejects_a_program_that_cannot_be_released_as_the_descriptor_specifies(self):
         reasons = {
-            "never_attaches": "did not call initPeriodExe() within 5 s",
+            "never_attaches": "the program never calls initPeriodExe(), because it is not linked with libtakt_process",
+            "wrong_kind": "the program calls initSporadicExe(), so it is sporadic; use <operationtype>sporadic</operationtype>",
+            "never_released": "module culprit has <dispatch>immediate</dispatch>, but no event port that could release it",
+        }
+        for name, reason in reasons.items():
+            with self.subTest(descriptor=name):
+                for arguments in (("check", name + ".xml"), ("run", name + ".xml", "--for", "5")):
+                    run = self.takt(*arguments)
+                    self.assertEqual((1, ""), (run.status, run.out))
+                    self.assertRegex(run.err, r"^\S*%s\.xml:1[0-9]: error: (module culprit: )?%s" % (name, re.escape(reason)))
+
+    def test_a_program_that_does_not_reach_its_wait_function_prevents_the_start_of_the_device(self):
+        reasons = {
             "never_waits": "did not call waitPeriod() within 5 s",
             "exits_at_once": "was given up: the process ended with status 7",
             "crashes_at_once": "was given up: the process was killed by SIGSEGV (Segmentation fault)",
-            "wrong_kind": "the process ended with status 1; its last line was: takt: initSporadicExe(): the descriptor "
-                          "declares the module periodic; use initPeriodExe() and waitPeriod(); it had not called initPeriodExe()",
         }
         runs = {name: self.start("run", name + ".xml", "--for", "5", "--json") for name in reasons}  # in parallel, because no module runs
         for name, run in runs.items():
@@ -88,7 +118,7 @@ class Processes(takt_system.Case):
 
     def test_a_program_that_hangs_after_every_restart_is_given_up(self):
         run = self.start("run", "stuck.xml", "--for", "6", "--json")
-        run.wait_for_state("stuck", "EXECUTING")  # before this, Takt started the program so that it describes itself
+        run.wait_for_state("stuck", "EXECUTING")  # until then, Takt runs the program only to get its description
         pids = set()
         wait_until(lambda: pids.update(p.pid for p in run.processes("stuck.exe")) or len(pids) == 2, 10)
         run.wait()
@@ -116,6 +146,42 @@ class Processes(takt_system.Case):
             self.assertEqual(3, run.modules()[module]["cycles"])
         self.assertIn("does not end on SIGTERM; sending SIGKILL", [line.text for line in run.said("deaf")])
         self.assert_others_unaffected(run)
+
+    def begins(self, module):
+        """Returns, for each release of a begins.exe, the time at which its body began. Both times are in ns of the monotonic clock."""
+        return dict(map(int, line.split()) for line in self.read(module).splitlines())
+
+    def assert_order(self, descriptor, seconds):
+        # A node with two CPUs gives one to the executor, and one to all programs.
+        cpus = sorted(os.sched_getaffinity(0))[-2:]
+        order = self.takt("check", descriptor, "--json").device()["executors"][0]["rows"][0]
+        self.assertEqual(["first", "middle", "last"], order)
+        run = self.takt("run", descriptor, "--for", "%g" % seconds, "--json", limit=seconds + 30,
+                        become=lambda: os.sched_setaffinity(0, cpus))
+        self.assertEqual(0, run.status, run.err)
+        begins = {module: self.begins(module) for module in order}
+        rows = set.intersection(*(set(begins[module]) for module in order))
+        wrong = [row for row in rows if sorted(order, key=lambda module: begins[module][row]) != order]
+        jitter = run.executor()["jitter_us"]
+        print("%d of %d common rows began in another order; the rows were late by p50 %.1f us, p99 %.1f us" % (
+            len(wrong), len(rows), jitter["p50"], jitter["p99"]))
+        for module in order:
+            late = sorted(begins[module][row] - row for row in rows)
+            print("%s: began after p50 %.1f us, p99 %.1f us, max %.1f us" % (
+                module, late[len(late) // 2] / 1e3, late[len(late) * 99 // 100] / 1e3, late[-1] / 1e3))
+        self.assertEqual(0, len(wrong), "rows that began in another order")
+        self.assertGreater(len(rows), seconds * 400)  # there are 500 rows per second
+
+    @takt_system.timing("on virtual time, no program could begin in the wrong order because it wakes up too late")
+    def test_programs_on_one_cpu_begin_in_the_order_that_takt_check_prints(self):
+        self.assert_order("order.xml", takt_system.how_much("TAKT_ORDER_SECONDS", 3.0, 22.0))
+
+    @takt_system.timing("on virtual time, no program could begin in the wrong order because it wakes up too late")
+    def test_programs_with_the_same_kernel_priority_begin_in_the_order_that_takt_check_prints(self):
+        with open(self.beside("order.xml")) as file:
+            # With this priority of the executor, all programs have the SCHED_FIFO priority 1.
+            one_level = file.read().replace("<root>", '<root><executor name="main" priority="2"/>')
+        self.assert_order(self.write("order.xml", one_level), takt_system.how_much("TAKT_ORDER_SECONDS", 3.0, 22.0))
 
 
 if __name__ == "__main__":

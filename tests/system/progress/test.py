@@ -61,6 +61,7 @@ class Progress(takt_system.Case):
             terminal.wait_for(FILLED + share + r" %  wake-up by [a-z ]+ at 1 ms$", 30)
         self.ends(terminal, run, "^  spin ")
 
+    @takt_system.alone("the benchmark keeps a CPU busy")
     def test_takt_bench_table1_shows_which_case_it_measures(self):
         terminal, run = self.in_terminal("bench", "table1", "--for", "0.2")
         terminal.wait_for(BAR + "case [2-5] of 10: (Takt|the bare loop)", 60)

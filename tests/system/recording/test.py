@@ -58,7 +58,7 @@ class Recording(takt_system.Case):
         self.assertRegex(recorder.err, r"records d\.source\.out \(samples::Count\)")
         self.assertGreaterEqual(float(re.search(r"takt record: \d+ samples of 1 port in (\d+\.\d) s", recorder.err)[1]), 6)
 
-        # The file
+        # Check the content of the file.
         self.assertEqual(["a.takt"], [f for f in os.listdir(self.folder) if f.startswith("a.takt")])
         self.assertEqual([("source",)], self.rows("select value from meta where name = 'cell'"))
         self.assertEqual([("d.source.out", "takt/source/d/source/out", "samples::Count")],
@@ -68,11 +68,12 @@ class Recording(takt_system.Case):
         self.assertEqual(sorted(set(numbers)), numbers, "samples must be in order, and none twice")
         times = [t for (t,) in self.rows("select time_ns from sample order by id")]
         self.assertLess(abs(times[-1] / 1e9 - time.time()), 60)
-        # The time stamps must be those of the module, which sends one sample per period, except in periods that the executor missed.
+        # The recording must have the time stamps of the module. The module sends one sample per period, except in periods that the executor
+        # missed.
         for (a, at), (b, bt) in zip(list(zip(numbers, times)), list(zip(numbers, times))[1:]):
             self.assertAlmostEqual((b - a) * 0.01, (bt - at) / 1e9, delta=0.5 + self.missed * 0.01)
 
-        # CSV
+        # Check that takt plot writes the same samples into a CSV table.
         run = self.takt("plot", "a.takt", "d.source.out", "--csv", "a.csv", "--svg", "a.svg")
         self.assertEqual(0, run.status, run.err)
         with open(self.path("a.csv"), newline="") as file:
@@ -117,7 +118,7 @@ class Recording(takt_system.Case):
         run.signal(signal.SIGINT)
         run.wait(20)
 
-    def test_a_restarted_recorder_continues_the_file_that_it_left_when_it_was_killed(self):
+    def test_a_recorder_restarted_after_a_kill_appends_to_its_file(self):
         run = self.start("run", "component.xml")
         run.wait_for_state("source", "EXECUTING")
         wait_until(lambda: self.count() > 50, 40, "samples in the file")
@@ -167,6 +168,8 @@ class Recording(takt_system.Case):
         nobody = self.takt("record", "d.m.p", "--out", "z.takt", "--for", "1")
         self.assertEqual(1, nobody.status)
         self.assertRegex(nobody.err, r"waits for d\.m\.p: device d not found\n.*0 samples of 0 ports")
+        nobody = self.takt("record", "d.*", "--out", "z.takt", "--for", "1.5")
+        self.assertRegex(nobody.err, r"waits for an output port that matches 'd\.\*'; no device was found\n.*0 samples of 0 ports")
         self.assertFalse(os.path.exists(self.path("z.takt")), "no file may be left, which would block the next attempt")
 
         run = self.takt("run", "wrong.xml", "--for", "2")

@@ -22,7 +22,7 @@ class Recovery(takt_system.Case):
             self.assert_grid(run, module, every=every)
 
     def assert_backoff(self, run, module, seconds):
-        """Checks that each attempt came this much later than the step to RECOVER, or than the failed attempt before it."""
+        """Checks that each attempt began at least `seconds` after the transition to RECOVER, or after the failed attempt before it."""
         before = None
         for line in run.said(module):
             if "-> RECOVER" in line.text or line.text.startswith("could not recover"):
@@ -36,7 +36,7 @@ class Recovery(takt_system.Case):
         # For each module: the reason, and the number that error() gets.
         reasons = {
             "throws": ("failure: run() threw as it was asked to", 1),
-            "says": ("failure: run() failed as it was asked to", 1),
+            "returns": ("failure: run() failed as it was asked to", 1),
             "budget": ("budget: one run() took longer than its budget of 1 ms", 2),
             "condition": ("failure: condition() threw as it was asked to", 1),
         }
@@ -59,7 +59,7 @@ class Recovery(takt_system.Case):
             self.assertEqual("DESTRUCT", modules[module]["state"])
         self.assert_others_unaffected(run)
 
-        # Module `throws` may recover twice. It runs three times for 0.1 s, with two back-offs, long before the end of the run.
+        # Module `throws` may recover twice. So it runs three times for 0.1 s, with two backoffs in between, long before the end of the run.
         self.assertEqual(STARTED + AGAIN * 2 + ["RECOVER", "DESTRUCT"], run.states("throws"))
         self.assertEqual("after 2 attempts", run.steps("throws")[-1].text)
         self.assertEqual(3, modules["throws"]["errors"])
@@ -73,13 +73,13 @@ class Recovery(takt_system.Case):
         self.assertEqual(1, run.status)
         modules = run.modules()
         threw = "recover() failed: recover() failed as it was asked to"
-        for module, attempts, backoff, reason in (("throws", 2, 0.05, threw), ("says", 1, 0, threw),
+        for module, attempts, backoff, reason in (("throws", 2, 0.05, threw), ("returns", 1, 0, threw),
                                                   ("in_c", 3, 0.05, "recover() failed: threw: recover() threw as it was asked to")):
             self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states(module))
             self.assertEqual(attempts, len(self.attempts(run, module)))
             self.assertEqual(attempts, [line.text for line in run.said(module)].count("could not recover: " + reason))
             self.assert_backoff(run, module, backoff)
-            self.assertEqual("after %d attempts" % attempts, run.steps(module)[-1].text)
+            self.assertEqual("after %d attempt%s" % (attempts, "" if attempts == 1 else "s"), run.steps(module)[-1].text)
             self.assertEqual((100, 1), (modules[module]["cycles"], modules[module]["errors"]))
             self.assertRegex("\n".join(run.other_lines), r"module gives_up\.%s: error: was given up: " % module)
         # Module `again` recovers each time, but fails again before the recovery counts as successful.

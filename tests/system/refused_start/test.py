@@ -5,7 +5,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import takt_system
 from takt_system import LIFE, NEVER_RAN
 
-WORDS = {"throw": "threw: %s() threw as it was asked to", "say": "%s() failed as it was asked to",
+WORDS = {"throw": "threw: %s() threw as it was asked to", "fail": "%s() failed as it was asked to",
          "other": "threw something that is not a std::exception"}
 
 

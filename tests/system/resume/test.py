@@ -43,7 +43,7 @@ class Resume(takt_system.Case):
                 instants.append(self.first_release())
             node = self.node("robot", "--resume")
             self.executes(node)
-            # The node does not run the rows that it missed while it was dead.
+            # The restarted node skips the rows that were due while it was dead.
             executor = self.status_of("robot")["executors"][0]
             print("%s: rows walked %d, missed %d" % (number.name, executor["cycles"], executor["missed"]))
             self.assertLess(executor["missed"], 3000)

@@ -1,8 +1,8 @@
 /* Looks like a ROS 2 node on the network: topics under rt/, ROS 2 type names, the default quality of service of ROS 2 (reliable,
- * volatile, history of ten). It uses nothing of Takt.
+ * volatile, history of ten). The program uses nothing of Takt.
  *
  *   ros2_peer DOMAIN pub TYPE TOPIC COUNT PERIOD_MS [best-effort]
- *   ros2_peer DOMAIN sub TYPE TOPIC COUNT SECONDS        until COUNT have arrived; prints one JSON object a line
+ *   ros2_peer DOMAIN sub TYPE TOPIC COUNT SECONDS        until COUNT samples have arrived; prints one JSON object a line
  *   ros2_peer DOMAIN list SECONDS                        the writers and readers of other participants: "pub|sub TOPIC TYPE RELIABILITY"
  *
  * TYPE: Float64, String, JointState, Twist. TOPIC as in ROS 2: /chatter. */
@@ -27,7 +27,7 @@ static dds_entity_t must(dds_entity_t entity, const char *what) {
   exit(3);
 }
 
-/* Returns the QoS of rmw_qos_profile_default, or with best effort as in rmw_qos_profile_sensor_data. */
+/* Returns the QoS of rmw_qos_profile_default; with best_effort, its reliability is best-effort, as in rmw_qos_profile_sensor_data. */
 static dds_qos_t *profile(int best_effort) {
   dds_qos_t *qos = dds_create_qos();
   dds_qset_reliability(qos, best_effort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
@@ -42,7 +42,7 @@ static void fill_number(void *sample, int n) { ((std_msgs_msg_dds__Float64_ *)sa
 static void print_text(const void *sample) { printf("{\"data\": \"%s\"}\n", ((const std_msgs_msg_dds__String_ *)sample)->data); }
 static void fill_text(void *sample, int n) {
   static char text[400];
-  /* The third text is longer than the bound of the port. */
+  /* The third text is longer than the port allows. */
   if (n == 3) {
     memset(text, 'x', 300);
     text[300] = '\0';

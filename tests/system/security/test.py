@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import networks
@@ -183,7 +184,7 @@ class Security(takt_system.Case):
             self.assertEqual(0, seen.count(secret), secret)
 
     def test_the_network_traffic_of_a_cell_without_security_is_readable(self):
-        """Shows that the test above would find readable words."""
+        """Shows that the test of a secured cell would find these words if they were readable."""
         with open(self.beside("cell.xml")) as file:
             text = file.read()
         plain = self.write("plain.xml", text.replace(' security="required"', ""))
@@ -208,7 +209,7 @@ class Security(takt_system.Case):
         self.deploy()
         line = nodes["line"]
 
-        # These participants have no identity: takt, a program of Fast DDS, and a program of Cyclone DDS.
+        # The participants without an identity are takt, a program of Fast DDS, and a program of Cyclone DDS.
         run = self.as_one("", "stop", "line.quiet_sink", machine="stranger")
         self.assertEqual(1, run.status)
         self.assertIn("not found: no answer", run.err)
@@ -237,13 +238,14 @@ class Security(takt_system.Case):
         robot, line = nodes["robot"], nodes["line"]
         identity = lambda path: os.path.join(self.keys, path)
 
-        # Device line publishes the status of device robot (in the peer's cell "test").
+        # A program with the identity of device line publishes the status of device robot, in a cell named "test".
         impostor = Peer(self, "stranger", "device", "robot", PEER_SECURITY=identity("devices/line"))
         self.assertEqual("ready", impostor.line())
         robot.wait_for_line("rejected: device line at 10.77.0.4 publishes on takt/device for test/robot, but may publish only for itself")
         impostor.end()
 
-        # Device line writes a topic of device robot. Its own Fast DDS prevents that. The others ignore a manipulated program that writes anyway.
+        # A program with the identity of device line tries to write a topic of device robot. Fast DDS in this program prevents this. If a
+        # manipulated program writes nevertheless, the other participants ignore its samples.
         shape = self.write("type.json", json.dumps(SHAPE))
         topic = "takt/guarded/robot/plainly_visible/out"
         wanted = "rejected: device line at 10.77.0.4 writes %s without permission" % topic
@@ -372,17 +374,19 @@ class Components(takt_system.Case):
 
     def setUp(self):
         super().setUp()
-        folders = os.environ["TAKT_COMPONENT_PATH"].split(":")
-        found = next(os.path.join(f, "fine.so") for f in folders if os.path.exists(os.path.join(f, "fine.so")))
         self.components = os.path.join(self.folder, "components")
         os.mkdir(self.components, 0o755)
-        shutil.copy(found, os.path.join(self.components, "mine.so"))
+        shutil.copy(self.built("fine.so"), os.path.join(self.components, "mine.so"))
         self.file = os.path.join(self.components, "mine.so")
         os.chmod(self.file, 0o755)
         self.cell = self.write("cell.xml", """<cell name="c"><device name="d"><module>
           <filename>mine.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
           <period>10000000</period> <priority>1</priority></module></device></cell>""")
         self.environment = {"TAKT_COMPONENT_PATH": self.components}
+
+    @staticmethod
+    def built(name):
+        return next(p for p in (os.path.join(f, name) for f in os.environ["TAKT_COMPONENT_PATH"].split(":")) if os.path.exists(p))
 
     def try_it(self, **more):
         runs = [self.start(*command, environment=dict(self.environment, **more))
@@ -397,10 +401,23 @@ class Components(takt_system.Case):
         os.chmod(self.file, 0o757)
         status, said = self.try_it()
         self.assertEqual(1, status)
-        self.assertIn("everybody may write to %s; run chmod o-w %s" % (self.file, self.file), said)
+        self.assertIn("everybody may write to %s (owner root, mode 0757); run chmod o-w %s" % (self.file, self.file), said)
         os.chmod(self.file, 0o755)
         os.chmod(self.components, 0o777)
-        self.assertIn("everybody may write to %s; run chmod o-w" % self.components, self.try_it()[1])
+        self.assertIn("everybody may write to %s (owner root, mode 0777); run chmod o-w %s" % (self.components, self.components),
+                      self.try_it()[1])
+
+    @unittest.skipUnless(os.getuid() == 0, "only root can give files to other users")
+    def test_takt_accepts_components_of_the_user_who_owns_the_folder_of_takt(self):
+        os.chown(self.components, 12345, -1)
+        self.assertIn("%s belongs to user 12345, who can replace it" % self.components, self.try_it()[1])
+        copies = os.path.join(self.folder, "bin")
+        os.mkdir(copies)
+        for name in ("takt", "takt-host"):
+            shutil.copy(os.path.join(takt_system.BIN, name), copies)
+        os.chown(copies, 12345, -1)
+        run = self.program("takt", "check", self.cell, programs=copies, environment=self.environment).wait(60)
+        self.assertEqual(0, run.status, run.err)
 
     def test_takt_rejects_unsigned_components_if_signatures_are_required(self):
         self.assertEqual(0, self.takt("secure", "init", self.cell, "keys").status)
@@ -409,7 +426,7 @@ class Components(takt_system.Case):
         certificate = os.path.join(self.folder, "keys", "authority", "components.cert.pem")
         self.assertIn("1 signed", signed.out)
         self.assertEqual((0, ""), self.try_it(TAKT_SIGNED_BY=certificate)[:1] + ("",))
-        # openssl alone can verify the signature.
+        # openssl can verify the signature without Takt.
         public = subprocess.run(["openssl", "x509", "-in", certificate, "-pubkey", "-noout"], capture_output=True, check=True).stdout
         self.write("public.pem", public.decode())
         subprocess.run(["openssl", "dgst", "-sha256", "-verify", os.path.join(self.folder, "public.pem"), "-signature",
@@ -432,6 +449,106 @@ class Components(takt_system.Case):
         run = self.takt("run", self.cell, "--for", "1", "--security", "keys", environment=self.environment)
         self.assertEqual(1, run.status)
         self.assertIn("it is not signed", run.err)
+
+    def replace(self, name, by):
+        """Replaces a component, as an attacker would: the signature stays."""
+        path = os.path.join(self.components, name)
+        shutil.copy(by, path + ".new")
+        os.chmod(path + ".new", 0o755)
+        os.replace(path + ".new", path)
+
+    def running(self, modules):
+        """Deploys the signed modules to device d, whose node requires signatures, and returns the node."""
+        for name in modules:
+            if not os.path.exists(os.path.join(self.components, name)):
+                self.replace(name, self.built(name))
+        cell = self.write("cell.xml", '<cell name="c"><device name="d">%s</device></cell>' % "".join(
+            """<module><name>%s</name><filename>%s</filename><moduletype>%s</moduletype><operationtype>periodic</operationtype>
+            <period>10000000</period><priority>1</priority></module>""" % (
+                name.replace(".", "_"), name, "process" if name.endswith(".exe") else "thread") for name in modules))
+        self.done("secure init %s keys" % cell)
+        self.done("sign %s --key keys" % " ".join(os.path.join(self.components, name) for name in modules))
+        self.environment["TAKT_SIGNED_BY"] = os.path.join(self.folder, "keys", "authority", "components.cert.pem")
+        node = self.node("d", environment=self.environment)
+        self.deploy(cell)
+        return node
+
+    UNSIGNED = r"%s: its signature does not match its contents, or was not made with the key of "
+
+    def test_a_component_replaced_after_the_deployment_is_not_loaded_at_a_reset(self):
+        node = self.running(["mine.so"])
+        self.replace("mine.so", self.built("leaves.so"))
+        self.done("destruct d.mine_so")
+        self.refused({"reset d.mine_so": self.UNSIGNED % re.escape(self.file)})
+        self.assertEqual({"mine_so": "DESTRUCT"}, self.states_of("d"))
+        self.replace("mine.so", self.built("fine.so"))
+        for verb in ("reset", "initialize", "start"):
+            self.done(verb + " d.mine_so")
+        self.wait_for_states({"d": "EXECUTING"})
+        self.end({"d": node})
+
+    def test_a_component_replaced_after_the_deployment_is_not_loaded_when_its_host_restarts(self):
+        node = self.running(["mine.so", "grid.so"])
+        self.wait_for_states({"d": "EXECUTING"})
+        self.replace("mine.so", self.built("leaves.so"))
+        os.kill(node.one("takt-host").pid, signal.SIGKILL)
+        self.wait_for_states({"d": {"mine_so": "DESTRUCT", "grid_so": "EXECUTING"}})
+        self.assertRegex(node.err, "loading the component failed: " + self.UNSIGNED % re.escape(self.file))
+        self.end({"d": node})
+
+    def test_a_program_replaced_after_the_deployment_is_not_started_at_a_recovery(self):
+        node = self.running(["mine.so", "fine.exe"])
+        self.wait_for_states({"d": "EXECUTING"})
+        program = os.path.join(self.components, "fine.exe")
+        self.replace("fine.exe", self.write("evil", "#!/bin/sh\ntouch %s\n" % os.path.join(self.folder, "executed")))
+        os.kill(next(m["pid"] for m in self.status_of("d")["modules"] if m["name"] == "fine_exe"), signal.SIGKILL)
+        self.wait_for_states({"d": {"mine_so": "EXECUTING", "fine_exe": "DESTRUCT"}})
+        self.assertRegex(node.err, self.UNSIGNED % re.escape(program))
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "executed")))
+        self.end({"d": node})
+
+    def test_a_restarted_node_does_not_resume_a_cell_with_a_replaced_component(self):
+        node = self.running(["mine.so"])
+        self.replace("mine.so", self.built("leaves.so"))
+        os.kill(node.pid, signal.SIGKILL)
+        node.wait(10)
+        again = self.node("d", "--resume", environment=self.environment)
+        again.wait_for_line(self.UNSIGNED % re.escape(self.file))
+        self.assertEqual({}, self.states_of("d"))
+        self.end({"d": again})
+
+    def test_the_crash_of_a_signed_component_is_reported_with_its_source_line(self):
+        node = self.running(["segv.so", "fine.exe"])
+        node.wait_for_line(r"in run\(\), in \w.* at segv\.cpp:1\d in segv\.so")
+        program = next(m for m in self.status_of("d")["modules"] if m["name"] == "fine_exe")
+        with open("/proc/%d/cmdline" % program["pid"]) as file:
+            self.assertEqual(os.path.join(self.components, "fine.exe"), file.read().split("\0")[0])
+        self.end({"d": node})
+
+    def test_takt_rejects_components_below_a_folder_that_every_user_may_write_to(self):
+        inner = os.path.join(self.components, "inner")
+        os.mkdir(inner)
+        os.rename(self.file, os.path.join(inner, "mine.so"))
+        self.environment["TAKT_COMPONENT_PATH"] = inner
+        self.assertEqual(0, self.try_it()[0])
+        os.chmod(self.components, 0o777)
+        self.assertIn("everybody may write to %s (owner" % self.components, self.try_it()[1])
+        link = os.path.join(self.folder, "link")
+        os.symlink(inner, link)
+        self.environment["TAKT_COMPONENT_PATH"] = link
+        self.assertIn("run chmod o-w %s" % self.components, self.try_it()[1])
+        os.chmod(self.components, 0o755)
+        self.assertEqual(0, self.try_it()[0])
+
+    def test_a_node_rejects_a_state_folder_that_every_user_may_write_to(self):
+        state = os.path.join(self.folder, "state")
+        os.mkdir(state)
+        os.chmod(state, 0o777)
+        node = self.program("takt-node", "--device", "d", "--resume").wait(20)
+        self.assertEqual(1, node.status, node.err)
+        self.assertIn("everybody may write to %s (owner root, mode 0777); run chmod o-w %s" % (state, state), node.err)
+        os.chmod(state, 0o755)
+        self.end({"d": self.node("d", "--resume")})
 
     def test_takt_reports_an_invalid_signing_certificate(self):
         other = self.write("other.pem", "nothing")

@@ -53,7 +53,9 @@ class Services(takt_system.Case):
         self.done("call serve.answers.handled " + FIVE)
         self.refused({
             "call serve.answers": "'serve.answers' is not the name of a service; write DEVICE.MODULE.SERVICE",
-            "call serve.answers.handle": "module serve.answers has no port 'handle'; .*handled",
+            "call serve.answers.handle": "module serve.answers has no service 'handle'; did you mean serve.answers.handled",
+            "call serve.near.nothing": "module serve.near has no service 'nothing'; it has no services",
+            "call srve.answers.handled": r"^device srve: error: not found on domain \d+; did you mean serve\.answers\.handled\?$",
             "call serve.near.ask": "'ask' of module serve.near is a client and cannot be called",
             "call serve.answers.handled nummer=5": "samples::Count: error: has no field 'nummer'; did you mean number",
             "call serve.answers.handled number": "'number' does not have the form field=value; write field=value",
@@ -81,11 +83,11 @@ class Services(takt_system.Case):
         seen = self.seen("near")
         print("stopped for a while: %s" % seen)
         self.assertEqual(0, seen["wrong"])
-        # While the module was stopped, calls to the service with a handler were rejected. Calls to the service without a handler timed out,
-        # or run() answered them late.
+        # While the module was stopped, calls to the service with a handler were rejected. Calls to the service without a handler timed out
+        # or were answered late, by run().
         self.assertGreater(seen["refused"], 20)
 
-    def test_a_service_replies_again_after_a_restart_of_its_host(self):
+    def test_a_service_answers_new_requests_after_a_restart_of_its_host(self):
         nodes = self.nodes("serve", "ask")
         self.deploy("cell.xml")
         for module in ("far", "far_polled"):
@@ -114,7 +116,7 @@ class Services(takt_system.Case):
         self.runs.remove(nodes["serve"])
         undeploy = self.takt("undeploy", "services")
         self.assertEqual((1, "cell services is undeployed from ask\n"), (undeploy.status, undeploy.out))
-        self.assertIn("device serve: error: is lost and did not receive the command", undeploy.err)
+        self.assertIn("device serve: error: it is lost and did not receive the command", undeploy.err)
         seen = self.seen("far")
         print("far: %s" % seen)
         self.assertEqual(0, seen["wrong"])

@@ -19,7 +19,7 @@ class Simulate(takt_system.Case):
 
     def test_two_simulations_with_the_same_seed_write_identical_traces(self):
         faults = ("--faults", "20", "--for", "0.5")
-        # With these seeds, no module is given up, so the exit status must be 0.
+        # With the seeds of this test, each module that fails recovers, so the exit status must be 0.
         first = self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt"))
         self.assertGreater(len(first), 100000)
         self.assertEqual(first, self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt")))
@@ -29,7 +29,7 @@ class Simulate(takt_system.Case):
         self.assertGreater(len(random.out), 100000)
         self.assertEqual(random.out, again.out)
 
-    def test_takt_simulate_and_takt_run_print_reports_of_the_same_format(self):
+    def test_takt_simulate_and_takt_run_print_reports_in_the_same_format(self):
         run = self.takt("simulate", EXAMPLE, "--for", "2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(["cell", "devices"], list(run.report))
@@ -46,7 +46,7 @@ class Simulate(takt_system.Case):
         self.assertGreater(modules["emergency"]["cycles"], 0)
         text = self.takt("simulate", EXAMPLE, "--for", "0.1")
         self.assertIn("cell module", text.out)
-        self.assertIn("overruns: runs that did not end", text.out)
+        self.assertIn("takt status --help explains the columns", text.out)
 
     def test_takt_simulate_injects_each_fault_of_a_script_at_the_given_time(self):
         lines = self.trace(DEMO, "--for", "1.5", "--script", self.beside("faults.txt")).decode().splitlines()
@@ -77,6 +77,14 @@ class Simulate(takt_system.Case):
         absent = self.takt("simulate", DEMO, "--script", "absent.txt")
         self.assertEqual((1, ""), (absent.status, absent.out))
         self.assertIn("absent.txt: error: ", absent.err)
+
+    def test_takt_simulate_warns_about_lines_of_a_script_that_have_no_effect(self):
+        script = self.write("late.txt", "at 2 s robot.servo crash\nat 0.5 s line.camera swap\nat 0.5 s robot.servo swap\n")
+        run = self.takt("simulate", DEMO, "--for", "1", "--script", script)
+        warnings = [line for line in run.err.splitlines() if "has no effect" in line]
+        self.assertEqual(["takt: warning: 'at 2000000 us robot.servo crash' has no effect: the simulation ends before; use a longer --for",
+                          "takt: warning: 'at 500000 us line.camera swap' has no effect: the module is a program, and only a thread module "
+                          "can be swapped"], warnings)
 
     def test_takt_simulate_generates_the_same_random_cell_from_the_same_seed(self):
         traces = [self.takt("simulate", "--random-cell", str(n), "--trace", "-") for n in (3, 3, 4)]
@@ -120,6 +128,7 @@ class Simulate(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         print("\n" + run.err)
         self.assertRegex(run.err, r"simulated 100 s in [\d.]+ s, \d+ times real time; seed 1")
+        self.assertIn("every module writes each of its outputs in every run, so a queue may drop samples", run.err)
 
 
 if __name__ == "__main__":

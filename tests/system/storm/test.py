@@ -13,6 +13,7 @@ import time
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import networks
 import takt_system
+import wear
 from takt_system import wait_until
 
 DEVICES = ("robot", "line")
@@ -42,10 +43,10 @@ class Storm(networks.NetworkCase):
 
     def order(self, *arguments):
         """Runs a command, which must succeed. Altered copies of authentication packets can make the authentication of a new participant
-        fail. So in a secured cell, this repeats a command if it found no node, because such a command has changed nothing."""
+        fail. So in a secured cell, this function repeats a command that found no node. Such a command has changed nothing."""
         for _ in range(3 if self.secured else 1):
             run = self.operator(*arguments, environment=self.identity)
-            if "not found: no answer" not in run.err:
+            if "not found" not in run.err:
                 break
             print("takt %s found no node and is repeated" % " ".join(arguments))
         self.assertEqual(0, run.status, "takt %s: %s" % (" ".join(arguments), run.err))
@@ -172,6 +173,22 @@ class InTheOpen(Storm):
         sink = self.weather(["random", "rtps", "tcp"])
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
+
+    def test_no_process_hangs_or_crashes_when_an_attacker_sends_packets_in_the_name_of_members(self):
+        captured = os.path.join(self.folder, "captured")
+        listening = self.attack("robot", "capture", captured, "3", wait=False)
+        self.assertEqual("ready\n", listening.stdout.readline())
+        self.deploy()
+        listening.wait(60)
+        sent = self.attack("stranger", "forge", captured, "5", json.dumps(self.targets()))
+        self.assertGreaterEqual(sent["members"], len(DEVICES))
+        self.slowest = 0.0
+        self.stop_and_start()
+        self.status()
+        for device in DEVICES:
+            self.assertIsNone(self.machines[device].status, "the node of %s ended: %s" % (device, self.machines[device].err))
+            self.assertEqual(self.hosts[device], self.machines[device].one("takt-host").pid, "the host of %s" % device)
+            self.assertLess(wear.taken_by(self.machines[device].one("takt-node").pid)["rss_kib"], 500_000)
 
 
 class Secured(Storm):

@@ -16,7 +16,8 @@ COMPONENTS = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
 
 
 class BareLoop:
-    """Wakes up every ms at a higher priority on the CPU of the executor. If this loop is late too, the machine stalled."""
+    """Wakes up every ms on the CPU of the executor, at a higher priority. If this loop is late while the executor misses a row, the machine
+    stalled."""
 
     def __init__(self):
         self._run = subprocess.Popen([sys.executable, "-c", self._LOOP], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -54,7 +55,7 @@ class Traced:
 
     def __init__(self):
         self.rows = {}
-        self.swaps = []  # the rows from which on a new instance ran
+        self.swaps = []  # the first row of each new instance
 
     def add(self, trace):
         about = trace["otherData"]
@@ -128,7 +129,7 @@ class Swap(takt_system.Case):
         return run.modules()
 
     def assert_nothing_missed(self, run):
-        """Checks that every walked row called the module once, and that its reader saw each number once."""
+        """Checks that the module was called once in every row that ran, and that its reader saw each number once."""
         self.assertEqual(0, run.status, run.err)
         modules, rows = run.modules(), run.executor()
         seen = json.loads(self.read("seen"))
@@ -175,7 +176,7 @@ class Swap(takt_system.Case):
     def test_takt_swap_puts_the_old_version_back_if_the_new_one_fails_in_its_first_runs(self):
         run = self.running()
         self.refused({"swap d.ticks ticks_fails.so":
-                      r"module d\.ticks: error: the old instance was put back in cycle \d+: failure: the third is not for me"})
+                      r"module d\.ticks: error: the old instance was put back at release \d+: failure: the third is not for me"})
         before = self.count()
         wait_until(lambda: self.count() > before + 100, 10, "some runs")
         self.swap("ticks_more.so")
@@ -200,7 +201,7 @@ class Swap(takt_system.Case):
         self.wait_for_states({"d": "EXECUTING"})
         modules = self.finish(run)
         self.assertEqual(0, run.status, run.err)
-        # The numbers of two runs of the new version are written again. Its third run never ended.
+        # The old version writes the numbers of two runs of the new version again. The third run of the new version never ended.
         self.assertEqual(modules["ticks"]["cycles"] - 2, json.loads(self.read("seen"))["last"])
 
     def test_a_host_that_restarts_after_a_swap_loads_the_new_version(self):
@@ -272,7 +273,7 @@ class Swap(takt_system.Case):
             self.refused({"swap d.ticks " + path: r"^file %s: error: it has a path, but device d searches its component path for the file "
                           r"name only; copy the file there, then run takt swap d\.ticks ticks_more\.so$" % re.escape(path)})
         self.assertIn(folder + "/ticks_more.so", self.swap("ticks_more.so"))
-        log = self.done("log --device d --kind command,refused-command --json")[0]
+        log = self.done("log d --kind command,refused-command --json")[0]
         self.assertIn("swap to ticks_more.so was carried out", log)
         self.assertIn("swap to ticks_fails.so: ", log)
         self.assert_versions([1, 2], node)

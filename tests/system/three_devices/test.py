@@ -33,7 +33,8 @@ class ThreeDevices(takt_system.Case):
 
         grids = [self.read(name).split() for name in ("robot", "line", "fast", "slow")]
         grids.append(re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program"))).groups())
-        # All grids must begin at the same instant of the wall clock. Each node converts this instant with its own readings of two clocks.
+        # All grids must begin at the same instant of the wall clock. Each node reads the two clocks itself to convert this instant, so the
+        # results may differ slightly.
         instants = [int(t0) for t0, _, _ in grids]
         self.assertLess(max(instants) - min(instants), 20000, grids)
         self.assertEqual({"0"}, {strayed for _, _, strayed in grids})

@@ -85,7 +85,8 @@ class Trace(takt_system.Case):
         return run.report, trace
 
     def caused(self, report, trace, cause, culprit=None):
-        """Checks that at least one delay has this cause and names this culprit. Returns all delays with this cause."""
+        """Checks that at least one delay has this cause, and names `culprit` as the module or program at fault. Returns all delays with
+        this cause."""
         found = [e for e in trace["traceEvents"] if e.get("args", {}).get("cause") == cause]
         self.assertTrue(found, "no delay has the cause %s: %s" % (cause, report))
         if culprit is not None:
@@ -111,6 +112,7 @@ class Trace(takt_system.Case):
         self.assertEqual(["slow"], sorted({body["name"] for events in bodies for body in events}))
         self.end({"robot": node})
 
+    @takt_system.alone("other real-time threads would delay its executor as well")
     def test_takt_trace_names_the_module_whose_overrun_delayed_a_run(self):
         node = self.deployed(module("long", "slow.so", 1, ns=7000000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
@@ -120,6 +122,7 @@ class Trace(takt_system.Case):
         self.caused(report, trace, "predecessor", "long")
         self.end({"robot": node})
 
+    @takt_system.alone("other real-time threads would delay its executor as well")
     def test_takt_trace_attributes_a_delay_to_page_faults(self):
         node = self.deployed(module("maps", "maps.so", 1, pages=8000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
@@ -185,7 +188,9 @@ class Trace(takt_system.Case):
                       "trace none.json": r"none\.json: error: is not a Takt trace",
                       "trace text.json": r"text\.json: error: is not a Takt trace",
                       "trace nothing.json": "is neither an existing file nor a valid device name",
-                      "trace nobody": "device nobody: error: not found: no answer"})
+                      "trace robot.m": "give the name of a device, without a module, or of a file that takt trace wrote",
+                      "trace robto": r"device robto: error: not found on domain \d+; did you mean robot\?",
+                      "trace nobody": "device nobody: error: not found on domain"})
         self.assertEqual(2, self.takt("trace", "robot", "--last", "0").status)
         self.end({"robot": node})
 

@@ -1,6 +1,9 @@
+import hashlib
+import itertools
 import json
 import os
 import re
+import shutil
 import signal
 import sys
 
@@ -9,6 +12,7 @@ import takt_system
 from takt_system import LIFE, wait_until
 
 RUNS = LIFE[:4]
+COMPONENTS = os.path.join(os.path.dirname(takt_system.BIN), "tests", "components")
 STATION = """<device name="station">
     <module>
       <name>grid</name> <filename>grid.so</filename>
@@ -82,19 +86,23 @@ class Update(takt_system.Case):
         # An update replaces a value that an operator has set only if the descriptor changes this value.
         self.assertEqual(["robot.live: label: a -> b", "cell cell is updated"], self.update(*more, ('"label">a', '"label">b')))
         self.assertEqual(["7", "b"], self.done("get robot.live step", "get robot.live label"))
+        self.assertEqual(["robot.live: log-level: not set -> debug", "cell cell is updated"],
+                         self.update(*more, ('"label">a', '"label">b</value><value name="log-level">debug')))
+        self.assertEqual(["debug"], self.done("get robot.live log-level"))
         self.assertEqual(hosts, self.hosts(nodes))
         for node, module in (("robot", "ticks"), ("robot", "live"), ("line", "grid"), ("line", "reader")):
             self.assertEqual(RUNS, nodes[node].states(module))
         self.assert_versions(nodes["robot"], "1", "2")
         self.assertEqual([("1", "begins at", "given"), ("2", "from", "given")], self.versions(nodes["robot"]))
-        log = self.done("log --device robot --kind command --json")[0]
+        log = self.done("log robot --kind command --json")[0]
         self.assertIn("was carried out: robot.ticks: file: ticks.so -> ticks_more.so: robot.live: step: 1 -> 7", log)
 
         nodes["robot"].signal(signal.SIGKILL)
         nodes["robot"].wait(10)
         nodes["robot"] = self.node("robot", "--resume")
         self.wait_for_states({"robot": "EXECUTING"})
-        self.assertEqual(["7", "b"], self.done("get robot.live step", "get robot.live label"))
+        self.assertEqual(["7", "b", "debug"],
+                         self.done("get robot.live step", "get robot.live label", "get robot.live log-level"))
         self.assert_versions(nodes["robot"], "2")
         self.done("undeploy cell")
         steps = json.loads(self.read("steps"))
@@ -104,17 +112,48 @@ class Update(takt_system.Case):
         self.assertGreater(seen["read"], 0)
         self.end(nodes)
 
+    def test_an_update_swaps_in_a_component_that_was_rebuilt_under_the_same_name(self):
+        own = os.path.join(self.folder, "own")
+        os.mkdir(own)
+
+        def build(source):
+            shutil.copy(os.path.join(COMPONENTS, source), os.path.join(own, "new"))
+            os.rename(os.path.join(own, "new"), os.path.join(own, "ticks.so"))
+            with open(os.path.join(own, "ticks.so"), "rb") as file:
+                return hashlib.sha256(file.read()).hexdigest()[:8]
+
+        def shown():
+            return next(m for m in self.status_of("robot")["modules"] if m["name"] == "ticks")["hash"]
+
+        before = build("ticks.so")
+        path = own + ":" + os.environ["TAKT_COMPONENT_PATH"]
+        nodes = {"line": self.node("line"), "robot": self.node("robot", environment={"TAKT_COMPONENT_PATH": path})}
+        self.deploy(self.changed())
+        self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        hosts = self.hosts(nodes)
+        self.assertEqual(before, shown())
+        self.assertEqual(["nothing differs"], self.update())
+        after = build("ticks_more.so")
+        self.assertEqual(["robot.ticks: file ticks.so: %s -> %s" % (before, after), "cell cell is updated"], self.update())
+        self.assertEqual(["nothing differs"], self.update())
+        self.assertEqual((hosts, after), (self.hosts(nodes), shown()))
+        self.assert_versions(nodes["robot"], "1", "2")
+        self.assertRegex(self.done("status")[0], r"ticks +%s +- +%s/ticks\.so" % (after, re.escape(own)))
+        self.assertIn("ticks.so %s, " % before, self.done("log robot --kind deployed --json")[0])
+        self.done("undeploy cell")
+        self.end(nodes)
+
     def test_an_update_of_a_period_restarts_only_the_device_of_that_module(self):
         nodes = self.running()
         robot = nodes["robot"].one("takt-host").pid
-        self.done("set line.grid file operator")
+        self.done("set line.grid file operator", "set line.grid log-level warning")
         self.assertEqual(["line is restarted: module grid: period: 5 ms -> 2 ms", "cell cell is updated"],
                          self.update(("<period>5000000</period> <priority>1", "<period>2000000</period> <priority>1")))
         self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         before = self.t0("operator")
         self.assertEqual(robot, nodes["robot"].one("takt-host").pid)
         self.assertEqual([RUNS, RUNS], [nodes["robot"].states(module) for module in ("ticks", "live")])
-        self.assertEqual(["operator"], self.done("get line.grid file"))
+        self.assertEqual(["operator", "warning"], self.done("get line.grid file", "get line.grid log-level"))
         # The restarted device must get samples from the other device again.
         reader = lambda: next(m for m in self.status_of("line")["modules"] if m["name"] == "reader")["ports"][0]
         wait_until(lambda: reader()["samples"] > 0, 15, "samples from the other device")
@@ -159,7 +198,7 @@ class Update(takt_system.Case):
                                 ("<period>5000000</period> <priority>1", "<period>2000000</period> <priority>1"))
         self.assertIn("line is restarted: module grid: period: 5 ms -> 2 ms; module grid: file: line -> other\n", run.out)
         self.assertRegex(run.err, r"module robot\.ticks: error: file: ticks\.so -> ticks_fails\.so: the old instance was put back "
-                                  r"in cycle \d+: failure: the third is not for me")
+                                  r"at release \d+: failure: the third is not for me")
         self.assertIn("cell cell is not updated; all changes were undone", run.err)
         # Each node reports the change when it begins, and reports the reason before it undoes the change.
         for node, change in (("robot", "robot.ticks: label: given -> other; file: "), ("line", "line is restarted: ")):
@@ -176,7 +215,7 @@ class Update(takt_system.Case):
         self.assertEqual(["given"], self.done("get robot.ticks label"), "the property was set before the swap and must be set back")
         first = self.t0("line")
         self.assertEqual(["nothing differs"], self.update())
-        # The new version of one device cannot be started.
+        # In this update, a module of one device fails to start.
         run = self.update_fails(("ticks.so", "ticks_more.so"), ("grid.so", "bad_start.so"), ('<value name="file">line</value>', ""))
         self.assertRegex(run.err, r"grid.*start\(\)")
         self.assertIn("cell cell is not updated; all changes were undone", run.err)
@@ -185,6 +224,40 @@ class Update(takt_system.Case):
         self.assertEqual(["nothing differs"], self.update())
         self.done("undeploy cell")
         self.assert_same_grid(first, self.t0("line"))
+        self.end(nodes)
+
+    def devices_agree(self):
+        """Returns whether both devices run, and neither still takes part in an undecided update."""
+        run = self.takt("status", "--json")
+        if run.status != 0 or "differences" in run.report:
+            return False
+        devices = [d for d in run.report["devices"] if d["name"] in ("robot", "line")]
+        return len(devices) == 2 and all(d["state"] == "running" and d["update_state"] not in ("open", "changed") for d in devices)
+
+    def test_all_devices_agree_on_the_old_or_new_version_while_takt_deploy_is_halted_by_sigstop(self):
+        nodes = self.running()
+        present = ()
+        periods = itertools.cycle(("2000000", "4000000"))
+        for line_of_takt in ("comparing the running cell", "changing line"):
+            for _ in range(20):  # takt deploy may end before the test halts it
+                new = (("<period>5000000</period> <priority>1", "<period>%s</period> <priority>1" % next(periods)),)
+                run = self.start("deploy", self.changed(*new), "--update")
+                run.wait_for_line(line_of_takt)
+                if run.halt():
+                    break
+                run.wait()
+                present = new
+            wait_until(self.devices_agree, 25, "the devices to agree while takt deploy is stopped")
+            run.signal(signal.SIGCONT)
+            run.wait()
+            print("stopped after '%s': exit status %d: %s" % (line_of_takt, run.status, run.err.splitlines()[-1]))
+            # With another exit status, all devices can have the new version only if takt deploy says so.
+            present = new if run.status == 0 or re.search("^cell cell is updated; ", run.err, re.MULTILINE) else present
+            wait_until(self.devices_agree, 25, "the devices to agree")
+            changed = self.update(*present)
+            if "the devices decide together" not in run.err:
+                self.assertEqual(["nothing differs"], changed, "the exit status must be true")
+        self.done("undeploy cell")
         self.end(nodes)
 
     def test_an_update_can_add_and_remove_devices(self):

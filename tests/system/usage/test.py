@@ -1,3 +1,4 @@
+import hashlib
 import os
 import sys
 
@@ -23,12 +24,77 @@ class Usage(takt_system.Case):
                     self.assertEqual("takt %s --help explains all options" % arguments[0], run.err.splitlines()[2])
                 self.assertLess(max(map(len, run.err.splitlines())), 200)
 
+    def test_takt_help_prints_the_help_of_a_command(self):
+        self.assertEqual(self.takt("--help").out, self.takt("help").out)
+        self.assertEqual(self.takt("check", "--help").out, self.takt("help", "check").out)
+        self.assertEqual(0, self.takt("help", "check").status)
+
     def test_takt_suggests_the_correct_spelling_of_a_misspelled_command(self):
         run = self.takt("staus")
         self.assertEqual((2, "", "takt: there is no command 'staus'; did you mean status?"), (run.status, run.out, run.err.strip()))
+        run = self.takt("secure", "list")
+        self.assertEqual((2, "", "takt secure: there is no command 'list'; the commands are init, add, update, renew, revoke, show"),
+                         (run.status, run.out, run.err.splitlines()[0]))
+        run = self.takt("graph", "cell.xml", "--svgg", "out.svg")
+        self.assertEqual((2, ""), (run.status, run.out))
+        self.assertRegex(run.err, r"(?m)^there is no option --svgg; did you mean --svg\?$")
         run = self.takt("get", "line.belt.speed", "speed")
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertIn("'line.belt.speed' is not the name of a module; write DEVICE.MODULE, a space and the property", run.err)
+
+    def test_wrong_addresses_are_rejected_before_the_network_is_used(self):
+        for given, reason in ((("--server", "10.0.0.1"), "'10.0.0.1' is not an address and a port, as in 10.0.0.1:11811"),
+                              (("--server", "10.0.0.1:0"), "'10.0.0.1:0' is not an address and a port"),
+                              (("--peers", ""), "it names no address; write it as in 10.0.0.1,10.0.0.2"),
+                              (("--peers", "10.0.0.1,10.0.0"), "'10.0.0' is not an IPv4 address or a host name without a port")):
+            for run in (self.takt("status", *given), self.program("takt-node", "--device", "d", *given)):
+                with self.subTest(given=given):
+                    run.wait(10)
+                    self.assertEqual((2, ""), (run.status, run.out))
+                    self.assertIn("%s: %s" % (given[0], reason), run.err)
+
+    def test_takt_set_rejects_a_name_and_a_value_in_one_argument(self):
+        run = self.takt("set", "line.belt", "feed=3")
+        self.assertEqual((2, ""), (run.status, run.out))
+        self.assertIn("'feed=3' is not the name of a property; write the name and the value as two arguments: feed 3", run.err)
+
+    def test_takt_log_says_that_a_descriptor_is_not_a_fault_record(self):
+        run = self.takt("log", "--file", EXAMPLE)
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertIn("%s: error: is not a fault record; name the file DEVICE.DOMAIN.faults" % EXAMPLE, run.err)
+
+    def test_takt_deploy_says_that_the_environment_replaces_the_domain_of_the_descriptor(self):
+        other = (self.domain + 1) % 200 + 1
+        cell = self.write("cell.xml", "<cell name='c' domain='%d'><device name='d'><module>"
+                          "<filename>fine.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>"
+                          "<period>1000000</period><priority>1</priority></module></device></cell>" % other)
+        note = "note: TAKT_DOMAIN sets domain %d instead of the descriptor's domain %d" % (self.domain, other)
+        self.assertIn(note, self.takt("deploy", cell).err)
+        self.assertNotIn("TAKT_DOMAIN sets", self.takt("deploy", cell, "--domain", str(self.domain)).err)
+
+    def test_the_advice_to_start_a_node_has_the_discovery_options_of_the_command(self):
+        for options in (["--peers", "127.0.0.1,localhost"], ["--server", "127.0.0.1:11811"]):
+            run = self.takt("status", *options)
+            self.assertEqual((1, ""), (run.status, run.out))
+            self.assertIn("start a node with takt-node --device NAME --domain %d %s" % (self.domain, " ".join(options)), run.err)
+
+    def test_files_that_cannot_be_written_as_wanted_are_rejected_before_any_work(self):
+        for command in ("graph", "check", "trace", "plot"):
+            run = self.takt(command, "x", "--svg", "out.png")
+            with self.subTest(command=command):
+                self.assertEqual((2, ""), (run.status, run.out))
+                self.assertIn("--svg: 'out.png' ends in .png, but the drawing is an SVG file; write out.svg", run.err)
+        path = self.write("recorded.trace", "{}")
+        run = self.takt("trace", path, "-o", os.path.join(self.folder, "none", "copy.trace"))
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertRegex(run.err, r"cannot be written: there is no folder \S+/none; create it")
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "none")))
+
+    def test_takt_echo_accepts_n_and_count_as_options_for_the_number_of_lines(self):
+        for option in ("-n", "--count"):
+            run = self.takt("echo", option, "1", "line.belt")
+            self.assertEqual((1, ""), (run.status, run.out))
+            self.assertEqual("error: 'line.belt' is not a port name; write DEVICE.MODULE.PORT", run.err.strip())
 
     def test_takt_log_lists_the_valid_event_kinds_after_an_unknown_kind(self):
         kinds = self.takt("log", "--help").out.split("Kinds:")[1].rstrip(".\n").replace(",", " ").split()
@@ -85,7 +151,11 @@ class Usage(takt_system.Case):
     def test_takt_describe_shows_the_hooks_and_properties_of_a_cpp_component(self):
         run = self.takt("describe", "cpp_properties.so", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
-        self.assertEqual(["name", "text", "interface", "operation", "hooks", "properties", "ports", "saved", "file"], list(run.report))
+        self.assertEqual(["name", "text", "version", "interface", "operation", "hooks", "properties", "ports", "saved", "file", "hash"],
+                         list(run.report))
+        self.assertEqual("1.2.0", run.report["version"])
+        with open(run.report["file"], "rb") as file:
+            self.assertEqual(hashlib.sha256(file.read()).hexdigest()[:8], run.report["hash"])
         self.assertEqual(("CppProperties", "c++"), (run.report["name"], run.report["interface"]))
         properties = {p["name"]: p for p in run.report["properties"]}
         self.assertEqual(["enabled", "count", "offset", "gain", "ratio", "label"], list(properties))
@@ -93,7 +163,7 @@ class Usage(takt_system.Case):
                           "unit": "parts", "text": "At a time."}, properties["count"])
         self.assertEqual(["bool", "integer", "integer", "double", "double", "string"], [p["type"] for p in properties.values()])
         text = self.takt("describe", "cpp_properties.so").out
-        for word in list(properties) + ["c++", "1 to 10", "parts", "At a time."]:
+        for word in list(properties) + ["version     1.2.0, hash " + run.report["hash"], "c++", "1 to 10", "parts", "At a time."]:
             self.assertIn(word, text)
 
     def test_takt_describe_shows_the_hooks_of_a_c_component_and_the_kind_of_a_program(self):
@@ -115,7 +185,7 @@ class Usage(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(4, len(run.modules()))
 
-    def test_the_element_printed_for_an_event_component_is_valid_once_connected(self):
+    def test_the_module_element_of_a_component_with_an_event_port_is_valid_once_the_port_is_connected(self):
         events = self.takt("describe", "port_events.so", "--xml").out
         for line in ("<name>port_events</name>", "<operationtype>sporadic</operationtype>", "<deadline>1000000</deadline>",
                      "<dispatch>immediate</dispatch>"):
@@ -128,11 +198,27 @@ class Usage(takt_system.Case):
         connection = "<connection from='d.port_source.out' to='d.port_events.event' kind='queue' depth='4'/>"
         fed = self.takt("check", self.write("fed.xml", cell % (modules, connection)))
         self.assertEqual((0, ""), (fed.status, fed.err))
+        self.assertNotIn("without a connection", fed.out)
+        shallow = self.takt("check", self.write("shallow.xml", cell % (modules, "\n" + connection.replace("depth='4'", ""))))
+        self.assertEqual(0, shallow.status, shallow.err)
+        self.assertRegex(shallow.err, r'^\S*shallow\.xml:\d+: warning: the queue to d\.port_events\.event has no depth, so it holds 1 '
+                                      r'sample: .*; write depth="8" [^\n]*$')
+        row = events.replace("<dispatch>immediate</dispatch>", "")
+        unfed = self.takt("check", self.write("unfed.xml", cell % (row, "")))
+        self.assertEqual((0, ""), (unfed.status, unfed.err))
+        self.assertRegex(unfed.out, r"\ninputs without a connection, .*\n  d\.port_events, on line \d+: event\n$")
+        latest = self.takt("check", self.write("latest.xml", cell % (modules, "\n" + connection.replace("kind='queue' depth='4'", ""))))
+        self.assertEqual(0, latest.status, latest.err)
+        self.assertRegex(latest.err, r'^\S*latest\.xml:\d+: warning: the connection to event port d\.port_events\.event holds only the '
+                                     r'latest value, .*; write kind="queue" depth="8"')
 
     def test_takt_describe_rejects_files_that_are_not_components(self):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),
                             ("wrong_default.so", "a property 'speed' whose default 20 is out of its range: 0 to 10"),
+                            ("wrong_default.so", "declares property 'log-level', but every module already has this property"),
+                            ("tank", "; to describe a module of a cell, write takt describe CELL.xml tank"),
+                            ("port_events", "did you mean port_events.so? To describe a module of a cell"),
                             (self.folder, "no components found")):
             with self.subTest(file=file):
                 run = self.takt("describe", file)

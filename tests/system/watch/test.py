@@ -96,7 +96,7 @@ class Watch(takt_system.Case):
         for module in ("grid", "program"):
             self.choose(terminal, module)
             terminal.press("t")
-            terminal.wait_for(r"^robot\.%s: START$" % module)
+            terminal.wait_for(r"^robot\.%s: START \(stopped\)$" % module)
             terminal.wait_for(r"^> +%s +o START\b" % module)
             terminal.press("t")
             terminal.wait_for(r"robot\.%s: stop is not allowed in state START; it is allowed in EXECUTING" % module)
@@ -166,7 +166,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^  run time +p50 +\S+ us [#.]+ +\d+ %")
         terminal.wait_for(r"^  transitions +\d\d:\d\d:\d\d\.\d{3} START -> EXECUTING +run$")
         self.done("stop robot.grid")
-        terminal.wait_for(r"^  state +o START$")
+        terminal.wait_for(r"^  state +o START \(stopped\)$")
         terminal.wait_for(r"^  transitions +\d\d:\d\d:\d\d\.\d{3} EXECUTING -> START +stop$")
         terminal.press("s")
         terminal.wait_for(r"^  state +\* EXECUTING$")
@@ -214,14 +214,14 @@ class Watch(takt_system.Case):
     def test_takt_watch_restores_the_terminal_however_it_ends(self):
         terminals = [self.open(*arguments) for arguments in ((), (), (), ("--for", "3"))]
         for terminal, _ in terminals:
-            terminal.wait_for("no device")
+            terminal.wait_for("devices.* on this domain")
         ways = (lambda: terminals[0][0].press("\x03"), lambda: terminals[1][1].signal(signal.SIGTERM),
                 lambda: terminals[2][1].signal(signal.SIGHUP), lambda: None)
         for (terminal, run), way in zip(terminals, ways):
             self.leave(terminal, run, way)
         # takt watch also ends if its terminal is closed.
         terminal, run = self.open()
-        terminal.wait_for("no device")
+        terminal.wait_for("devices.* on this domain")
         terminal.close()
         self.assertIn(run.wait(10).status, (0, 1))
 
@@ -254,7 +254,7 @@ class InTmux(takt_system.Case):
         running = self.nodes("robot", "line")
         self.deploy("cell.xml")
         tmux = self.open()
-        tmux.wait_for("^  ▲device, module +state +p50 us +p99 us last minute +budget +over +err$")
+        tmux.wait_for("^  ▲device, module +state +p50 us +p99 us +last minute +budget +over +err$")
         tmux.wait_for("^    grid +● EXECUTING .* [▁▂▃▄▅▆▇█]+ ")
         tmux.wait_for("^    fails +▲ RECOVER +failure: run")
         self.assertEqual(24, len(tmux.lines))
@@ -284,7 +284,7 @@ class InTmux(takt_system.Case):
         tmux.press("Enter")
         tmux.wait_for(r"^  run time +p50 +\S+ us [█▏▎▍▌▋▊▉·]+ +\d+ %")
         tmux.press("t")
-        tmux.wait_for("^  state +○ START$")
+        tmux.wait_for(r"^  state +○ START \(stopped\)$")
         tmux.press("s")
         tmux.wait_for("^  state +● EXECUTING$")
         tmux.press("Escape")

@@ -121,7 +121,7 @@ class Gateway(takt_system.Case):
         self.deploy("cell.xml")
         names = {"left.source", "left.fails", "right.sink", "right.live", "right.program"}
         events.wait(lambda e: e.states() == {name: "EXECUTING" for name in names})
-        for name in names:  # no transition may be missing
+        for name in names:  # the stream must contain every transition
             self.assertEqual([(s, n) for m, s, n in events.steps if m == name][-3:],
                              [("INITIALIZE", 1), ("START", 2), ("EXECUTING", 3)], name)
         cell = events.wait(lambda e: e.of("cell")[-1] if e.of("cell")[-1]["cell"] == "seen" else None)
@@ -203,11 +203,15 @@ class Gateway(takt_system.Case):
         status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "0"}, token=self.token)
         self.assertEqual(409, status)
         self.assertRegex(said["what"], "1 to 1000|at least 1|less than")
-        # For a program, the gateway shows the property values with which it started. It does not ask the node for the current values,
-        # because the node would reject this.
+        # The gateway must reject a value that does not fit into a command, and not shorten it.
+        status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "8" + " " * 255}, token=self.token)
+        self.assertEqual((400, "give a value of at most 255 bytes"), (status, said.get("fix")), said)
+        self.assertEqual(["7"], self.done("get right.live step"))
+        # For a program, the gateway shows the property values with which the program started. The gateway does not ask the node for the
+        # current values, because the node would reject this request.
         before = self.done("log --json --kind refused-command")[0].count("refused-command")
         properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
-        self.assertEqual({"gain": "2.5", "label": "none"}, properties)
+        self.assertEqual({"gain": "2.5", "label": "none", "log-level": "info"}, properties)
         self.assertEqual(before, self.done("log --json --kind refused-command")[0].count("refused-command"))
         self.finish(run)
 
@@ -406,7 +410,12 @@ class Gateway(takt_system.Case):
             self.assertIn(b" 421 ", raw(b"GET /api/events HTTP/1.1\r\nHost: %s\r\nConnection: close\r\n\r\n" % host.encode(), whole=True).split(b"\r\n")[0])
         status, said = self.ask("api/command", b"x" * 70000, token=self.token)
         self.assertEqual((413, "send at most 64 KiB"), (status, said["fix"]))
-        for body in (b"", b"{", b"[]", b'{"verb": 5}', b'{"device": "left", "verb": "explode"}', b'{"device": ["left"], "verb": "stop"}'):
+        # A mistake in the name of the module must not turn a command to this module into a command to the whole device.
+        for body in (b"", b"{", b"[]", b'{"verb": 5}', b'{"device": "left", "verb": "explode"}', b'{"device": ["left"], "verb": "stop"}',
+                     b'{"device": 5, "module": "source", "verb": "stop"}', b'{"device": "left", "module": 5, "verb": "stop"}',
+                     b'{"device": "left", "module": null, "verb": "stop"}', b'{"device": "left", "module": "", "verb": "stop"}',
+                     b'{"device": "left", "modul": "source", "verb": "stop"}', b'{"device": "left", "module": "\\u0000", "verb": "stop"}',
+                     b'{"device": "left", "module": "\\u0001", "verb": "stop"}', b'{"device": "left", "module": "source", "module": 5, "verb": "stop"}'):
             status, said = self.ask("api/command", body, token=self.token)
             self.assertEqual(400, status, body)
             self.assertTrue(said["what"] and said["fix"])
@@ -422,6 +431,11 @@ class Gateway(takt_system.Case):
         more = []
         for _ in range(63):
             more.append(Events(self.address))
+        # Streams to one address must leave places for other addresses.
+        where = urllib.parse.urlparse(self.address)
+        with socket.create_connection((where.hostname, where.port), timeout=30, source_address=("127.0.0.2", 0)) as other:
+            other.sendall(b"GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            self.assertRegex(other.recv(4096), rb"^HTTP/1\.1 200 ")
         with self.assertRaises(urllib.error.HTTPError) as full:
             Events(self.address)
         self.assertEqual(503, full.exception.code)
@@ -434,6 +448,103 @@ class Gateway(takt_system.Case):
         wait_until(lambda: self.opens(), 30, "a free stream for another page")
         self.assertEqual({"EXECUTING"}, set(self.states_of("left").values()))
         self.finish(run)
+
+    def peak_kib(self, run):
+        """Returns the largest resident memory that the process has had so far, in KiB."""
+        with open("/proc/%d/status" % run.pid) as status:
+            return int(re.search(r"VmHWM:\s+(\d+) kB", status.read())[1])
+
+    def flood(self, start, more):
+        """Sends `start` and then `more` again and again: up to 100 MiB, or until takt web closes the connection."""
+        where = urllib.parse.urlparse(self.address)
+        with socket.create_connection((where.hostname, where.port), timeout=60) as client:
+            try:
+                client.sendall(start)
+                for _ in range((100 << 20) // len(more)):
+                    client.sendall(more)
+            except OSError:
+                pass
+
+    def test_clients_without_a_token_cannot_fill_the_memory_of_the_gateway(self):
+        run = self.web("--commands")
+        self.assertEqual(200, self.ask("api/rights")[0])
+        get, post = b"GET / HTTP/1.1\r\nHost: localhost\r\n", b"POST /api/command HTTP/1.1\r\nHost: localhost\r\n"
+        chunked = post + b"Transfer-Encoding: chunked\r\n\r\n"
+        for what, start, more in (("a chunked body", chunked, b"10000\r\n" + b"x" * 0x10000 + b"\r\n"),
+                                  ("a chunk size without end", chunked, b"1" * 0x10000),
+                                  ("a body without a length", post + b"\r\n", b"x" * 0x10000),
+                                  ("a body with a large length", post + b"Content-Length: 1000000000\r\n\r\n", b"x" * 0x10000),
+                                  ("header lines without end", get, b"a: b\r\n" * 10000),
+                                  ("a header line without end", get + b"a: ", b"x" * 0x10000),
+                                  ("an address without end", b"GET /", b"x" * 0x10000)):
+            before = self.peak_kib(run)
+            clients = [threading.Thread(target=self.flood, args=(start, more)) for _ in range(4)]
+            for client in clients:
+                client.start()
+            self.assertEqual(200, self.ask("api/rights")[0], "another client must be answered during %s" % what)
+            for client in clients:
+                client.join()
+            grown = self.peak_kib(run) - before
+            print("%s: the peak memory of takt web grew by %d KiB to %d KiB" % (what, grown, before + grown))
+            self.assertLess(grown, 32 << 10, what)
+        # A short request must not cause a long response.
+        request = urllib.request.Request(self.address + "gantt.js", headers={"Range": "bytes=" + "0-," * 2000 + "0-"})
+        with urllib.request.urlopen(request, timeout=30) as response:
+            self.assertEqual(200, response.status)
+            self.assertLess(len(response.read()), 100000)
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait(10).status, run.err)
+
+    def test_slow_clients_do_not_keep_other_clients_out_of_the_gateway(self):
+        run = self.web()
+        where = urllib.parse.urlparse(self.address)
+
+        def connect():
+            client = socket.create_connection((where.hostname, where.port), timeout=60)
+            client.sendall(b"PUT /api/streams/0/ports HTTP/1.1\r\nHost: localhost\r\nContent-Length: 60000\r\n\r\n")
+            return client
+        alone = connect()
+        answer = b""
+        while part := alone.recv(65536):
+            answer += part
+        self.assertRegex(answer, rb"^HTTP/1.1 408 [\s\S]*did not arrive within 10 s")
+        alone.close()
+
+        # takt web limits the number of its connections. Here, more clients than this limit each send a byte now and then.
+        slow = [connect() for _ in range(300)]
+        enough = threading.Event()
+
+        def drip():
+            while not enough.wait(0.1):
+                for client in slow:
+                    try:
+                        client.send(b"x")
+                    except OSError:
+                        pass  # takt web has ended this connection
+        dripping = threading.Thread(target=drip)
+        dripping.start()
+        try:
+            for _ in range(10):
+                self.assertEqual(200, self.ask("api/rights")[0])
+            events = self.events()
+            events.wait(lambda e: e.of("cell"))
+        finally:
+            enough.set()
+            dripping.join()
+            for client in slow:
+                client.close()
+
+        # Requests that wait for a device that does not exist must not occupy all threads.
+        statuses = []
+        waiting = [threading.Thread(target=lambda: statuses.append(self.ask("api/ports?device=nobody")[0])) for _ in range(40)]
+        for one in waiting:
+            one.start()
+        self.assertEqual(200, self.ask("api/rights")[0])
+        for one in waiting:
+            one.join()
+        self.assertEqual({503, 504}, set(statuses))
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait(10).status, run.err)
 
     def opens(self):
         try:

@@ -111,7 +111,7 @@ TEST(AgentOnCommand, RejectsAPropertyOfAnUnknownModule) {
   get.head.module_name("arn");
   get.head.property("gain");
   device.receive(get);
-  EXPECT_EQ(device.text(), "device robot has no deployment");
+  EXPECT_EQ(device.text(), "device robot has no deployment; deploy a cell to it first: takt deploy CELL");
   device.become_running();
   wire::WholeCommand again = device.command(COMMAND_GET);
   again.head.module_name("arn");
@@ -174,7 +174,7 @@ TEST(AgentOnCommand, NamesTheFileWhenItRejectsASwap) {
   EXPECT_EQ(device.text(), "file arm2.so: module arm: it has no property 'slope'");
 }
 
-TEST(AgentOnCommand, InspectsAFileBeforeItSwapsIt) {
+TEST(AgentOnCommand, InspectsTheNewFileBeforeASwap) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
@@ -205,7 +205,7 @@ TEST(AgentOnCommand, InspectsAFileBeforeItSwapsIt) {
 TEST(AgentOnCommand, RejectsAnImpossibleSwapWithTheReason) {
   FakeDevice device;
   device.receive(swap_of(device, "arm", "arm.so"));
-  EXPECT_EQ(device.text(), "device robot has no deployment");
+  EXPECT_EQ(device.text(), "device robot has no deployment; deploy a cell to it first: takt deploy CELL");
   device.become_running();
   device.receive(swap_of(device, "arn", "arm.so"));
   EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
@@ -227,7 +227,7 @@ TEST(AgentOnCommand, RejectsAnImpossibleSwapWithTheReason) {
   device.end();
   const auto& replies = device.published.replies;
   EXPECT_TRUE(std::any_of(replies.begin(), replies.end(), [](const auto& one) {
-    return one.head.text().to_string() == "the device is shutting down";
+    return one.head.text().to_string() == "the device is stopping";
   }));
   EXPECT_TRUE(device.work.swaps.empty());
 }

@@ -79,13 +79,33 @@ TEST_F(AgentRecordingFaults, AddsDeviceCellAndTimeToAnEventOfAModule) {
   EXPECT_EQ(event.time_ns(), device_.wall());
 }
 
+// The agent reads the wall clock and the monotonic clock one after the other. So the difference that it
+// measures varies from event to event.
+TEST_F(AgentRecordingFaults, KeepsTheOrderOfLogLinesThatOneRunHasWritten) {
+  device_.become_running();
+  const std::int64_t run_ns = to_ns(device_.now);
+  for (const int late : {300, 100, 200}) {
+    device_.set = Nanoseconds{late};
+    device_.work.noted({.time_ns = run_ns, .module = "servo", .kind = FaultKind::log_info, .cause = "a line"},
+                       "");
+  }
+  const auto& events = device_.published.faults;
+  ASSERT_GE(events.size(), 3U);
+  for (std::size_t i = events.size() - 2; i < events.size(); ++i)
+    EXPECT_GE(events[i].time_ns(), events[i - 1].time_ns());
+  device_.set = seconds{3600};
+  device_.work.noted({.time_ns = run_ns, .module = "servo", .kind = FaultKind::log_info, .cause = "later"},
+                     "");
+  EXPECT_EQ(newest().time_ns(), device_.wall());
+}
+
 TEST_F(AgentRecordingFaults, ConvertsEveryFaultKindToDdsAndBack) {
   for (std::size_t i = 0; i < model::kFaultKinds; ++i) {
     const model::Fault fault{
         .cell = "-", .device = "robot", .kind = static_cast<FaultKind>(i), .error = "stale"};
     EXPECT_EQ(wire::from_wire(wire::to_wire(fault)), fault);
   }
-  EXPECT_EQ(static_cast<std::size_t>(FAULT_NOT_REAL_TIME) + 1, model::kFaultKinds);
+  EXPECT_EQ(static_cast<std::size_t>(FAULT_LOG_DEBUG) + 1, model::kFaultKinds);
   EXPECT_EQ(wire::to_wire({.kind = FaultKind::refused_packet}).kind(), FAULT_REFUSED_PACKET);
   EXPECT_EQ(wire::to_wire({.kind = FaultKind::host_restart}).kind(), FAULT_HOST_RESTART);
 }
@@ -93,7 +113,8 @@ TEST_F(AgentRecordingFaults, ConvertsEveryFaultKindToDdsAndBack) {
 TEST_F(AgentRecordingFaults, RecordsRejectedAndCompletedCommands) {
   device_.receive(device_.command(COMMAND_START));
   EXPECT_EQ(newest().kind(), FAULT_REFUSED_COMMAND);
-  EXPECT_EQ(newest().cause(), "start: device robot has no deployment");
+  EXPECT_EQ(newest().cause(),
+            "start: device robot has no deployment; deploy a cell to it first: takt deploy CELL");
   device_.become_running();
   const std::size_t before = device_.published.faults.size();
   wire::WholeCommand stop = device_.command(COMMAND_STOP);
@@ -163,7 +184,7 @@ TEST_F(AgentRecordingFaults, RecordsTheLossAndReturnOfAnotherDevice) {
   wire::set(line.cell(), "cell");
   wire::set(line.device(), "line");
   wire::set(line.node(), "there");
-  device_.agent.others().heard(line, 5);
+  device_.agent.others().receive(line, 5);
   device_.become_running();
   device_.pass(milliseconds{10});
   device_.agent.others().lost(5);
@@ -171,7 +192,7 @@ TEST_F(AgentRecordingFaults, RecordsTheLossAndReturnOfAnotherDevice) {
   EXPECT_EQ(newest().kind(), FAULT_DEVICE_LOST);
   EXPECT_THAT(newest().cause().to_string(), HasSubstr("device line is lost"));
   EXPECT_THAT(log()["lost"], ElementsAre("line"));
-  device_.agent.others().heard(line, 5);
+  device_.agent.others().receive(line, 5);
   device_.pass(milliseconds{10});
   EXPECT_EQ(newest().kind(), FAULT_DEVICE_BACK);
 }

@@ -30,15 +30,30 @@ TEST_F(ResumingAgent, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
   device.become_ready();
   EXPECT_FALSE(file_.kept()->has_value()) << "the deployment does not run yet";
-  device.run(milliseconds{500});
+  device.run();
+  EXPECT_FALSE(file_.kept()->has_value()) << "the other device may not be armed";
+  device.start_with_line();
   const auto kept = file_.kept();
   ASSERT_TRUE(kept.ok() && *kept);
   EXPECT_EQ((*kept)->id, "d1");
   EXPECT_EQ((*kept)->text, FakeDevice::kCell);
-  EXPECT_EQ((*kept)->t0_ns, device.wall() + 500'000'000);
+  EXPECT_EQ((*kept)->t0_ns, device.t0_wall);
   device.undeploy();
   device.end();
   EXPECT_FALSE(file_.kept()->has_value());
+}
+
+TEST_F(ResumingAgent, PassesOnAnUndeploymentFromBeforeItsRestart) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+    device.undeploy();
+    device.end();
+  }
+  FakeDevice device{file_};
+  EXPECT_EQ(device.status().undeployed().to_string(), "");
+  device.hear_line(DEVICE_RUNNING);  // the other device was lost, and still runs the cell
+  EXPECT_EQ(device.status().undeployed().to_string(), "d1");
 }
 
 TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {
@@ -52,8 +67,7 @@ TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {
   }
   FakeDevice device{file_};
   device.now += seconds{100};
-  device.agent.resume();
-  device.agent.step();
+  device.resume();
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
@@ -76,8 +90,7 @@ TEST_F(ResumingAgent, KeepsTheGridIfTheWallClockChangesWithinTheSameBoot) {
     FakeDevice device{file_};
     device.now += seconds{100};
     device.set = std::chrono::hours{hours};
-    device.agent.resume();
-    device.agent.step();
+    device.resume();
     device.work.inspected = Inspected{.paths = {"", ""}};
     device.agent.step();
     device.work.phase = Phase::ready;
@@ -89,8 +102,7 @@ TEST_F(ResumingAgent, KeepsTheGridIfTheWallClockChangesWithinTheSameBoot) {
   ASSERT_TRUE(file_.keep(kept).ok());
   FakeDevice device{file_};
   device.set = std::chrono::hours{-1};
-  device.agent.resume();
-  device.agent.step();
+  device.resume();
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
 }
 
@@ -123,7 +135,7 @@ TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
     device.become_running();
   }
   FakeDevice device{file_};
-  device.agent.resume();
+  device.resume();
   device.work.inspected = Problems{fail("there is no file servo.so")};
   device.agent.step();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
@@ -148,8 +160,7 @@ TEST_F(ResumingAgent, RejectsASavedDeploymentThatStartsFarInTheFuture) {
     later.boot = "another";
     ASSERT_TRUE(file_.keep(later).ok());
     FakeDevice device{file_};
-    device.agent.resume();
-    device.agent.step();
+    device.resume();
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
     EXPECT_EQ(device.status().health(), HEALTH_FAILED);
     EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
@@ -165,8 +176,7 @@ TEST_F(ResumingAgent, ReportsADamagedFileUntilTheNextDeployment) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_))
     std::filesystem::resize_file(entry.path(), 100);
   FakeDevice device{file_};
-  device.agent.resume();
-  device.agent.step();
+  device.resume();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_FAILED);
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("damaged"));
@@ -176,8 +186,7 @@ TEST_F(ResumingAgent, ReportsADamagedFileUntilTheNextDeployment) {
 
 TEST_F(ResumingAgent, WaitsForADeploymentIfNoneIsSaved) {
   FakeDevice device{file_};
-  device.agent.resume();
-  device.agent.step();
+  device.resume();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }

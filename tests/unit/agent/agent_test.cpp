@@ -54,7 +54,7 @@ TEST(Agent, RejectsACommandAfterItsDeadline) {
   EXPECT_EQ(device.reply().code(), REPLY_LATE);
   EXPECT_THAT(device.text(), HasSubstr("20 ms after its deadline"));
   EXPECT_TRUE(device.work.inspections.empty());
-  late.head.deadline_ns(0);  // no deadline
+  late.head.deadline_ns(0);  // 0 means no deadline
   device.receive(late);
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
@@ -91,6 +91,7 @@ TEST(Agent, RejectsExtremeTimesInCommandsWithoutOverflow) {
     EXPECT_EQ(device.reply().code(), time == kMax ? REPLY_REFUSED : REPLY_LATE) << time;
   }
   device.run();
+  device.start_with_line();
   for (const std::int64_t time : {kMin, std::int64_t{0}, kMax}) {
     wire::WholeCommand tap = device.command(COMMAND_TAP);
     tap.head.module_name("servo");
@@ -117,7 +118,7 @@ TEST(Agent, FailsPendingDescribeCommandsWhenTheDeploymentEnds) {
 TEST(Agent, RunsAPreparedDeploymentOnCommand) {
   FakeDevice device;
   device.prepare();
-  EXPECT_TRUE(device.published.replies.empty()) << "it answers when the deployment is ready";
+  EXPECT_TRUE(device.published.replies.empty()) << "the reply comes only when the deployment is ready";
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
   EXPECT_EQ(device.status().path(), "cell/robot");
   EXPECT_EQ(device.status().modules(), 2U);
@@ -127,8 +128,7 @@ TEST(Agent, RunsAPreparedDeploymentOnCommand) {
   device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
   device.agent.step();
   EXPECT_TRUE(device.published.replies.empty());
-  device.work.phase = Phase::ready;
-  device.agent.step();
+  device.become_prepared();
   ASSERT_EQ(device.published.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.data()["modules"][1]["name"], "arm");
@@ -137,7 +137,15 @@ TEST(Agent, RunsAPreparedDeploymentOnCommand) {
 
   device.run(milliseconds{300});
   EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.status().state(), DEVICE_ARMED);
+  EXPECT_EQ(device.status().t0_ns(), device.t0_wall);
+  EXPECT_FALSE(device.work.t0) << "the other device may not have received T0";
+  device.hear_line(DEVICE_ARMED);
   EXPECT_EQ(device.work.t0, device.now + milliseconds{300}) << "on the monotonic clock";
+  EXPECT_EQ(device.status().state(), DEVICE_ARMED);
+  device.pass(milliseconds{300});
+  EXPECT_EQ(device.status().state(), DEVICE_STARTED);
+  device.hear_line(DEVICE_STARTED);
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
 }
 
@@ -166,7 +174,7 @@ TEST(Agent, PublishesEveryTransitionOfAModuleWithItsSequenceNumber) {
   EXPECT_EQ(step.time_ns(), device.wall());
 }
 
-TEST(Agent, PublishesEachEventStateAndErrorUnderTheSameName) {
+TEST(Agent, PublishesEventsStatesAndErrorsWithTheNamesThatTheLifecycleCodeUses) {
   FakeDevice device;
   device.become_running();
   for (const lifecycle::Event event : lifecycle::kEvents) {
@@ -202,7 +210,7 @@ TEST(Agent, RejectsACellWithoutThisDevice) {
   EXPECT_THAT(device.text(), HasSubstr("cell cell has no device robot"));
 }
 
-TEST(Agent, RejectsACellThatRequiresSecurityIfItHasNoIdentity) {
+TEST(Agent, RejectsACellThatRequiresSecurityIfTheNodeHasNoIdentity) {
   std::string text = FakeDevice::kCell;
   text.replace(text.find(">"), 1, " security=\"required\">");
   FakeDevice without;
@@ -275,9 +283,9 @@ TEST(Agent, RejectsASecondDeployment) {
   EXPECT_THAT(device.text(), HasSubstr("device robot is already preparing cell cell"));
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
-  device.work.phase = Phase::ready;
-  device.agent.step();
+  device.become_prepared();
   device.run();
+  device.start_with_line();
   device.prepare("d2");
   EXPECT_THAT(device.text(), HasSubstr("device robot already runs cell cell; undeploy it first"));
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
@@ -291,8 +299,7 @@ TEST(Agent, AnswersARepeatedPrepareCommand) {
   EXPECT_TRUE(device.published.replies.empty());
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
-  device.work.phase = Phase::ready;
-  device.agent.step();
+  device.become_prepared();
   ASSERT_EQ(device.published.replies.size(), 2U);
   EXPECT_EQ(device.published.replies[0].head.code(), REPLY_OK);
   EXPECT_EQ(device.published.replies[1].head.code(), REPLY_OK);
@@ -331,7 +338,103 @@ TEST(Agent, UndoesAPreparedDeploymentThatTheClientNeverStarts) {
   EXPECT_THAT(device.text(), HasSubstr("has not prepared a deployment"));
 }
 
-TEST(Agent, DoesNotUndoARunningDeploymentWhenTheClientIsSilent) {
+TEST(Agent, FailsToPrepareIfItDoesNotFindAnotherDeviceOfTheCell) {
+  FakeDevice device;
+  device.prepare();
+  device.work.inspected = Inspected{.paths = {"", ""}};
+  device.agent.step();
+  device.work.phase = Phase::ready;
+  device.pass(milliseconds{10});
+  device.pass(seconds{10});
+  EXPECT_TRUE(device.published.replies.empty()) << "the nodes may not have discovered each other yet";
+  device.pass(milliseconds{1});
+  device.end();
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.text(), "it has not found device line; check the network between the two devices");
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+}
+
+TEST(Agent, UndoesADeploymentIfAnotherDeviceIsNotArmedAtT0) {
+  FakeDevice device;
+  device.become_ready();
+  device.run();
+  device.hear_line(DEVICE_READY);
+  device.pass(milliseconds{499});
+  EXPECT_FALSE(device.work.stop_called);
+  device.pass(milliseconds{1});
+  EXPECT_TRUE(device.work.stop_called);
+  EXPECT_FALSE(device.work.t0) << "nothing has run";
+  EXPECT_EQ(device.status().undeployed(), "d1") << "so that line undoes the deployment too";
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().undeployed(), "d1") << "line still has it";
+  EXPECT_EQ(device.status().text(),
+            "cell cell was not started: not all devices run: T0 came before it was heard from line");
+  DeviceStatus free = device.of_line(DEVICE_WAITING);
+  wire::set(free.deployment(), "");
+  device.agent.others().receive(free, FakeDevice::kLine);
+  device.agent.step();
+  EXPECT_EQ(device.status().undeployed(), "");
+  device.prepare("d1");
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a late command must not prepare it again";
+}
+
+TEST(Agent, EndsTheDeploymentIfAnotherDeviceDoesNotReportThatItRunsSoonAfterT0) {
+  FakeDevice device;
+  device.become_ready();
+  device.run();
+  device.hear_line(DEVICE_ARMED);
+  device.pass(milliseconds{500});
+  EXPECT_EQ(device.status().state(), DEVICE_STARTED);
+  device.agent.others().lost(FakeDevice::kLine);
+  device.pass(JointStart::kHeardWithin);
+  EXPECT_FALSE(device.work.stop_called);
+  device.pass(milliseconds{1});
+  EXPECT_TRUE(device.work.stop_called);
+  device.undeploy("d1");
+  device.end();
+  EXPECT_EQ(device.data()["failures"][0],
+            "device robot: error: not all devices run: within 3 s of T0 it was not heard to run on line");
+}
+
+TEST(Agent, UndeploysADeploymentThatAnotherDeviceHasUndeployed) {
+  FakeDevice device;
+  device.become_running();
+  DeviceStatus line = device.of_line(DEVICE_WAITING);
+  wire::set(line.deployment(), "");
+  wire::set(line.undeployed(), "d0");
+  device.agent.others().receive(line, FakeDevice::kLine);
+  device.agent.step();
+  EXPECT_FALSE(device.work.stop_called) << "another deployment was undeployed";
+  wire::set(line.undeployed(), "d1");
+  wire::set(line.device(), "station");
+  wire::set(line.node(), "node of station");
+  device.agent.others().receive(line, 78);
+  device.agent.step();
+  EXPECT_FALSE(device.work.stop_called) << "the station is not a device of the cell";
+  wire::set(line.device(), "line");
+  device.agent.others().receive(line, FakeDevice::kLine);
+  device.agent.step();
+  EXPECT_TRUE(device.work.stop_called);
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_OK) << "an operator wanted this";
+  device.undeploy("d1");
+  EXPECT_EQ(device.data()["failures"].size(), 0U);
+}
+
+TEST(Agent, PassesAnUndeploymentOnToADeviceThatComesBack) {
+  FakeDevice device;
+  device.become_running();
+  device.undeploy("d1");
+  device.end();
+  device.pass(seconds{3600});
+  EXPECT_EQ(device.status().undeployed(), "");
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_EQ(device.status().undeployed(), "d1");
+}
+
+TEST(Agent, KeepsTheCellRunningIfTheClientStopsSendingKeepAlives) {
   FakeDevice device;
   device.become_running();
   device.pass(seconds{100});
@@ -430,6 +533,8 @@ TEST(Agent, SetsTheSafeValuesOfTheCellBeforeItRuns) {
   run.head.time_ns(device.wall() + 1'000'000);
   run.data = model::safe_json({output});
   device.receive(run);
+  device.t0_wall = run.head.time_ns();
+  device.hear_line(DEVICE_ARMED);
   EXPECT_TRUE(device.work.t0);
   EXPECT_EQ(device.work.safe, (std::vector<model::SafeOutput>{output}));
 }
@@ -449,7 +554,7 @@ TEST(Agent, StopsItsDeploymentBeforeTheNodeEnds) {
   EXPECT_TRUE(waiting.agent.ended());
 }
 
-TEST(Agent, WaitsUntilTaktRunHasFetchedTheFinalReport) {
+TEST(Agent, WaitsBrieflyUntilTaktRunHasFetchedTheFinalReport) {
   FakeDevice device{{}, true};
   device.become_running();
   EXPECT_TRUE(device.work.inspections[0].as_written);

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Phase = Supervised::Phase;
 
-/// Returns the cell's descriptor with `part` replaced by `other`.
+/// Returns `text`, by default the descriptor of the cell, with `part` replaced by `other`.
 std::string with(const std::string& part, const std::string& other, std::string text = FakeDevice::kCell) {
   const auto at = text.find(part);
   EXPECT_NE(at, std::string::npos) << part;
@@ -49,11 +49,11 @@ class AgentUpdate : public testing::Test {
   }
   wire::WholeCommand step(CommandKind kind, const std::string& id = "u1") {
     wire::WholeCommand command = device.command(kind);
-    command.head.deployment("d1");
+    command.head.deployment(device.id);
     command.head.property(id);
     return command;
   }
-  /// Sends a command; returns its answer, or null if there is none yet.
+  /// Sends a command and returns the reply. Returns null if the agent has not replied yet.
   const Reply* send(const wire::WholeCommand& command) {
     device.receive(command);
     device.agent.step();
@@ -75,13 +75,32 @@ class AgentUpdate : public testing::Test {
     const Reply* const reply = send(command);
     return reply != nullptr && reply->code() == REPLY_OK;
   }
-  /// Completes the operation in progress on the device with this outcome.
+  /// Completes the operation that the agent started last on the device, with this outcome.
   void done(ReplyCode code = REPLY_OK, const std::string& value = "", const std::string& text = "") {
     ASSERT_FALSE(device.work.done.empty());
     const auto one = device.work.done.back();
     device.work.done.pop_back();
     one({.code = code, .state = lifecycle::State::executing, .text = text, .value = value});
     device.agent.step();
+  }
+  /// Receives a status from other devices of the cell, which reports this state of the update.
+  void others_say(UpdateState state, const std::string& id = "u1",
+                  const std::vector<std::string>& names = {"line"}) {
+    wire::WriterId writer = FakeDevice::kLine;
+    for (const std::string& name : names) {
+      DeviceStatus status = device.of_line(DEVICE_RUNNING);
+      wire::set(status.device(), name);
+      wire::set(status.node(), "node of " + name);
+      wire::set(status.update(), id);
+      status.update_state(state);
+      device.agent.others().receive(status, writer++);
+    }
+    device.agent.step();
+  }
+  /// The other device has made its changes too, so both keep the update.
+  const Reply* keep(const std::string& id = "u1") {
+    others_say(UPDATE_CHANGED, id);
+    return send(step(COMMAND_KEEP, id));
   }
   void end_device() { device.end(); }
   void become_ready() {
@@ -99,15 +118,16 @@ TEST_F(AgentUpdate, OnlySavesTheDescriptorIfNoModuleChanges) {
   ASSERT_TRUE(accepts(with("</cell>", "<!-- the same --></cell>")));
   EXPECT_EQ(device.data()["change"], "none");
   EXPECT_EQ(device.data()["words"].size(), 0U);
-  EXPECT_EQ(device.data()["modules"].size(), 2U) << "with its ports, to check connections from other devices";
+  EXPECT_EQ(device.data()["modules"].size(), 2U)
+      << "the reply lists each module with its ports, so that connections from other devices can be checked";
   EXPECT_EQ(send(step(COMMAND_CHANGE))->code(), REPLY_OK);
-  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_OK);
+  EXPECT_EQ(keep()->code(), REPLY_OK);
   EXPECT_THAT((*file_.kept())->text, HasSubstr("the same"));
   EXPECT_FALSE(device.work.stop_called);
-  EXPECT_EQ(device.work.inspections.size(), 1U);
+  EXPECT_EQ(device.work.inspections.size(), 2U) << "the files may have been rebuilt";
 }
 
-TEST_F(AgentUpdate, InspectsAChangedComponentBeforeItSwapsIt) {
+TEST_F(AgentUpdate, InspectsAChangedComponentBeforeTheSwap) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   EXPECT_EQ(device.data()["change"], "in place");
@@ -118,8 +138,8 @@ TEST_F(AgentUpdate, InspectsAChangedComponentBeforeItSwapsIt) {
   EXPECT_THAT(device.work.swaps, ElementsAre(std::pair{1U, std::string{"/arm2.so"}}));
   done();
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
-  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell) << "it can still be undone";
-  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_OK);
+  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell) << "the update can still be undone";
+  EXPECT_EQ(keep()->code(), REPLY_OK);
   EXPECT_EQ((*file_.kept())->text, kFile);
   EXPECT_EQ((*file_.kept())->file, "new.xml");
   EXPECT_FALSE(device.work.stop_called);
@@ -132,12 +152,14 @@ TEST_F(AgentUpdate, RestoresThePropertyValueThatAnOperatorHadSet) {
   ASSERT_TRUE(accepts(kGain2));
   const auto change = step(COMMAND_CHANGE);
   send(change);
-  done(REPLY_OK, "1.5");  // the value that an operator has set
+  done(REPLY_OK, "1.5");  // the value that the property has now, set by an operator
   EXPECT_EQ(device.work.properties.back(), "1 gain = 2");
   done();
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
   const auto back = step(COMMAND_PUT_BACK);
   EXPECT_EQ(send(back), nullptr);
+  EXPECT_EQ(device.work.properties.back(), "1 gain = 2") << "line may have kept the update already";
+  others_say(UPDATE_UNDONE);
   EXPECT_EQ(device.work.properties.back(), "1 gain = 1.5");
   done();
   EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
@@ -153,7 +175,7 @@ TEST_F(AgentUpdate, UndoesEarlierChangesWhenAStepFails) {
   send(change);
   done(REPLY_OK, "1");
   done();
-  done(REPLY_FAILED, "", "the third is not for me");  // the swap
+  done(REPLY_FAILED, "", "the third is not for me");  // the swap fails with this text
   EXPECT_EQ(answer_to(change), nullptr);
   EXPECT_EQ(device.work.properties.back(), "1 gain = 1");
   done();
@@ -170,6 +192,7 @@ TEST_F(AgentUpdate, ReportsAChangeThatCannotBeUndone) {
   done();
   const auto back = step(COMMAND_PUT_BACK);
   send(back);
+  others_say(UPDATE_UNDONE);
   done(REPLY_FAILED, "", "restore() refused");
   EXPECT_EQ(answer_to(back)->code(), REPLY_FAILED);
   EXPECT_EQ(answer_to(back)->value(), "");
@@ -185,6 +208,18 @@ TEST_F(AgentUpdate, RestartsTheDeviceIfAChangedPropertyIsNotDeclared) {
               HasSubstr("module arm reads property gain only in initialize()"));
 }
 
+TEST_F(AgentUpdate, SetsTheLogLevelOfAnyModuleInAnyStateWithoutARestart) {
+  start_running(kGain1);
+  device.work.stepped({.module = 1, .transition = {.to = lifecycle::State::destruct}});
+  device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = R"({"modules": []})"};
+  ASSERT_TRUE(accepts(
+      with("<value name=\"gain\">", "<value name=\"log-level\">debug</value><value name=\"gain\">", kGain1)));
+  EXPECT_EQ(device.data()["change"], "in place");
+  send(step(COMMAND_CHANGE));
+  done(REPLY_OK, "info");
+  EXPECT_EQ(device.work.properties.back(), "1 log-level = debug");
+}
+
 TEST_F(AgentUpdate, RestartsTheDeviceForAComponentWithOtherPorts) {
   start_running();
   device.work.inspected = Inspected{.paths = {"", ""}, .ports = {std::nullopt, std::vector<model::Port>(1)}};
@@ -192,6 +227,45 @@ TEST_F(AgentUpdate, RestartsTheDeviceForAComponentWithOtherPorts) {
   EXPECT_EQ(device.data()["change"], "anew");
   EXPECT_THAT(device.data()["words"][0].get<std::string>(),
               HasSubstr("module arm has different ports in its new file"));
+}
+
+Inspected built(const std::string& servo, const std::string& arm) {
+  return {.paths = {"/servo.so", "/arm.so"}, .builds = {{.hash = servo}, {.version = "2", .hash = arm}}};
+}
+
+TEST_F(AgentUpdate, SwapsAModuleWhoseFileWasRebuiltUnderTheSameName) {
+  device.become_running(FakeDevice::kCell, built("11", "22"));
+  device.work.inspected = built("11", "22");
+  ASSERT_TRUE(accepts(FakeDevice::kCell));
+  EXPECT_EQ(device.data()["change"], "none");
+  send(step(COMMAND_CHANGE));
+  keep();
+
+  device.work.inspected = built("11", "33");
+  ASSERT_TRUE(accepts(FakeDevice::kCell, "u2"));
+  EXPECT_EQ(device.data()["change"], "in place");
+  EXPECT_THAT(device.data()["words"], ElementsAre("robot.arm: file arm.so: 2 22 -> 2 33"));
+  send(step(COMMAND_CHANGE, "u2"));
+  EXPECT_THAT(device.work.swaps, ElementsAre(std::pair{1U, std::string{"/arm.so"}}));
+  done();
+  keep("u2");
+
+  ASSERT_TRUE(accepts(FakeDevice::kCell, "u3"));
+  EXPECT_EQ(device.data()["change"], "none") << "the running build was not recorded";
+}
+
+TEST_F(AgentUpdate, ReportsThatAFileReplacedUnderTheSameNameCannotBePutBack) {
+  device.become_running(FakeDevice::kCell, built("11", "22"));
+  device.work.inspected = built("11", "33");
+  ASSERT_TRUE(accepts(FakeDevice::kCell));
+  send(step(COMMAND_CHANGE));
+  done();
+  const auto back = step(COMMAND_PUT_BACK);
+  send(back);
+  others_say(UPDATE_UNDONE);
+  EXPECT_EQ(device.work.swaps.size(), 1U);
+  EXPECT_THAT(answer_to(back)->text().to_string(),
+              HasSubstr("module robot.arm: its change could not be undone"));
 }
 
 TEST_F(AgentUpdate, RejectsAnUpdateWhenAModuleCannotBeSwapped) {
@@ -225,12 +299,12 @@ TEST_F(AgentUpdate, KeepsTheGridWhenItRestartsTheDevice) {
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
   EXPECT_EQ(device.status().deployment(), "d1") << "for other devices it is the same deployment";
   EXPECT_EQ(device.work.cell.devices[0].modules[1].period, milliseconds{2});
-  EXPECT_EQ(device.work.inspections.size(), 2U) << "it was inspected before the device was stopped";
+  EXPECT_EQ(device.work.inspections.size(), 2U) << "the inspection came before the device was stopped";
   become_ready();
   EXPECT_EQ(device.work.t0, t0);
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
   EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
-  send(step(COMMAND_KEEP));
+  keep();
   EXPECT_EQ((*file_.kept())->text, kPeriod);
 }
 
@@ -255,7 +329,7 @@ TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneCannotStart) {
   EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
 }
 
-TEST_F(AgentUpdate, FailsIfTheOldDeploymentCannotBeRestoredEither) {
+TEST_F(AgentUpdate, FailsIfNeitherTheNewNorTheOldDeploymentCanStart) {
   start_running();
   ASSERT_TRUE(accepts(kPeriod));
   const auto change = step(COMMAND_CHANGE);
@@ -279,6 +353,7 @@ TEST_F(AgentUpdate, RestoresARestartedDeviceWhenAnotherDeviceFails) {
   become_ready();
   const auto back = step(COMMAND_PUT_BACK);
   EXPECT_EQ(send(back), nullptr);
+  others_say(UPDATE_UNDONE);
   end_device();
   EXPECT_EQ(device.work.cell.devices[0].modules[1].period, milliseconds{1});
   become_ready();
@@ -286,12 +361,16 @@ TEST_F(AgentUpdate, RestoresARestartedDeviceWhenAnotherDeviceFails) {
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
 }
 
-TEST_F(AgentUpdate, KeepsChangesByOperatorsThatTheNewDescriptorDoesNotConcern) {
+TEST_F(AgentUpdate, KeepsOperatorChangesThatTheNewDescriptorDoesNotOverride) {
   start_running(kGain1);
   wire::WholeCommand set = device.command(COMMAND_SET);
   set.head.module_name("arm");
   set.head.property("gain");
   set.head.value("7");
+  send(set);
+  done();
+  set.head.property("log-level");
+  set.head.value("debug");
   send(set);
   done();
   wire::WholeCommand swap = device.command(COMMAND_SWAP);
@@ -307,10 +386,12 @@ TEST_F(AgentUpdate, KeepsChangesByOperatorsThatTheNewDescriptorDoesNotConcern) {
   send(step(COMMAND_CHANGE));
   end_device();
   EXPECT_EQ(*model::given_property(device.work.cell.devices[0].modules[1], "gain"), "7");
+  EXPECT_EQ(*model::given_property(device.work.cell.devices[0].modules[1], "log-level"), "debug");
   EXPECT_THAT(device.work.paths, ElementsAre("/servo9.so", "/arm.so"));
   become_ready();
-  send(step(COMMAND_KEEP));
-  // Where the new descriptor differs from the old one, the value of the new descriptor applies.
+  keep();
+  // The new descriptor changes `gain` and the file of servo. So the values of the descriptor replace the
+  // values that the operator has set.
   device.work.inspected = Inspected{.paths = {"", ""}, .description = "{}"};
   ASSERT_TRUE(accepts(with("servo.so", "servo1.so", kGain2), "u2"));
   EXPECT_THAT(device.work.inspections.back().swapped, IsEmpty());
@@ -331,12 +412,13 @@ TEST_F(AgentUpdate, StartsAnAddedDeviceOnTheGridOfTheOtherDevices) {
   become_ready();
   EXPECT_EQ(device.work.t0, device.now - seconds{10});
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
-  EXPECT_FALSE(file_.kept()->has_value());
-  send(step(COMMAND_KEEP));
+  keep();
+  EXPECT_FALSE(file_.kept()->has_value()) << "it does not know the devices that the update removes";
+  others_say(UPDATE_KEPT);
   EXPECT_EQ((*file_.kept())->id, "d1");
 }
 
-TEST_F(AgentUpdate, StopsAnAddedDeviceWhenItIsUndone) {
+TEST_F(AgentUpdate, StopsAnAddedDeviceWhenTheUpdateIsUndone) {
   device.work.inspected = Inspected{.paths = {"", ""}};
   ASSERT_TRUE(accepts(FakeDevice::kCell));
   auto change = step(COMMAND_CHANGE);
@@ -345,6 +427,7 @@ TEST_F(AgentUpdate, StopsAnAddedDeviceWhenItIsUndone) {
   become_ready();
   const auto back = step(COMMAND_PUT_BACK);
   send(back);
+  others_say(UPDATE_UNDONE);
   end_device();
   EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
@@ -364,17 +447,19 @@ TEST_F(AgentUpdate, CanRestoreADeviceThatItRemoved) {
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
     EXPECT_TRUE(file_.kept()->has_value());
     if (kept) {
-      send(step(COMMAND_KEEP, id));
+      others_say(UPDATE_CHANGED, id, {"line", "other"});
       EXPECT_FALSE(file_.kept()->has_value());
       break;
     }
     const auto back = step(COMMAND_PUT_BACK, id);
     send(back);
+    others_say(UPDATE_UNDONE, id);
     become_ready();
     EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
     EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
     device.undeploy();
     device.end();
+    device.id = "d2";
   }
 }
 
@@ -420,22 +505,53 @@ TEST_F(AgentUpdate, RejectsASecondUpdateAtTheSameTime) {
   EXPECT_TRUE(accepts(kFile, "u3"));
 }
 
-TEST_F(AgentUpdate, IsUndoneWhenTheClientNoLongerReports) {
+TEST_F(AgentUpdate, IsGivenUpWhenTheClientStopsSendingKeepAlives) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  for (int i = 0; i < 5; ++i) {
+    device.pass(seconds{8});
+    send(step(COMMAND_REPORT));
+  }
+  EXPECT_EQ(device.status().update_state(), UPDATE_OPEN)
+      << "the report commands show that the client is alive";
+  device.pass(milliseconds{10001});
+  EXPECT_EQ(device.status().update_state(), UPDATE_UNDONE) << "so that the other devices undo it too";
+  EXPECT_EQ(send(step(COMMAND_CHANGE))->code(), REPLY_REFUSED);
+  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_FAILED);
+  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
+}
+
+TEST_F(AgentUpdate, IsKeptWithoutTheClientIfAllDevicesHaveMadeTheirChanges) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  EXPECT_EQ(device.status().update(), "u1");
+  EXPECT_EQ(device.status().update_state(), UPDATE_OPEN);
+  send(step(COMMAND_CHANGE));
+  others_say(UPDATE_OPEN);
+  done();
+  EXPECT_EQ(device.status().update_state(), UPDATE_CHANGED);
+  device.pass(seconds{3600});
+  EXPECT_EQ(device.status().update_state(), UPDATE_CHANGED) << "it cannot decide alone";
+  others_say(UPDATE_CHANGED);
+  EXPECT_EQ(device.status().update_state(), UPDATE_KEPT);
+  EXPECT_EQ((*file_.kept())->text, kFile);
+  EXPECT_EQ((*file_.kept())->update, "u1");
+  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_OK);
+  const auto back = step(COMMAND_PUT_BACK);
+  EXPECT_EQ(send(back)->code(), REPLY_REFUSED);
+  EXPECT_EQ(answer_to(back)->value(), wire::kKept);
+}
+
+TEST_F(AgentUpdate, StillReportsTheUpdateAsKeptAfterTheNodeRestarts) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   send(step(COMMAND_CHANGE));
   done();
-  for (int i = 0; i < 5; ++i) {
-    device.pass(seconds{15});
-    send(step(COMMAND_REPORT));
-  }
-  EXPECT_THAT(device.work.swaps, testing::SizeIs(1)) << "its reports show that the client is alive";
-  device.pass(seconds{15});
-  device.pass(seconds{15});
-  EXPECT_THAT(device.work.swaps, ElementsAre(testing::_, std::pair{1U, std::string{"/arm.so"}}));
-  done();
-  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_REFUSED);
-  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
+  keep();
+  FakeDevice again{file_};
+  again.resume();
+  EXPECT_EQ(again.status().update(), "u1");
+  EXPECT_EQ(again.status().update_state(), UPDATE_KEPT);
 }
 
 TEST_F(AgentUpdate, FinishesTheCurrentStepBeforeItIsUndone) {
@@ -459,10 +575,11 @@ TEST_F(AgentUpdate, FailsWhenTheCellIsUndeployedOrTheNodeEnds) {
   send(change);
   device.undeploy();
   EXPECT_EQ(answer_to(change)->code(), REPLY_FAILED);
-  done();  // too late
+  done();  // the swap completes only after the cell was undeployed
   end_device();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
 
+  device.id = "d2";
   start_running();
   ASSERT_TRUE(accepts(kPeriod, "u2"));
   const auto anew = step(COMMAND_CHANGE, "u2");
@@ -470,7 +587,7 @@ TEST_F(AgentUpdate, FailsWhenTheCellIsUndeployedOrTheNodeEnds) {
   device.agent.end(false);
   EXPECT_EQ(answer_to(anew)->code(), REPLY_FAILED);
   end_device();
-  EXPECT_EQ(device.work.supervised, 1) << "it does not start the new deployment";
+  EXPECT_EQ(device.work.supervised, 1) << "the node does not start the new deployment";
   EXPECT_TRUE(device.agent.ended());
 }
 

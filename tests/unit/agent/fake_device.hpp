@@ -1,5 +1,5 @@
-// An agent with fakes in place of DDS, processes and clocks. Tests read its publications and control its
-// deployment.
+// An agent that runs with fakes instead of DDS, processes and clocks. Tests read the messages that the agent
+// publishes, and control its deployment.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/agent/agent.hpp>
+#include <takt/agent/joint_start.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/node/kept_deployment.hpp>
+#include <takt/wire/words.hpp>
 
 namespace takt::agent {
 
@@ -34,10 +36,10 @@ class RecordingPublisher final : public Publisher {
   int measures = 0;
 };
 
-/// The calls that the fakes received, and the results that they give.
+/// The calls that the fakes received, and the results that they return.
 struct Work {
   std::vector<InspectionRequest> inspections;
-  /// The result of the inspection; empty while it is in progress.
+  /// The result that FakeInspection returns. Empty while the inspection is in progress.
   std::optional<Result<Inspected>> inspected;
   Result<void> prepared{};
   Supervised::Phase phase = Supervised::Phase::preparing;
@@ -52,7 +54,7 @@ struct Work {
   std::function<void(const Step&)> stepped;
   std::function<void(model::Fault, const std::string&)> noted;
   std::vector<std::pair<std::uint32_t, Verb>> commands;
-  /// Requests for properties: "0 gain" reads `gain` of module 0, and "0 gain = 2" sets it.
+  /// Requests for properties of modules: "0 gain" reads `gain` of module 0, and "0 gain = 2" sets it to 2.
   std::vector<std::string> properties;
   Result<void> may_swap{};
   std::vector<std::pair<std::uint32_t, std::string>> swaps;
@@ -135,7 +137,8 @@ class FakeSupervised final : public Supervised {
   Work& work_;
 };
 
-/// The agent of device `robot`, with functions to send it commands and to advance its time.
+/// The agent of one device, by default `robot`, with functions to send commands to the agent and to advance
+/// the agent's time.
 class FakeDevice {
  public:
   static constexpr const char* kCell = R"(<cell name="cell">
@@ -153,9 +156,12 @@ class FakeDevice {
 
   explicit FakeDevice(std::optional<node::DeploymentFile> file = {}, bool temporary = false,
                       std::shared_ptr<node::FaultRecord> record = {},
-                      const std::string& cell_of_identity = {})
-      : agent({.device = "robot",
-               .node = "here",
+                      const std::string& cell_of_identity = {}, const std::string& name = "robot",
+                      const std::string& node = "")
+      : agent({.device = name,
+               .node = !node.empty()     ? node
+                       : name == "robot" ? "here"
+                                         : "node of " + name,
                .domain = 7,
                .cell = cell_of_identity,
                .temporary = temporary,
@@ -191,39 +197,85 @@ class FakeDevice {
     c.head.deadline_ns(wall() + 1'000'000'000);
     return c;
   }
+  /// Restores the saved deployment. The agent has looked for another node of its name.
+  void resume() {
+    agent.resume();
+    pass(std::chrono::milliseconds{301});
+  }
   void receive(const wire::WholeCommand& c) {
     agent.receive(c);
     agent.step();
   }
-  void prepare(const std::string& id = "d1", const std::string& text = kCell) {
+  void prepare(const std::string& deployment = "d1", const std::string& text = kCell) {
     wire::WholeCommand c = command(COMMAND_PREPARE);
-    c.head.deployment(id);
+    c.head.deployment(deployment);
     c.head.value("cell.xml");
     c.data = text;
     receive(c);
   }
-  void run(Nanoseconds ahead = std::chrono::milliseconds{500}, const std::string& id = "d1") {
+  void run(Nanoseconds ahead = std::chrono::milliseconds{500}, const std::string& deployment = "") {
     wire::WholeCommand c = command(COMMAND_RUN);
-    c.head.deployment(id);
-    c.head.time_ns(wall() + ahead.count());
+    c.head.deployment(deployment.empty() ? id : deployment);
+    t0_wall = wall() + ahead.count();
+    c.head.time_ns(t0_wall);
     receive(c);
   }
-  void undeploy(const std::string& id = "") {
+  /// The status that the other device of the cell publishes after it has received the same T0.
+  [[nodiscard]] DeviceStatus of_line(DeviceState state) const {
+    DeviceStatus line;
+    wire::set(line.path(), "cell/line");
+    wire::set(line.cell(), "cell");
+    wire::set(line.device(), "line");
+    wire::set(line.node(), "node of line");
+    wire::set(line.deployment(), id);
+    if (state >= DEVICE_ARMED) line.t0_ns(t0_wall);
+    line.state(state);
+    // This status answers a status that our device sent 100 us ago and that arrived at once.
+    line.time_ns(wall() + line_ahead.count());
+    StatusEcho& echo = line.echoes().emplace_back();
+    wire::set(echo.node(), "here");
+    echo.monotonic_ns(to_ns(now) - 100'000);
+    return line;
+  }
+  static constexpr wire::WriterId kLine = 77;
+  void hear_line(DeviceState state) {
+    agent.receive(of_line(state), kLine, now);
+    agent.step();
+  }
+  /// Lets the start of the cell succeed: the other device reports that it is armed, and then that it runs.
+  /// Then withdraws the status of the other device.
+  void start_with_line() {
+    hear_line(DEVICE_ARMED);
+    pass(Nanoseconds{t0_wall - wall()} - JointStart::kBegins);
+    pass(JointStart::kBegins);
+    hear_line(DEVICE_RUNNING);
+    agent.others().remove(of_line(DEVICE_RUNNING), kLine);
+  }
+  void undeploy(const std::string& deployment = "") {
     wire::WholeCommand c = command(COMMAND_UNDEPLOY);
-    c.head.deployment(id);
+    c.head.deployment(deployment);
     receive(c);
   }
-  /// Prepares a deployment until every module is in START.
-  void become_ready(const std::string& text = kCell) {
-    prepare("d1", text);
-    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
+  /// Prepares a deployment and lets it continue until every module is in START.
+  void become_ready(const std::string& text = kCell,
+                    const Inspected& found = {.paths = {"/servo.so", "/arm.so"}}) {
+    prepare(id, text);
+    work.inspected = found;
     agent.step();
-    work.phase = Supervised::Phase::ready;
-    agent.step();
+    become_prepared();
   }
-  void become_running(const std::string& text = kCell) {
-    become_ready(text);
+  /// Lets every module reach START and lets the agent find the node of the other device. Then withdraws the
+  /// status of the other device.
+  void become_prepared() {
+    work.phase = Supervised::Phase::ready;
+    hear_line(DEVICE_READY);
+    agent.others().remove(of_line(DEVICE_READY), kLine);
+  }
+  void become_running(const std::string& text = kCell,
+                      const Inspected& found = {.paths = {"/servo.so", "/arm.so"}}) {
+    become_ready(text, found);
     run();
+    start_with_line();
     published.replies.clear();
   }
   void end() {
@@ -239,7 +291,10 @@ class FakeDevice {
   }
 
   Instant now = from_ns(5'000'000'000);
-  Nanoseconds set{0};  ///< by how much a test has set the wall clock forward
+  Nanoseconds line_ahead{0};  ///< wall clock of the other device minus the wall clock of this device
+  Nanoseconds set{0};         ///< by how much a test has set the wall clock forward
+  std::string id = "d1";      ///< id of the deployment; an agent accepts each id only once
+  std::int64_t t0_wall = 0;
   int asked = 0;
   Work work;
   RecordingPublisher published;

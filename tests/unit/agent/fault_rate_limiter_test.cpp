@@ -66,7 +66,7 @@ TEST_F(LimiterOfFaultEvents, EmitsMergedEventsOneSecondAfterTheFirst) {
   EXPECT_THAT(through_, SizeIs(2));
 }
 
-TEST_F(LimiterOfFaultEvents, LimitsEachModuleKindErrorAndOriginSeparately) {
+TEST_F(LimiterOfFaultEvents, HasASeparateLimitForEachModuleFaultKindErrorAndOrigin) {
   put("servo", FaultKind::overrun);
   put("arm", FaultKind::overrun);
   put("servo", FaultKind::stale_input, 1, {}, "target");

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 const Grid kGrid{.first = from_ns(1'000'000), .period = 100us, .length = 1ms};
 
-// Runs a loop whose first wake-ups are late by the given delays. All later wake-ups are punctual.
+// Runs a loop on kGrid whose first wake-ups are late by the given delays. All later wake-ups are on time.
 Loop loop_with(const std::vector<Nanoseconds>& late, std::vector<Instant>* releases = nullptr) {
   std::size_t cycle = 0;
   return loop_on_grid(
@@ -38,7 +38,7 @@ TEST(LoopOnGrid, KeepsTheGridAfterMissedInstants) {
   const Loop loop = loop_with({0us, 250us}, &releases);
   EXPECT_EQ(2U, loop.missed);
   ASSERT_EQ(8U, loop.jitter.size());
-  // Jitter is measured from the beginning of the slot in which the cycle began.
+  // Cycle 1 wakes up 250 us late, which is 50 us after the beginning of the slot in which the cycle runs.
   EXPECT_EQ(-50'000, loop.jitter.at(1));
   EXPECT_EQ(kGrid.first + 3 * kGrid.period, releases.at(1));
   EXPECT_EQ(0, loop.jitter.at(2));

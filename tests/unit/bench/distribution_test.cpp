@@ -15,7 +15,7 @@ TEST(Distribution, IsZeroWithoutValues) {
   EXPECT_EQ(0, d.max);
 }
 
-TEST(Distribution, OfASingleValueConsistsOfThatValue) {
+TEST(Distribution, OfASingleValueHasPercentilesEqualToItsMagnitude) {
   const Distribution d = distribution_of({-7});
   EXPECT_EQ(1U, d.count);
   EXPECT_EQ(-7, d.mean);

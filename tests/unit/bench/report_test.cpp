@@ -56,14 +56,14 @@ TEST(TimeColumns, HaveOneHeadingPerValue) {
   EXPECT_TRUE(std::isnan(in_columns({}).front()));
 }
 
-TEST(MachineText, ShowsMissingValuesInWords) {
+TEST(DescriptionOfTheMachine, DescribesMissingValuesInWords) {
   const std::string text = machine_text({});
   EXPECT_THAT(text, ContainsRegex("governor +none visible"));
   EXPECT_THAT(text, ContainsRegex("isolated +no CPU"));
   EXPECT_THAT(text, ContainsRegex("throttling +off"));
 }
 
-TEST(TimeText, HasThreeSignificantDigits) {
+TEST(TimeText, HasFewerDecimalsForLargerNumbers) {
   EXPECT_EQ("0.05", in_us(52));
   EXPECT_EQ("-12.3", in_us(-12'300));
   EXPECT_EQ("1450", in_us(1'450'400));

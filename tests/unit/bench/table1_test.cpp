@@ -91,7 +91,7 @@ CaseResult result_of(std::size_t place, double p50_ns, double p99_ns, double bar
   return result;
 }
 
-TEST(Table1Verdict, LimitsMedianAndP99OfAThreadModule) {
+TEST(Table1Verdict, DependsOnTheMedianAndTheP99ForAThreadModule) {
   EXPECT_EQ(Verdict::held, judge(result_of(0, 100, 5000, 10'000), 100us, 1).verdict);
   const Judgement late = judge(result_of(0, 101, 5000, 10'000), 100us, 1);
   EXPECT_EQ(Verdict::not_held, late.verdict);
@@ -101,13 +101,13 @@ TEST(Table1Verdict, LimitsMedianAndP99OfAThreadModule) {
   EXPECT_THAT(spread.why, HasSubstr("half the bare loop's"));
 }
 
-TEST(Table1Verdict, LimitsP99ToOneMicrosecondForPeriodsFromOneMillisecond) {
+TEST(Table1Verdict, RequiresAP99OfAtMostOneMicrosecondIfThePeriodIsAtLeastOneMillisecond) {
   EXPECT_EQ(Verdict::held, judge(result_of(0, 50, 1001, 10'000), 999us, 1).verdict);
   EXPECT_EQ(Verdict::held, judge(result_of(0, 50, 1000, 10'000), 1ms, 1).verdict);
   EXPECT_EQ(Verdict::not_held, judge(result_of(0, 50, 1001, 10'000), 1ms, 1).verdict);
 }
 
-TEST(Table1Verdict, LimitsOnlyTheMedianOfAProcessModule) {
+TEST(Table1Verdict, DependsOnlyOnTheMedianForAProcessModule) {
   EXPECT_EQ(Verdict::held, judge(result_of(3, 1000, 90'000, 10), 100us, 4).verdict);
   EXPECT_EQ(Verdict::not_held, judge(result_of(3, 1001, 0, 10), 100us, 4).verdict);
 }
@@ -119,7 +119,7 @@ TEST(Table1Verdict, SaysIfTheMachineHasTooFewCpus) {
   EXPECT_EQ(Verdict::held, judge(result_of(3, 1000, 0, 10), 100us, 2).verdict);
 }
 
-TEST(Table1Verdict, FailsWithoutSamplesOrRealTime) {
+TEST(Table1Verdict, FailsWithoutSamplesOrRealTimePriority) {
   CaseResult nothing = result_of(0, 0, 0, 10'000);
   nothing.takt.count = 0;
   EXPECT_EQ(Verdict::not_held, judge(nothing, 100us, 4).verdict);
@@ -227,7 +227,7 @@ TEST(JitterOverTime, HasAGapWhereNothingWasReleased) {
   EXPECT_EQ(2U + 1U, count_medians(jitter_over_time("t", served, 100us)));
 }
 
-TEST(JitterOverTime, CanShowOnlyAFewValues) {
+TEST(JitterOverTime, IsDrawnEvenForAFewValues) {
   const std::string one = jitter_over_time("t", {{7, -100}}, 100us);
   EXPECT_THAT(one, AllOf(HasSubstr("class=\"alone\""), Not(HasSubstr("nan"))));
   std::vector<Served> served;

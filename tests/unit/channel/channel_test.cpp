@@ -11,7 +11,7 @@
 namespace takt::channel::channel_test {
 namespace {
 
-/// Returns a second file descriptor of the same memory, like that of another process.
+/// Returns a new file descriptor for the same memory, as another process would have.
 os::Fd again(const os::Fd& fd) { return os::Fd{::dup(fd.get())}; }
 
 TEST(Channel, ContainsOnlyNamesAndZerosWhenCreated) {
@@ -84,7 +84,7 @@ TEST(Channel, RejectsMemoryCreatedByAnotherVersion) {
 TEST(Channel, RejectsMemoryWhoseSizeDoesNotMatchItsHeader) {
   const auto mine = Channel::create(1, {"main"}, {"a"});
   auto view = os::SharedMemory::attach(again(mine->fd()));
-  // For some of these numbers of modules, the computed size overflows 64 bits.
+  // For some of these numbers of modules, the computation of the memory size overflows 64 bits.
   for (const std::uint64_t modules :
        {std::uint64_t{0}, std::uint64_t{2}, ~std::uint64_t{0}, (std::uint64_t{1} << 60) + 1}) {
     std::memcpy(view->data() + 24, &modules, sizeof modules);

@@ -50,7 +50,7 @@ TEST(FlightRecord, ClampsValuesToTheirBounds) {
   EXPECT_EQ(copy.entries[1], (FlightSample{2, FlightKind::run, 3, 0}));
 }
 
-// A copy of a full ring omits the oldest entry, because the writer may be overwriting it.
+// A copy of a full ring omits the oldest entry, because the writer may be overwriting this entry.
 TEST(FlightRecord, HoldsTheNewestEntriesWhenItIsFull) {
   for (std::uint64_t n = 0; n <= 5 * kCapacity; ++n) {
     const auto record = FlightRecord::create({kCapacity});
@@ -106,10 +106,10 @@ TEST(FlightRecord, RejectsMemoryWithAnotherLayout) {
     std::memcpy(memory->data() + offset, &value, sizeof value);
     return !FlightRecord::attach(os::Fd{::dup(record->fd().get())}).ok();
   };
-  EXPECT_TRUE(rejected(0, 1));  // this changes the magic number
-  EXPECT_TRUE(rejected(8, 3));  // this changes the number of rings
+  EXPECT_TRUE(rejected(0, 1));  // byte 0 belongs to the magic number
+  EXPECT_TRUE(rejected(8, 3));  // byte 8 belongs to the number of rings
   EXPECT_TRUE(rejected(8, ~std::uint64_t{0}));
-  EXPECT_TRUE(rejected(64, kCapacity * 2));  // this changes the capacity of a ring
+  EXPECT_TRUE(rejected(64, kCapacity * 2));  // byte 64 belongs to the capacity of a ring
   EXPECT_TRUE(rejected(64, kCapacity - 1));
   EXPECT_TRUE(rejected(64, std::uint64_t{1} << 63));
 }
@@ -119,7 +119,7 @@ TEST(FlightWriter, DoesNothingWithoutARing) {
   add(writer, 1);
 }
 
-// While a thread writes, every copy contains consistent, consecutive entries.
+// A reader copies the record while a thread writes it. Every copy must contain complete, consecutive entries.
 TEST(FlightRecord, CanBeReadWhileItIsWritten) {
   const auto record = FlightRecord::create({64});
   std::atomic<bool> end{false};

@@ -21,7 +21,7 @@
 namespace takt::channel::link_test {
 namespace {
 
-/// A link in memory of its own.
+/// A link in its own shared memory.
 class Memory {
  public:
   explicit Memory(const Link::Options& options)
@@ -40,7 +40,7 @@ Link::Options queue(std::uint32_t depth, std::uint32_t payload = 64) {
   return {.depth = depth, .payload = payload, .is_queue = depth > 1};
 }
 
-/// Writes one sample. Every word in it is the number of the sample.
+/// Writes one sample. Every word of the sample is the sample's sequence number.
 void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
   const std::uint64_t value = writer.next();
   const std::uint32_t words = writer.link().stride() / 8;
@@ -51,8 +51,8 @@ void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
 void write(LinkWriter& writer, int samples) {
   for (int i = 0; i < samples; ++i) write(writer);
 }
-/// Returns the number in the sample. Returns 0 if the sample is torn or if its number is not the sequence
-/// number in its info.
+/// Returns the number in the sample that the reader holds. Returns 0 if the sample is torn, or if its number
+/// differs from the sequence number in its info.
 std::uint64_t value_of(const LinkReader& reader) {
   const std::uint32_t words = reader.link().stride() / 8;
   const std::byte* payload = reader.link().payload(reader.buffer());
@@ -68,7 +68,7 @@ std::vector<std::uint64_t> read_all(LinkReader& reader) {
   while (reader.take()) values.push_back(value_of(reader));
   return values;
 }
-/// Returns whether every buffer has exactly one owner: a slot, the writer or the reader.
+/// Returns true if every buffer has exactly one owner: a slot, the writer or the reader.
 bool is_whole(const LinkWriter& writer, const LinkReader& reader) {
   const Link link = writer.link();
   std::set<std::uint32_t> owned{writer.buffer(), reader.buffer()};
@@ -107,7 +107,7 @@ TEST(Link, DeliversEachSampleOnceAndInOrder) {
   }
 }
 
-TEST(Link, CountsTheOldestSamplesThatAFullQueueDrops) {
+TEST(Link, DropsAndCountsTheOldestSamplesOfAFullQueue) {
   const Memory memory{queue(7)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
@@ -242,7 +242,7 @@ TEST(Link, StaysWithinItsMemoryEvenIfItIsCorrupted) {
       EXPECT_LT(writer.buffer(), 5U);
       EXPECT_LE(reader.info().size, 64U);
     }
-    if (!Link::is_link(memory.data(), memory.size())) continue;  // such memory is never attached
+    if (!Link::is_link(memory.data(), memory.size())) continue;  // Takt never attaches such memory
     EXPECT_LT(LinkReader{memory.link()}.buffer(), memory.link().buffers());
     EXPECT_LT(LinkWriter{memory.link()}.buffer(), memory.link().buffers());
   }
@@ -298,7 +298,7 @@ TEST(LinkBetweenTwoThreads, DeliversEachSampleIntactOrCountsItAsLost) {
   }
 }
 
-// ---- Two processes, one of which is killed again and again -----------------------------------------------
+// ---- Two processes, one of which the test kills repeatedly -----------------------------------------------
 
 class Killed {
  public:

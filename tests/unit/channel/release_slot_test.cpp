@@ -1,5 +1,5 @@
-// Tests the release slot between two real processes. The scheduler and the program each add up the cycle
-// numbers of the releases, and the test compares the sums at the end.
+// Tests the release slot between two real processes: the scheduler, which releases, and a process module.
+// Each of them adds up the cycle numbers of the releases, and the test compares the two sums at the end.
 #include <takt/channel/release_slot.hpp>
 
 #include <gtest/gtest.h>
@@ -28,14 +28,14 @@ struct Shared {
   ReleaseSlot slot;
   WakeWord wake_word;
   std::atomic<std::uint64_t> served;
-  std::atomic<std::uint64_t> sum;  // sum of the cycle numbers for which the program was released
-  // Number of releases that arrived twice or with the release time of another one.
+  std::atomic<std::uint64_t> sum;  // sum of the cycle numbers that the process module got
+  // Number of releases that arrived twice, or with the release time of a different release.
   std::atomic<std::uint64_t> wrong;
   std::atomic<std::uint64_t> sleeps;
 };
 
-/// A program in its own process that waits for releases as libtakt_process does. It checks the slot
-/// `patience` times before it sleeps.
+/// A process module that waits for releases as libtakt_process does. The module checks its slot `patience`
+/// times before it sleeps.
 class Program {
  public:
   Program(Shared& shared, int patience, bool stays_in_body = false) {
@@ -103,7 +103,7 @@ class ReleaseSlotBetweenTwoProcesses : public testing::Test {
     shared.wake_word.rings.fetch_add(1);
     os::futex_wake(shared.wake_word.rings, bits);
   }
-  /// Waits until `holds` returns true. Returns false after ten seconds, which means that a release was lost.
+  /// Waits until `holds` returns true. Returns false after ten seconds, because then a release was lost.
   template <class Predicate>
   bool until(const Predicate& holds) {
     const Instant limit = os::now() + std::chrono::seconds{10};
@@ -113,8 +113,8 @@ class ReleaseSlotBetweenTwoProcesses : public testing::Test {
     }
     return true;
   }
-  /// Releases the program `n` times, each time as soon as the program waits. Each attempt increments the
-  /// cycle number.
+  /// Releases the process module `n` times, each time as soon as the module waits. Each attempt, successful
+  /// or not, increments the cycle number.
   void release_times(std::uint32_t n) {
     for (std::uint32_t given = 0; given < n;) {
       const Release outcome = release(shared.slot, cycle, static_cast<std::int64_t>(cycle) * 1000);
@@ -208,8 +208,9 @@ TEST(ReleaseSlot, SurvivesAnOverflowOfItsReleaseCount) {
   EXPECT_EQ(release(slot, 2, 2), Release::given);
 }
 
-/// The slot of a program that releases itself, as libtakt_process does. Here a thread acts as the program, so
-/// that ThreadSanitizer finds data that program and node share without synchronization.
+/// The release slot of a process module with immediate dispatch: libtakt_process, not the executor, releases
+/// such a module. Here a thread acts as the process module, so that ThreadSanitizer finds data that the
+/// module and the node share without synchronization.
 class SelfReleasingProgram : public testing::Test {
  protected:
   static constexpr std::int64_t kInterarrival = 1'000;
@@ -225,12 +226,13 @@ class SelfReleasingProgram : public testing::Test {
   ReleaseSlot slot{};
 };
 
-TEST_F(SelfReleasingProgram, IsNotWaitingFromItsReleaseUntilItIsDone) {
+TEST_F(SelfReleasingProgram, CountsAsWaitingExceptDuringItsBody) {
   slot.open.store(1);
   EXPECT_TRUE(slot.waiting());
   ASSERT_TRUE(begin(slot, 5'000'000));
   EXPECT_FALSE(slot.waiting());
-  EXPECT_EQ(slot.release_ns.load(), 5'000'000) << "its deadline and the detection of a hang count from here";
+  EXPECT_EQ(slot.release_ns.load(), 5'000'000)
+      << "the deadline and the detection of a hang count from this time";
   EXPECT_EQ(slot.begun.load(), 1U);
   slot.done.store(slot.released.load());
   EXPECT_TRUE(slot.waiting());
@@ -263,8 +265,8 @@ TEST_F(SelfReleasingProgram, KeepsTheInterarrivalTimeAcrossARestart) {
   EXPECT_EQ(slot.begun.load(), 1U) << "the count continues";
 }
 
-// The program's body writes `shared`, and so does the node while the module is out of the tables. Only the
-// slot keeps the two from writing at the same time.
+// The body of the process module writes `shared`. The test's thread, which acts as the node, also writes
+// `shared` while the module is out of the tables. Only the release slot prevents simultaneous writes.
 TEST_F(SelfReleasingProgram, NeverRunsItsBodyWhileItsSlotIsClosed) {
   std::uint64_t shared = 0;
   std::atomic<bool> inside{false};
@@ -295,12 +297,13 @@ TEST_F(SelfReleasingProgram, NeverRunsItsBodyWhileItsSlotIsClosed) {
   }
   end.store(true);
   program.join();
-  EXPECT_EQ(met, 0U) << "bodies";
+  EXPECT_EQ(met, 0U) << "bodies that ran while the slot was closed";
   EXPECT_EQ(shared, bodies + outs);
   EXPECT_EQ(slot.begun.load(), bodies);
 }
 
-/// One thread changes a variable, and another waits on the wake word for the change. No wake-up may be lost.
+/// One thread changes a variable, and a second thread waits on the wake word for this change. No wake-up may
+/// be lost.
 class WakeWordBetweenTwoThreads : public testing::Test {
  protected:
   void ring(std::uint32_t bits) {
@@ -310,7 +313,7 @@ class WakeWordBetweenTwoThreads : public testing::Test {
   WakeWord wake_word{};
 };
 
-// Like the real gateway, the test's gateway announces that it sleeps and then checks once more for a sample.
+// As in the product, the gateway first announces that it sleeps, and then checks for a sample once more.
 TEST_F(WakeWordBetweenTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
   constexpr std::uint32_t kSamples = kReleases / 2;
   std::atomic<std::uint32_t> published{0};
@@ -354,7 +357,8 @@ TEST_F(WakeWordBetweenTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
   EXPECT_GT(rings, 0U) << "the gateway never slept";
 }
 
-// At the end of its cycle, each writer takes all pending bits, including those that the other writer set.
+// Two writers set the same bit. At the end of its cycle, each writer takes all pending bits, including a bit
+// that the other writer set.
 TEST_F(WakeWordBetweenTwoThreads, LosesNoBitIfSeveralWritersSetIt) {
   constexpr std::uint32_t kSamples = kReleases / 4;
   constexpr int kWriters = 2;
@@ -383,7 +387,7 @@ TEST_F(WakeWordBetweenTwoThreads, LosesNoBitIfSeveralWritersSetIt) {
         published.fetch_add(1, std::memory_order_seq_cst);
         wake_word.note(bit);
         const std::uint32_t bits = wake_word.take_pending();
-        if (bits == 0) continue;  // the other writer took the bit, so it wakes the waiting thread
+        if (bits == 0) continue;  // the other writer took the bit and wakes the waiting thread
         EXPECT_EQ(bits, bit);
         ++rung;
         ring(bits);

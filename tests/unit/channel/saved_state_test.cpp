@@ -24,9 +24,9 @@ class SavedModuleState : public testing::Test {
     const Words all = words(value);
     state->save(all.data(), sizeof all, version, static_cast<std::int64_t>(value));
   }
-  static Words read(const SavedState::Place& place) {
+  static Words read(const SavedState::Copy& copy) {
     Words all;
-    std::memcpy(all.data(), place.bytes.data(), sizeof all);
+    std::memcpy(all.data(), copy.bytes.data(), sizeof all);
     return all;
   }
   std::unique_ptr<SavedState> state = std::make_unique<SavedState>();
@@ -56,12 +56,12 @@ TEST_F(SavedModuleState, HoldsAStateOfTheMaximumSize) {
   EXPECT_EQ(state->saved()->bytes, all);
 }
 
-// A process that dies while saving leaves one of the two places partly written, but does not publish its
-// number.
+// A process that dies while it saves leaves one of the two copies partly written. This copy is not published
+// yet, so a reader gets the other copy.
 TEST_F(SavedModuleState, KeepsThePreviousStateIfTheProcessDiesWhileSaving) {
   save(1);
   save(2);
-  SavedState::Place& next = state->places[3 % 2];
+  SavedState::Copy& next = state->copies[3 % 2];
   next.number = 3;
   next.size = kMostSaved;
   next.bytes.fill(std::byte{0xee});
@@ -73,7 +73,7 @@ TEST_F(SavedModuleState, KeepsThePreviousStateIfTheProcessDiesWhileSaving) {
 
 TEST_F(SavedModuleState, IsEmptyIfTheMemoryIsDamaged) {
   save(1);
-  state->places[1].size = kMostSaved + 1;
+  state->copies[1].size = kMostSaved + 1;
   EXPECT_EQ(state->saved(), nullptr);
   save(2);
   state->whole.store(3);

@@ -33,8 +33,8 @@ std::vector<wire::ObservedDevice> robot(const std::vector<ModuleStatistics>& mod
 TEST(History, IsEmptyForAnUnknownModule) {
   History history;
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
-  history.hear({});
-  history.hear(robot({}));
+  history.add({});
+  history.add(robot({}));
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
 }
 
@@ -46,7 +46,7 @@ TEST(History, ReturnsTheNewestEntriesInChronologicalOrder) {
     statistics.jitter_us().p99(i + 10);
     statistics.run_us().p50(i + 20);
     statistics.run_us().p99(i + 30);
-    history.hear(robot({statistics}));
+    history.add(robot({statistics}));
   }
   const Series series = history.of("robot.servo");
   EXPECT_THAT(series.times_ms, ElementsAre(kBegin_ms, kBegin_ms + 1000, kBegin_ms + 2000));
@@ -62,8 +62,8 @@ TEST(History, ReturnsTheNewestEntriesInChronologicalOrder) {
 TEST(History, KeepsOneEntryPerSecondAndModule) {
   History history;
   for (int ms = 0; ms <= 3000; ms += 100) {
-    history.hear(robot({servo(ms)}));
-    history.hear(robot({servo(ms)}));
+    history.add(robot({servo(ms)}));
+    history.add(robot({servo(ms)}));
   }
   EXPECT_THAT(history.of("robot.servo").times_ms,
               ElementsAre(kBegin_ms, kBegin_ms + 900, kBegin_ms + 1800, kBegin_ms + 2700));
@@ -74,7 +74,7 @@ TEST(History, KeepsOnlyTheLastTenMinutes) {
   for (std::int64_t i = 0; i < 1501; ++i) {
     ModuleStatistics statistics = servo(i * 1000);
     statistics.jitter_us().p99(static_cast<double>(i));
-    history.hear(robot({statistics}));
+    history.add(robot({statistics}));
     const Series series = history.of("robot.servo");
     ASSERT_EQ(series.times_ms.size(), std::min<std::int64_t>(i + 1, 600));
     ASSERT_EQ(series.times_ms.back(), kBegin_ms + i * 1000);
@@ -84,26 +84,26 @@ TEST(History, KeepsOnlyTheLastTenMinutes) {
   EXPECT_EQ(history.of("robot.servo", 60).jitter_p99_us.front(), 1441);
 }
 
-TEST(History, ComputesMeansForTheCyclesBetweenTwoStatistics) {
+TEST(History, ComputesMeansForTheCyclesBetweenTwoSetsOfStatistics) {
   History history;
   // The first 1000 cycles have a jitter of -2 us. The jitter of the next 1000 alternates between -3 us and 5
   // us.
   ModuleStatistics statistics = servo(0, 1000);
   statistics.jitter_us().mean(-2);
   statistics.run_us().mean(10);
-  history.hear(robot({statistics}));
+  history.add(robot({statistics}));
   statistics = servo(1000, 2000);
   statistics.jitter_us().mean(-0.5);  // the mean over all cycles: (-2 * 1000 + 1 * 1000) / 2000
   statistics.jitter_us().variance((4.0 + 17.0) / 2 - 0.25);
   statistics.run_us().mean(25);
-  history.hear(robot({statistics}));
-  // The module is stopped for a second, then reloaded.
+  history.add(robot({statistics}));
+  // The module is stopped for a second and then reloaded, so its counts start again from 0.
   statistics.time_ns(servo(2000).time_ns());
-  history.hear(robot({statistics}));
+  history.add(robot({statistics}));
   statistics = servo(3000, 10);
   statistics.jitter_us().mean(7);
   statistics.run_us().mean(8);
-  history.hear(robot({statistics}));
+  history.add(robot({statistics}));
 
   const Series series = history.of("robot.servo");
   ASSERT_THAT(series.jitter_us, SizeIs(4));
@@ -119,14 +119,14 @@ TEST(History, ComputesMeansForTheCyclesBetweenTwoStatistics) {
 
 TEST(History, StartsAgainWhenTheClockOfTheDeviceIsSetBack) {
   History history;
-  for (const std::int64_t ms : {0, 1000, 2000, -500'000, -499'000}) history.hear(robot({servo(ms)}));
+  for (const std::int64_t ms : {0, 1000, 2000, -500'000, -499'000}) history.add(robot({servo(ms)}));
   EXPECT_THAT(history.of("robot.servo").times_ms, ElementsAre(kBegin_ms - 500'000, kBegin_ms - 499'000));
 }
 
 TEST(History, ForgetsAModuleThatHasDisappeared) {
   History history;
-  history.hear(robot({servo(0)}));
-  history.hear(robot({}));
+  history.add(robot({servo(0)}));
+  history.add(robot({}));
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
 }
 
@@ -137,7 +137,7 @@ TEST(History, IgnoresFurtherModulesAboveItsLimit) {
     wire::set(modules.back().name(), "m" + std::to_string(100'000 + i));
   }
   History history;
-  history.hear(robot(modules));
+  history.add(robot(modules));
   EXPECT_THAT(history.of("robot.m100000").times_ms, SizeIs(1));
   EXPECT_THAT(history.of("robot.m109999").times_ms, SizeIs(1));
   EXPECT_THAT(history.of("robot.m110000").times_ms, SizeIs(0));

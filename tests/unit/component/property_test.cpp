@@ -1,5 +1,6 @@
 #include <takt/property.h>
 #include <takt/component.hpp>
+#include <takt/process.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -105,7 +106,7 @@ TEST(Property, RejectsTextThatIsNotANumber) {
 TEST(Property, RejectsANumberThatItsTypeCannotHold) {
   Everything component;
   EXPECT_THAT(reason(component.wide, "9223372036854775808"), HasSubstr("'wide'"));
-  EXPECT_THAT(reason(component.count, "4294967297"), HasSubstr("'count'"));  // 1 if truncated to 32 bits
+  EXPECT_THAT(reason(component.count, "4294967297"), HasSubstr("'count'"));  // would be 1 if truncated
   EXPECT_THAT(reason(component.narrow, "-1e39"), HasSubstr("'narrow'"));     // too large for a float
   EXPECT_EQ(component.narrow, 0.0f);
 }
@@ -136,22 +137,26 @@ TEST(Property, RemembersItsDefaultAfterItIsSet) {
   EXPECT_EQ(component.gain.max_text(), "");
 }
 
-TEST(Property, MustHaveAUniqueNameAndADefaultWithinItsRange) {
+TEST(Property, MustHaveAUniqueNameThatIsNotReservedAndADefaultWithinItsRange) {
   struct Wrong : Component {
     Property<double> a{*this, "a", 1.0, {.min = 2.0}};
     Property<double> twice{*this, "twice", 1.0};
     Property<double> again{*this, "twice", 1.0};
+    Property<std::string> level{*this, "log-level", "info"};
     void run(const Cycle&) noexcept override {}
   } wrong;
   const Problems problems = check_declared(wrong.properties(), "it");
-  EXPECT_EQ(to_text(problems),
-            "error: it has a property 'a' whose default 1 is out of its range: at least 2; "
-            "change the default or the range\n"
-            "error: it has two properties 'twice'; give each a different name");
+  EXPECT_EQ(
+      to_text(problems),
+      "error: it has a property 'a' whose default 1 is out of its range: at least 2; "
+      "change the default or the range\n"
+      "error: it has two properties 'twice'; give each a different name\n"
+      "error: it declares property 'log-level', but every module already has this property, for the level "
+      "of its log; give the property another name");
   EXPECT_TRUE(check_declared(Everything{}.properties(), "it").empty());
 }
 
-// The same declarations as the macros of <takt/property.h> generate.
+// Declares the same properties as the macros of <takt/property.h> would.
 struct CProperties {
   double number = 0.5;
   std::int64_t integer = 3;
@@ -230,9 +235,9 @@ TEST(Property, CanHaveItsRangeNarrowedByTheModule) {
   ASSERT_FALSE(rejected);
   EXPECT_EQ(in_words(rejected.problems()),
             "property 'cutoff' cannot be '500'; it takes a number, 1 to 450 at a period of 1 ms, in Hz");
-  EXPECT_TRUE(cutoff.narrow({}, 5000, "at a period of 100 us"));  // narrow() never widens the range
+  EXPECT_TRUE(cutoff.narrow({}, 5000, "at a period of 100 us"));  // narrow() does not raise the maximum, 450
   EXPECT_FALSE(cutoff.assign("451"));
-  EXPECT_FALSE(cutoff.narrow({}, 5, "at a period of 90 ms"));  // the current value must be in the new range
+  EXPECT_FALSE(cutoff.narrow({}, 5, "at a period of 90 ms"));  // fails, because the current value is 10
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ TEST(Latest, ReturnsTheNewestValueOnlyOnce) {
     latest.writing() = i;
     latest.publish();
   }
-  latest.writing() = 6;  // not published
+  latest.writing() = 6;  // written, but not published
   EXPECT_TRUE(latest.take());
   EXPECT_EQ(latest.taken(), 5);
   EXPECT_FALSE(latest.take());

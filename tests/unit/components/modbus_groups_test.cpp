@@ -41,7 +41,7 @@ TEST(ModbusGroups, ReadOverlappingPointsOnce) {
   EXPECT_EQ(text(groups_of(points("a in register 0 float32; b in register 0; c in register 1 uint32"), false,
                            kReadLimits)),
             "register 0+3: 0 1 2\n");
-  // Point b uses the second register of point a.
+  // Point b uses the second of the two registers of point a.
   EXPECT_EQ(
       text(groups_of(points("a in register 0 uint32; b in register 1; c in register 2"), false, kReadLimits)),
       "register 0+3: 0 1 2\n");

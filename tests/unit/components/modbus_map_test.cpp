@@ -108,8 +108,8 @@ TEST(ModbusMap, AcceptsAddressesFrom0To65535) {
   EXPECT_THAT(messages("a in coil 0x10"), SizeIs(1));
 }
 
-// Whatever the text, the parser returns only points within their limits, and at least one point or one
-// mistake.
+// Whatever the text, the parser returns at least one point or one mistake, and every point is within its
+// limits.
 TEST(ModbusMap, NeverAcceptsInvalidPointsFromRandomText) {
   const std::vector<std::string> pieces{"lamp",     "in",
                                         "out",      "coil",

@@ -14,7 +14,7 @@ std::array<std::uint16_t, 2> encoded(const Encoding& encoding, double value) {
   return words;
 }
 
-TEST(ModbusValue, OfOneRegisterLeavesTheNextRegisterUnchanged) {
+TEST(ModbusValue, DoesNotChangeTheRegisterAfterIt) {
   EXPECT_EQ(encoded({.type = Type::uint16}, 0x1234), (std::array<std::uint16_t, 2>{0x1234, 0xAAAA}));
   EXPECT_EQ(encoded({.type = Type::int16}, -2), (std::array<std::uint16_t, 2>{0xFFFE, 0xAAAA}));
 }
@@ -57,7 +57,7 @@ TEST(ModbusValue, IsClampedToTheRangeOfItsType) {
   EXPECT_EQ(decode({.type = Type::int32}, encoded({.type = Type::int32}, 1e30).data()), 2147483647);
   EXPECT_EQ(decode({.type = Type::float32}, encoded({.type = Type::float32}, 1e300).data()),
             static_cast<double>(std::numeric_limits<float>::max()));
-  // A negative scale reverses the range.
+  // With scale -1, a uint16 register holds the values from -65535 to 0. So 5 becomes 0.
   EXPECT_EQ(decode({.scale = -1}, encoded({.scale = -1}, 5).data()), 0);
 }
 

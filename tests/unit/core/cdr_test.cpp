@@ -15,7 +15,8 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Returns the bytes that `put` writes into a buffer of `room` bytes, or no bytes if they do not fit.
+/// Returns the bytes that `put` writes into a buffer of `room` bytes. Returns no bytes if the buffer is too
+/// small.
 template <class F>
 Bytes written(F put, std::size_t room = 64) {
   Bytes bytes(room, 0xEE);
@@ -65,7 +66,7 @@ TEST(CdrWriter, WritesNothingAfterAValueThatDoesNotFit) {
   Bytes bytes(16, 0xEE);
   CdrWriter to{reinterpret_cast<std::byte*>(bytes.data()), 10};
   to.put(std::uint64_t{1});  // these 8 bytes exceed the buffer by two
-  to.put(std::uint8_t{2});   // would fit
+  to.put(std::uint8_t{2});   // would fit, but follows a value that does not fit
   EXPECT_EQ(to.size(), 0U);
   EXPECT_EQ(bytes,
             (Bytes{0, 1, 0, 0, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE}));
@@ -95,7 +96,7 @@ TEST(CdrReader, ReturnsZerosAfterTheFirstError) {
   const Bytes bytes{0, 1, 0, 0, 7, 2, 9, 9};
   CdrReader from = reader(bytes);
   EXPECT_EQ(from.get<std::uint8_t>(), 7);
-  EXPECT_FALSE(from.get_boolean());  // the byte 2 is not a valid boolean
+  EXPECT_FALSE(from.get_boolean());  // a byte with the value 2 is not a valid boolean
   EXPECT_FALSE(from.ok());
   EXPECT_EQ(from.get<std::uint8_t>(), 0);
   EXPECT_EQ(from.get_length(9), 0U);
@@ -114,7 +115,7 @@ TEST(CdrReader, NeverReadsBeyondTheBuffer) {
   EXPECT_EQ(reader(bytes).take_array(8, std::numeric_limits<std::size_t>::max() / 4), nullptr);
   EXPECT_EQ(reader(bytes).take_array(8, 1), nullptr);
   EXPECT_NE(reader(bytes).take_array(2, 3), nullptr);
-  // Each element takes at least one byte, so a length must not exceed the number of bytes after it.
+  // Each element takes at least one byte. So a valid length is at most the number of bytes that follow it.
   EXPECT_EQ(reader({0, 1, 0, 0, 2, 0, 0, 0, 1, 2}).get_length(9), 2U);
   EXPECT_EQ(reader({0, 1, 0, 0, 3, 0, 0, 0, 1, 2}).get_length(9), 0U);
 }

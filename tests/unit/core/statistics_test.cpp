@@ -80,9 +80,9 @@ TEST(Statistics, MatchesValuesComputedFromAllSamples) {
 TEST(Statistics, GivesAConsistentSnapshotDuringWrites) {
   auto statistics = empty();
   std::atomic<bool> end{false};
-  // Every value is 1000, so a mixture of two states would show in the mean or in the buckets. A real module
-  // records a few times in 100 us. This writer is faster, but leaves the reader enough time to read
-  // everything once.
+  // Every recorded value is 1000, so a mixture of two states would show in the mean or in the buckets. A real
+  // module records a few values in 100 us. This writer records more often, but leaves the reader enough time
+  // to read all statistics between two values.
   std::thread writer{[&] {
     while (!end) {
       statistics->record(1000);
@@ -106,7 +106,8 @@ TEST(Statistics, GivesAConsistentSnapshotDuringWrites) {
 TEST(Statistics, CanBeReadAfterTheWriterDiedWhileWriting) {
   auto statistics = empty();
   statistics->record(5);
-  // The sequence number is the first member.
+  // The sequence number is the first member of the statistics. Incrementing it simulates a writer that died
+  // while it was writing.
   auto* sequence = reinterpret_cast<std::atomic<std::uint64_t>*>(statistics.get());
   sequence->store(sequence->load() + 1);
   EXPECT_EQ(statistics->read().count, 1U);

@@ -23,11 +23,13 @@ TEST(QuotedText, StaysOnOneLine) {
   EXPECT_EQ(in_quotes("\u0085"), "'\\xc2\\x85'") << "next line";
   EXPECT_EQ(in_quotes("\u2028"), "'\\xe2\\x80\\xa8'") << "line separator";
   EXPECT_EQ(in_quotes("\u202e"), "'\\xe2\\x80\\xae'") << "right-to-left override";
+  EXPECT_EQ(in_quotes("\u200f"), "'\\xe2\\x80\\x8f'") << "right-to-left mark";
+  EXPECT_EQ(in_quotes("\u061c"), "'\\xd8\\x9c'") << "Arabic letter mark";
   EXPECT_EQ(in_quotes(""), "''");
   EXPECT_EQ(in_quotes("gr\u00f6\u00dfe \u20ac"), "'gr\u00f6\u00dfe \u20ac'");
 }
 
-TEST(QuotedText, IsShortenedBetweenCharacters) {
+TEST(QuotedText, IsNeverCutInsideAMultibyteCharacter) {
   EXPECT_EQ(in_quotes(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
   EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(40, 'x') + "..." + std::string(20, 'x') + "'");
   for (int shift = 0; shift < 4; ++shift) {
@@ -38,10 +40,10 @@ TEST(QuotedText, IsShortenedBetweenCharacters) {
 }
 
 TEST(ProblemLocation, AlwaysNamesALine) {
-  EXPECT_EQ(place("a.xml", 7), "a.xml:7");
-  EXPECT_EQ(place("a.xml", 0), "a.xml:1");
-  EXPECT_EQ(place("a\nb.xml", 1), "a\\nb.xml:1");
-  EXPECT_EQ(place("", 7), "line 7");
+  EXPECT_EQ(location("a.xml", 7), "a.xml:7");
+  EXPECT_EQ(location("a.xml", 0), "a.xml:1");
+  EXPECT_EQ(location("a\nb.xml", 1), "a\\nb.xml:1");
+  EXPECT_EQ(location("", 7), "line 7");
 }
 
 /// Returns the edit distance: how many letters of `a` must be changed, inserted, removed or swapped with

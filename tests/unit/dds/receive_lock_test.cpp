@@ -11,7 +11,7 @@ namespace {
 
 using takt::dds::ReceiveLock;
 
-TEST(ReceiveLock, StopsTheHandlingOfPacketsDuringAPause) {
+TEST(ReceiveLock, LetsNoThreadHandlePacketsDuringAPause) {
   ReceiveLock receive_lock;
   std::atomic<int> inside{0};
   std::atomic<std::uint64_t> handled{0};

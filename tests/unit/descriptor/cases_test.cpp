@@ -1,5 +1,5 @@
-// Checks the descriptors in cases/ with the parser and with xmllint, so that the parser and the schema cannot
-// drift apart. Comments in each descriptor state the problems that the parser must report and whether the
+// Checks each descriptor in cases/ with the parser and with xmllint, so that the parser and the schema cannot
+// drift apart. Comments in the descriptor state the problems that the parser must report, and whether the
 // schema accepts the descriptor.
 #include <gtest/gtest.h>
 
@@ -38,7 +38,8 @@ std::string content_of(const std::string& file) {
   return content.str();
 }
 
-/// Returns the texts of all comments that begin with `beginning`, without that beginning.
+/// Finds all XML comments that begin with `beginning`. Returns the text that follows `beginning` in each of
+/// them.
 std::vector<std::string> notes(const std::string& content, const std::string& beginning) {
   std::vector<std::string> found;
   const std::string open = "<!-- " + beginning;
@@ -82,7 +83,7 @@ TEST(DescriptorParser, RejectsEveryInvalidExampleWithTheExpectedProblems) {
   }
 }
 
-/// Runs xmllint once and returns the files that the schema accepts.
+/// Runs xmllint once on all files. Returns the files that the schema accepts.
 std::set<std::string> accepted_by_schema(const std::vector<std::string>& files) {
   std::string command = "xmllint --nonet --noout --schema '" + kSchema + "'";
   for (const std::string& file : files) command += " '" + file + "'";

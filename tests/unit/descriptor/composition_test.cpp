@@ -1,5 +1,5 @@
-// Tests includes and templates: they give the same cell as a descriptor without them, problems name the lines
-// of the template and of its use, and unbounded growth is rejected.
+// Tests includes and templates. A descriptor with them must give the same cell as one without them, problems
+// must name the lines of the template and of its use, and the parser must reject unbounded growth.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 #include "parameters.hpp"
 #include "write.hpp"
 
-#include "saying.hpp"
+#include "cell_text.hpp"
 
 namespace takt::descriptor::composition_test {
 namespace {
@@ -69,8 +69,8 @@ std::string module(const std::string& name, const std::string& period, const std
          "</value></property></module>\n";
 }
 
-// Compares a cell of many similar axes, with random parameters, in both forms.
-TEST(Composition, ProducesTheSameCellAsOneWrittenWithoutTemplates) {
+// Builds random cells of similar axes, each with a template and without one, and compares the two cells.
+TEST(Composition, ProducesTheSameCellAsADescriptorWithoutTemplates) {
   std::mt19937 random{1};
   const auto draw = [&random](int most) {
     return static_cast<int>(random() % static_cast<unsigned>(most)) + 1;
@@ -136,7 +136,8 @@ TEST(Composition, InsertsTheContentsOfIncludedFiles) {
   }
 }
 
-// Each valid descriptor gives the same cell after flatten() and when it is sent as a bundle.
+// Each valid descriptor must give the same cell after flatten(), and after it is sent as a bundle (one text
+// with all included files).
 TEST(Composition, FlattenedAndBundledDescriptorsGiveTheSameCell) {
   int files = 0;
   for (const auto& entry : fs::directory_iterator{kCases + "good"}) {
@@ -165,7 +166,7 @@ TEST(Composition, ReportsTheLinesOfATemplateAndOfItsUse) {
                    "<cell name='c'>\n<include file='lib/parts.xml'/>\n<device name='d'>\n"
                    "<use template='pair' name='a'/>\n<use template='pair' name='b'/>\n</device></cell>");
   const std::string parts_file = folder.file("lib/parts.xml");
-  // A problem in the template itself is reported with its own line only.
+  // A problem in the template itself: the report names only the line in the template.
   EXPECT_THAT(
       texts_of(load(cell)),
       ElementsAre(HasSubstr(parts_file +
@@ -178,7 +179,8 @@ TEST(Composition, ReportsTheLinesOfATemplateAndOfItsUse) {
   EXPECT_THAT(texts_of(load(cell)),
               ElementsAre(HasSubstr(parts_file + ":3: error: <period> is out of range: '0' (used at " +
                                     parts_file + ":6, used at " + cell + ":4, and 1 more); ")));
-  // Checks that run after the templates are expanded also name both lines. Here the executor does not exist.
+  // Checks that run after the templates are expanded must name the line in the template and the line of the
+  // use. In this case, the executor does not exist.
   std::string named = module("", "1000", "1");
   named.insert(named.find("<period>"), "<executor>fast</executor>");
   folder.write(
@@ -204,7 +206,8 @@ TEST(Composition, RejectsStrayTextInAFragment) {
                                     ":2); remove it")));
 }
 
-// A node has only the bundle and no files, but reports the same problems.
+// A node gets only the bundle, without the files. The node must report the same problems as a parser that
+// reads the files.
 TEST(Composition, ReportsTheSameProblemsForABundleAsForFiles) {
   const Folder folder;
   const std::string right =
@@ -279,7 +282,8 @@ TEST(Composition, RejectsTemplatesThatExpandToTooManyElements) {
                              "f.xml")),
               ElementsAre(HasSubstr("alone makes more than 10^18 elements")));
 
-  // Few elements can also get long values: each template repeats its parameter twenty times.
+  // Even a few elements can get huge values: here, each template passes its parameter on, repeated twenty
+  // times.
   std::string twenty;
   for (int i = 0; i < 20; ++i) twenty += "${v}";
   std::string values =
@@ -294,7 +298,7 @@ TEST(Composition, RejectsTemplatesThatExpandToTooManyElements) {
                              "f.xml")),
               testing::Contains(HasSubstr("more than 16 MiB of values")));
 
-  // Neither a long chain nor a long circle of templates exhausts the stack.
+  // Neither a long chain of templates nor a long circle of templates may exhaust the parser's stack.
   std::string chain;
   for (int i = 0; i < 50000; ++i)
     chain += "<template name='c" + std::to_string(i) + "'><use template='c" +
@@ -308,7 +312,7 @@ TEST(Composition, RejectsTemplatesThatExpandToTooManyElements) {
               ElementsAre(HasSubstr("more than 8 levels deep")));
 }
 
-TEST(Parameters, AreReplacedOnlyOnce) {
+TEST(Parameters, AreNotReplacedAgainInsideTheirValues) {
   const std::string value = "${b}$";
   const auto of = [&](std::string_view text, int* wrong = nullptr) {
     return substituted(

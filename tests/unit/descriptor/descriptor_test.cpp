@@ -51,7 +51,7 @@ TEST(Descriptor, ReportsAllMistakesAtOnce) {
       <name>a.b</name>
       <moduletype>process</moduletype>
       <operationtype>sporadic</operationtype>
-      <period>5</period>
+      <period>5000</period>
       <recovery atempts="3" then="stop"/>
     </module>
   </device>
@@ -121,6 +121,11 @@ TEST(Descriptor, DoesNotReportErrorsCausedByAnErrorInAConnection) {
               ElementsAre(HasSubstr("unknown attribute 'deadlin'")));
   EXPECT_THAT(of("from='d.a.x' to='d.b.x' kind='cue' depth='5'"),
               ElementsAre(HasSubstr("unknown value 'cue'")));
+  // The value "queue" shows that `type` is a misspelled `kind`. So the parser does not report the depth and
+  // the second writer, which only a queue may have.
+  EXPECT_THAT(of("from='d.a.x' to='d.b.x' type='queue' depth='5'/>"
+                 "<connection from='d.a.y' to='d.b.x' kind='queue'"),
+              ElementsAre(HasSubstr("unknown attribute 'type' of <connection>; did you mean kind?")));
   EXPECT_THAT(of("from='' to='d.b.x'"), ElementsAre(HasSubstr("attribute 'from' is empty")));
   EXPECT_THAT(of("from='nobody.a.x' topic='t'"),
               ElementsAre(HasSubstr("attribute 'from' names the unknown device")));
@@ -155,6 +160,18 @@ TEST(Descriptor, TheDefaultReliabilityDependsOnTheKindOfConnection) {
   EXPECT_EQ(of("kind='queue'"), model::Reliability::reliable);
   EXPECT_EQ(of("reliability='reliable'"), model::Reliability::reliable);
   EXPECT_EQ(of("reliability='best-effort' kind='queue'"), model::Reliability::best_effort);
+}
+
+TEST(Descriptor, DistinguishesADepthOfOneFromAMissingDepth) {
+  const auto given = [](const std::string& attributes) {
+    const auto cell =
+        parse("<cell name='c'><device name='d'>" + module("a") + module("b") +
+                  "</device><connection from='d.a.x' to='d.b.x' kind='queue'" + attributes + "/></cell>",
+              "f.xml");
+    return cell ? cell->connections.at(0).depth_given : throw std::runtime_error{to_text(cell.problems())};
+  };
+  EXPECT_FALSE(given(""));
+  EXPECT_TRUE(given(" depth='1'"));
 }
 
 TEST(Descriptor, ReadsConnectionsToExternalPrograms) {
@@ -199,7 +216,8 @@ TEST(Descriptor, ReportsALongInvalidValueShortenedToOneLine) {
   EXPECT_THAT(texts[0], HasSubstr("...xxx"));
 }
 
-// tinyxml2 alone drops white space that is the only text between two pieces of markup.
+// tinyxml2 itself drops white space that is the only text between two pieces of markup. The parser must keep
+// this white space.
 TEST(Descriptor, KeepsTheWhiteSpaceOfPropertyValues) {
   const auto cell = parse(
       "<root>" +
@@ -240,6 +258,12 @@ TEST(DescriptorText, RejectsMalformedXmlWithItsLine) {
       {"<root>\n\xff</root>", {2, "not UTF-8: it has the byte '\\xff'"}},
       {"<root>\n\n\xed\xa0\x80</root>", {3, "not UTF-8"}},
       {"\xff\xfe<", {1, "UTF-16"}},
+      {"\x7f"
+       "ELF\x02\x01\x01",
+       {1, "the file is a program or a shared object, not a descriptor; give the path of an XML"}},
+      {"\n#include <x>\nint y;",
+       {2, "the file is not XML: it begins with '#include'; give the path of a descriptor"}},
+      {"cell: c\n  device: d\n", {1, "the file is not XML: it begins with 'cell: c'; give the path of"}},
       {std::string("<root>\n\0</root>", 15), {2, "a zero byte"}},
       {"<root>\n\x1b</root>", {2, "a control character '\\x1b'"}},
       {"<?xml version=\"1.0\" encoding=\"latin1\"?><root/>", {1, "encoding 'latin1'"}},
@@ -275,12 +299,12 @@ TEST(DescriptorText, RejectsDeepNesting) {
     for (std::size_t i = 0; i < depth; ++i) xml += "</root>";
     return xml;
   };
-  EXPECT_FALSE(find_fault(nested(kMaxDepth)));
-  const auto fault = find_fault(nested(kMaxDepth + 1));
+  EXPECT_FALSE(find_syntax_error(nested(kMaxDepth)));
+  const auto fault = find_syntax_error(nested(kMaxDepth + 1));
   ASSERT_TRUE(fault);
   EXPECT_EQ(fault->line, static_cast<int>(kMaxDepth) + 1);
   EXPECT_THAT(fault->what, HasSubstr("nested"));
-  EXPECT_TRUE(find_fault(nested(1'000'000)));
+  EXPECT_TRUE(find_syntax_error(nested(1'000'000)));
 }
 
 TEST(DescriptorText, RejectsTextThatIsTooLarge) {
@@ -293,7 +317,7 @@ TEST(DescriptorFile, RejectsAFileThatCannotBeRead) {
   for (const std::string file : {"/nowhere/module.xml", "/tmp", ""}) {
     const auto cell = load(file);
     ASSERT_FALSE(cell) << file;
-    EXPECT_EQ(cell.problems()[0].where, file) << "the place has no line";
+    EXPECT_EQ(cell.problems()[0].where, file) << "the location has no line number";
     EXPECT_THAT(cell.problems()[0].what, HasSubstr("cannot be read"));
     EXPECT_FALSE(cell.problems()[0].fix.empty());
   }

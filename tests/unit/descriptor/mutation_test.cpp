@@ -1,5 +1,5 @@
-// Changes valid descriptors, at every position, in every way that certainly makes them invalid. The parser
-// must reject each result with a line number, and must not crash.
+// Changes valid descriptors at every position, in every way that must make them invalid. The parser must
+// reject each changed text with a line number, and must not crash.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ struct Span {
 
 struct Attribute {
   std::string name;
-  Span whole;  // name="value"
-  Span value;  // without the quotes
+  Span whole;  // the whole attribute: name="value"
+  Span value;  // the value without the quotes
 };
 
 /// An element of a valid document, with the positions of its tags.
@@ -38,7 +38,7 @@ struct Element {
   std::string name;
   std::string parent;
   std::size_t parent_end = 0;  // the position after the parent's closing tag; 0 for the root
-  Span start;                  // <name ...>
+  Span start;                  // the opening tag <name ...>
   Span end;                    // the closing tag </name>; empty for <name/>
   std::vector<Attribute> attributes;
 
@@ -46,7 +46,7 @@ struct Element {
   [[nodiscard]] std::size_t past() const { return closes_itself() ? start.end : end.end; }
 };
 
-/// A separate parser for simple documents, so that the test does not depend on the parser under test.
+/// Lists the elements of a simple XML document. This function is independent of the parser under test.
 std::vector<Element> elements_of(const std::string& xml) {
   std::vector<Element> all;
   std::vector<std::size_t> open;
@@ -90,11 +90,13 @@ int line_of(const std::string& xml, std::size_t at) {
 
 class Mutations {
  public:
-  /// `optional` names the attributes, as "cpu" or "connection/from", without which the text is still valid.
+  /// `optional` names the attributes that the text does not need to be valid, such as "cpu" or
+  /// "connection/from".
   Mutations(std::string xml, std::set<std::string> optional)
       : xml_(std::move(xml)), optional_(std::move(optional)) {}
 
-  /// Expects that the parser rejects the mutated text. If `line` is given, one problem must be in that line.
+  /// Expects that the parser rejects the changed text `xml`. If `line` is given, one problem must be in that
+  /// line.
   void expect_rejected(const std::string& mutation, const std::string& xml, int line = 0) {
     SCOPED_TRACE(mutation);
     if (!seen_.insert(xml).second) return;
@@ -121,7 +123,7 @@ class Mutations {
   void break_attributes(const Element& e);
   void break_document();
 
-  /// Returns the number of different mutated texts.
+  /// Returns the number of different texts that were tested.
   [[nodiscard]] std::size_t count() const { return seen_.size(); }
 
  private:
@@ -130,9 +132,10 @@ class Mutations {
   std::set<std::string> seen_;
 };
 
-const std::set<std::string> kTextElements{
-    "name",     "filename", "moduletype", "operationtype", "period", "deadline", "dispatch", "interarrival",
-    "priority", "executor", "budget",     "value",         "offset", "overrun",  "set",      "retain"};
+const std::set<std::string> kTextElements{"name",     "filename", "moduletype",   "operationtype", "period",
+                                          "deadline", "dispatch", "interarrival", "priority",      "executor",
+                                          "budget",   "value",    "offset",       "overrun",       "set",
+                                          "retain",   "argument"};
 
 /// Breaks the markup, so that the text is not well-formed.
 void Mutations::break_markup(const Element& e) {
@@ -185,20 +188,21 @@ void Mutations::break_structure(const Element& e) {
   expect_rejected("other name for " + tag, renamed("nonsense"), line);
   expect_rejected("prefix on " + tag, renamed("x:" + e.name), line);
 
-  // A repeated element is always wrong: it is allowed only once, or its name or its ends must be unique.
-  expect_rejected("twice " + tag, inserted(xml_, e.past(), whole));
+  // The text must not contain this element twice: the element is allowed only once, or its name or the ends
+  // of its connection must be unique. Only <argument> may be repeated.
+  if (e.name != "argument") expect_rejected("twice " + tag, inserted(xml_, e.past(), whole));
   expect_rejected("wrapped " + tag, replaced(xml_, {e.start.begin, e.past()}, "<wrap>" + whole + "</wrap>"),
                   line);
-  // Moves the element out of its parent, where no element is allowed.
+  // Moves the element out of its parent, to a place where the element is not allowed.
   if (e.parent_end != 0) {
     expect_rejected("out of its parent " + tag,
                     replaced(inserted(xml_, e.parent_end, whole), {e.start.begin, e.past()}, ""));
   }
-  // These elements are optional: the name defaults to the filename, and the others may be missing if nothing
-  // refers to them.
-  static const std::set<std::string> kOptional{"name",   "budget",     "recovery", "property",
-                                               "value",  "connection", "dispatch", "interarrival",
-                                               "offset", "overrun",    "retain"};
+  // These elements are optional: without <name>, a module is named after its file, and the other elements may
+  // be missing if nothing in the text refers to them.
+  static const std::set<std::string> kOptional{
+      "name",         "budget", "recovery", "property", "value",     "connection", "dispatch",
+      "interarrival", "offset", "overrun",  "retain",   "arguments", "argument"};
   const bool one_of_many = e.name == "module" && e.parent == "root";
   const bool only_executor = e.name == "executor" && e.parent == "module";
   if (kOptional.count(e.name) == 0 && !one_of_many && !only_executor) {
@@ -242,12 +246,11 @@ void Mutations::break_text(const Element& e) {
   std::vector<std::string> wrong;
   if (number) wrong = kNoNumber;
   if (number && !priority && e.name != "offset") wrong.emplace_back("0");
-  if (e.name == "offset") wrong.emplace_back("1000000");  // equal to its period
+  if (e.name == "offset") wrong.emplace_back("1000000");  // an offset must be less than the period
   if (priority) wrong.insert(wrong.end(), {"2147483648", "-2147483649"});
   if (e.name == "moduletype" || e.name == "operationtype" || e.name == "dispatch" || e.name == "overrun")
     wrong = kNoWord;
-  // Invalid names. For the executor of a module, any other name is also wrong, because the device has only
-  // one executor.
+  // Invalid names. The <executor> of a module must also name an existing executor, which "nobody" does not.
   if (e.name == "name" || (e.name == "executor" && e.parent == "module")) wrong = kNoName;
   if (e.name == "executor" && e.parent == "module") wrong.emplace_back("nobody");
   if (e.name == "filename") wrong = {"", " \n ", std::string(4097, 'x')};
@@ -257,7 +260,8 @@ void Mutations::break_text(const Element& e) {
                     line_of(xml_, e.start.begin));
   }
   if (e.name != "operationtype") return;
-  // A changed operation type is wrong, because it requires other elements and forbids some of these.
+  // A module becomes invalid if only its operation type changes: the new type requires elements that the
+  // module does not have, and forbids some elements that the module has.
   const std::string is = part(xml_, {e.start.end, e.end.begin});
   const std::string module =
       xml_.substr(xml_.rfind("<module>", e.start.begin),
@@ -267,7 +271,7 @@ void Mutations::break_text(const Element& e) {
       module.find("<executor>") == std::string::npos && module.find("<budget>") == std::string::npos;
   for (const std::string kind : {"periodic", "sporadic", "non-real"}) {
     if (kind == is) continue;
-    // This is the only valid change of the operation type.
+    // A periodic thread module without <executor> and <budget> stays valid if it becomes non-real-time.
     if (is == "periodic" && kind == "non-real" && thread && plain) continue;
     expect_rejected(is + " becomes " + kind, replaced(xml_, {e.start.end, e.end.begin}, kind));
   }
@@ -308,6 +312,7 @@ void Mutations::break_attributes(const Element& e) {
       {"host", {"Own", "process", "none"}},
       {"times", {"0", "-1", "1001", "2.5"}},
       {"in-a-row", {"0", "-1", "1001", "five"}},
+      {"hang", {"0", "-1", "30ms", "3e7", "400000", "9223372036854775808"}},
       {"discovery", {"multicast", "Server", "unicast", "none"}},
       {"peers",
        {"10.0.0.1,line.local", "10.0.0.1:7400", "10.0.0.256", "10.0.0", "10.0.0.01", "-line", "line-", "a..b",
@@ -346,7 +351,7 @@ void Mutations::break_attributes(const Element& e) {
       expect_rejected(what + " is " + text, replaced(xml_, a.value, text), line);
     }
   }
-  // Connects a port to itself.
+  // Connects the port in `from` to itself.
   if (e.name != "connection" || e.attributes[0].name != "from" || e.attributes[1].name != "to") return;
   expect_rejected("to itself", replaced(xml_, e.attributes[1].value, part(xml_, e.attributes[0].value)),
                   line);
@@ -393,15 +398,16 @@ struct Base {
 
 const std::vector<Base>& bases() {
   static const std::string kGood = "/tests/unit/descriptor/cases/good/";
-  // These attributes are optional in any descriptor. The file decides whether others are optional: in
-  // cell.xml some attributes require each other, and in everything.xml a topic or a queue requires some.
+  // These attributes are optional in every base file. Other attributes are optional only in some files: in
+  // cell.xml, some attributes require each other; in everything.xml, a topic or a queue requires some
+  // attributes.
   static const std::set<std::string> kDefaults{"domain",   "cpu",     "priority", "wakeup",
                                                "attempts", "backoff", "then"};
   std::set<std::string> cell = kDefaults;
   cell.insert({"kind", "stale"});
   std::set<std::string> everything = kDefaults;
   everything.insert({"depth", "reliability", "lifespan", "stale", "miss", "server-device", "connection/from",
-                     "spin", "limit", "offsets", "timing", "host", "times", "in-a-row"});
+                     "spin", "limit", "offsets", "timing", "host", "times", "in-a-row", "hang"});
   static const std::vector<Base> kBases{{"/deploy/module.xml", kDefaults},
                                         {kGood + "cell.xml", cell},
                                         {kGood + "everything.xml", everything},
@@ -433,7 +439,8 @@ TEST(DescriptorMutations, ThatBreakARuleAreRejectedWithALineNumber) {
   }
 }
 
-// This proves that the parser does not simply reject every text.
+// The parser must accept changes that have no effect on the cell. Without this test, a parser that rejects
+// every text would pass.
 TEST(DescriptorMutations, WithoutEffectOnTheCellAreAccepted) {
   for (const Base& base : bases()) {
     const std::string xml = content_of(TAKT_SOURCE_DIR + base.file);
@@ -447,7 +454,7 @@ TEST(DescriptorMutations, WithoutEffectOnTheCellAreAccepted) {
         if (base.optional.count(attribute.name) + base.optional.count(element.name + "/" + attribute.name) ==
             0)
           continue;
-        // Without this attribute, the connection lacks an end.
+        // Without `from`, a connection that has no `to` would have no port.
         if (element.name == "connection" && attribute.name == "from" && element.attributes[1].name != "to")
           continue;
         const auto cell = parse(replaced(xml, attribute.whole, ""), "base.xml");

@@ -139,6 +139,7 @@ TEST(CellDescriptor, ReadsEveryElementAndAttribute) {
   EXPECT_TRUE(trajectory.retain);
   EXPECT_EQ(trajectory.tolerance.times, 2);
   EXPECT_EQ(trajectory.tolerance.in_a_row, 5);
+  EXPECT_EQ(trajectory.hang, 30ms);
   EXPECT_EQ(model::contract_of(cell->devices[0], trajectory).limit, 2) << "the module's own contract";
   EXPECT_EQ(model::timing_of(cell->devices[0], trajectory), model::Timing::let);
 
@@ -150,6 +151,8 @@ TEST(CellDescriptor, ReadsEveryElementAndAttribute) {
   EXPECT_EQ(conveyor.lines.deadline, 30);
   EXPECT_EQ(conveyor.lines.dispatch, 31);
   EXPECT_EQ(conveyor.lines.interarrival, 32);
+  EXPECT_EQ(conveyor.arguments, (std::vector<std::string>{"--camera", "0"}));
+  EXPECT_EQ(conveyor.lines.arguments, 35);
 
   ASSERT_EQ(cell->connections.size(), 3U);
   const model::Connection& connection = cell->connections[0];

@@ -1,6 +1,5 @@
-// XML allows the same cell to be written in many ways: with other quotes, in another order, or with character
-// references. All these spellings must give the same cell. Otherwise an editor that reformats a descriptor
-// could change the cell.
+// Tests that all spellings of the same XML give the same cell: other quotes, another order, or character
+// references. Otherwise an editor that reformats a descriptor could change the cell.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,7 +13,7 @@
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
-#include "saying.hpp"
+#include "cell_text.hpp"
 
 namespace takt::descriptor::spelling_test {
 namespace {
@@ -32,7 +31,7 @@ std::string cell_text(const std::string& xml) {
   return cell ? text_of_cell(*cell) : "rejected: " + to_text(cell.problems());
 }
 
-/// Returns the text with each match of the pattern replaced.
+/// Returns `text` with each match of the pattern replaced by the text that `make` returns for it.
 std::string each(const std::string& text, const std::string& pattern,
                  const std::function<std::string(const std::smatch&)>& make) {
   const std::regex expression{pattern};
@@ -60,7 +59,7 @@ std::string as_references(const std::string& text, bool hex) {
 const std::string kAttribute = R"re(([a-z-]+)="([^"]*)")re";
 const std::string kTagWithAttributes = R"re(<([a-z]+)((?: [a-z-]+="[^"]*")+)(/?)>)re";
 
-/// Returns other spellings that have the same meaning in XML. `xml` has no XML declaration and no comments.
+/// Returns other spellings of `xml` that have the same meaning. `xml` has no XML declaration and no comments.
 std::vector<std::pair<std::string, std::string>> spellings(const std::string& xml) {
   const auto attributes =
       [&](const std::function<std::string(const std::string&, const std::string&)>& make) {
@@ -125,7 +124,7 @@ TEST(XmlNotation, DoesNotAffectTheCell) {
   EXPECT_EQ(changed.size(), spellings("").size());
 }
 
-// The rules apply to the character that a reference stands for.
+// The parser applies its rules to the character that a reference stands for, not to the reference itself.
 TEST(XmlNotation, CannotBypassTheRulesByCharacterReferences) {
   const std::string device =
       "<device "
@@ -147,7 +146,6 @@ TEST(XmlNotation, CannotBypassTheRulesByCharacterReferences) {
   EXPECT_EQ(cell_text("<cell name='c&#46;d'>" + device + "</cell>").rfind("rejected", 0), 0U);
 }
 
-// Connections may be written before the devices.
 TEST(XmlNotation, AllowsConnectionsBeforeDevices) {
   const std::string xml = content_of(kGood + "everything.xml");
   const std::size_t first = xml.find("  <device");

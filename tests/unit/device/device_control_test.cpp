@@ -100,17 +100,33 @@ TEST_F(DeviceProperties, AreReadOnlyInCModulesAndPrograms) {
   bring_up(module("c", "slow.so", kEvery, value("ns", "1000")) +
            module("p", "fine.exe", kEvery, value("every", "3")));
   EXPECT_EQ(get(0, "ns").value, "1000");
-  EXPECT_EQ(get(0, "every").text, "the descriptor does not set property 'every' of module c; it sets ns");
+  EXPECT_EQ(get(0, "every").text,
+            "the descriptor does not set property 'every' of module c; use ns or log-level");
   EXPECT_EQ(set(0, "ns", "2000").text,
-            "c is written in C and declares no properties: it reads them in initialize(); undeploy the cell, "
-            "change the descriptor and deploy it again");
+            "c is written in C and declares no properties: it reads them, except log-level, in initialize(); "
+            "change the descriptor and run takt deploy --update with it, which restarts device d");
   EXPECT_EQ(get(1, "every").value, "3");
   EXPECT_EQ(get(1, "ns").code, REPLY_REFUSED);
   const Outcome refused = set(1, "every", "4");
   EXPECT_EQ(refused.code, REPLY_REFUSED);
   EXPECT_EQ(refused.text,
-            "p is a program, which gets its properties when it starts; undeploy the cell, change the "
-            "descriptor and deploy it again");
+            "p is a program, which gets its properties, except log-level, when it starts; change the "
+            "descriptor and run takt deploy --update with it, which restarts device d");
+  take_down();
+}
+
+TEST_F(DeviceProperties, TakeTheLogLevelFromTheDescriptor) {
+  bring_up(live(value("log-level", "debug")) + module("c", "slow.so", kEvery, value("log-level", "warning")) +
+           module("p", "fine.exe", kEvery, value("log-level", "error")) + module("q", "fine.exe", kEvery));
+  EXPECT_EQ(get(0, "log-level").value, "debug");
+  EXPECT_EQ(get(1, "log-level").value, "warning");
+  EXPECT_EQ(get(2, "log-level").value, "error");
+  EXPECT_EQ(get(3, "log-level").value, "info");
+  EXPECT_EQ(set(2, "log-level", "info").value, "info");
+  EXPECT_EQ(get(2, "log-level").value, "info");
+  EXPECT_EQ(get(0, "log-levl").text, "component Live has no property 'log-levl'; did you mean log-level?");
+  EXPECT_EQ(get(3, "log-levl").text,
+            "the descriptor does not set property 'log-levl' of module q; did you mean log-level?");
   take_down();
 }
 
@@ -136,7 +152,7 @@ TEST_F(DeviceProperties, SurviveARestartOfTheHost) {
 
 class DeviceCommands : public RealDevice {
  protected:
-  /// Returns a module that crashes in its first run, in its own host.
+  /// Returns the XML of a module that has its own host and crashes in its first run.
   static std::string crashes() {
     return R"(<executor name="own" host="own"/>)" +
            module("culprit", "segv.so", kEvery, R"(<value name="after">1</value>)",
@@ -197,7 +213,7 @@ TEST_F(DeviceCommands, FailIfTheHostIsKilledBeforeItAnswers) {
 
 class DeviceDeadlines : public RealDevice {
  protected:
-  /// Returns a module with a deadline of 5 ms that takes 20 ms once in 50 rows.
+  /// Returns the XML of a sporadic module that has a deadline of 5 ms, but takes 20 ms once in 50 rows.
   static std::string late(const std::string& file, const std::string& miss, const std::string& recovery) {
     return module("late", file,
                   "<operationtype>sporadic</operationtype><deadline miss=\"" + miss + "\">5000000</deadline>",
@@ -236,7 +252,7 @@ TEST_F(DeviceDeadlines, RaiseAnErrorWhenMissedIfTheDescriptorSaysSo) {
     const int pid = module_of("late")["pid"];
     ASSERT_TRUE(step_until([&] { return module_of("late")["state"] == "DESTRUCT"; }));
     EXPECT_EQ(story(), "INITIALIZE START EXECUTING RECOVER EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ")
-        << "there are two attempts, and no success lasts";
+        << "both recovery attempts succeed, but the module soon fails again";
     EXPECT_EQ(module_of("late")["pid"], pid) << "a late program is not restarted";
     EXPECT_EQ(module_of("late")["errors"], 3);
     for (const Step& step : steps) {

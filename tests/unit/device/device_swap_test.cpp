@@ -75,7 +75,7 @@ TEST_F(DeviceSwap, GivesTheNewInstanceOfACModuleItsOwnVariables) {
   const int before = module_of("counter")["cycles"];
   const Outcome outcome = swap(1, "counter.so");
   ASSERT_EQ(outcome.code, REPLY_OK) << outcome.text;
-  // The old instance writes the file when it ends, which is after the new instance has started.
+  // The old instance writes the file `count` when it ends, which is after the new instance has started.
   const auto has_written = [&] {
     const json count = seen("count");
     return count.is_number() && count >= before;
@@ -109,7 +109,12 @@ TEST_F(DeviceSwap, RejectsAnImpossibleSwapWithTheReason) {
   ASSERT_TRUE(step_until([&] { return module_of("periodic")["state"] == "START"; }));
   const Outcome stopped = swap(0, "fine.so");
   EXPECT_EQ(stopped.code, REPLY_REFUSED);
-  EXPECT_THAT(stopped.text, HasSubstr("d.periodic is in START; it can be swapped only in EXECUTING"));
+  EXPECT_THAT(stopped.text, HasSubstr("d.periodic is in START; it can be swapped only in EXECUTING; run takt start "
+                                      "d.periodic"));
+  device->command(0, Verb::destruct, [](const Outcome&) {});
+  ASSERT_TRUE(step_until([&] { return module_of("periodic")["state"] == "DESTRUCT"; }));
+  EXPECT_THAT(swap(0, "fine.so").text,
+              HasSubstr("run takt reset d.periodic, then takt initialize d.periodic, then takt start d.periodic"));
   take_down();
 }
 
@@ -127,7 +132,7 @@ TEST_F(DeviceSwap, RestoresTheOldInstanceIfTheNewOneFailsDuringItsTrial) {
 
 TEST_F(DeviceSwap, RestoresTheOldInstanceAfterEachCrashOfTheNewOne) {
   bring_up(module("ticks", "ticks.so", kEvery) + module("other", "fine.so", kEvery));
-  for (int n = 0; n < 5; ++n) {  // outside of swaps, a host that crashes this often is given up
+  for (int n = 0; n < 5; ++n) {  // outside of swaps, the supervisor gives up a host that crashes this often
     ASSERT_TRUE(step_until([&] { return module_of("ticks")["state"] == "EXECUTING"; }));
     const Outcome outcome = swap(0, "ticks_crashes.so");
     EXPECT_EQ(outcome.code, REPLY_FAILED);
@@ -138,7 +143,7 @@ TEST_F(DeviceSwap, RestoresTheOldInstanceAfterEachCrashOfTheNewOne) {
   take_down();
 }
 
-TEST_F(DeviceSwap, DoesNotPreventTheDeviceFromStopping) {
+TEST_F(DeviceSwap, DoesNotPreventTheDeviceFromStoppingIfTheNewInstanceHangs) {
   bring_up(module("ticks", "ticks.so", kEvery));
   wait_for_cycles("ticks", 20);
   std::optional<Outcome> answer;

@@ -1,4 +1,4 @@
-// A real device. Its supervisor starts real hosts and programs, but there is no node.
+// A real device: its supervisor starts real hosts and process modules, but there is no node.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -64,8 +64,8 @@ class RealDevice : public testing::Test {
   static inline const std::string kRow = "<dispatch>row</dispatch>";
   static inline const std::string kImmediate = "<dispatch>immediate</dispatch>";
 
-  /// Starts device d, the only device of the cell, and waits until it is ready. Then starts its rows if
-  /// `start_rows` is true.
+  /// Starts device d, the only device of the cell, and waits until it is ready. If `start_rows` is true, also
+  /// starts its rows.
   void bring_up(const std::string& modules, const std::string& connections = "", bool start_rows = true) {
     const std::string text =
         "<cell name=\"c\"><device name=\"d\">" + modules + "</device>" + connections + "</cell>";

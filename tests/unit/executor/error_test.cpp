@@ -80,7 +80,7 @@ TEST_F(Error, IsNotRaisedByALateStartOfARunWithinItsBudget) {
   EXPECT_EQ(device->blocks[1].error.load(), 0U);
 }
 
-TEST_F(Error, IsReportedAsAFailureIfTheRunAlsoExceedsItsBudget) {
+TEST_F(Error, IsOfTypeFailureIfTheRunBothFailsAndExceedsItsBudget) {
   takes = microseconds{500};
   failure = "gave up";
   device->cycle();

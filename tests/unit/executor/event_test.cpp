@@ -110,8 +110,8 @@ TEST(ImmediateModule, IsWokenByTheFirstRowAfterItsInterarrivalTime) {
   device.bodies[1].on_condition = hold;
   device.join();
   device.cycle();
-  EXPECT_TRUE(device.executor->run_sporadic());   // at 0 ms
-  EXPECT_FALSE(device.executor->run_sporadic());  // still at 0 ms
+  EXPECT_TRUE(device.executor->run_sporadic());   // the module runs at 0 ms
+  EXPECT_FALSE(device.executor->run_sporadic());  // the module does not run a second time at 0 ms
   EXPECT_EQ(device.cycle(), 0U) << "at 1 ms it may not run yet";
   EXPECT_FALSE(device.executor->run_sporadic());
   EXPECT_EQ(device.cycle(), channel::kSporadicBit);
@@ -153,7 +153,7 @@ TEST(ImmediateModule, RunsBeforeAModuleWithALaterDeadline) {
   EXPECT_EQ(ran, "event row ");
 }
 
-TEST(Deadline, RaisesAnErrorWhenMissedOnlyIfTheModuleDeclaresIt) {
+TEST(Deadline, RaisesAnErrorWhenMissedOnlyIfTheDescriptorSaysSo) {
   for (const model::Miss miss : {model::Miss::count, model::Miss::error}) {
     model::Module late = sporadic(kThread, milliseconds{2});
     late.miss = miss;
@@ -193,7 +193,7 @@ TEST(Deadline, IsMetIfTheRunEndsExactlyOnTime) {
   EXPECT_EQ(device.blocks[1].overruns.load(), 0U);
 }
 
-/// The memory of a link, properly aligned.
+/// Memory that contains a link and is aligned as a link requires.
 class LinkMemory {
  public:
   explicit LinkMemory(const channel::Link::Options& options)
@@ -214,8 +214,8 @@ struct Storm {
   Nanoseconds interarrival;
 };
 
-/// For a minute, 20,000 events per second arrive at random times at a module that takes 50 us for each. Rows
-/// preempt the module: the test runs each row that falls due during run() inside that run().
+/// A storm of 20,000 events per second, which arrive at random times at a module that takes 50 us for each
+/// event. Rows preempt the module: the test runs each row that falls due during run() inside that run().
 class StormOfEvents : public testing::TestWithParam<Storm> {};
 
 TEST_P(StormOfEvents, NeverDelaysARow) {
@@ -288,8 +288,8 @@ TEST_P(StormOfEvents, NeverDelaysARow) {
   EXPECT_EQ(device.block->missed.load(), 0U);
   EXPECT_EQ(device.block->late.load(), 0U);
   EXPECT_NEAR(static_cast<double>(written) / static_cast<double>(length.count()), 20'000, 83);
-  // The module has read the event, the full queue has dropped and counted it, or the event is still in the
-  // queue.
+  // The module has read each event, or the full queue has dropped and counted the event, or the event is in
+  // the queue.
   const std::uint64_t dropped = memory.link().block().overwritten.load();
   std::uint64_t waiting = 0;
   while (reader.take()) ++waiting;
@@ -315,8 +315,8 @@ INSTANTIATE_TEST_SUITE_P(Dispatch, StormOfEvents,
                                   std::to_string(each.param.interarrival.count() / 1000) + "_us";
                          });
 
-/// Compares the order in which random sets of modules run with the rule: among the released modules, the one
-/// with the earliest absolute deadline runs first; priority decides ties.
+/// Runs random sets of modules and checks the order of their runs. Of the released modules, the module with
+/// the earliest absolute deadline must run first. If deadlines are equal, the priority decides.
 TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSetsOfModules) {
   std::mt19937 random{11};
   for (int set = 0; set < 300; ++set) {
@@ -352,7 +352,8 @@ TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSetsOfModules) {
     for (std::size_t i = 1; i <= count; ++i) {
       if (wanted_news[i]) wanted.push_back(i);
     }
-    // All modules were released at the same instant, because the virtual clock does not advance.
+    // All modules were released at the same instant, because the virtual clock does not advance. So the
+    // module with the shortest relative deadline has the earliest absolute deadline.
     std::stable_sort(wanted.begin(), wanted.end(), [&](std::size_t a, std::size_t b) {
       return std::pair{*modules[a].deadline, modules[a].priority} <
              std::pair{*modules[b].deadline, modules[b].priority};
@@ -361,7 +362,8 @@ TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomSetsOfModules) {
   }
 }
 
-/// A simple model of the rule. It computes when each module is released, and which module runs next.
+/// A simple model of scheduling by earliest deadline first. The model computes when each module is released,
+/// and which module runs next.
 struct Rule {
   struct Each {
     model::Module module;
@@ -399,7 +401,8 @@ struct Rule {
   }
 };
 
-// Simulates random events, bodies of random length, and rows that fall due during bodies.
+// Compares the executor with Rule for random events, bodies of random length, and rows that fall due during a
+// body.
 TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomEvents) {
   constexpr auto kPeriod = milliseconds{1};
   std::mt19937 random{23};
@@ -428,7 +431,7 @@ TEST(SporadicOrder, IsEarliestDeadlineFirstForRandomEvents) {
       arrivals.push_back({at, 1 + static_cast<std::size_t>(up_to(count))});
     std::size_t arrived = 0;
 
-    // Advances time to `then`, delivers the events until then, and runs the rows that fall due.
+    // Advances time to `then`. Delivers the events that arrive until then, and runs the rows that fall due.
     const auto pass_to = [&](Instant then) {
       while (true) {
         const Instant row = device.executor->next_release();

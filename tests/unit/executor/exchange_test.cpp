@@ -14,8 +14,8 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using State = Exchange::State;
 
-/// A body that continues the count of the body it replaces, and records which release each of its runs
-/// served.
+/// A body that continues the count of the body that it replaces, and records the number of each release that
+/// it served.
 class Counting final : public Body {
  public:
   explicit Counting(VirtualClock& clock) : clock_(clock) {}
@@ -24,7 +24,9 @@ class Counting final : public Body {
     if (fails_at && cycle.number >= *fails_at) return "it cannot do this one";
     ++count;
     served.push_back(cycle.number);
-    return {};
+    Outcome outcome;
+    outcome.finished = cycle.number == finishes_at;
+    return outcome;
   }
   Outcome condition(const Cycle&, bool*) noexcept override { return {}; }
   bool take_over(Body& before) noexcept override {
@@ -41,16 +43,18 @@ class Counting final : public Body {
   std::uint64_t count = 0;
   std::vector<std::uint64_t> served;
   std::optional<std::uint64_t> fails_at;
+  std::optional<std::uint64_t> finishes_at;
   Nanoseconds takes{};
   int refuses = 0;
   int taken_over = 0;
-  bool comes = true;  ///< true for a new body; false for the old body that take_over() restores
+  bool comes = true;  ///< true until this body has taken over the count of another body
 
  private:
   VirtualClock& clock_;
 };
 
-/// Two modules with periods of 1 and 2 ms; tests exchange the body of the second.
+/// A device with two modules, whose periods are 1 ms and 2 ms. The tests exchange the body of the second
+/// module.
 class BodyExchange : public testing::Test {
  protected:
   explicit BodyExchange(model::Module module = thread(milliseconds{2}, 2))
@@ -64,7 +68,8 @@ class BodyExchange : public testing::Test {
   void cycles(int n) {
     for (int i = 0; i < n; ++i) device.cycle();
   }
-  /// Expects that exactly one of the bodies served each release of the first `rows` rows.
+  /// Expects that, in the first `rows` rows, each release of the second module was served exactly once, by
+  /// one of these bodies.
   void expect_all_served(std::uint64_t rows, const std::vector<const Counting*>& bodies) const {
     std::vector<int> times((rows + 1) / 2);
     for (const Counting* body : bodies)
@@ -118,7 +123,7 @@ TEST_F(BodyExchange, RestoresTheOldBodyIfTheNewOneFailsDuringItsTrial) {
   EXPECT_EQ(old.taken_over, 1);
 }
 
-TEST_F(BodyExchange, RaisesAnErrorIfTheNewBodyFailsAfterItsTrial) {
+TEST_F(BodyExchange, CallsErrorIfTheNewBodyFailsAfterItsTrial) {
   next.fails_at = 3;
   device.executor->exchange(exchange);
   cycles(7);
@@ -126,6 +131,30 @@ TEST_F(BodyExchange, RaisesAnErrorIfTheNewBodyFailsAfterItsTrial) {
   EXPECT_EQ(device.blocks[1].in_tables.load(), 0U);
   EXPECT_EQ(device.blocks[1].error.load(), static_cast<std::uint32_t>(ErrorType::failure));
   EXPECT_TRUE(old.served.empty());
+}
+
+TEST_F(BodyExchange, KeepsANewBodyThatFinishesDuringItsTrial) {
+  next.finishes_at = 1;
+  device.executor->exchange(exchange);
+  cycles(7);
+  EXPECT_EQ(state(), State::kept);
+  EXPECT_EQ(device.blocks[1].in_tables.load(), 0U);
+  EXPECT_EQ(device.blocks[1].finished.load(), 1U);
+  EXPECT_EQ(device.blocks[1].errors.load(), 0U);
+  EXPECT_EQ(next.served, (std::vector<std::uint64_t>{0, 1}));
+  EXPECT_TRUE(old.served.empty());
+}
+
+TEST_F(BodyExchange, DoesNotHappenAfterItsModuleHasFinished) {
+  old.finishes_at = 1;
+  cycles(7);
+  device.executor->exchange(exchange);
+  cycles(4);
+  EXPECT_EQ(state(), State::waiting);
+  EXPECT_EQ(old.served, (std::vector<std::uint64_t>{0, 1}));
+  EXPECT_EQ(device.blocks[1].cycles.load(), 2U);
+  EXPECT_EQ(device.blocks[1].missed.load(), 0U);
+  EXPECT_EQ(device.blocks[1].finished.load(), 1U);
 }
 
 TEST_F(BodyExchange, CanBeWithdrawnWhileItsModuleIsOutOfTheTables) {
@@ -140,7 +169,7 @@ TEST_F(BodyExchange, CanBeWithdrawnWhileItsModuleIsOutOfTheTables) {
   EXPECT_EQ(old.count, 2U);
   device.executor->exchange(exchange);
   cycles(1);
-  EXPECT_FALSE(device.executor->withdraw()) << "a row has already taken it";
+  EXPECT_FALSE(device.executor->withdraw()) << "a row has already begun the exchange";
   EXPECT_EQ(state(), State::on_trial);
 }
 
@@ -156,15 +185,15 @@ TEST_F(BodyExchange, KeepsTheOldBodyIfTheNewOneDeclinesToTakeOver) {
 }
 
 TEST_F(BodyExchange, IgnoresAModuleOfAnotherExecutor) {
-  exchange.index = 7;  // not a module of this executor
+  exchange.index = 7;  // the executor has no module 7
   device.executor->exchange(exchange);
   cycles(10);
   EXPECT_EQ(state(), State::waiting);
   expect_all_served(10, {&old});
 }
 
-// Exchanges bodies at random moments, with and without failures. Each release is served once, and the count
-// continues.
+// Exchanges bodies at random moments; some of the new bodies fail. Each release must be served exactly once,
+// and the count must continue from body to body.
 TEST_F(BodyExchange, LosesNoReleaseOverThousandsOfExchanges) {
   std::mt19937 random{1};
   std::vector<std::unique_ptr<Counting>> bodies;
@@ -241,9 +270,9 @@ TEST_F(BodyExchangeWithLimits, RestoresTheOldBodyIfTheNewOneOverruns) {
   EXPECT_EQ(exchange.error, ErrorType::overrun);
   EXPECT_EQ(device.blocks[1].error.load(), static_cast<std::uint32_t>(ErrorType::overrun));
   EXPECT_EQ(device.blocks[1].in_tables.load(), 0U);
-  cycles(1);  // no body serves the release that was due meanwhile
+  cycles(1);  // no body serves the release that is due in this row
   device.blocks[1].error.store(0);
-  device.blocks[1].in_tables.store(1);  // the node does this after recovery
+  device.blocks[1].in_tables.store(1);  // the node sets this flag after a recovery
   cycles(4);
   EXPECT_EQ(next.served.size(), 1U);
   EXPECT_EQ(device.blocks[1].in_tables.load(), 1U);

@@ -1,5 +1,5 @@
-// A device on virtual time with one executor. Each test defines the bodies of the modules. Programs consist
-// only of their release slots.
+// A device with one executor, on virtual time. Each test defines the bodies of the thread modules. A process
+// module consists only of its release slot.
 #pragma once
 
 #include <algorithm>
@@ -65,8 +65,9 @@ inline model::Module sporadic(model::ModuleType type, Nanoseconds deadline, int 
   return module;
 }
 
-/// An executor with everything it needs. Blocks, bodies and slots have the same index as their module in
-/// `modules`. At first all modules are in the tables, and all programs wait.
+/// An executor and all data that it uses. `blocks`, `bodies` and `slots` contain one element for each module,
+/// in the order of `modules`. At first, all modules are in the tables, and all process modules wait for a
+/// release.
 class FakeDevice {
  public:
   explicit FakeDevice(std::vector<model::Module> modules)
@@ -122,7 +123,7 @@ class FakeDevice {
         std::make_unique<Executor>(plan.executors[0], periodic_units, sporadic_units, *block, clock, flight);
   }
 
-  /// Lets the executor join the grid now. T0 is `later` after the current time of the clock.
+  /// Lets the executor join the grid at the current time of the clock. T0 is `later` after this time.
   void join(Nanoseconds later = Nanoseconds{0}) {
     t0 = clock.time + later;
     executor->join_grid(t0, clock.time);

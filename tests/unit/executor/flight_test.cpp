@@ -1,4 +1,5 @@
-// Compares the entries that an executor records with a model, which notes each call of a body.
+// Compares the entries that an executor writes to its flight record with a model, which notes each call of a
+// body.
 #include <takt/channel/flight_record.hpp>
 #include <takt/executor/executor.hpp>
 
@@ -55,7 +56,8 @@ TEST_F(ExecutorRecording, HasTheExpectedEntriesOverThousandsOfRows) {
   std::int64_t body_ended = 0;
   std::uint64_t body_took = 0;
   for (int i = 0; i < 5000; ++i) {
-    // The program ends its body between some of the rows, but not between all.
+    // Before some of the rows, the program ends its body. When the other rows begin, the program is in its
+    // body.
     channel::ReleaseSlot& slot = device.slots[3];
     if (slot.in_body() && i % 3 != 0) {
       body_took = 1000 + static_cast<std::uint64_t>(i);
@@ -88,8 +90,8 @@ TEST_F(ExecutorRecording, HasTheExpectedEntriesOverThousandsOfRows) {
     ASSERT_EQ(runs_seen, 1U + (walked % 2 == 0) + (walked % 3 == 0));
     expected.push_back({ns(device.clock.time), FlightKind::row_end, 0, 0});
     if (walked % 2 != 0 && body_ended != 0) {
-      // The executor records a body only at the next release, so the test reports the end of the body only
-      // then.
+      // The executor records the end of a body only at the next release of the program. So the test hides the
+      // end of the body until then.
       const std::uint32_t done = slot.done.load();
       slot.done.store(done - 1);
     }

@@ -1,7 +1,7 @@
 // Compares a million cycles on virtual time with a model that follows only the paper. In the model, a module
 // is due in slot n if its period divides n x basic period minus its offset. Modules run in the order of their
-// priority, then of their position in the file. They skip the releases of missed slots, or catch up on them
-// if their overrun contract is catch-up.
+// priority, then of their position in the file. A module skips the releases of missed slots, unless its
+// overrun contract is catch-up.
 #include <gtest/gtest.h>
 #include <full_form.hpp>
 
@@ -51,14 +51,14 @@ struct Count {
   std::uint64_t cycles = 0;
   std::uint64_t missed = 0;
   std::uint64_t overruns = 0;
-  Instant busy_until{};  // only for a program
+  Instant busy_until{};  // the end of the current body; used only for process modules
 };
 
-/// The model of an executor. It counts slots from T0, and runs the row of each slot at most once.
+/// The model of an executor. The model counts slots from T0, and runs the row of each slot at most once.
 struct Model {
   std::uint64_t seed;
   std::vector<model::Module> modules;
-  std::vector<bool> in;  // whether each module is in the tables
+  std::vector<bool> in;  // true for each module in the tables
   Nanoseconds basic;
   Instant t0;
   std::vector<Count> counts;
@@ -79,7 +79,8 @@ struct Model {
     return found;
   }
 
-  /// Models a wake-up at `now`. Returns the expected calls, and sets `done` to the time at which they end.
+  /// Computes what the executor must do when it wakes up at `now`. Returns the expected calls, and sets
+  /// `done` to the time at which the last call ends.
   std::vector<Call> wake(Instant now, Instant* done) {
     struct Missed {
       std::uint64_t slot;
@@ -173,7 +174,7 @@ TEST_P(Grid, StaysFixedDespiteOverrunsAndRemovedModules) {
   }
   model.basic = Nanoseconds{basic};
 
-  // Programs check their slots whenever time advances.
+  // Advances time. Before that, each program checks its slot, as a real program does at any time.
   std::vector<std::uint64_t> served(modules.size());
   std::vector<Instant> busy_until(modules.size());
   const auto move_time_to = [&](Instant time) {
@@ -368,7 +369,7 @@ TEST(Executor, CountsRowsMissedDuringARestart) {
   EXPECT_EQ(device.block->missed.load(), 7U);  // rows 5 to 11
   EXPECT_EQ(device.blocks[0].missed.load(), 7U);
   EXPECT_EQ(device.blocks[1].missed.load(), 3U);  // rows 6, 8 and 10
-  EXPECT_EQ(device.blocks[2].missed.load(), 2U);  // 6, 9
+  EXPECT_EQ(device.blocks[2].missed.load(), 2U);  // rows 6 and 9
   std::uint64_t number = 0;
   device.bodies[0].on_run = [&number](const Cycle& cycle) {
     number = cycle.number;

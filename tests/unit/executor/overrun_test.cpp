@@ -22,7 +22,8 @@ model::Module with(model::Module module, Overrun what, int limit = 1) {
   return module;
 }
 
-/// A device that records which module is called in which cycle: "0:3" is module 0 in its cycle 3.
+/// A device that records which module is called in which of the module's cycles: "0:3" is module 0 in its
+/// cycle 3.
 class OverrunContract : public testing::Test {
  protected:
   void make(std::vector<model::Module> modules) {
@@ -39,7 +40,7 @@ class OverrunContract : public testing::Test {
     }
     device->join();
   }
-  /// Wakes the executor `late` after the release; returns the calls of that row.
+  /// Wakes the executor `late` after the next release. Returns the calls in the row that runs then.
   std::vector<std::string> cycle(Nanoseconds late = Nanoseconds{0}) {
     calls.clear();
     device->cycle(late);
@@ -76,7 +77,7 @@ TEST_F(OverrunContract, CatchUpRunsTheNewestMissedReleasesInOrder) {
   EXPECT_EQ(missed(1), 4U);
   EXPECT_EQ(missed(2), 0U);
   EXPECT_EQ(device->blocks[0].cycles.load(), 4U);
-  EXPECT_EQ(overruns(0), 2U) << "each ended after its next release";
+  EXPECT_EQ(overruns(0), 2U) << "both runs ended after the next release of the module";
   EXPECT_EQ(overruns(2), 1U) << "its cycle 2 ended before 6 ms";
   EXPECT_EQ(device->block->missed.load(), 4U) << "the slots were still missed";
   EXPECT_EQ(device->executor->next_release(), device->t0 + milliseconds{6}) << "the grid is kept";
@@ -87,8 +88,8 @@ TEST_F(OverrunContract, CatchUpAlsoMakesUpForReleasesMissedBySlowRuns) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 1)});
   takes[0] = microseconds{1'400};
   EXPECT_THAT(cycle(), ElementsAre("0:0"));
-  // At 1.4 ms, the slot that began at 1 ms is not over, so its row runs late, until 2.8 ms. Each row starts
-  // later than the previous row, until a slot is missed.
+  // The first run ends at 1.4 ms. The slot that began at 1 ms is not over then, so its row runs late, until
+  // 2.8 ms. Each row starts later than the previous row, until a slot is missed.
   EXPECT_THAT(cycle(), ElementsAre("0:1"));
   EXPECT_THAT(cycle(), ElementsAre("0:2")) << "2.8 to 4.2 ms";
   EXPECT_THAT(cycle(), ElementsAre("0:3", "0:4")) << "4.2 ms: cycle 3 is made up for, and 4 runs late";
@@ -141,7 +142,7 @@ TEST_F(OverrunContract, ErrorRemovesAModuleThatMissesARelease) {
   EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
   EXPECT_THAT(cycle(microseconds{2'500}), IsEmpty()) << "slot 3";
   EXPECT_EQ(error(0), ErrorType::overrun);
-  EXPECT_EQ(device->blocks[0].error_text.view(), "2 releases were missed, from cycle 1 on");
+  EXPECT_EQ(device->blocks[0].error_text.view(), "2 releases were missed, from number 1 on");
   EXPECT_EQ(device->blocks[0].error_cycle.load(), 1U);
   EXPECT_EQ(missed(0), 2U);
   EXPECT_EQ(error(1), ErrorType::none) << "it missed no release";
@@ -173,7 +174,7 @@ TEST_F(OverrunContract, AppliesToAProgramStillInItsBody) {
   EXPECT_EQ(overruns(1), 1U);
   EXPECT_EQ(error(1), ErrorType::overrun);
 
-  // The last two releases of the third program are pending.
+  // Two releases of the third module, those at 3 and 4 ms, are pending.
   channel::ReleaseSlot& release_slot = device->slots[2];
   EXPECT_EQ(device->blocks[2].cycles.load(), 3U);
   EXPECT_EQ(overruns(2), 4U);
@@ -203,7 +204,7 @@ class Budget : public OverrunContract {
     module.tolerance = tolerance;
     make({module});
   }
-  /// Runs the module once for `us` microseconds; returns whether that raised an error.
+  /// Runs the module once for `us` microseconds. Returns true if the run raised an error.
   bool is_error(int us) {
     takes[0] = microseconds{us};
     cycle();
@@ -217,7 +218,7 @@ class Budget : public OverrunContract {
   }
 };
 
-TEST_F(Budget, WithoutToleranceAnyExcessIsAnError) {
+TEST_F(Budget, RaisesAnErrorOnAnyExcessWithoutATolerance) {
   make_with({});
   EXPECT_FALSE(is_error(100));
   EXPECT_TRUE(is_error(101));

@@ -1,5 +1,5 @@
-// Tests the release of process modules. Here a thread acts as the program, but it shares only the slot and
-// the wake word with the executor.
+// Tests the release of process modules. Here a thread acts as the program of a process module. The thread and
+// the executor share only the slot and the wake word.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -33,7 +33,7 @@ TEST(ProcessModule, IsReleasedWithItsCycleNumberAndReleaseTime) {
   EXPECT_EQ(device.blocks[0].cycles.load(), 2U);
 }
 
-TEST(ProcessModule, OverrunsInsteadOfBeingReleasedWhileItsBodyRuns) {
+TEST(ProcessModule, CountsAnOverrunInsteadOfAReleaseWhileItsBodyRuns) {
   FakeDevice device{{process(milliseconds{1})}};
   device.join();
   for (int i = 0; i < 4; ++i) device.cycle();
@@ -77,8 +77,49 @@ TEST(ProcessModule, IsWokenOnlyOnceWhileItSleeps) {
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }
 
-// The executor and the program run at independent speeds, and use the same words in memory as
-// libtakt_process.
+channel::Ticket ticket_of(const channel::ReleaseSlot& slot) {
+  return channel::ticket_of(slot, {.count = slot.released.load()});
+}
+
+TEST(ProcessModule, FollowsTheProgramBeforeItInTheRow) {
+  FakeDevice device{{process(milliseconds{1}, 9), process(milliseconds{2}, 5), process(milliseconds{1}, 1)}};
+  device.join();
+  device.cycle();
+  EXPECT_EQ(ticket_of(device.slots[2]).after, 0U) << "it is the first in its row";
+  EXPECT_EQ(ticket_of(device.slots[1]).after, ticket_of(device.slots[2]).number);
+  EXPECT_EQ(ticket_of(device.slots[0]).after, ticket_of(device.slots[1]).number);
+  for (std::size_t i = 0; i < 3; ++i) device.slots[i].done.store(1);
+  device.cycle();
+  EXPECT_EQ(ticket_of(device.slots[2]).after, 0U);
+  EXPECT_EQ(ticket_of(device.slots[0]).after, ticket_of(device.slots[2]).number)
+      << "the program between them is not due";
+}
+
+TEST(ProcessModule, FollowsNoProgramThatIsStillInItsBody) {
+  FakeDevice device{{process(milliseconds{1}), process(milliseconds{1}), process(milliseconds{1})}};
+  device.join();
+  device.cycle();
+  device.slots[0].done.store(1);
+  device.slots[2].done.store(1);
+  device.cycle();
+  EXPECT_EQ(ticket_of(device.slots[2]).after, ticket_of(device.slots[0]).number);
+}
+
+TEST(ProcessModule, GetsNoTicketForAPendingRelease) {
+  model::Module behind = process(milliseconds{1});
+  behind.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 3};
+  FakeDevice device{{behind, process(milliseconds{1})}};
+  device.join();
+  device.cycle();
+  device.slots[1].done.store(1);
+  device.cycle();
+  EXPECT_EQ(device.slots[0].released.load(), 2U);
+  EXPECT_EQ(ticket_of(device.slots[0]).number, 0U);
+  EXPECT_EQ(ticket_of(device.slots[1]).after, 0U) << "a pending release holds up no other program";
+}
+
+// The executor and the program run at independent speeds. They share only the words in shared memory that
+// libtakt_process uses.
 TEST(ProcessModule, ServesEachReleaseOnceAtAnyProgramSpeed) {
   constexpr std::uint64_t kReleases = 20'000;
   FakeDevice device{{process(milliseconds{1})}};

@@ -1,5 +1,5 @@
 // Removes modules from the tables while rows run as fast as possible. After a removal, no code of the module
-// runs, so other threads may access its data.
+// runs, so other threads may access the module's data.
 #include <takt/channel/removal.hpp>
 
 #include <gtest/gtest.h>
@@ -22,8 +22,8 @@ namespace {
 using std::chrono::milliseconds;
 constexpr auto kThread = model::ModuleType::thread;
 
-/// A clock that advances by a nanosecond each time it is read. Each row sets it to its own release time,
-/// because otherwise the rows would drift away from the grid.
+/// A clock that advances by a nanosecond each time it is read. walk_row() sets the clock to the release time
+/// of the row, because otherwise the rows would drift away from the grid.
 class TickingClock final : public Clock {
  public:
   Instant now() noexcept override { return from_ns(ticks_.fetch_add(1, std::memory_order_relaxed)); }
@@ -44,7 +44,8 @@ model::Module immediate(Nanoseconds deadline) {
   return module;
 }
 
-/// Data that run() and condition() share with the removing thread. Only the removal synchronizes them.
+/// Data that run() and condition() share with the removing thread. Only the removal synchronizes the
+/// accesses.
 struct Shared {
   std::atomic<bool> inside{false};
   std::uint64_t plain = 0;
@@ -59,7 +60,8 @@ struct Shared {
 };
 
 TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
-  // One periodic module, one sporadic module released by rows, and one with immediate dispatch.
+  // One periodic module, one sporadic module that rows release, and one sporadic module with immediate
+  // dispatch.
   constexpr std::size_t kModules = 3;
   constexpr std::uint64_t kTimes = 1'500;
   FakeDevice device{
@@ -94,7 +96,7 @@ TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
   std::mt19937 random{5};
   std::array<channel::Removal, kModules> removals;
   std::array<std::uint64_t, kModules> outs{};
-  const auto busy = [&] {  // continues until each module has run often and has been removed often
+  const auto busy = [&] {  // true until each module has often run and has often been removed
     for (std::size_t i = 0; i < kModules; ++i) {
       if (device.blocks[i].cycles.load(std::memory_order_relaxed) < kTimes || outs[i] < kTimes / kModules)
         return true;
@@ -104,10 +106,10 @@ TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
   std::uint64_t met = 0;
   while (busy() && met == 0) {
     const std::size_t i = random() % kModules;
-    const channel::Place place{.index = static_cast<std::uint32_t>(i),
-                               .block = &device.blocks[i],
-                               .executor = device.block.get(),
-                               .slot = nullptr};
+    const channel::ModuleMemory place{.index = static_cast<std::uint32_t>(i),
+                                      .block = &device.blocks[i],
+                                      .executor = device.block.get(),
+                                      .slot = nullptr};
     removals[i].begin(place);
     while (!removals[i].over(place)) std::this_thread::yield();
     for (int look = 0; look < 20; ++look) met += shared[i].inside.load(std::memory_order_relaxed) ? 1 : 0;
@@ -123,7 +125,7 @@ TEST(Removal, IsOverOnlyWhenNoCodeOfTheModuleRuns) {
   for (std::size_t i = 0; i < kModules; ++i) EXPECT_EQ(shared[i].plain, shared[i].calls + outs[i]) << i;
 }
 
-// A row checks for unread events while the sporadic thread may be reading them.
+// A row checks whether the module has unread events while the sporadic thread may be reading these events.
 TEST(ImmediateModule, CanBeCheckedForEventsByARowWhileItRuns) {
   constexpr std::uint64_t kEvents = 20'000;
   FakeDevice device{{thread(milliseconds{1}), immediate(milliseconds{5})}};
@@ -178,7 +180,7 @@ class RemovalStep : public testing::Test {
   std::unique_ptr<channel::ExecutorBlock> executor = std::make_unique<channel::ExecutorBlock>();
   std::unique_ptr<channel::ModuleBlock> block = std::make_unique<channel::ModuleBlock>();
   channel::ReleaseSlot slot{};
-  channel::Place place{.index = 4, .block = block.get(), .executor = executor.get(), .slot = nullptr};
+  channel::ModuleMemory place{.index = 4, .block = block.get(), .executor = executor.get(), .slot = nullptr};
   channel::Removal removal;
 };
 

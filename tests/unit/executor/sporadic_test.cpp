@@ -20,7 +20,8 @@ const char* hold(bool* ready) {
 
 class SporadicModule : public testing::Test {
  protected:
-  /// Makes one sporadic thread module for each deadline. Module 0 is periodic, with a period of 1 ms.
+  /// Makes a device with one sporadic thread module for each deadline. Module 0 of the device is periodic,
+  /// with a period of 1 ms.
   void make(const std::vector<Nanoseconds>& deadlines) {
     std::vector<model::Module> modules{thread(milliseconds{1})};
     for (const Nanoseconds deadline : deadlines) modules.push_back(sporadic(kThread, deadline));
@@ -120,7 +121,7 @@ TEST_F(SporadicModule, RunsInTableOrderIfDeadlinesAreEqual) {
   EXPECT_EQ(ran, "2 1 3 ") << "by priority, then by position in the file";
 }
 
-TEST_F(SporadicModule, IsNotCheckedAgainWhileItIsReadyToRun) {
+TEST_F(SporadicModule, HasItsConditionCheckedOnlyOnceUntilItRuns) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   EXPECT_EQ(device->cycle(), channel::kSporadicBit);
@@ -133,7 +134,7 @@ TEST_F(SporadicModule, IsNotCheckedAgainWhileItIsReadyToRun) {
   EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
 }
 
-TEST_F(SporadicModule, IsNotCheckedByARowThatInterruptsIt) {
+TEST_F(SporadicModule, IsNotCheckedByARowThatPreemptsIt) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   device->bodies[1].on_run = [this](const Cycle&) {
@@ -193,7 +194,7 @@ TEST_F(SporadicModule, DoesNotRunAfterItsRemoval) {
   device->bodies[1].on_condition = hold;
   device->cycle();
   device->blocks[1].in_tables.store(0);
-  EXPECT_TRUE(device->executor->run_sporadic()) << "it was still ready";
+  EXPECT_TRUE(device->executor->run_sporadic()) << "the module was still ready";
   EXPECT_EQ(ran, "0 ");
   EXPECT_EQ(device->blocks[1].cycles.load(), 0U);
   device->cycle();
@@ -221,14 +222,14 @@ TEST_F(SporadicModule, IsRemovedIfItExceedsItsBudget) {
   EXPECT_EQ(fake.blocks[1].in_tables.load(), 0U);
 }
 
-TEST_F(SporadicModule, IsReleasedByEveryRowIfItIsAProgramThatWaits) {
+TEST_F(SporadicModule, IsReleasedByEveryRowIfItIsAWaitingProgram) {
   FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};
   channel::ReleaseSlot& slot = fake.slots[0];
   fake.join();
   fake.cycle();
   EXPECT_EQ(slot.released.load(), 1U);
   EXPECT_EQ(slot.cycle(slot.released.load()), 0U);
-  fake.cycle();  // in this cycle, the program is still in its body
+  fake.cycle();  // in this row, the program is still in its body
   EXPECT_EQ(slot.released.load(), 1U);
   slot.done.store(1);
   fake.cycle();

@@ -143,6 +143,18 @@ TEST(LatenessDiagnosis, BlamesPreemptionForTimeSpentWaitingForACpu) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "waited 290 us for a CPU");
 }
 
+TEST(LatenessDiagnosis, NamesAShortWaitForACpuIfItIsTheCause) {
+  Made made;
+  made.good(0, 100);
+  made.row(100 * kMs, 30 * kUs, {{0, 40 * kUs}, {1, 60 * kUs}});
+  made.good(101, 100);
+  made.sample(99 * kMs).waited = 1ms;
+  for (const std::int64_t at : {102, 150, 200}) made.sample(at * kMs).waited = 1018us;
+  const auto late = judged(made);
+  EXPECT_EQ(late[0].cause, Cause::preemption);
+  EXPECT_EQ(in_words(late[0], made.recording.modules), "waited 18.0 us for a CPU");
+}
+
 TEST(LatenessDiagnosis, IgnoresTheUsualWaitForACpu) {
   Made made = one_late_row();
   for (std::int64_t i = 0; i < 10; ++i) made.sample((93 + 2 * i) * kMs).waited = 290us * i;
@@ -164,6 +176,15 @@ TEST(LatenessDiagnosis, BlamesManyPageFaults) {
   const auto late = judged(made);
   EXPECT_EQ(late[0].cause, Cause::page_fault);
   EXPECT_EQ(in_words(late[0], made.recording.modules), "200 page faults");
+}
+
+TEST(LatenessDiagnosis, CountsTheTimeThatPageFaultsTakeOnTheMachine) {
+  Made made = one_late_row();
+  made.sample(99 * kMs);
+  made.sample(102 * kMs).minor_faults = 30;
+  EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
+  made.recording.minor_fault = 9us;
+  EXPECT_EQ(judged(made)[0].cause, Cause::page_fault);
 }
 
 TEST(LatenessDiagnosis, DoesNotBlameAFewPageFaultsForALongDelay) {
@@ -208,7 +229,7 @@ TEST(LatenessDiagnosis, BlamesTheGreaterOfTwoCauses) {
   }
 }
 
-TEST(LatenessDiagnosis, DoesNotBlameARunThatWasInterrupted) {
+TEST(LatenessDiagnosis, BlamesPageFaultsRatherThanTheRunThatTheyProlonged) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 1940 * kUs}, {1, 60 * kUs}});
@@ -217,8 +238,8 @@ TEST(LatenessDiagnosis, DoesNotBlameARunThatWasInterrupted) {
   made.sample(103 * kMs).minor_faults = 2000;
   const auto late = judged(made);
   ASSERT_EQ(late.size(), 2U);
-  EXPECT_EQ(late[0].cause, Cause::page_fault);  // the late start of m1 in the long row
-  EXPECT_EQ(late[1].cause, Cause::page_fault);  // the row after the long row
+  EXPECT_EQ(late[0].cause, Cause::page_fault);  // the first late start: m1 in the long row
+  EXPECT_EQ(late[1].cause, Cause::page_fault);  // the second late start: the row after the long row
   EXPECT_EQ(late[1].culprit, 0U);
   EXPECT_EQ(in_words(late[1], made.recording.modules),
             "m0 ran 1.94 ms in the previous row (usually 40.0 us); 1 row missed; 2000 page faults");

@@ -9,7 +9,8 @@
 
 namespace takt::flight {
 
-/// A recording of one executor `plc`, with a basic period of 1 ms and the modules m0, m1 and so on.
+/// An artificial recording of one executor `plc`, which has a basic period of 1 ms. The modules are m0, m1
+/// and so on.
 class Made {
  public:
   static constexpr std::int64_t kMs = 1'000'000;
@@ -24,8 +25,8 @@ class Made {
         {.name = "plc", .basic_period = std::chrono::milliseconds{1}, .threads = {}});
   }
 
-  /// Adds a row that is due at `release_ns` and begins `late_ns` later. Its runs follow each other without a
-  /// gap.
+  /// Adds a row that is due at `release_ns` and begins `late_ns` later. The runs in the row follow each other
+  /// without a gap. Returns the time at which the row ends.
   std::int64_t row(std::int64_t release_ns, std::int64_t late_ns,
                    std::initializer_list<std::pair<std::uint32_t, std::int64_t>> runs, bool ends = true) {
     std::int64_t now = release_ns + late_ns;
@@ -47,7 +48,8 @@ class Made {
     copy.entries.push_back({time_ns, kind, module, static_cast<std::uint64_t>(value)});
     ++copy.written;
   }
-  /// Adds a sample of the kernel's counters for the thread that runs the rows, on CPU 1.
+  /// Adds a sample of the kernel's counters for the thread that runs the rows, on CPU 1. Returns the
+  /// counters, so that a test can set them.
   os::ThreadUse& sample(std::int64_t time_ns, Nanoseconds stolen = {}) {
     Sample sample{.time_ns = time_ns, .threads = {}, .stolen = {Nanoseconds{0}, stolen}};
     sample.threads.push_back({os::ThreadUse{.cpu = 1}, std::nullopt});

@@ -35,8 +35,8 @@ std::uint64_t bytes(const std::vector<std::uint64_t>& entries) {
 }
 
 TEST(RecordingSize, CoversTheRequestedDuration) {
-  // 5 s contain 5000 rows. Each row has 2 entries, and 4 entries for each of its 10 runs. The size is a power
-  // of two.
+  // 5 s contain 5000 rows. Each row writes 2 entries, and 4 entries for each of its 10 runs: 210,000 in
+  // total. The size is the next power of two.
   EXPECT_EQ(entries_for(plan_of(10, 1ms), 5s), (std::vector<std::uint64_t>{262'144, 0}));
 }
 

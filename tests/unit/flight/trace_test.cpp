@@ -20,8 +20,8 @@ constexpr std::int64_t kMs = Made::kMs;
 constexpr std::int64_t kUs = Made::kUs;
 constexpr std::size_t kPlenty = 1U << 30;
 
-/// Checks that each event has what Chrome and Perfetto need, that the events of a thread do not overlap, and
-/// that every run lies within a row.
+/// Checks that each event has the members that Chrome and Perfetto need, that the events of a thread do not
+/// overlap, and that every run lies within a row.
 void expect_sound(const json& trace) {
   struct Span {
     double begin, end;

@@ -11,7 +11,7 @@
 
 namespace takt {
 
-/// The memory of a link and, if samples are passed as objects, of its values.
+/// A link between two ports, with its memory and, if samples are passed as objects, with the objects.
 class TestLink {
  public:
   TestLink(PortBase& from, PortBase& to, bool as_objects, std::uint32_t depth = 8,
@@ -25,8 +25,8 @@ class TestLink {
     channel::Link::format(start, options);
     link = channel::Link{start};
     void* values = as_objects ? from.make_values(link.buffers()) : nullptr;
-    // As in the host, values are never freed. This list keeps them reachable, so that the leak checker does
-    // not report them.
+    // As in the host, the objects are never freed. This list keeps them reachable, so that the leak checker
+    // does not report them.
     static auto& kept = *new std::vector<void*>;
     kept.push_back(values);
     from.connect(link, values);
@@ -48,7 +48,7 @@ inline PortBase& port_of(const Component& component, const std::string& name) {
   TAKT_CHECK(false);
 }
 
-/// Implements the pure virtual functions of Component.
+/// A component whose run() does nothing.
 struct Plain : Component {
   void run(const Cycle&) override {}
 };
@@ -58,7 +58,7 @@ struct Asking : Plain {
   Client<T, T> ask{*this, "ask"};
 };
 
-/// Connects a client module to the service NAME of another module.
+/// Connects the client "ask" of one module to the service `name` of another module.
 struct ConnectedService {
   ConnectedService(Component& client, Component& server, const std::string& name, bool as_objects,
                    std::uint32_t wake_bits = 0)

@@ -60,7 +60,7 @@ TEST_F(PropertiesOfARunningModule, TakeEffectTogetherAtTheNextCall) {
   EXPECT_EQ(drive.low, -4);
 }
 
-TEST_F(PropertiesOfARunningModule, KeepTheWaitingValueWhenTheyRejectAnother) {
+TEST_F(PropertiesOfARunningModule, KeepAPendingValueIfTheNextValueIsRejected) {
   ASSERT_EQ(reason({{"gain", "2"}}), "");
   EXPECT_EQ(reason({{"gain", "100.5"}}),
             "error: property 'gain' cannot be '100.5'; it takes a number, 0 to 100, in 1/s");
@@ -69,10 +69,10 @@ TEST_F(PropertiesOfARunningModule, KeepTheWaitingValueWhenTheyRejectAnother) {
   EXPECT_EQ(drive.gain, 2);
 }
 
-TEST_F(PropertiesOfARunningModule, AreSetAllOrNoneByOneRequest) {
+TEST_F(PropertiesOfARunningModule, AreNotSetIfOneValueOfARequestIsRejected) {
   EXPECT_EQ(reason({{"gain", "3"}, {"high", "0"}, {"speed", "1"}, {"low", "7"}}),
             "error: property 'high' cannot be '0'; it takes a whole number, at least 1\n"
-            "error: component Drive has no property 'speed'; use low, high, gain or label");
+            "error: component Drive has no property 'speed'; use low, high, gain, label or log-level");
   live.take_over();
   EXPECT_EQ(drive.gain, 1.5);
   EXPECT_EQ(drive.low, 0);
@@ -87,7 +87,7 @@ TEST_F(PropertiesOfARunningModule, CanBeReadByName) {
             R"(error: component Drive has no property 'Gain\n'; did you mean gain?)");
 }
 
-TEST_F(PropertiesOfARunningModule, DropWaitingValuesWhenTheComponentIsReloaded) {
+TEST_F(PropertiesOfARunningModule, DropPendingValuesWhenTheComponentIsReloaded) {
   ASSERT_EQ(reason({{"gain", "9"}}), "");
   Drive fresh;
   live.serve(fresh.properties(), "Drive");
@@ -96,10 +96,10 @@ TEST_F(PropertiesOfARunningModule, DropWaitingValuesWhenTheComponentIsReloaded) 
   EXPECT_EQ(drive.gain, 1.5);
 }
 
-// One thread sets properties as fast as it can, sometimes before the previous values have taken effect. The
-// other thread calls the component.
+// One thread sets properties as fast as it can, sometimes before the component has taken over the previous
+// values. A second thread calls the component.
 TEST_F(PropertiesOfARunningModule, NeverChangeDuringACall) {
-  // Many properties, so that a takeover takes some time.
+  // Adds many properties, so that taking over all values takes some time.
   std::vector<std::unique_ptr<Property<std::string>>> more;
   for (int i = 0; i < 30; ++i)
     more.push_back(std::make_unique<Property<std::string>>(drive, "more" + std::to_string(i), "0"));
@@ -135,7 +135,7 @@ TEST_F(PropertiesOfARunningModule, NeverChangeDuringACall) {
         {"low", std::to_string(n)}, {"high", std::to_string(n + 1)}, {"label", text_of(n)}};
     for (const auto& each : more) values.emplace_back(each->name(), text_of(n));
     ASSERT_TRUE(live.set(values).ok());
-    // This request may arrive in the middle of the previous takeover.
+    // This request may arrive while the component takes over the values of the previous request.
     if (random() % 2 == 0) {
       ASSERT_TRUE(live.set({{"gain", std::to_string(n % 100)}}).ok());
     }

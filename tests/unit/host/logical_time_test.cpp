@@ -1,5 +1,5 @@
-// Tests timing="let" on virtual time: the results of the modules depend neither on when they run within their
-// periods, nor on how many run at the same time.
+// Tests timing="let" (logical execution time) on virtual time. The results of the modules must depend neither
+// on when each module runs within its periods, nor on how many modules run at the same time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <takt/component.hpp>
+#include <takt/process.hpp>
 
 #include "../../system/components/sample.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 
 using ::samples::Count;
 
-/// One connection and its memory.
+/// A connection between two ports, with the memory of its link.
 struct Way {
   Way(OutPort<Count>& from, InPort<Count>& to, std::uint32_t depth, bool queue) {
     const channel::Link::Options options{
@@ -34,7 +35,8 @@ struct Way {
   std::vector<Line> memory;
 };
 
-/// A module that mixes its inputs into its output.
+/// A module whose state depends on each sample that the module reads. The module writes a number that it
+/// computes from its state.
 struct Mixer {
   explicit Mixer(std::int64_t p) : period(p) { out.serve(context); }
   InPort<Count>& input() {
@@ -70,8 +72,8 @@ struct Mixer {
 constexpr std::int64_t kUnit = 1'000'000;
 constexpr std::int64_t kStart = 1'000'000'000;
 
-/// Returns the states of all modules after 300 units of time. `cell` selects the connections; `times` selects
-/// when each module runs within its periods.
+/// Simulates a random cell for 300 ms and returns the states of its modules. `cell` selects the modules and
+/// their connections, and `times` selects when each module runs within its periods.
 std::vector<std::uint64_t> run(std::uint64_t cell, std::uint64_t times, bool logical) {
   std::mt19937_64 draw{cell};
   std::vector<std::unique_ptr<Mixer>> modules;

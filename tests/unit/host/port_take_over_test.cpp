@@ -1,4 +1,5 @@
-// Tests that the ports of one instance can take over from those of another instance, and hand back.
+// Tests that the ports of a new instance can take over from the ports of the old instance, and that the old
+// ports can then take back the connection.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -7,8 +8,7 @@
 #include <random>
 #include <vector>
 
-#include <takt/component/in_port.hpp>
-#include <takt/component/out_port.hpp>
+#include <takt/process.hpp>
 
 #include "../../system/components/sample.hpp"
 
@@ -17,8 +17,8 @@ namespace {
 
 using Sample = samples::Count;
 
-/// A link with two outputs and two inputs. The second output and the second input are spare ports, which can
-/// take over. The parameter says whether samples are passed as objects.
+/// A link with two outputs and two inputs. The second output and the second input stand by, and can take over
+/// from the first output and the first input. The parameter is true if samples are passed as objects.
 class PortTakeOver : public testing::TestWithParam<bool> {
  protected:
   void connect(std::uint32_t depth, bool safe = false) {
@@ -28,7 +28,8 @@ class PortTakeOver : public testing::TestWithParam<bool> {
     memory.resize(channel::Link::layout(options).size() / sizeof(Line));
     channel::Link::format(memory[0].data(), options);
     void* values = GetParam() ? out[0].make_values(link().buffers()) : nullptr;
-    // Values are never freed. This list keeps them reachable, so that the leak checker does not report them.
+    // The objects are never freed. This list keeps them reachable, so that the leak checker does not report
+    // them.
     static auto& kept = *new std::vector<void*>;
     kept.push_back(values);
     out[1].stand_by();
@@ -45,7 +46,7 @@ class PortTakeOver : public testing::TestWithParam<bool> {
     fill(sample, ++written);
     EXPECT_EQ(out[by].write(sample), Written::yes);
   }
-  /// Reads the next number; returns 0 if there is none.
+  /// Reads the next sample and returns its number. Returns 0 if there is no new sample.
   std::uint64_t read(std::size_t by) {
     if (!in[by].read()) return 0;
     EXPECT_TRUE(is_whole(in[by].value()));
@@ -83,7 +84,7 @@ TEST_P(PortTakeOver, KeepsTheLastValueAndAllUnreadSamples) {
   EXPECT_EQ(read(0), 0U);
 }
 
-TEST_P(PortTakeOver, KeepsALatestValueThatIsNotSentAgain) {
+TEST_P(PortTakeOver, KeepsTheLatestValueEvenIfItIsNotSentAgain) {
   connect(1);
   write(0);
   EXPECT_EQ(read(0), 1U);

@@ -1,5 +1,5 @@
 // A device that runs in real time while the test counts every allocation, lock and system call of its
-// real-time threads. The product contains no code for this: a module's run() sets the traps.
+// real-time threads. The product contains no code for this: the test sets the traps from run() of a module.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -39,12 +39,13 @@ namespace takt::host {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// What the watched threads have done (counted in watched.cpp).
+/// The numbers of calls that the watched threads have made. watched.cpp counts them.
 extern std::atomic<std::uint64_t> allocations;
 extern std::atomic<std::uint64_t> frees;
 extern std::atomic<std::uint64_t> locks;
 extern std::atomic<std::uint64_t> waits;
-/// Starts counting the calls of the calling thread. Returns false if it was already watched.
+/// Starts counting the calls of the thread that calls watch(). Returns false if this thread was already
+/// watched.
 bool watch();
 
 class Script final : public executor::Body {
@@ -61,14 +62,15 @@ class Script final : public executor::Body {
   std::uint64_t asked = 0;
 };
 
-/// A device that runs in real time with a flight recorder. It has three thread modules, a sporadic module,
-/// and a program that sleeps on the wake word after each body.
+/// A device that runs in real time with a flight recorder. It has three periodic thread modules, a sporadic
+/// thread module, and a process module that sleeps on the wake word after each body.
 class RealTimePath : public testing::Test {
  protected:
   static constexpr auto kPeriod = microseconds{500};
   static constexpr std::size_t kSporadic = 3;
   static constexpr std::size_t kProgram = 4;
-  // Capacity of a ring; smaller than the number of entries, so that some are overwritten.
+  // Capacity of each ring of the flight record, in entries. The rings are small, so that new entries
+  // overwrite old entries.
   static constexpr std::uint64_t kRecorded = 256;
 
   void SetUp() override {
@@ -118,7 +120,7 @@ class RealTimePath : public testing::Test {
     set_at_first_run(kSporadic, *sporadic_trap);
   }
 
-  /// Sets the trap in the first run() of the module, for the thread that calls it.
+  /// Makes the first run() of the module set the trap on the thread that calls run().
   void set_at_first_run(std::size_t module, SystemCallTrap& trap) {
     bodies[module].on_run = [this, &trap](const Cycle&) {
       if (!watch()) return;
@@ -126,7 +128,7 @@ class RealTimePath : public testing::Test {
     };
   }
 
-  /// Runs the device for this many cycles, and collects the counts of that time.
+  /// Runs the device for this many cycles, and stores the calls that the watched threads have made by then.
   void run(std::uint64_t cycles) {
     std::thread program{[this] { serve(); }};
     Problems problems;
@@ -172,7 +174,7 @@ class RealTimePath : public testing::Test {
   }
 
   std::array<Script, 5> bodies;
-  executor::Body* replaced = nullptr;  // if set, runs in place of bodies[1]
+  executor::Body* replaced = nullptr;  // if set, runs instead of bodies[1]
   std::array<channel::ModuleBlock, 5> blocks{};
   std::unique_ptr<channel::ExecutorBlock> block = std::make_unique<channel::ExecutorBlock>();
   channel::ReleaseSlot slot{};
@@ -181,7 +183,7 @@ class RealTimePath : public testing::Test {
   std::array<channel::FlightWriter, 2> flight;
   std::unique_ptr<SystemCallTrap> row_trap;
   std::unique_ptr<SystemCallTrap> sporadic_trap;
-  // Destroyed before the traps, so that the watched threads have ended.
+  // Declared after the traps, so that its destructor ends the watched threads before the traps are destroyed.
   std::unique_ptr<ExecutorThreads> threads;
   std::atomic<int> trap_error{0};
   std::vector<SystemCall> row_calls;

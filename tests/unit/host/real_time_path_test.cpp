@@ -1,12 +1,11 @@
 // Checks that real-time threads keep Takt's promise: they take no lock, allocate no memory, and make no
-// system call except their sleep and one wake-up through the wake word per cycle.
+// system call except their sleep and at most one wake-up through the wake word per cycle.
 #include "real_time_path.hpp"
 
 #include <takt/channel/saved_state.hpp>
 #include <takt/component.hpp>
-#include <takt/component/in_port.hpp>
-#include <takt/component/out_port.hpp>
 #include <takt/host/live_properties.hpp>
+#include <takt/process.hpp>
 
 #include "../../system/components/sample.hpp"
 #include "connected_service.hpp"
@@ -17,7 +16,7 @@ namespace {
 TEST_F(RealTimePath, MakesNoSystemCallExceptSleepAndOneWakeUpPerCycle) {
   run(4000);
   ASSERT_FALSE(row_calls.empty());
-  std::map<std::uint64_t, int> sleeps;  // by cycle
+  std::map<std::uint64_t, int> sleeps;  // number of sleeps in each cycle
   std::map<std::uint64_t, int> rings;
   for (const SystemCall& call : row_calls) {
     if (is_futex(call, FUTEX_WAIT_BITSET, threads.get(), sizeof *threads)) {
@@ -51,7 +50,7 @@ TEST_F(RealTimePath, NeverAllocatesOrLocks) {
   EXPECT_GT(blocks[kSporadic].cycles.load(), 200U);
 }
 
-// The test sets strings of many lengths, so that setting them must free and allocate memory.
+// The test sets strings of many lengths, so that each change must free and allocate memory somewhere.
 TEST_F(RealTimePath, AppliesPropertiesWithoutAllocatingOrLocking) {
   struct Named : Component {
     Property<std::string> label{*this, "label", "none"};
@@ -84,7 +83,7 @@ TEST_F(RealTimePath, AppliesPropertiesWithoutAllocatingOrLocking) {
   EXPECT_GT(changes.load(), 500U);
 }
 
-/// An output, an input and the link between them.
+/// An output, an input, and the link that connects them.
 struct Connected {
   Connected(bool as_objects, std::uint32_t wake_bits, bool has_safe_value = false) {
     const std::uint32_t most = PortType<samples::Count>::info.max_size;
@@ -118,7 +117,7 @@ struct Connected {
   InPort<samples::Count> in{"in"};
 };
 
-TEST_F(RealTimePath, PortsNeverAllocateOrLockAndWakeOncePerCycle) {
+TEST_F(RealTimePath, MovesSamplesWithoutAllocatingOrLockingAndWakesOncePerCycle) {
   Connected objects{true, 0};
   Connected bytes{false, channel::kSporadicBit};
   PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
@@ -157,8 +156,8 @@ TEST_F(RealTimePath, PortsNeverAllocateOrLockAndWakeOncePerCycle) {
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "wake-ups after cycle " << cycle;
 }
 
-// While one thread writes samples, the node repeatedly switches the reader to the safe value and back.
-TEST_F(RealTimePath, SafeValuesNeverAllocateOrLock) {
+// A module writes samples, while the node repeatedly switches the reader to the safe value and back.
+TEST_F(RealTimePath, SwitchesToSafeValuesWithoutAllocatingOrLocking) {
   Connected objects{true, 0, true};
   Connected bytes{false, 0, true};
   PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
@@ -204,7 +203,7 @@ TEST_F(RealTimePath, SafeValuesNeverAllocateOrLock) {
   EXPECT_GT(safe, 50U);
 }
 
-TEST_F(RealTimePath, SavingStateNeverAllocatesOrLocks) {
+TEST_F(RealTimePath, SavesStateWithoutAllocatingOrLocking) {
   const auto place = std::make_unique<channel::SavedState>();
   std::array<std::uint64_t, channel::kMostSaved / sizeof(std::uint64_t)> kept{};
   bodies[1].on_run = [&](const Cycle& cycle) {
@@ -218,7 +217,7 @@ TEST_F(RealTimePath, SavingStateNeverAllocatesOrLocks) {
   EXPECT_GT(place->saved()->number, 1000U);
 }
 
-TEST_F(RealTimePath, ServicesNeverAllocateOrLockAndWakeOncePerCycle) {
+TEST_F(RealTimePath, ServesCallsWithoutAllocatingOrLockingAndWakesOncePerCycle) {
   struct Answers : Plain {
     Service<samples::Count, samples::Count> answer{*this, "answer"};
   } server;

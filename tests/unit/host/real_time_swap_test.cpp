@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include <takt/channel/saved_state.hpp>
-#include <takt/component/in_port.hpp>
+#include <takt/process.hpp>
 #include "swap.hpp"
 
 #include "../../system/components/sample.hpp"
@@ -12,8 +12,8 @@
 namespace takt::host::real_time_swap_test {
 namespace {
 
-/// Swaps real components into module 1. Each component counts its runs in its saved state and publishes the
-/// count.
+/// Swaps the component of module 1 for another real component. Each component counts its runs in its saved
+/// state and publishes the count.
 class RealTimeSwap : public RealTimePath {
  protected:
   static inline const std::string kFolder = std::string{TAKT_BINARY_DIR} + "/tests/components/";
@@ -89,7 +89,8 @@ TEST_F(RealTimeSwap, NeverAllocatesOrLocksAndLosesNoSample) {
   std::string failure;
   std::thread swapper{[&] {
     while (!end && failure.empty()) {
-      // Alternates, so that the state is sometimes copied and sometimes translated.
+      // Alternates between two components, so that the swap sometimes copies and sometimes translates the
+      // state.
       const bool other = kept % 3 == 0;
       const Swapped swapped = swap(other ? "ticks_more.so" : "ticks.so");
       if (swapped.kept) {

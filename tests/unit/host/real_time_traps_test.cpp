@@ -1,4 +1,4 @@
-// Tests that the traps detect what a module must not do on a real-time thread.
+// Tests that the traps detect the calls that a module must not make on a real-time thread.
 #include "real_time_path.hpp"
 
 #include <unistd.h>
@@ -10,7 +10,8 @@
 namespace takt::host::real_time_traps_test {
 namespace {
 
-/// Returns a body that calls `action` once: in cycle 100, or in the next cycle if that row was missed.
+/// Returns a body that calls `action` once: in cycle 100, or in a later cycle if the row of cycle 100 was
+/// missed.
 std::function<void(const Cycle&)> once(std::function<void()> action) {
   return [action = std::move(action), done = false](const Cycle& cycle) mutable {
     if (done || cycle.number < 100) return;
@@ -53,14 +54,14 @@ TEST_F(RealTimeTrap, DetectsAnAllocationOfAModule) {
   EXPECT_EQ(seen["frees"], 1U);
 }
 
-TEST_F(RealTimeTrap, DetectsALockOfAModule) {
+TEST_F(RealTimeTrap, DetectsALockThatAModuleTakes) {
   std::mutex mutex;
   bodies[1].on_run = once([&mutex] { const std::lock_guard lock{mutex}; });
   run(200);
   EXPECT_EQ(seen["locks"], 2U);
 }
 
-TEST_F(RealTimeTrap, DetectsAConditionVariableWaitOfAModule) {
+TEST_F(RealTimeTrap, DetectsThatAModuleWaitsForAConditionVariable) {
   std::mutex mutex;
   std::condition_variable condition;
   bodies[1].on_run = once([&] {

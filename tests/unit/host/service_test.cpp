@@ -131,7 +131,7 @@ TEST_P(ServiceCall, TimesOutAfterItsLimitInCycleTime) {
   EXPECT_EQ(client.ask.poll(), CallStatus::timed_out);
   EXPECT_EQ(client.ask.late(), 1U);
   EXPECT_EQ(link.replies.link.block().late.load(), 1U);
-  // A late reply must not answer the next call.
+  // A late reply to one call must not answer the next call.
   client.ask.call(count_of(3), 10ms);
   ASSERT_TRUE(server.answer.take());
   pass(10ms);
@@ -154,11 +154,11 @@ TEST_P(ServiceCall, IsRejectedIfItsRequestIsOlderThanItsTimeout) {
 }
 
 TEST_P(ServiceCall, IgnoresAReplyToAFormerInstanceOfTheClient) {
-  if (GetParam()) return;  // objects would have to stay in the same memory, which only HostLinks ensures
+  if (GetParam()) return;  // objects would have to stay in the same memory; only HostLinks ensures this
   const ConnectedService link{client, server, "answer", false};
   client.ask.call(count_of(1), 1s);
   ASSERT_TRUE(server.answer.take());
-  Asking<Count> again;  // the client of the reloaded module
+  Asking<Count> again;  // the client in the new instance of the reloaded module
   pass(1ms);
   serve_all(again, at_client);
   auto* out = &port_of(again, "ask/request");
@@ -167,7 +167,7 @@ TEST_P(ServiceCall, IgnoresAReplyToAFormerInstanceOfTheClient) {
   in->connect(link.replies.link, nullptr);
   EXPECT_EQ(again.ask.call(count_of(5), 1s), CallStatus::pending);
   server.answer.reply(count_of(2));
-  EXPECT_EQ(again.ask.poll(), CallStatus::pending) << "both calls have the number 1";
+  EXPECT_EQ(again.ask.poll(), CallStatus::pending) << "although both calls have the number 1";
 }
 
 TEST_P(ServiceCall, IsRejectedIfItsRequestOrReplyIsTooLarge) {
@@ -221,15 +221,16 @@ TEST(ServiceHandler, DoesNotWakeASporadicModule) {
   EXPECT_EQ(port_of(polled, "answer/request").direction(), PortDirection::event);
 }
 
-// Programs that were compiled without a type use its description instead.
-TEST(ServiceType, IsEncodedAsItsDescriptionSays) {
+// A program that was compiled without the type uses the description of the type. So the description must
+// match the encoding.
+TEST(ServiceType, IsEncodedAccordingToItsDescription) {
   const auto check = [](const TypeInfo& info, const std::byte* bytes, std::uint32_t size) {
     const auto type = model::parse_type(info.description);
     ASSERT_TRUE(type.ok()) << to_text(type.problems());
     EXPECT_EQ(type->name, info.name);
     EXPECT_EQ(model::max_size(*type), info.max_size);
     EXPECT_TRUE(model::is_sample(*type, bytes, size));
-    // Encodes the sample again from its fields.
+    // Encodes the sample again from the values of its fields.
     const auto again = model::sample_bytes(*type, model::sample_json(*type, bytes, size));
     ASSERT_TRUE(again.ok()) << to_text(again.problems());
     EXPECT_EQ(*again, std::vector<std::byte>(bytes, bytes + size));
@@ -272,7 +273,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Starts the service thread of one module in the same way as the host does.
+/// Starts the service thread of a module as the host does.
 class HandlerThread : public testing::Test {
  protected:
   void start(std::function<bool()> serve) {
@@ -374,19 +375,36 @@ TEST_F(HandlerThread, AnswersRequestsWhileItsClientsRun) {
   EXPECT_GE(replied[1], 500U);
 }
 
-TEST_F(HandlerThread, GivesUpAHandlerThatNeverReturns) {
-  EXPECT_FALSE([&] {
-    start([&] {
-      --waiting;
-      while (!let_go) std::this_thread::sleep_for(1ms);
-      ++served;
-      return true;
-    });
-    return thread->give_up();
-  }()) << "the thread is in no handler";
+TEST_F(HandlerThread, WaitsForTheRunningHandlerBeforeItEnds) {
+  start([&] {
+    --waiting;
+    while (!let_go) std::this_thread::sleep_for(1ms);
+    ++served;
+    return true;
+  });
   waiting = 1;
-  until([&] { return activity.module.load() == 5; });
-  EXPECT_TRUE(thread->give_up());
+  until([&] { return thread->serves(); });
+  std::thread other{[&] {
+    std::this_thread::sleep_for(50ms);
+    let_go = true;
+  }};
+  thread.reset();
+  EXPECT_EQ(served, 1) << "the thread still uses the module, its activity and the wake word";
+  other.join();
+}
+
+TEST_F(HandlerThread, GivesUpAHandlerThatNeverReturns) {
+  start([&] {
+    --waiting;
+    while (!let_go) std::this_thread::sleep_for(1ms);
+    ++served;
+    return true;
+  });
+  EXPECT_FALSE(thread->serves());
+  waiting = 1;
+  until([&] { return thread->serves(); });
+  EXPECT_EQ(activity.module.load(), 5U);
+  thread->give_up();
   EXPECT_EQ(activity.module.load(), 0U);
   thread.reset();  // reset() does not wait for the handler
   EXPECT_EQ(served, 0);

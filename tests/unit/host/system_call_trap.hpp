@@ -1,5 +1,5 @@
-// Records every system call of one thread. A seccomp filter notifies another thread of each call, and that
-// thread records the call and lets it continue.
+// Records every system call of one thread. A seccomp filter reports each call to a second thread, which
+// records the call and lets it continue.
 #pragma once
 
 #include <linux/filter.h>
@@ -31,7 +31,7 @@ struct SystemCall {
 
 class SystemCallTrap {
  public:
-  /// The recording thread calls `stamp` at each system call.
+  /// For each system call, the recording thread calls `stamp` and stores the result with the call.
   explicit SystemCallTrap(std::function<std::uint64_t()> stamp = [] { return std::uint64_t{0}; })
       : calls_(kRoom), stamp_(std::move(stamp)) {
     auto started = os::Thread::start(
@@ -45,8 +45,8 @@ class SystemCallTrap {
     if (const int fd = listener_.load(); fd >= 0) ::close(fd);
   }
 
-  /// Starts to record the system calls of the calling thread. This cannot be undone, and the thread must end
-  /// before the trap is destroyed. Returns 0, or the error number from the kernel.
+  /// Starts recording the system calls of the thread that calls arm(). Recording cannot be stopped, and this
+  /// thread must end before the trap is destroyed. Returns 0, or the error number from the kernel.
   int arm() noexcept {
     constexpr auto kNumber = static_cast<std::uint32_t>(offsetof(seccomp_data, nr));
     std::array<sock_filter, 5> program{{

@@ -1,4 +1,4 @@
-// Replaces the C library's allocation and lock functions, and counts the calls of watched threads.
+// Replaces the allocation and lock functions of the C library. Counts the calls that watched threads make.
 #include <pthread.h>
 
 #include <cerrno>
@@ -30,7 +30,8 @@ bool watch() { return !std::exchange(watched, true); }
 
 using namespace takt::host;
 
-// These functions replace those of the C library. operator new and delete call them, too.
+// The following functions replace those of the C library. operator new and operator delete call the
+// replacements, too.
 extern "C" {
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t n, std::size_t size) noexcept;

@@ -22,8 +22,8 @@ Module module(const std::string& name) {
   return module;
 }
 
-/// Returns a cell with device robot (modules arm and hand) and device line (module belt, which writes to
-/// robot.arm).
+/// Returns a cell with two devices. Device robot has the modules arm and hand. Device line has the module
+/// belt, which writes to an input of arm.
 Cell cell() {
   Cell cell;
   cell.name = "cell";
@@ -47,7 +47,8 @@ Cell cell() {
 
 using Edit = std::function<void(Cell&)>;
 
-/// Applies an edit to the cell; returns the differences of the devices robot and line.
+/// Applies an edit to a copy of cell(). Returns the differences between the two cells for the devices robot
+/// and line.
 std::vector<DeviceDifference> after(const Edit& edit) {
   Cell changed = cell();
   edit(changed);
@@ -105,6 +106,23 @@ TEST(CellUpdate, RestartsTheDeviceIfAPropertyIsNoLongerSet) {
   EXPECT_THAT(in_words(robot), ElementsAre("robot is restarted: module arm: label is no longer set"));
 }
 
+TEST(CellUpdate, ChangesTheLogLevelOfAnyModuleInPlaceEvenBackToTheDefault) {
+  Cell plain = cell();
+  arm(plain).type = ModuleType::process;
+  Cell debug = plain;
+  arm(debug).properties.push_back({"log-level", "debug"});
+  auto all = differences(plain, debug);
+  ASSERT_TRUE(all.ok());
+  EXPECT_EQ((*all)[0].change, Change::in_place);
+  EXPECT_THAT(in_words((*all)[0]), ElementsAre("robot.arm: log-level: not set -> debug"));
+  all = differences(debug, plain);
+  ASSERT_TRUE(all.ok());
+  EXPECT_EQ((*all)[0].change, Change::in_place);
+  ASSERT_THAT((*all)[0].in_place, SizeIs(1));
+  EXPECT_EQ((*all)[0].in_place[0].value, "info");
+  EXPECT_THAT(in_words((*all)[0]), ElementsAre("robot.arm: log-level: debug -> info, the default"));
+}
+
 TEST(CellUpdate, SetsPropertiesBeforeItSwapsAModuleInPlace) {
   const auto robot = robot_after([](Cell& changed) {
     arm(changed).filename = "arm2.so";
@@ -154,6 +172,7 @@ TEST(CellUpdate, ReportsAChangeOfAnyElementOfAModule) {
       {[](Cell& c) { arm(c).priority = 3; }, "priority: 0 -> 3"},
       {[](Cell& c) { arm(c).executor = "fast"; }, "executor: main -> fast"},
       {[](Cell& c) { arm(c).budget = 100us; }, "budget: none -> 100 us"},
+      {[](Cell& c) { arm(c).hang = 30ms; }, "hang: none -> 30 ms"},
       {[](Cell& c) { arm(c).tolerance.times = 2; },
        "budget tolerance: times none, in a row none -> times 2, in a row none"},
       {[](Cell& c) {
@@ -163,6 +182,10 @@ TEST(CellUpdate, ReportsAChangeOfAnyElementOfAModule) {
       {[](Cell& c) { arm(c).recovery.attempts = 1; },
        "recovery: 3 attempts, backoff 100 ms, then destruct -> 1 attempts, backoff 100 ms, then destruct"},
       {[](Cell& c) { arm(c).retain = true; }, "retain: no -> yes"},
+      {[](Cell& c) {
+         arm(c).arguments = {"--camera", "0", "a lens", ""};
+       },
+       "arguments: none -> --camera 0 'a lens' ''"},
       {[](Cell& c) {
          arm(c).safe = {{"out", {{"x", "1"}, {"y", "2"}}}};
        },

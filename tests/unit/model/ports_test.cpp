@@ -58,6 +58,51 @@ TEST_F(Connections, AcceptMatchingPorts) {
   EXPECT_EQ(check({"robot", "a", "pick"}, {"robot", "b", "moved"}), Problems{});
 }
 
+TEST_F(Connections, ThatHoldOnlyTheLatestValueCauseAWarningAtAnEventPort) {
+  EXPECT_EQ(check({"robot", "a", "pick"}, {"robot", "b", "moved"}), Problems{});
+  const Problems warnings = doubtful_connections(cell, ports);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].where, "cell.xml:12");
+  EXPECT_EQ(warnings[0].what,
+            "the connection to event port robot.b.moved holds only the latest value, so a new event replaces "
+            "an event that the module has not read yet");
+  EXPECT_EQ(warnings[0].fix, "write kind=\"queue\" depth=\"8\" to keep up to 8 events");
+  cell.connections[0].kind = ConnectionKind::queue;
+  cell.connections[0].depth_given = true;
+  EXPECT_EQ(doubtful_connections(cell, ports), Problems{});
+  EXPECT_EQ(check({"robot", "a", "state"}, {"line", "b", "joint"}), Problems{});  // not an event port
+  EXPECT_EQ(doubtful_connections(cell, ports), Problems{});
+}
+
+TEST_F(Connections, ThatAreQueuesWithoutADepthCauseAWarning) {
+  check({"robot", "a", "pick"}, {"robot", "b", "moved"});
+  cell.connections[0].kind = ConnectionKind::queue;
+  EXPECT_EQ(
+      text(doubtful_connections(cell, ports)),
+      "cell.xml:12: error: the queue to robot.b.moved has no depth, so it holds 1 sample: a new sample "
+      "replaces one that was not read yet; write depth=\"8\" to keep up to 8 samples, or depth=\"1\" if "
+      "one is enough");
+  cell.connections[0].to = {};
+  EXPECT_THAT(text(doubtful_connections(cell, ports)), testing::HasSubstr("the queue from robot.a.pick has"));
+}
+
+TEST_F(Connections, ThatAreMissingAreListedForEachModule) {
+  ports[0][0]->push_back({"home/reply", Direction::in, pick(), "", false, Role::client});
+  ports[0][0]->push_back({"ask/request", Direction::in, pick(), "", false, Role::service});
+  ports[0][1].reset();  // the ports of this module are not known
+  cell.devices[0].modules[0].line = 3;
+  check({"robot", "a", "state"}, {"line", "b", "joint"});
+  cell.connections.push_back(cell.connections[0]);
+  cell.connections[1].to.port = "moved";
+  const auto unconnected = unconnected_inputs(cell, ports);
+  ASSERT_EQ(unconnected.size(), 2U);
+  EXPECT_EQ(unconnected[0].module, "robot.a");
+  EXPECT_EQ(unconnected[0].line, Line{3});
+  EXPECT_THAT(unconnected[0].names, testing::ElementsAre("joint", "moved", "client home"));
+  EXPECT_EQ(unconnected[1].module, "line.a");
+  EXPECT_THAT(unconnected[1].names, testing::ElementsAre("joint", "moved"));
+}
+
 TEST_F(Connections, SuggestASimilarPortForAnUnknownName) {
   EXPECT_EQ(text(check({"robot", "a", "sate"}, {"line", "b", "joint"})),
             "cell.xml:12: error: module robot.a has no port 'sate'; did you mean state?");
@@ -74,6 +119,13 @@ TEST_F(Connections, MustGoFromAnOutputToAnInput) {
               testing::StartsWith("cell.xml:12: error: port robot.a.joint is an input;"));
   EXPECT_THAT(text(check({"robot", "a", "state"}, {"line", "b", "pick"})),
               testing::StartsWith("cell.xml:12: error: port line.b.pick is an output;"));
+}
+
+TEST_F(Connections, WithSwappedFromAndToGetOnlyOneMessage) {
+  EXPECT_EQ(
+      text(check({"robot", "a", "joint"}, {"line", "b", "pick"})),
+      "cell.xml:12: error: the connection goes from input robot.a.joint to output line.b.pick; a connection "
+      "goes from an output to an input: swap 'from' and 'to'");
 }
 
 TEST_F(Connections, RejectPortsOfDifferentTypes) {
@@ -145,8 +197,8 @@ TEST(TypeDifference, NamesTheFirstDifferingField) {
             "position is double[6] in the first version and float[6] in the second");
 }
 
-/// robot.a has the service "grip". Module line.b has a matching client "ask"; the clients of line.a and
-/// robot.b have other types.
+/// A cell in which robot.a has the service "grip". The client "ask" of line.b has the same types as the
+/// service; the clients of line.a and robot.b have other types.
 class Services : public Connections {
  protected:
   static Type around(const char* suffix, const char* field, const Type& inner) {

@@ -24,7 +24,7 @@ Problems problems_of(const std::string& text) {
   return parsed ? Problems{} : parsed.problems();
 }
 
-/// Returns the JSON of a profile with one module that has these entries.
+/// Returns the JSON of a profile with one module, d.m, which has these entries.
 std::string of_module(const std::string& entries) {
   return "{\"cell\": \"c\", \"modules\": {\n\"d.m\": {" + entries + "}}}";
 }

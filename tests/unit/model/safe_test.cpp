@@ -42,7 +42,7 @@ TEST_F(PortSafeValue, IsEmptyIfNothingDefinesIt) {
   EXPECT_TRUE(safe_outputs(cell, ports).empty());
 }
 
-TEST_F(PortSafeValue, TakesFieldsNotInTheDescriptorFromTheComponent) {
+TEST_F(PortSafeValue, TakesTheFieldsThatTheDescriptorOmitsFromTheComponent) {
   effort().safe = R"({"torque":[1.0,2.0],"mode":"HOLD"})";
   EXPECT_EQ(value(), R"({"torque":[1.0,2.0],"mode":"HOLD"})");
   servo().safe = {{"effort", {{"torque", "[3, 4]"}}}};

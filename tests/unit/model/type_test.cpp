@@ -23,7 +23,7 @@ const std::string kPlan =
     R"({"name":"way","type":"double","array":[2,6],"sequence":8,"elements":[3]},)"
     R"({"name":"start","type":"struct","of":"motion::Pose","fields":[{"name":"x","type":"long"}]}]})";
 
-/// Returns the problems in this description of a type.
+/// Returns the problems that parse_type() finds in the description of a type.
 std::vector<std::string> problems_of(const std::string& text) {
   const auto type = parse_type(text);
   std::vector<std::string> lines;
@@ -127,7 +127,7 @@ TEST(Type, RejectsASequenceWithinASequence) {
               ElementsAre("T.out.in is a sequence within a sequence"));
   EXPECT_THAT(problems_with(around(around(inner, ""), R"("sequence":3,)")),
               ElementsAre("T.out.out.in is a sequence within a sequence"));
-  // A struct may contain two sequences side by side.
+  // A struct may contain two sequences if neither contains the other.
   EXPECT_THAT(problems_with(around(R"({"name":"a","type":"long"})", R"("sequence":3,)") + "," + inner),
               ElementsAre());
 }
@@ -233,8 +233,9 @@ TEST(MaxSize, IncludesPadding) {
   EXPECT_EQ(max_size(type_of(R"({"name":"a","type":"double","array":[2],"sequence":2})")), 4 + 2 * (8 + 16U));
 }
 
-TEST(MaxSize, OfAnArrayEqualsThatOfTheSameElementsInSequence) {
-  // The size of an element is not a multiple of its alignment, so the padding differs between elements.
+TEST(MaxSize, IsTheSameForAnArrayAndForItsElementsAsSingleFields) {
+  // The size of an element is not a multiple of its alignment. So the padding differs from element to
+  // element.
   const std::string odd = R"({"name":"n","type":"long"},{"name":"o","type":"string","bound":2})";
   for (std::size_t n = 1; n < 40; ++n) {
     std::string each;
@@ -273,19 +274,19 @@ TEST_F(Sample, IsInvalidIfTruncatedOrOutOfBounds) {
   EXPECT_FALSE(is({}));
   for (std::size_t size = 0; size < right.size(); ++size)
     EXPECT_FALSE(is({right.begin(), right.begin() + static_cast<std::ptrdiff_t>(size)})) << size;
-  EXPECT_FALSE(with(0, 1));  // encapsulation
+  EXPECT_FALSE(with(0, 1));  // an invalid encapsulation
   EXPECT_FALSE(with(1, 3));
-  EXPECT_TRUE(with(3, 1));     // options
-  EXPECT_TRUE(with(5, 0xEE));  // padding
-  EXPECT_FALSE(with(8, 0));    // the length of `label`
+  EXPECT_TRUE(with(3, 1));     // the options may have any value
+  EXPECT_TRUE(with(5, 0xEE));  // the padding may have any value
+  EXPECT_FALSE(with(8, 0));    // an invalid length of `label`
   EXPECT_FALSE(with(8, 2));
   EXPECT_FALSE(with(8, 5));
   EXPECT_FALSE(with(11, 0x80));
   EXPECT_FALSE(with(13, 0));  // a zero before the end of `label`
   EXPECT_FALSE(with(14, 'c'));
-  EXPECT_FALSE(with(16, 3));  // the length of `modes`
+  EXPECT_FALSE(with(16, 3));  // a length of `modes` above its bound
   EXPECT_FALSE(with(16, 1));  // a complete mode would follow the sequence
-  EXPECT_FALSE(with(20, 2));  // a mode
+  EXPECT_FALSE(with(20, 2));  // an undefined enumerator in `modes`
   EXPECT_FALSE(with(27, 1));
 }
 
@@ -315,8 +316,8 @@ TEST_F(Sample, HasZeroInFieldsMissingFromItsJson) {
   }
 }
 
-/// Builds a sample with one field from this JSON value and prints it. Returns the printed value, or the first
-/// problem.
+/// Builds a sample with one field, described by `field`, from the JSON value `json`. Returns the sample's
+/// value printed as JSON, or the first problem.
 std::string through(const std::string& field, const std::string& json) {
   const Type type = type_of(R"({"name":"x",)" + field + "}");
   const auto bytes = sample_bytes(type, R"({"x": )" + json + "}");
@@ -424,7 +425,7 @@ TEST(SampleBytes, CannotBeBuiltFromTextThatIsNotJson) {
     ASSERT_FALSE(bytes.ok());
     EXPECT_THAT(bytes.problems()[0].what, StartsWith("the sample is not JSON"));
   }
-  // This JSON is deeply nested, but valid.
+  // Valid JSON that is nested 100,000 deep must be rejected, and must not exhaust the stack.
   EXPECT_FALSE(sample_bytes(type, std::string(100'000, '[') + std::string(100'000, ']')).ok());
 }
 

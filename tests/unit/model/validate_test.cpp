@@ -1,4 +1,4 @@
-// Tests validate() on cells that a program builds. The files in tests/unit/descriptor/cases test the same
+// Tests validate() on cells that are built in C++. The files in tests/unit/descriptor/cases test the same
 // rules on descriptors.
 #include <takt/model/validate.hpp>
 
@@ -31,7 +31,7 @@ Module servo(const std::string& name, int line) {
   return module;
 }
 
-/// Returns a cell of one device with modules a (defined in line 3) and b (in line 5).
+/// Returns a cell of one device with module a (defined in line 3) and module b (defined in line 5).
 Cell cell() {
   Device device;
   device.name = "robot";
@@ -76,8 +76,22 @@ TEST(Validate, RejectsNumbersOutsideTheirRange) {
               ElementsAre(problem("c.xml:2", "cpu 1024")));
   EXPECT_THAT(device([](Device& d) { d.modules[0].period = 0ns; }),
               ElementsAre(problem("c.xml:3", "period of 0 ns")));
+  EXPECT_THAT(device([](Device& d) { d.modules[0].period = 999ns; }),
+              ElementsAre(problem("c.xml:3", "period of 999 ns")));
+  EXPECT_THAT(device([](Device& d) { d.modules[0].period = kMinPeriod; }), IsEmpty());
   EXPECT_THAT(device([](Device& d) { d.modules[0].budget = -1ns; }),
               ElementsAre(problem("c.xml:3", "budget of -1 ns")));
+  EXPECT_THAT(device([](Device& d) {
+                d.modules[0].budget = 100us;
+                d.modules[0].hang = 100us;
+              }),
+              ElementsAre(problem("c.xml:3", "hangs after 100 us, but may take 100 us")));
+  EXPECT_THAT(device([](Device& d) {
+                d.modules[0].budget = 100us;
+                d.modules[0].tolerance.times = 3;
+                d.modules[0].hang = 300us;
+              }),
+              ElementsAre(problem("c.xml:3", "hangs after 300 us, but may take 3 times 100 us")));
   EXPECT_THAT(device([](Device& d) { d.modules[1].recovery.attempts = 1001; }),
               ElementsAre(problem("c.xml:5", "1001 recovery attempts")));
   EXPECT_THAT(device([](Device& d) { d.modules[1].recovery.backoff = 1h + 1ns; }),
@@ -90,7 +104,7 @@ TEST(Validate, RejectsNumbersOutsideTheirRange) {
               ElementsAre(problem("c.xml:5", "zero byte")));
 }
 
-TEST(Validate, RejectsTimesThatTheOperationTypeDoesNotAllow) {
+TEST(Validate, RejectsTimesThatDoNotFitTheOperationType) {
   const auto of_a = [](auto change) {
     return problems_after([&](Cell& c) { change(c.devices[0].modules[0]); });
   };
@@ -207,7 +221,7 @@ TEST(Validate, RejectsModulesThatWaitForEachOtherForever) {
   EXPECT_THAT(with({stale("a", "b", 8), holds}), IsEmpty());
 }
 
-/// Makes a connection from a topic to the port `to` of module b.
+/// Returns a connection from a topic to the port `to` of module b.
 Connection from_topic(const std::string& topic, const std::string& to, int line) {
   Connection outside = connection("", to, line);
   outside.from = {};
@@ -237,7 +251,7 @@ TEST(Validate, AllowsAConnectionWithOneEndOnlyIfItHasATopic) {
   EXPECT_THAT(with(stale), IsEmpty());
   stale.stale = Stale::error;
   EXPECT_THAT(with(stale), ElementsAre(problem("c.xml:8", "has stale=\"error\" but no attribute 'to'")));
-  // An incomplete end does not count as a missing end.
+  // An incomplete value of `from` or `to` is invalid; it does not count as a missing attribute.
   Connection half = from_topic("t", "in", 8);
   half.from.port = "out";
   EXPECT_THAT(with(half), ElementsAre(problem("c.xml:8", "attribute 'from' is not valid: '..out'")));
@@ -280,7 +294,7 @@ TEST(Validate, CountsAllWritersOfAPortIncludingThoseOutsideTheCell) {
   EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("u", "in", 9)), two(9));
   EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("t", "other", 9)), IsEmpty());
 
-  // All writers of a topic count, even if the reader's connection names only one of them.
+  // All writers of a topic count, even if the connection of the reader names only one of them.
   Connection named = connection("out", "in", 8);
   named.topic = "t";
   Connection other = to_topic("other", "t", 9);
@@ -328,7 +342,8 @@ TEST(Validate, RejectsDuplicateConnections) {
 TEST(Validate, RejectsADefaultTopicThatIsTooLong) {
   const auto of = [](std::size_t length, bool between_devices) {
     return problems_after([&](Cell& c) {
-      // The topic is takt/, the cell's name, and three names of 63 characters, each after a /.
+      // The default topic is takt/, the name of the cell, and three names of 63 characters with a / before
+      // each.
       c.name = std::string(length - 192 - 5, 'c');
       Device other = c.devices[0];
       for (std::string* name : {&c.devices[0].name, &c.devices[0].modules[0].name})
@@ -454,6 +469,8 @@ TEST(Validate, SearchesAllDevicesWithTheSameNameForAModule) {
   ASSERT_THAT(unknown, ElementsAre(problem("c.xml:6", "duplicate device 'robot'"),
                                    problem("c.xml:9", "unknown module 'xyz' of device 'robot'")));
   EXPECT_EQ(unknown[1].fix, "use a, b or gauge");
+  EXPECT_EQ(problems("Gauge")[1].fix,
+            "did you mean gauge? The module on line 8 has this name from its <filename>");
 }
 
 TEST(Validate, DoesNotReportErrorsCausedByAnElementThatCouldNotBeRead) {

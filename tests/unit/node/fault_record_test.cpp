@@ -37,7 +37,7 @@ std::vector<std::uint64_t> numbers(const std::vector<Fault>& events) {
   return numbers;
 }
 
-/// Simulates a full disk: limits the size of the files that this process writes.
+/// Simulates a full disk by a limit on the size of the files that this process writes.
 class ShortFiles {
  public:
   explicit ShortFiles(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

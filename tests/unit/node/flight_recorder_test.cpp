@@ -18,8 +18,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The thread that writes traces shares locks with the node's main thread, such as those of the heap. If it
-// held a lock at a low priority, other threads could preempt it and so block the node.
+// The thread that writes traces shares locks with the node's main thread, such as the locks of the heap. If
+// this thread held a lock at a low priority, other threads could preempt it, and the main thread would wait
+// for the lock.
 TEST(FlightRecorder, WritesTracesOnAThreadWithTheSamePriorityAsTheNode) {
   model::Device device;
   device.executors.emplace_back();
@@ -41,7 +42,8 @@ TEST(FlightRecorder, WritesTracesOnAThreadWithTheSamePriorityAsTheNode) {
   }
 }
 
-// If the clock was set back, older traces have names with later times.
+// The names of traces contain their time. So if the clock was set back, older traces have names with later
+// times.
 TEST(FlightRecorder, KeepsANewTraceEvenIfOlderTracesHaveLaterTimes) {
   namespace fs = std::filesystem;
   const fs::path folder = testing::TempDir() + "takt-traces-" + std::to_string(os::process_id());

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,39 @@ TEST(Heartbeat, RepeatsTheStatusWithANewSequenceNumberAndTime) {
   EXPECT_EQ(sink.last.time_ns(), 20);
 }
 
+TEST(Heartbeat, AnswersTheNewestStatusOfEachNodeOnce) {
+  Heartbeat heartbeat;
+  FakeSink sink;
+  heartbeat.set(status("-/robot"));
+  heartbeat.heard("a", 70, kStart);
+  heartbeat.heard("b", 7, kStart + milliseconds{1});
+  heartbeat.heard("a", 80, kStart + milliseconds{2});
+  heartbeat.beat(sink, kStart + milliseconds{5}, 1);
+  ASSERT_EQ(sink.last.echoes().size(), 2U);
+  EXPECT_EQ(sink.last.monotonic_ns(), to_ns(kStart + milliseconds{5}));
+  EXPECT_EQ(sink.last.echoes()[0].node(), "a");
+  EXPECT_EQ(sink.last.echoes()[0].monotonic_ns(), 80);
+  EXPECT_EQ(sink.last.echoes()[0].held_ns(), 3'000'000);
+  EXPECT_EQ(sink.last.echoes()[1].held_ns(), 4'000'000);
+  heartbeat.beat(sink, kStart + milliseconds{6}, 2);
+  EXPECT_EQ(sink.last.echoes().size(), 0U);
+}
+
+TEST(Heartbeat, AnswersManyNodesInTurn) {
+  Heartbeat heartbeat;
+  FakeSink sink;
+  heartbeat.set(status("-/robot"));
+  std::vector<std::string> answered;
+  for (int beats = 0; beats < 5; ++beats) {
+    for (int node = 0; node < 20; ++node) heartbeat.heard(std::to_string(node), beats, kStart);
+    heartbeat.beat(sink, kStart, 1);
+    ASSERT_EQ(sink.last.echoes().size(), Heartbeat::kAnswered);
+    for (const StatusEcho& echo : sink.last.echoes()) answered.push_back(echo.node().to_string());
+  }
+  std::sort(answered.begin(), answered.end());
+  EXPECT_EQ(std::unique(answered.begin(), answered.end()) - answered.begin(), 20);
+}
+
 TEST(Heartbeat, DisposesTheOldKeyOnlyAfterPublishingTheNewKey) {
   Heartbeat heartbeat;
   FakeSink sink;
@@ -102,7 +136,7 @@ TEST(Heartbeat, PublishesAChangedStatusAtOnce) {
   heartbeat.set(status("-/robot"));
   heartbeat.serve(sink);
   EXPECT_THAT(sink.written, ElementsAre("-/robot"));
-  heartbeat.serve(sink);  // this call publishes the next regular status
+  heartbeat.serve(sink);  // publishes the unchanged status at the next regular time
   EXPECT_THAT(sink.written, ElementsAre("-/robot", "-/robot"));
 }
 

@@ -83,7 +83,7 @@ TEST_F(StoredDeployment, IsRejectedIfItsTimeIsInvalid) {
     for (const std::string& rest : {other + R"(,"boot":"3f1c","t0_monotonic_ns":1,"safe":""})"s,
                                     R"(1,"boot":"3f1c","t0_monotonic_ns":)"s + other + R"(,"safe":""})"s}) {
       if (rest.find("t0_monotonic_ns\":-1") != std::string::npos)
-        continue;  // a negative time is valid: it is before the machine booted
+        continue;  // a negative time is valid: it is a time before the boot of the machine
       ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body + rest).ok());
       const auto kept = file_.kept();
       ASSERT_FALSE(kept.ok()) << rest;
@@ -92,7 +92,7 @@ TEST_F(StoredDeployment, IsRejectedIfItsTimeIsInvalid) {
   }
 }
 
-TEST_F(StoredDeployment, NeedsNoMonotonicTimeInItsFile) {
+TEST_F(StoredDeployment, IsValidWithoutAMonotonicTimeInItsFile) {
   const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":7,"safe":""})";
   ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
   const auto kept = file_.kept();
@@ -105,6 +105,26 @@ TEST_F(StoredDeployment, HasItsOwnFilePerDeviceAndDomain) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_FALSE((DeploymentFile{folder_, "robot", 8}).kept()->has_value());
   EXPECT_FALSE((DeploymentFile{folder_, "line", 7}).kept()->has_value());
+}
+
+TEST_F(StoredDeployment, IsRejectedIfOtherUsersCanReplaceItsFile) {
+  ASSERT_TRUE(file_.keep(deployment_).ok());
+  std::filesystem::permissions(folder_, std::filesystem::perms::all);
+  const auto kept = file_.kept();
+  ASSERT_FALSE(kept.ok());
+  EXPECT_THAT(to_text(kept.problems()), HasSubstr("everybody may write to " + folder_ + " "));
+  EXPECT_THAT(to_text(kept.problems()), HasSubstr("run chmod o-w " + folder_));
+}
+
+TEST_F(StoredDeployment, HasAFileThatListsTheUndeployedDeployments) {
+  EXPECT_EQ(*file_.undeployed(), std::vector<std::string>{});
+  const std::vector<std::string> ids{"a1", "\"a2\""};
+  ASSERT_TRUE(file_.keep_undeployed(ids).ok());
+  EXPECT_EQ(*file_.undeployed(), ids);
+  std::ofstream{folder_ + "/robot.7.undeployed"} << "takt undeployed 1 00000000\n[1]";
+  const auto damaged = file_.undeployed();
+  ASSERT_FALSE(damaged.ok());
+  EXPECT_THAT(to_text(damaged.problems()), HasSubstr("robot.7.undeployed: error: the saved list"));
 }
 
 TEST_F(StoredDeployment, CannotBeStoredInAnUnwritableFolder) {

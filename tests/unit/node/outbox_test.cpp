@@ -11,7 +11,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::ElementsAre;
 
-/// Records the calls that it receives.
+/// Records the calls that it receives. Readers acknowledge its statuses if `acknowledges` is true.
 class FakeSink final : public LifecycleSink {
  public:
   bool write(const LifecycleStatus& status) override {
@@ -60,7 +60,7 @@ TEST(Outbox, SendsAModulesNextStateOnlyAfterThePreviousIsAcknowledged) {
   outbox.put(status("a", 1));
   outbox.put(status("b", 1));
   outbox.put(status("a", 2));
-  outbox.put(status("b", 2));  // acknowledged together with the first status of a
+  outbox.put(status("b", 2));  // the wait for status 1 of a has also covered status 1 of b
   outbox.put_disposal(status("a", 0));
   while (outbox.serve(sink, milliseconds{0})) {
   }

@@ -79,7 +79,7 @@ TEST_F(RetainedState, IsRejectedIfItsVersionIsInvalid) {
   }
 }
 
-TEST_F(RetainedState, IsBroughtUpToDateOnDiskWhenItsWriterStops) {
+TEST_F(RetainedState, IsWrittenToDiskWhenItsWriterStops) {
   {
     auto retained = Retained::start({{.file = file_, .state = state.get()}}, [](const std::string&) {});
     ASSERT_TRUE(retained.ok());
@@ -93,6 +93,32 @@ TEST_F(RetainedState, IsBroughtUpToDateOnDiskWhenItsWriterStops) {
     state->clear();
   }
   EXPECT_EQ(read_back(), "nothing");
+}
+
+TEST_F(RetainedState, IsDeletedFromDiskByTheNextUpdateAfterItIsCleared) {
+  save("old");
+  ASSERT_TRUE(file_.write(*state->saved()).ok());
+  auto retained = Retained::start(
+      {{.file = file_, .state = state.get(), .written = 1}}, [](const std::string&) {},
+      std::chrono::hours{1});
+  ASSERT_TRUE(retained.ok());
+  state->clear();
+  (*retained)->update();
+  while (!(*retained)->updated(*state)) std::this_thread::yield();
+  EXPECT_TRUE((*retained)->updated(*state)->ok());
+  EXPECT_EQ(read_back(), "nothing");
+}
+
+TEST_F(RetainedState, ReportsThatAnUpdateFailed) {
+  std::filesystem::create_directories(file_.path() + "/in the way");
+  auto retained = Retained::start(
+      {{.file = file_, .state = state.get(), .written = 1}}, [](const std::string&) {},
+      std::chrono::hours{1});
+  ASSERT_TRUE(retained.ok());
+  (*retained)->update();
+  while (!(*retained)->updated(*state)) std::this_thread::yield();
+  ASSERT_FALSE((*retained)->updated(*state)->ok());
+  EXPECT_THAT(in_words((*retained)->updated(*state)->problems()), HasSubstr(file_.path()));
 }
 
 TEST_F(RetainedState, ReportsAFailedWriteAndTheRecoveryOnceEach) {

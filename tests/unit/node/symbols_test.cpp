@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-// The test looks up the name and line of this function.
+// The test looks up the name and the line of this function from its address.
 extern "C" [[gnu::noinline]] int takt_symbols_test_function(int x) { return x + std::rand(); }
 
 namespace takt::node::symbols_test {
@@ -38,6 +38,24 @@ TEST(Symbols, ShowsTheBareAddressIfItsFunctionIsUnknown) {
   EXPECT_EQ(symbols.name("", 0x1234), "0x1234");
   EXPECT_EQ(symbols.name("/nowhere/module.so", 0x1234), "0x1234 in module.so");
   EXPECT_EQ(symbols.name(TAKT_SOURCE_DIR "/README.md", 0x1234), "0x1234 in README.md");
+}
+
+TEST(CallsOfModule, OmitTheOuterCallsThroughWhichTheHostCalledTheModule) {
+  const std::string host = "/lib/takt-host";
+  EXPECT_EQ(calls_of_module({"/m.so", host, host, "/lib/libc.so.6"}, host), 1U);
+  // A function of the C++ library may be in the file of the host.
+  EXPECT_EQ(calls_of_module({"/lib/libstdc++.so.6", host, "/m.so", host, host}, host), 3U);
+  EXPECT_EQ(calls_of_module({"/lib/libc.so.6", host, host}, host), 3U) << "a call of the host itself";
+  EXPECT_EQ(calls_of_module({"/m.so", "/m.so"}, host), 2U);
+  EXPECT_EQ(calls_of_module({}, host), 0U);
+}
+
+TEST(CalledBy, BeginsWithTheLineOfTheModuleThatCallsALibrary) {
+  EXPECT_EQ(called_by({"strnlen in libc.so.6", "takt_log at log.cpp:71 in libtakt_component.so.1.0",
+                       "run at servo.c:9 in servo.so", "main in servo.so"},
+                      1),
+            "in run at servo.c:9 in servo.so, ...");
+  EXPECT_EQ(called_by({"strnlen in libc.so.6", "takt_log in libtakt_component.so.1.0"}, 5), "");
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ TEST_F(FileAccess, ReturnsNoContentForAMissingFile) {
   EXPECT_TRUE(remove_file(folder_ + "/file").ok());
 }
 
-// The file descriptor stays open after the thread has ended, but reading from it then fails.
+// The file is the /proc entry of a thread. Its descriptor stays open after the thread has ended, but reading
+// from it then fails.
 TEST_F(FileAccess, ReturnsNoTextIfReadingFails) {
   std::promise<int> opened;
   std::promise<void> end;
@@ -128,7 +129,7 @@ TEST_F(FileAccess, ReadsASectionOfAProgramByName) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   EXPECT_EQ(read_section(self, "takt_test"), std::string(kInASection, sizeof kInASection));
   EXPECT_FALSE(read_section(self, "takt_tes"));
-  EXPECT_FALSE(read_section(self, ".bss")) << "it has no content in the file";
+  EXPECT_FALSE(read_section(self, ".bss")) << ".bss has no content in the file";
 }
 
 TEST_F(FileAccess, FindsNoSectionInAFileThatIsTruncatedOrNoProgram) {

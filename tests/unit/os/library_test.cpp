@@ -1,8 +1,15 @@
 #include <takt/os/library.hpp>
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <utility>
+
+#include <takt/os/sealed_copy.hpp>
 
 namespace takt::os::library_test {
 namespace {
@@ -27,14 +34,14 @@ TEST(Library, DoesNotFindFunctionsOfTheCLibrary) {
   EXPECT_EQ(library->own_symbol("malloc"), nullptr);
 }
 
-TEST(Library, HasTheSameGlobalsInEverySharedLoad) {
+TEST(Library, HasOneCopyOfItsGlobalsIfOpenedWithSharedGlobals) {
   const auto first = Library::open(kPlain, Library::Globals::shared);
   const auto second = Library::open(kPlain, Library::Globals::shared);
   const int before = count_up(*first);
   EXPECT_EQ(count_up(*second), before + 1);
 }
 
-TEST(Library, HasSeparateGlobalsInEachPrivateLoad) {
+TEST(Library, HasSeparateGlobalsInEachInstanceOpenedWithOwnGlobals) {
   const auto shared = Library::open(kPlain, Library::Globals::shared);
   const auto first = Library::open(kPlain, Library::Globals::own);
   const auto second = Library::open(kPlain, Library::Globals::own);
@@ -46,7 +53,7 @@ TEST(Library, HasSeparateGlobalsInEachPrivateLoad) {
   EXPECT_EQ(second->own_symbol("error"), nullptr);
 }
 
-TEST(Library, HasFreshGlobalsInEachPrivateLoad) {
+TEST(Library, StartsWithFreshGlobalsEachTimeItIsOpenedWithOwnGlobals) {
   for (int i = 0; i < 20; ++i) {
     auto library = Library::open(kPlain, Library::Globals::own);
     ASSERT_TRUE(library.ok()) << to_text(library.problems());
@@ -55,7 +62,53 @@ TEST(Library, HasFreshGlobalsInEachPrivateLoad) {
   }
 }
 
-TEST(Library, RejectsAPrivateLoadIfTheLoaderWouldShareVariables) {
+TEST(Library, LoadsTheGivenCopyInsteadOfTheFile) {
+  const std::string path = testing::TempDir() + "takt-library-" + std::to_string(::getpid()) + ".so";
+  std::filesystem::copy_file(kPlain, path);
+  for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
+    auto copy = sealed_copy(path);
+    ASSERT_TRUE(copy.ok()) << to_text(copy.problems());
+    std::ofstream{path} << "replaced";
+    const auto library = Library::open(path, globals, std::move(*copy));
+    std::filesystem::copy_file(kPlain, path, std::filesystem::copy_options::overwrite_existing);
+    ASSERT_TRUE(library.ok()) << to_text(library.problems());
+    EXPECT_EQ(count_up(*library), 1);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Library, SharesGlobalsBetweenCopiesOfOneFileOpenedWithSharedGlobals) {
+  const std::string one = "/components/one.so";
+  const std::string two = "/components/two.so";
+  EXPECT_FALSE(Library::is_loaded(one));
+  {
+    const auto load = [](const std::string& path, Library::Globals globals) {
+      return Library::open(path, globals, std::move(*sealed_copy(kPlain)));
+    };
+    const auto first = load(one, Library::Globals::shared);
+    const auto second = load(one, Library::Globals::shared);
+    const auto own = load(one, Library::Globals::own);
+    const auto other = load(two, Library::Globals::shared);
+    EXPECT_TRUE(Library::is_loaded(one));
+    EXPECT_EQ(count_up(*first), 1);
+    EXPECT_EQ(count_up(*second), 2);
+    EXPECT_EQ(count_up(*own), 1);
+    EXPECT_EQ(count_up(*other), 1) << "another file";
+  }
+  EXPECT_FALSE(Library::is_loaded(one));
+}
+
+TEST(Library, IsNamedByAPathThatOtherProcessesCanOpen) {
+  const auto library = Library::open(kPlain, Library::Globals::own);
+  ASSERT_TRUE(library.ok());
+  Dl_info info{};
+  ASSERT_NE(::dladdr(library->own_symbol("count_up"), &info), 0);
+  const std::string name = info.dli_fname;
+  EXPECT_EQ(name.find("/proc/self/"), std::string::npos) << name;
+  EXPECT_EQ(std::filesystem::file_size(name), std::filesystem::file_size(kPlain));
+}
+
+TEST(Library, CannotBeOpenedWithOwnGlobalsIfTheLoaderWouldShareThem) {
 #if defined(__clang__)
   GTEST_SKIP() << "this compiler creates no unique symbols";
 #endif

@@ -1,4 +1,4 @@
-// Tests with artificial /proc and /sys trees, which can represent any machine.
+// Tests with artificial /proc and /sys folders, which can describe any machine.
 #include <takt/os/machine.hpp>
 
 #include <gmock/gmock.h>
@@ -266,7 +266,7 @@ TEST(KernelNews, ContainsOnlyTheTextOfEachMessage) {
 
 TEST(KernelNews, OmitsMessagesFromBeforeItsCreation) {
   KernelNews news;
-  // The kernel logs its version at boot, so that message is always from before the creation.
+  // The kernel logs its version when it boots, so this message is always older than `news`.
   while (const auto text = news.next()) EXPECT_THAT(*text, testing::Not(testing::HasSubstr("Linux version")));
 }
 

@@ -50,7 +50,7 @@ TEST_F(SocketPair, PassesAMessageLargerThanTheKernelsBuffer) {
 }
 
 TEST_F(SocketPair, NeverBlocksEvenIfBothEndsSend) {
-  // This one thread sends more than the kernel can buffer, in both directions at once.
+  // One thread sends more than the kernel can buffer, from both ends of the socket pair.
   const std::string large(2'000'000, 'x');
   EXPECT_TRUE(mine.send(large));
   EXPECT_TRUE(theirs.send(large));

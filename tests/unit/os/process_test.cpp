@@ -1,5 +1,6 @@
 #include <takt/os/process.hpp>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <poll.h>
 #include <signal.h>
@@ -8,12 +9,14 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include <takt/os/clock.hpp>
 #include <takt/os/message_socket.hpp>
+#include <takt/os/sealed_copy.hpp>
 #include <takt/os/shared_memory.hpp>
 
 namespace takt::os::process_test {
@@ -68,6 +71,33 @@ TEST(Child, ReportsItsEndOnlyOnce) {
   EXPECT_FALSE(child->running());
 }
 
+TEST(Child, IsReapedAWhileAfterItsEndWasReported) {
+  auto child = Child::spawn(shell("exit 3"));
+  const int pid = child->pid();
+  std::optional<ProcessEnd> end;
+  while (!end) end = child->poll();
+  EXPECT_EQ(end->text(), "ended with status 3");
+  EXPECT_EQ(::kill(pid, 0), 0) << "the report must not wait until the kernel has removed the process";
+  *child = std::move(*Child::spawn({.program = "/bin/sleep", .arguments = {"100"}}));
+  const Instant limit = now() + seconds{10};
+  while (::kill(pid, 0) == 0 && now() < limit) {
+    EXPECT_EQ(child->poll(), std::nullopt);
+    sleep_until(now() + milliseconds{1});
+  }
+  EXPECT_NE(::kill(pid, 0), 0) << "the object reaps the former process, too";
+  EXPECT_TRUE(child->running());
+}
+
+TEST(Child, IsReapedByItsDestructor) {
+  int pid = 0;
+  {
+    auto child = Child::spawn(shell("exit 3"));
+    pid = child->pid();
+    while (!child->poll()) sleep_until(now() + milliseconds{1});
+  }
+  EXPECT_NE(::kill(pid, 0), 0);
+}
+
 TEST(Child, ReportsWhyAProgramCannotBeExecuted) {
   const auto missing = Child::spawn({.program = "/nowhere/program"});
   ASSERT_FALSE(missing.ok());
@@ -101,6 +131,44 @@ TEST(Child, InheritsOnlyTheGivenFileDescriptors) {
   EXPECT_EQ(child->wait().code, 0);
 }
 
+TEST(Child, ExecutesACopyInsteadOfTheFile) {
+  const auto copy = sealed_copy("/bin/sh");
+  SpawnOptions options{.program = "/nowhere/program",
+                       .copy = &*copy,
+                       .arguments = {"-c",
+                                     "echo \"$0\"; tr '\\0' ' ' < /proc/$$/cmdline; readlink /proc/$$/exe; "
+                                     "test ! -e /proc/$$/fd/" +
+                                         std::to_string(copy->get())},
+                       .capture_output = true};
+  auto child = Child::spawn(options);
+  ASSERT_TRUE(child.ok()) << to_text(child.problems());
+  EXPECT_THAT(read_all(child->output),
+              testing::MatchesRegex("/nowhere/program\n/nowhere/program -c .*/memfd:sh .*\n"));
+  EXPECT_EQ(child->wait().code, 0);
+}
+
+TEST(Child, ExecutesTheCopyOfAScript) {
+  const std::string path = testing::TempDir() + "takt-script-" + std::to_string(::getpid());
+  std::ofstream{path} << "#!/bin/sh\nexit 7\n";
+  const auto copy = sealed_copy(path);
+  std::ofstream{path} << "#!/bin/sh\nexit 8\n";
+  auto child = Child::spawn({.program = path, .copy = &*copy});
+  ASSERT_TRUE(child.ok()) << to_text(child.problems());
+  EXPECT_EQ(child->wait().code, 7);
+  ::unlink(path.c_str());
+}
+
+TEST(Child, DoesNotInheritADescriptorThatSurvivesExec) {
+  const Fd leaking{::open("/dev/null", O_RDONLY)};  // survives exec, as the sockets of some libraries do
+  const Fd meant{::open("/dev/null", O_RDONLY | O_CLOEXEC)};
+  SpawnOptions options = shell("test ! -e /proc/$$/fd/" + std::to_string(leaking.get()) +
+                               " && test -e /proc/$$/fd/" + std::to_string(meant.get()));
+  options.inherit = {&meant};
+  auto child = Child::spawn(options);
+  ASSERT_TRUE(child.ok());
+  EXPECT_EQ(child->wait().code, 0);
+}
+
 TEST(Child, IsKilledByItsDestructor) {
   int pid = 0;
   {
@@ -123,7 +191,7 @@ TEST(Child, DiesWithItsParent) {
   const int pid = std::stoi(ends->first.receive_wait().value());
   ::kill(parent, SIGKILL);
   ::waitpid(parent, nullptr, 0);
-  // The process that adopts the child may reap it late, so a zombie counts as dead.
+  // The process that adopts the orphaned child may reap it late, so a zombie counts as dead.
   const auto dead = [pid] {
     if (::kill(pid, 0) != 0) return true;
     std::string path = "/proc/" + std::to_string(pid) + "/stat";

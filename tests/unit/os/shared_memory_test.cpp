@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <new>
 #include <utility>
 
@@ -33,6 +34,18 @@ TEST(SharedMemory, IsSharedWithAnotherProcess) {
   }
   ::waitpid(child, nullptr, 0);
   EXPECT_EQ(word->load(), 42);
+}
+
+TEST(SharedMemoryDeathTest, IsReadOnlyInTheFirstPagesIfAskedFor) {
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const auto memory = SharedMemory::create("test", 3 * page);
+  auto theirs = SharedMemory::attach(Fd{::dup(memory->fd().get())});
+  ASSERT_TRUE(theirs->make_read_only(2 * page - 1));
+  memory->data()[0] = std::byte{7};
+  EXPECT_EQ(theirs->data()[0], std::byte{7});
+  theirs->data()[page] = std::byte{8};
+  EXPECT_EQ(memory->data()[page], std::byte{8}) << "only part of this page was to be read-only";
+  EXPECT_DEATH(theirs->data()[page - 1] = std::byte{1}, "");  // a sanitizer ends the process in its own way
 }
 
 TEST(SharedMemory, CannotBeResized) {

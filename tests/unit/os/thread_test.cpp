@@ -40,8 +40,8 @@ TEST(Thread, HasTheRequestedStackSize) {
   EXPECT_GE(size, 2U * 1024 * 1024) << "the C library may reuse a larger stack of an ended thread";
 }
 
-// glibc places thread-local variables on the stack of the thread. This array leaves less than half of a small
-// stack free.
+// A thread-local variable, which glibc places on the stack of each thread. The variable leaves less than half
+// of a small stack free.
 thread_local std::array<char, 300 * 1024> large{};
 
 TEST(Thread, RunsEvenIfThreadLocalVariablesFillMostOfItsStack) {

@@ -20,7 +20,7 @@ std::size_t points(const Series& series) {
 TEST(Series, ReducesAMillionSamplesWithoutLosingAPeak) {
   constexpr std::int64_t kSamples = 1'000'000;
   Series series{{0, kSamples - 1}, 900, kNever};
-  // Two samples are peaks: one up and one down.
+  // Two of the samples are peaks, one upwards and one downwards.
   for (std::int64_t i = 0; i < kSamples; ++i)
     series.add(i, i == 123'457 ? 1000 : i == 765'433 ? -1000 : std::sin(static_cast<double>(i)));
   EXPECT_EQ(static_cast<std::uint64_t>(kSamples), series.count());

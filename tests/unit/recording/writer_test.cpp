@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// The port has the type struct Number { double value; }.
+/// Returns a port whose type is struct Number { double value; }.
 RecordedPort number_port(const std::string& path = "d.m.p", const std::string& type = "basic::Number") {
   return {path, "takt/c/" + path, false, {type, {{.name = "value", .scalar = model::Scalar::float64}}}};
 }
@@ -45,7 +45,7 @@ class RecordingFile : public testing::Test {
     const auto bytes = number(value);
     writer.add(port, time_ns, bytes.data(), bytes.size());
   }
-  /// Waits until the writer has processed all samples that the test has added.
+  /// Waits until the writer has written or lost all `samples` samples, or until the file is full.
   static void settle(const RecordingWriter& writer, std::uint64_t samples) {
     while (writer.health().samples + writer.health().lost < samples && !writer.health().full)
       std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -68,7 +68,8 @@ class RecordingFile : public testing::Test {
   std::uintmax_t on_disk() const {
     std::uintmax_t bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator{folder_}) {
-      // The index of SQLite's write-ahead log does not count: it is shared memory and always has 32 kB.
+      // The index of SQLite's write-ahead log does not count, because it is shared memory that always has 32
+      // kB.
       if (entry.path().extension() != ".takt-shm") bytes += entry.file_size();
     }
     return bytes;
@@ -111,7 +112,7 @@ TEST_F(RecordingFile, KeepsSamplesInOrder) {
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(i, values[static_cast<std::size_t>(i)]);
 }
 
-TEST_F(RecordingFile, IsNotOverwrittenWithoutTheAppendOption) {
+TEST_F(RecordingFile, IsExtendedOnlyWithTheAppendOption) {
   {
     auto writer = RecordingWriter::create(quick(file()));
     ASSERT_TRUE(writer);
@@ -127,7 +128,7 @@ TEST_F(RecordingFile, IsNotOverwrittenWithoutTheAppendOption) {
     auto writer = RecordingWriter::create(options);
     ASSERT_TRUE(writer) << to_text(writer.problems());
     add(**writer, (*writer)->add_port(number_port()), 2, 2);
-    // A port with the same name but another type counts as another port.
+    // A port with the same name but a different type counts as a second port.
     add(**writer, (*writer)->add_port(number_port("d.m.p", "basic::Other")), 3, 3);
   }
   auto recording = Recording::open(file());
@@ -137,7 +138,7 @@ TEST_F(RecordingFile, IsNotOverwrittenWithoutTheAppendOption) {
   EXPECT_EQ("basic::Other", recording->ports()[1].type.name);
 }
 
-TEST_F(RecordingFile, CanBeAppendedToAnEmptyFile) {
+TEST_F(RecordingFile, AcceptsSamplesAppendedToAnEmptyFile) {
   std::ofstream{file()}.flush();
   auto options = quick(file());
   options.append = true;
@@ -151,7 +152,7 @@ TEST_F(RecordingFile, CanBeAppendedToAnEmptyFile) {
   EXPECT_EQ(1U, recording->samples());
 }
 
-TEST_F(RecordingFile, RejectsAFileThatIsNotARecording) {
+TEST_F(RecordingFile, IsRejectedIfItIsNotARecording) {
   std::ofstream{file()} << "this is a text of some length, and no database of any kind at all; long enough";
   auto options = quick(file());
   options.append = true;
@@ -191,7 +192,7 @@ TEST_F(RecordingFile, StopsAtItsSizeLimit) {
 }
 
 TEST_F(RecordingFile, DropsTheOldestSamplesAtItsSizeLimit) {
-  constexpr int kSamples = 200'000;  // several times as many samples as fit
+  constexpr int kSamples = 200'000;  // several times as many as fit into the file
   auto options = quick(file());
   options.max_bytes = kLeastRecording;
   options.full = Full::oldest;
@@ -219,7 +220,7 @@ TEST_F(RecordingFile, DropsTheOldestSamplesAtItsSizeLimit) {
   EXPECT_EQ(health.samples - health.dropped, values.size());
   EXPECT_EQ(kSamples - 1, values.back());
   EXPECT_EQ(static_cast<double>(kSamples) - static_cast<double>(values.size()), values.front());
-  // The file must still contain many samples.
+  // The samples that remain must fill a third of the size limit, at 30 bytes each.
   EXPECT_GT(values.size() * 30, kLeastRecording / 3);
 }
 
@@ -271,7 +272,7 @@ TEST_F(RecordingFile, LosesNoSamplesWhileAnotherProgramLocksIt) {
   add(**writer, port, 1, 1);
   settle(**writer, 1);
   {
-    // Another program locks the file.
+    // A second connection locks the file, as another program would.
     auto other = Database::open(file(), Access::append);
     ASSERT_TRUE(other);
     ASSERT_TRUE(other->run("BEGIN IMMEDIATE"));

@@ -1,4 +1,4 @@
-// Cells for the tests of reports.
+// Functions that build cells for the tests of reports.
 #pragma once
 
 #include <string>

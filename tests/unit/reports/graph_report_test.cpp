@@ -68,8 +68,8 @@ nlohmann::ordered_json port(const char* name, int connections, int matched) {
           {"refused", 0},       {"late", 0},         {"age_us", nullptr}, {"incompatible", nullptr}};
 }
 
-/// Returns the object of `takt status --json` for three(). The station is lost, and the line is not connected
-/// to the robot.
+/// Returns the object that `takt status --json` prints for three(). The station is lost, and the line is not
+/// connected to the robot.
 nlohmann::ordered_json status_of_three() {
   auto setpoint = port("setpoint", 1, 1);
   setpoint["age_us"] = 30000.5;
@@ -113,6 +113,48 @@ TEST(CellHealth, TakesConnectionHealthFromTheReadingDevice) {
   EXPECT_EQ(health.connections.at(3).incompatible, "reliability");
   EXPECT_TRUE(health.connections.at(4).matched) << "a topic for other programs has only a writer";
   EXPECT_FALSE(health.connections.contains(5));
+}
+
+TEST(CellHealth, RatesAQueueThatDroppedSamplesAsPoorInTextJsonAndDrawing) {
+  auto cell = three();
+  CellHealth health;
+  health.connections[0] = {.age = 1ms};
+  EXPECT_EQ(rating_of(health.connections[0]), Rating::good);
+  health.connections[0].dropped = 27757;
+  EXPECT_EQ(rating_of(health.connections[0]), Rating::poor);
+  EXPECT_EQ(health_text(health.connections[0]), "degraded, 1 ms old, dropped 27757");
+  EXPECT_EQ(graph_json(cell, health)["connections"][0]["health"]["rating"], "poor");
+  EXPECT_THAT(graph_svg(cell, health), HasSubstr("poor-word state\">degraded, 1 ms old, dropped 27757"));
+}
+
+TEST(CellHealth, RatesAQueueWithoutEventsAsGood) {
+  const ObservedCell::Port quiet{.matched = true};
+  const auto of = [&](model::ConnectionKind kind) {
+    model::Connection connection = latest("a.m.y", "b.m.y");
+    connection.kind = kind;
+    return health_of(quiet, &connection, false);
+  };
+  EXPECT_EQ(rating_of(of(model::ConnectionKind::queue)), Rating::good);
+  EXPECT_EQ(health_text(of(model::ConnectionKind::queue)), "ok, no value yet");
+  EXPECT_EQ(rating_of(of(model::ConnectionKind::latest)), Rating::poor) << "a latest value is expected";
+}
+
+TEST(CellHealth, IsGoodIfNoOtherProgramUsesTheTopicOfAConnectionWithoutADeadline) {
+  const ObservedCell::Port alone{.matched = false};
+  for (const auto& [from, to] : {std::pair{"", "b.m.y"}, std::pair{"a.m.y", ""}}) {
+    model::Connection connection = on_topic(latest(from, to), "plant/speed");
+    const auto health = [&] { return health_of(alone, &connection, false); };
+    EXPECT_EQ(rating_of(health()), Rating::good);
+    EXPECT_EQ(health_text(health()), "no other program");
+    EXPECT_EQ(health_text(health_of(alone, &connection, true)), "NOT MATCHED") << "its device is lost";
+    EXPECT_EQ(health_text(health_of({.incompatible = "reliability"}, &connection, false)),
+              "NOT MATCHED: reliability");
+  }
+  model::Connection needed = on_topic(latest("", "b.m.y"), "plant/speed");
+  needed.deadline = 20ms;
+  EXPECT_EQ(health_text(health_of(alone, &needed, false)), "STALE") << "the reader needs a value";
+  const model::Connection within = latest("a.m.y", "b.m.y");
+  EXPECT_EQ(health_text(health_of(alone, &within, false)), "NOT MATCHED");
 }
 
 TEST(CellHealth, ShowsConnectionsOfALostDeviceAsUnmatched) {
@@ -175,7 +217,7 @@ TEST(GraphText, ShowsTheHealthOfARunningCell) {
             HasSubstr("device station\n  LOST\n"),
             HasSubstr("belt    thread   periodic, every 2 ms  main      RECOVER\n"),
             HasSubstr("logger  process  non-real              -         -\n"),
-            HasSubstr("    ok, 1.2 ms old\n"), HasSubstr("    ok, 3 ms old, lost 3, dropped 2\n"),
+            HasSubstr("    ok, 1.2 ms old\n"), HasSubstr("    degraded, 3 ms old, lost 3, dropped 2\n"),
             HasSubstr("    NOT MATCHED\n"), HasSubstr("    STALE, 900 ms old, late 1\n"),
             HasSubstr("    NOT MATCHED: reliability\n")));
   const auto two =
@@ -257,8 +299,9 @@ TEST(GraphJson, ContainsTheHealthOfARunningCell) {
   EXPECT_EQ(json["devices"][1]["text"], "belt is in RECOVER");
   EXPECT_EQ(json["devices"][1]["modules"][0]["state"], "RECOVER");
   EXPECT_FALSE(json["devices"][1]["modules"][1].contains("state"));
-  EXPECT_EQ(json["connections"][1]["health"].dump(),
-            R"({"matched":true,"stale":false,"age_ns":3000000,"lost":3,"dropped":2,"late":0})");
+  EXPECT_EQ(
+      json["connections"][1]["health"].dump(),
+      R"({"rating":"poor","matched":true,"stale":false,"age_ns":3000000,"lost":3,"dropped":2,"late":0})");
   EXPECT_EQ(json["connections"][4]["health"]["incompatible"], "reliability");
   EXPECT_FALSE(json["connections"][5].contains("health"));
   EXPECT_FALSE(graph_json(three(), {}).dump().find("alive") != std::string::npos);
@@ -290,7 +333,7 @@ TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
                              HasSubstr(R"(class="bad-word state">RECOVER<)"),
                              HasSubstr(R"(class="poor-word state">EXECUTING (last known)<)")));
   EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),
-                             HasSubstr(R"(class="poor-word state">ok, 3 ms old, lost 3, dropped 2<)"),
+                             HasSubstr(R"(class="poor-word state">degraded, 3 ms old, lost 3, dropped 2<)"),
                              HasSubstr(R"(class="bad-word state">STALE, 900 ms old, late 1<)"),
                              HasSubstr(R"(class="bad-word state">NOT MATCHED<)"),
                              HasSubstr(R"(class="bad-word state">NOT MATCHED: reliability<)")));
@@ -301,7 +344,13 @@ TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
   EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: "))) << "the legend explains only what is drawn";
 }
 
-TEST(GraphSvg, DrawsAGuideLineIfAWireLeavesOppositeItsPortName) {
+TEST(GraphSvg, ExplainsEveryRatingIfTheWholeLegendIsRequested) {
+  EXPECT_THAT(
+      graph_svg(three(), {}, GraphLegend::whole),
+      AllOf(HasSubstr(">ok<"), HasSubstr(">degraded: "), HasSubstr(">stale: "), HasSubstr(">not matched: ")));
+}
+
+TEST(GraphSvg, DrawsAGuideLineIfAWireLeavesOnTheSideOppositeThePortName) {
   const auto drawing = [](std::vector<model::Connection> connections) {
     return graph_svg(
         connected(cell("c", {device("a", {periodic("m", 1ms)}), device("b", {periodic("n", 1ms)}),
@@ -321,7 +370,7 @@ TEST(GraphSvg, MarksDevicesModulesAndConnectionsForTheWebPage) {
     EXPECT_THAT(drawing, HasSubstr(mark));
   EXPECT_EQ(occurrences(drawing, "data-module="), 5U);
   EXPECT_EQ(occurrences(drawing, "data-connection="), 2 * three().connections.size())
-      << "its line and its words";
+      << "each connection has a line and words";
 }
 
 model::Cell crowd(int devices, int modules, int connections, unsigned seed) {
@@ -368,8 +417,8 @@ CellHealth health_of(const model::Cell& cell, unsigned seed) {
   return health;
 }
 
-/// Returns cells of many shapes: without modules, with a module without ports, with one device, and with many
-/// devices.
+/// Returns cells of many shapes, with their health: without modules, with a module without ports, with one
+/// device, and with many devices.
 std::vector<std::pair<model::Cell, CellHealth>> drawn() {
   std::vector<std::pair<model::Cell, CellHealth>> all{
       {cell("none", {}), {}},
@@ -442,7 +491,7 @@ TEST(GraphLayout, RoutesWiresAroundBoxes) {
   for (const auto& [cell, health] : drawn()) {
     SCOPED_TRACE(cell.name + " of " + std::to_string(cell.connections.size()));
     const auto layout = graph::lay_out(cell, health);
-    const auto box_of = [&](const graph::Place& place) {
+    const auto box_of = [&](const graph::WireEnd& place) {
       return layout.columns[place.column].boxes[place.box];
     };
     for (const graph::Wire& wire : layout.wires) {
@@ -453,7 +502,7 @@ TEST(GraphLayout, RoutesWiresAroundBoxes) {
         const graph::Column& column = layout.columns[place.column];
         const graph::Box box = box_of(place);
         EXPECT_EQ(point.x, place.at_right ? column.right() - graph::kInside : column.left + graph::kInside);
-        EXPECT_GT(point.y, box.top + 30) << "below its name";
+        EXPECT_GT(point.y, box.top + 30) << "the wire ends below the name of the box";
         EXPECT_LT(point.y, box.top + box.height);
         EXPECT_EQ(box.ports[place.port].input, input);
         if (!end.given()) continue;
@@ -462,8 +511,8 @@ TEST(GraphLayout, RoutesWiresAroundBoxes) {
     }
     for (const Piece& piece : pieces_of(layout)) {
       for (const graph::Column& column : layout.columns) {
-        // Only the first and the last segment of a wire are inside a column, between the frame of the column
-        // and a box.
+        // Only the first and the last segment of a wire may be inside a column, and only between the frame of
+        // the column and a box.
         const double left = column.left + graph::kInside;
         const double right = column.right() - graph::kInside;
         const auto [x1, x2] = std::minmax(piece.from.x, piece.to.x);

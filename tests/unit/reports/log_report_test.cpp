@@ -48,7 +48,7 @@ TEST_F(LogText, PrintsALongCauseBelowTheEvent) {
   EXPECT_EQ(text({overrun()}),
             "2026-03-01\n"
             "12:30:05.250 ! robot.servo      overrun\n"
-            "               it was not done (3 times) [cycle 1200]\n");
+            "               it was not done (3 times) [after 1200 cycles]\n");
   Fault crash = overrun();
   crash.kind = FaultKind::error;
   crash.error = "crash";
@@ -56,7 +56,20 @@ TEST_F(LogText, PrintsALongCauseBelowTheEvent) {
   crash.cause.append(" and on one line\nonly");
   crash.attachment = "/var/core.1";
   EXPECT_THAT(text({crash}), HasSubstr("\n12:30:05.250 X robot.servo      error\n               crash:\n"));
-  EXPECT_THAT(text({crash}), HasSubstr("one line\\nonly (3 times) [cycle 1200]; see /var/core.1\n"));
+  EXPECT_THAT(text({crash}),
+              HasSubstr("one line\\nonly (3 times) [after 1200 cycles]; see\n               /var/core.1\n"));
+}
+
+TEST_F(LogText, DistinguishesTheReleaseOfALogLineFromTheCyclesOfAModule) {
+  Fault event = overrun();
+  event.count = 1;
+  event.cycle = 1;
+  EXPECT_THAT(text({event}), HasSubstr("it was not done [after 1 cycle]\n"));
+  for (const FaultKind kind :
+       {FaultKind::log_error, FaultKind::log_warning, FaultKind::log_info, FaultKind::log_debug}) {
+    event.kind = kind;
+    EXPECT_THAT(text({event}), HasSubstr("it was not done [release 1]\n"));
+  }
 }
 
 TEST_F(LogText, PrintsEachDayOnlyOnce) {
@@ -86,7 +99,7 @@ TEST_F(LogText, PrintsOneJsonObjectPerLine) {
       "\n");
 }
 
-TEST_F(LogText, CanBeginAtADurationAgoOrAPointInTime) {
+TEST_F(LogText, BeginsAtAGivenAgeOrTime) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   EXPECT_EQ(*since_from("90s", kNow), kNow - 90 * kSecond);
   EXPECT_EQ(*since_from("10m", kNow), kNow - 600 * kSecond);

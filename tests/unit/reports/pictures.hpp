@@ -29,7 +29,7 @@ inline bool is_well_formed(const std::string& drawing) {
   return right;
 }
 
-/// A text in a drawing, with its position and its size in a wide font.
+/// A text in a drawing, with its position and with its size if the font is wide.
 struct Label {
   double left = 0;
   double right = 0;

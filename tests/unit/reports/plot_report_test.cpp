@@ -67,7 +67,7 @@ Plot plot_of(std::vector<PlotPoint> points) {
   return plot;
 }
 
-/// Returns the labels at the marks of the value axis, from bottom to top.
+/// Returns the labels of the value axis, from bottom to top.
 std::vector<std::string> value_marks(const std::string& svg) {
   static const std::regex kMark{R"re(text-anchor="end" class="faint">([^<]*)<)re"};
   std::vector<std::string> found;
@@ -115,15 +115,15 @@ TEST(Plot, MarksEachOfSeveralCurvesWithItsOwnShape) {
   same.name = "t";
   same.curves.push_back({{10, 1}});
   plot.panels[0].series.insert(plot.panels[0].series.end(), {same, same});
-  // The shapes are circles, squares and triangles. They appear on curves, on single samples and in the
-  // legend.
+  // The curves of different series have different shapes: circles, squares and triangles. The shapes mark
+  // curves, single samples and entries of the legend.
   const std::string svg = plot_svg(plot);
   EXPECT_EQ(drawings::occurrences(svg, "<circle"), 10U + 1U);
   EXPECT_EQ(drawings::occurrences(svg, "z\" class=\"d2\""), 10U + 1U + 1U);
   EXPECT_EQ(shapes(plot), 11U + 12U);
 }
 
-TEST(Plot, PlacesTheLargestNumbersCorrectly) {
+TEST(Plot, HasAxisMarksEvenForTheLargestNumbers) {
   const auto marks = value_marks(plot_svg(plot_of({{0, 0}, {10, 1e308}})));
   EXPECT_THAT(marks, testing::Contains("1e+308"));
 }

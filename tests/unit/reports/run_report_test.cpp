@@ -51,6 +51,35 @@ TEST(RunText, ShowsALineForEachModuleAndConnectedPort) {
   EXPECT_THAT(text, Not(HasSubstr("unused")));
 }
 
+TEST(RunText, ShowsWhetherTheDevicesHaveDifferentDeployments) {
+  json status = cell();
+  EXPECT_THAT(run_text(status), Not(HasSubstr("DIFFERENT")));
+  status["differences"] = {"the devices of cell a differ"};
+  EXPECT_THAT(run_text(status), HasSubstr("\nDIFFERENT DEPLOYMENTS: the devices of cell a differ\n"));
+}
+
+TEST(RunText, ShowsHowFarTheClockOfADeviceIsAheadOfTheFirstDevice) {
+  json status = cell();
+  status["devices"][0]["clock"] = nullptr;
+  EXPECT_THAT(run_text(status), HasSubstr("device robot\n"));
+  status["devices"][0]["clock"] = {{"reference", "line"}, {"offset_us", 123.4}, {"bound_us", 400.0}};
+  EXPECT_THAT(run_text(status), HasSubstr("device robot  clock +0.1 ms ±0.4 ms\n"));
+  status["devices"][0]["clock"] = {{"reference", "robot"}, {"offset_us", 0.0}, {"bound_us", 0.0}};
+  EXPECT_THAT(run_text(status), HasSubstr("device robot\n"));
+}
+
+TEST(RunText, ShowsTheVersionAndHashOfEachComponentIfKnown) {
+  json status = cell();
+  json& arm = status["devices"][0]["modules"][0];
+  arm["file"] = "/c/arm.so";
+  arm["version"] = "1.2.0";
+  arm["hash"] = "3fa91c02";
+  EXPECT_THAT(run_text(status), ContainsRegex("arm +3fa91c02 +1.2.0 +/c/arm.so\n"));
+  EXPECT_EQ(components_in(status["devices"][0]).at("arm"), "arm.so 1.2.0 3fa91c02");
+  leave_out_components(status);
+  EXPECT_EQ(status, cell());
+}
+
 TEST(RunJson, OmitsTheWakeMarginsOfExecutors) {
   const json report = json::parse(run_json(cell()));
   std::vector<std::string> keys;
@@ -86,12 +115,31 @@ TEST(RunText, ShowsWhyAModuleOrDeviceIsInABadState) {
   EXPECT_THAT(run_text(status), HasSubstr("device robot  ended: module arm was given up\n"));
 }
 
+TEST(RunText, ShowsThatAModuleInStartOnARunningDeviceIsStopped) {
+  json status = cell();
+  status["devices"][0]["modules"][0]["state"] = "START";
+  status["devices"][0]["state"] = "ready";
+  EXPECT_THAT(run_text(status), Not(HasSubstr("stopped")));
+  status["devices"][0]["state"] = "running";
+  EXPECT_THAT(run_text(status), ContainsRegex("arm +START \\(stopped\\) +[0-9]"));
+}
+
 TEST(RunText, HasNoTablesForADeviceWithoutADeployment) {
   json status = cell();
   status["devices"][0] = {{"name", "robot"},          {"alive", true},
                           {"real_time", true},        {"executors", json::array()},
                           {"modules", json::array()}, {"state", "waiting"}};
   EXPECT_THAT(run_text(status), AllOf(HasSubstr("device robot  waiting\n"), Not(HasSubstr("  executor"))));
+}
+
+TEST(RunText, ShowsTheNameConflictOfTwoNodes) {
+  json status = cell();
+  status["devices"].push_back(status["devices"][0]);
+  for (json& device : status["devices"]) device["conflict"] = "another node named robot is on domain 7";
+  const std::string line = "device robot\n  NAME CONFLICT: another node named robot is on domain 7\n";
+  const std::string text = run_text(status);
+  EXPECT_THAT(text, HasSubstr(line));
+  EXPECT_NE(text.find(line), text.rfind(line)) << "for each of the two nodes";
 }
 
 TEST(RunText, MarksADeviceThatDoesNotRunInRealTime) {

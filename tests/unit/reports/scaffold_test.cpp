@@ -30,6 +30,7 @@ TEST(Scaffold, WritesAllFilesOfAComponent) {
                                    "belt_drive_test.cpp", "belt_drive_types.idl"));
   EXPECT_THAT(text_of(*files, "belt_drive.cpp"), HasSubstr("class BeltDrive : public takt::Component"));
   EXPECT_THAT(text_of(*files, "belt_drive.xml"), HasSubstr("<period>"));
+  EXPECT_THAT(text_of(*files, "belt_drive.xml"), HasSubstr(R"(to="here.belt_drive.in"/>)"));
 }
 TEST(Scaffold, LeavesNoPlaceholderInTheFiles) {
   for (const auto type : {model::ModuleType::thread, model::ModuleType::process}) {
@@ -55,6 +56,7 @@ TEST(Scaffold, WritesFilesForTheRequestedModuleAndOperationType) {
   EXPECT_THAT(text_of(*files, "CMakeLists.txt"), HasSubstr("takt_add_process(pump pump.c TYPES pump_types)"));
   EXPECT_THAT(text_of(*files, "pump.xml"), HasSubstr("<filename>pump.exe</filename>"));
   EXPECT_THAT(text_of(*files, "pump.xml"), HasSubstr("<deadline>"));
+  EXPECT_THAT(text_of(*files, "pump.xml"), HasSubstr(R"(to="here.pump.in" kind="queue" depth="8"/>)"));
   EXPECT_THAT(text_of(*files, "pump.c"), HasSubstr("waitSporadic()"));
 }
 TEST(Scaffold, RejectsComponentNamesThatWouldNotCompile) {

@@ -132,7 +132,7 @@ TEST(TraceReport, RejectsAFileThatIsNotATrace) {
   }
 }
 
-// The report rejects a trace in which any member is missing or has the wrong type, and gives the reason.
+// The report rejects a trace in which a member of "otherData" is missing or has the wrong type.
 TEST(TraceReport, RejectsADamagedTrace) {
   const json whole = trace();
   for (const auto& [key, value] : whole["otherData"].items()) {
@@ -155,7 +155,7 @@ json of_thread(int thread, const char* category, const std::string& name, double
   return {{"ph", "X"}, {"tid", thread}, {"ts", at_us}, {"dur", took_us}, {"cat", category}, {"name", name}};
 }
 
-/// Returns the left edge and the width of each bar with this class.
+/// Returns the left edge and the width of each bar that has the class `look`.
 std::vector<std::pair<double, double>> bars(const std::string& drawing, const std::string& look) {
   std::vector<std::pair<double, double>> found;
   const std::regex bar{R"re(<rect x="([0-9.]+)" y="[0-9.]+" width="([0-9.]+)"[^>]* class=")re" + look + "\""};

@@ -9,6 +9,7 @@
 namespace takt::tool::watch::watch_list_test {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
@@ -41,6 +42,10 @@ TEST(WatchList, SortsLargestNumbersFirst) {
               ElementsAre("idle", "line.belt", "robot.m2", "robot.m0", "robot.m1"));
 }
 
+TEST(WatchList, HasAWiderGapBeforeTheHeadingOfTheChart) {
+  EXPECT_THAT(drawn(three(), {}, 120), HasSubstr("p99 us  last minute"));
+}
+
 TEST(WatchList, SortsWorstStatesFirst) {
   Snapshot snapshot = three();
   snapshot.devices[1].modules[2].state = "DESTRUCT";
@@ -49,6 +54,24 @@ TEST(WatchList, SortsWorstStatesFirst) {
   snapshot.devices[1].alive = false;
   EXPECT_THAT(targets(snapshot, {.column = Column::state}),
               ElementsAre("robot.m0", "robot.m1", "robot.m2", "line.belt", "idle"));
+}
+
+TEST(WatchList, PaintsDestructRedOnlyIfTheModuleWasGivenUp) {
+  const Device on = device("robot");
+  Module one = module("one", "DESTRUCT");
+  EXPECT_EQ(state_of(on, one, {}).ink, Ink::dim) << "it has finished, or an operator ended it";
+  one.given_up = true;
+  EXPECT_EQ(state_of(on, one, {}).ink, Ink::bad);
+}
+
+TEST(WatchList, ShowsASafeStopInsteadOfTheState) {
+  Snapshot snapshot = cell(2);
+  snapshot.devices.erase(snapshot.devices.begin());
+  EXPECT_THAT(drawn(snapshot), HasSubstr("all EXECUTING"));
+  snapshot.devices[0].modules[1].safe_stop = true;
+  EXPECT_EQ(state_of(snapshot.devices[0], snapshot.devices[0].modules[1], {}).ink, Ink::warning);
+  EXPECT_THAT(drawn(snapshot), AllOf(HasSubstr("! safe stop"), HasSubstr("1 in a safe stop"),
+                                     Not(HasSubstr("all EXECUTING"))));
 }
 
 TEST(WatchList, CanBeSortedByEachNumericColumn) {
@@ -104,6 +127,19 @@ TEST(WatchList, ReplacesNumbersByTheReasonOnANarrowScreen) {
   EXPECT_THAT(wide, testing::StartsWith(">   belt"));
 }
 
+TEST(WatchList, ShowsThatAModuleIsStoppedIfTheColumnIsWideEnough) {
+  Snapshot snapshot = cell(1);
+  Module& belt = snapshot.devices[0].modules[0];
+  belt = {.name = "belt", .state = "START", .stopped = true};
+  const auto line = [&](std::size_t columns) {
+    return list_line(rows_of(snapshot, {})[1], false, columns, {}).shown(columns, {});
+  };
+  EXPECT_THAT(line(100), HasSubstr("o START (stopped)"));
+  EXPECT_THAT(line(80), HasSubstr("o START  "));
+  belt.stopped = false;
+  EXPECT_THAT(line(100), Not(HasSubstr("stopped")));
+}
+
 TEST(WatchList, ShowsThe99thPercentileAsAShareOfTheBudget) {
   Snapshot snapshot = cell(1);
   Module& m0 = snapshot.devices[1].modules[0];
@@ -155,6 +191,8 @@ TEST(WatchState, NamesTheProblemOfAConnection) {
   EXPECT_EQ(of({.age = std::chrono::milliseconds{2}}).text, "* ok, 2 ms old");
   EXPECT_EQ(of({.age = std::chrono::milliseconds{2}}).ink, Ink::good);
   EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .lost = 3}).ink, Ink::warning);
+  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .dropped = 27757}).text,
+            "! degraded, 2 ms old, dropped 27757");
   EXPECT_EQ(of({.matched = false}).text, "X NOT MATCHED");
   EXPECT_EQ(of({.stale = true}).text, "! STALE");
   EXPECT_EQ(of({.safe = true}).text, "! SAFE VALUE");

@@ -30,11 +30,11 @@ TEST(WatchScreen, EveryPageFitsATerminalOfAnySize) {
                                     .kind = "latest",
                                     .health = CellHealth::Connection{}});
   }
-  for (const Place place : {Place::list, Place::details, Place::connections, Place::help}) {
+  for (const Page page : {Page::list, Page::details, Page::connections, Page::help}) {
     for (const std::size_t lines : {1U, 2U, 3U, 4U, 5U, 8U, 24U, 60U}) {
       for (const std::size_t columns : {1U, 2U, 5U, 20U, 40U, 79U, 80U, 81U, 100U, 133U, 200U, 400U}) {
         for (const bool unicode : {false, true}) {
-          View view{.place = place, .chosen = "robot.m3", .message = std::string(200, 'm')};
+          View view{.page = page, .chosen = "robot.m3", .message = std::string(200, 'm')};
           const Screen screen = draw(snapshot, view, columns, lines, {.unicode = unicode});
           ASSERT_THAT(screen.lines, SizeIs(lines));
           for (const std::string& line : screen.lines) ASSERT_LE(columns_of(line), columns) << line;
@@ -82,7 +82,7 @@ TEST(WatchScreen, ShowsGoodAndBadStatesInDifferentColours) {
   const std::string shown = drawn(cell(3), {.chosen = "robot"}, 80, 24, style);
   EXPECT_THAT(shown, HasSubstr("\033[32m● EXECUTING"));
   EXPECT_THAT(shown, HasSubstr("\033[31m▲ RECOVER"));
-  EXPECT_THAT(shown, HasSubstr("\033[32;1m● running"));  // the selected row
+  EXPECT_THAT(shown, HasSubstr("\033[32;1m● running"));  // the selected row is bold
 }
 
 TEST(WatchScreen, ShortensACountThatDoesNotFit) {
@@ -107,11 +107,12 @@ TEST(WatchScreen, EscapesControlCharactersInTexts) {
 }
 
 TEST(WatchScreen, ExplainsWhyAPageIsEmpty) {
+  EXPECT_THAT(drawn({.searching = true}), HasSubstr("searching for devices on this domain ..."));
   EXPECT_THAT(drawn({}), HasSubstr("no devices found on this domain"));
   EXPECT_THAT(drawn(cell(2), {.filter = "nonsense"}), HasSubstr("no rows match the filter"));
-  EXPECT_THAT(drawn(cell(2), {.place = Place::connections}),
+  EXPECT_THAT(drawn(cell(2), {.page = Page::connections}),
               HasSubstr("no node has reported the connections yet"));
-  EXPECT_THAT(drawn(cell(2), {.place = Place::details, .chosen = "robot.m7"}),
+  EXPECT_THAT(drawn(cell(2), {.page = Page::details, .chosen = "robot.m7"}),
               HasSubstr("robot.m7 no longer exists"));
 }
 
@@ -127,13 +128,13 @@ TEST(WatchScreen, ListsCommandsThatAreNotYetAnswered) {
 }
 
 TEST(WatchScreen, SaysHowManyLinesOfALongPageAreBelow) {
-  View view{.place = Place::help};
+  View view{.page = Page::help};
   const Screen screen = draw(cell(2), view, 80, 10, {});
   const std::size_t visible = screen.shown.room - 1;
   EXPECT_THAT(text_of(screen),
               HasSubstr("... " + std::to_string(screen.shown.length - visible) + " more lines below"));
   view.scroll = 1000;
-  EXPECT_THAT(text_of(draw(cell(2), view, 80, 10, {})), Not(HasSubstr("more below")));
+  EXPECT_THAT(text_of(draw(cell(2), view, 80, 10, {})), Not(HasSubstr("more lines below")));
   EXPECT_EQ(view.scroll, screen.shown.length - screen.shown.room);
 }
 
@@ -143,7 +144,7 @@ TEST(WatchScreen, SendsOnlyChangedLinesToTheTerminal) {
   EXPECT_EQ(changes({}, {"a", "b"}), "\033[H\033[J\033[1;1H\033[Ka\033[2;1H\033[Kb");
 }
 
-TEST(WatchLine, IsShortenedBetweenCharactersAndMarked) {
+TEST(WatchLine, IsCutBetweenCharactersAndMarksTheCut) {
   Line line;
   line.add("ä€ö");
   EXPECT_EQ(line.shown(3, {.unicode = true}), "ä€ö");

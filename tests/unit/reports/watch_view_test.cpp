@@ -9,7 +9,7 @@ namespace {
 
 using Keyboard = os::Keyboard;
 
-/// A user in front of a list of `rows` rows, ten of which are visible at once.
+/// A user who looks at a list of `rows` rows, ten of which are visible at once.
 struct Person {
   View view{};
   Shown shown{};
@@ -59,7 +59,7 @@ TEST(WatchView, IgnoresKeysInAnEmptyList) {
        {Keyboard::kUp, Keyboard::kDown, Keyboard::kEnd, Keyboard::kPageDown, int{'\r'}, int{'s'}, int{'D'}}) {
     EXPECT_FALSE(person.press(key).command);
     EXPECT_EQ(person.view.chosen, "");
-    EXPECT_EQ(person.view.place, Place::list);
+    EXPECT_EQ(person.view.page, Page::list);
     EXPECT_FALSE(person.view.asked);
   }
 }
@@ -74,8 +74,8 @@ TEST(WatchView, KeepsTheSelectionOnItsRowWhenRowsMove) {
   EXPECT_EQ(person.view.first, 19U);
 }
 
-// takt watch discovers devices one by one, and the device that it discovers first is rarely the first in the
-// list.
+// takt watch discovers devices one by one. The device that it discovers first is rarely the first one in the
+// list, so the selection moves to the first row until the user presses a key.
 TEST(WatchView, SelectsTheFirstRowUntilAKeyIsPressed) {
   Person person{3};
   person.shown.targets.insert(person.shown.targets.begin(), "line");
@@ -144,7 +144,7 @@ TEST(WatchView, AsksForConfirmationBeforeDestruct) {
   EXPECT_EQ(person.view.asked, (Command{Verb::destruct, "robot.m0"}));
   EXPECT_FALSE(person.press('\r').command);
   EXPECT_FALSE(person.view.asked);
-  EXPECT_EQ(person.view.place, Place::list) << "the key that cancels does nothing else";
+  EXPECT_EQ(person.view.page, Page::list) << "the key that cancels does nothing else";
   EXPECT_EQ(person.view.message, "destruct of robot.m0 cancelled");
   person.press('D');
   EXPECT_EQ(person.press('y').command, (Command{Verb::destruct, "robot.m0"}));
@@ -170,7 +170,7 @@ TEST(WatchView, TreatsKeysAsTextWhileAFilterIsTyped) {
   person.press('\r');
   EXPECT_FALSE(person.view.typing);
   EXPECT_EQ(person.view.filter, "stq ");
-  EXPECT_EQ(person.view.place, Place::list);
+  EXPECT_EQ(person.view.page, Page::list);
   person.press(Keyboard::kEscape);
   EXPECT_EQ(person.view.filter, "");
   person.type("/a");
@@ -208,14 +208,14 @@ TEST(WatchView, CyclesThroughTheSortColumns) {
 TEST(WatchView, StepsToTheDetailsOfTheNextOrPreviousRow) {
   Person person{3};
   person.press('\r');
-  EXPECT_EQ(person.view.place, Place::details);
+  EXPECT_EQ(person.view.page, Page::details);
   person.press('n');
   EXPECT_EQ(person.view.chosen, "robot.m1");
   person.press('p');
   person.press('p');
   EXPECT_EQ(person.view.chosen, "robot.m0");
   person.press(Keyboard::kEscape);
-  EXPECT_EQ(person.view.place, Place::list);
+  EXPECT_EQ(person.view.page, Page::list);
 }
 
 TEST(WatchView, KeepsTheDetailsOfAModuleThatIsGone) {
@@ -243,7 +243,7 @@ TEST(WatchView, QuitsFromEveryPage) {
   for (const char key : {'?', 'c', '\r'}) {
     Person person{3};
     person.press(key);
-    EXPECT_NE(person.view.place, Place::list);
+    EXPECT_NE(person.view.page, Page::list);
     EXPECT_TRUE(person.press('q').quit);
   }
 }

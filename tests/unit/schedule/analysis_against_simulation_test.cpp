@@ -1,5 +1,6 @@
-// Compares the analysis with a simulation. Each random device that the analysis accepts is simulated with
-// many combinations of start times and with long and short runs. It must never miss a deadline.
+// Compares the analysis with a simulation. For each random device that the analysis accepts, the test
+// simulates many combinations of start times, with long and short runs. In no simulation may a module miss a
+// deadline.
 #include <takt/schedule/analysis.hpp>
 
 #include <gtest/gtest.h>
@@ -45,7 +46,7 @@ class Draw {
     Device& device = drawn.cell.devices.emplace_back();
     const int executors = one_of({1, 1, 2, 2, 3});
     for (int e = 0; e < executors; ++e) device.executors.push_back(executor(e, drawn.cpus.size()));
-    // The load of the device: from almost none to more than its CPUs can bear.
+    // The load of the device, from almost none to more than its CPUs can carry.
     const double fullness = std::uniform_real_distribution<>{0.05, 1.0}(random_);
     const double programs = one_of({1, 3, 8}) / 10.0;
     const int periodic = between(executors, executors + 4);
@@ -84,8 +85,8 @@ class Draw {
     model::Executor executor;
     executor.name = "e" + std::to_string(index);
     if (chance(0.3)) executor.cpu = between(0, static_cast<int>(cpus) - 1);
-    // Priorities are close to each other, so that some programs and sporadic threads of one executor have
-    // priorities between those of other executors.
+    // The executors have similar priorities. So some programs and sporadic threads of one executor have
+    // priorities between the priorities of two other executors.
     executor.priority = one_of({2, 3, 9, 10, 11, 12, 13, 20});
     executor.wakeup = chance(0.5)   ? model::Wakeup::sleep
                       : chance(0.9) ? model::Wakeup::hybrid
@@ -95,11 +96,12 @@ class Draw {
     executor.spin_share = one_of({1, 2, 4}) / 10.0;
     return executor;
   }
-  static Module& add(Device& device, int executor) {
+  Module& add(Device& device, int executor) {
     Module& module = device.modules.emplace_back();
     module.name = "m" + std::to_string(device.modules.size() - 1);
     module.executor = device.executors[static_cast<std::size_t>(executor)].name;
-    module.priority = static_cast<int>(device.modules.size());
+    // Some modules have equal priorities, so that their programs share a level.
+    module.priority = static_cast<int>(device.modules.size()) / (chance(0.5) ? 1 : 2);
     return module;
   }
 
@@ -131,8 +133,8 @@ Tick length_of(const DevicePlan& plan) {
   return std::min(3 * common + 300, kLongest);
 }
 
-/// Returns phasings in which all worst cases coincide, and others with shorter runs and spins, or with
-/// sporadic modules that are released later or less often.
+/// Returns the phasings to simulate. In some, all worst cases coincide; in others, runs and spins are
+/// shorter, or sporadic modules are released later or less often.
 std::vector<Phasing> phasings(Random& random) {
   std::vector<Phasing> all{{}, {.spin = 0}, {.longest = 0.9}, {.longest = 0.5, .spin = 0.5}};
   for (const double ready : {0.02, 0.1, 0.5}) {

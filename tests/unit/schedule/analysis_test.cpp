@@ -24,8 +24,8 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Builds a device whose modules have given longest run times. By default its executors do not spin, so that
-/// expected values are easy to compute.
+/// Builds a device and the longest run time of each module. By default, the executors of the device do not
+/// spin, so that expected values are easy to compute.
 class Cells {
  public:
   explicit Cells(int executors = 1) {
@@ -63,8 +63,8 @@ class Cells {
   [[nodiscard]] Problems missed(int number_of_cpus = 2) {
     return missed_deadlines(cell, device(), worst(number_of_cpus));
   }
-  /// Returns the worst response time of each module, in the order of the descriptor; -1 us if it has no
-  /// bound.
+  /// Returns the worst-case response time of each module, in the order of the descriptor. -1 us means that
+  /// the analysis found no bound.
   [[nodiscard]] std::vector<Nanoseconds> responses(int number_of_cpus = 2) {
     std::vector<Nanoseconds> all;
     for (const WorstCase& one : worst(number_of_cpus)) all.push_back(one.response.value_or(-1us));
@@ -110,7 +110,7 @@ TEST(ResponseTimeAnalysis, IsExactToTheNanosecond) {
   EXPECT_FALSE(cells.missed().empty());
 }
 
-// Times in us: the row at 0 runs a and b until 150, which is 50 too late. The row at 100 begins at 150 and
+// Times in us: the row at 0 runs a and b until 150. So the row at 100 begins at 150, which is 50 late, and
 // ends at 180.
 TEST(ResponseTimeAnalysis, AddsTheDelayCausedByALateRow) {
   Cells cells;
@@ -120,8 +120,8 @@ TEST(ResponseTimeAnalysis, AddsTheDelayCausedByALateRow) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-// Times in us: the row at 0 runs a and b until 210. The row at 100 would begin after its own slot, which ends
-// at 200.
+// Times in us: the row at 0 runs a and b until 210. So the row at 100 would begin after the end of its slot,
+// which is at 200.
 TEST(ResponseTimeAnalysis, ReportsAModuleWhoseRowMayBeSkipped) {
   Cells cells;
   cells.periodic("a", 100us, 10us);
@@ -133,8 +133,8 @@ TEST(ResponseTimeAnalysis, ReportsAModuleWhoseRowMayBeSkipped) {
                                                         "row may begin")))));
 }
 
-// With periods of 2 and 3 ms, the row at 1 ms is empty, so it may be skipped. The row at 0 ms ends at 2 ms,
-// that at 2 ms ends at 2.5 ms, that at 3 ms at 4.5 ms, and that at 4 ms at 5 ms.
+// With periods of 2 and 3 ms, the row at 1 ms is empty, so the executor may skip it. The row at 0 ms ends at
+// 2 ms, the row at 2 ms ends at 2.5 ms, the row at 3 ms ends at 4.5 ms, and the row at 4 ms ends at 5 ms.
 TEST(ResponseTimeAnalysis, AllowsAnEmptyRowToBeSkipped) {
   Cells cells;
   cells.periodic("a", 2ms, 500us);
@@ -143,7 +143,7 @@ TEST(ResponseTimeAnalysis, AllowsAnEmptyRowToBeSkipped) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-TEST(ResponseTimeAnalysis, FindsNoBoundIfTheWorkExceedsTheTime) {
+TEST(ResponseTimeAnalysis, FindsNoBoundIfTheWorkExceedsTheAvailableTime) {
   Cells cells;
   cells.periodic("a", 100us, 60us);
   cells.periodic("b", 200us, 90us);
@@ -153,18 +153,19 @@ TEST(ResponseTimeAnalysis, FindsNoBoundIfTheWorkExceedsTheTime) {
 
 // ---- Executors that share a CPU
 
-TEST(ResponseTimeAnalysis, AddsInterruptionsByAHigherExecutor) {
+TEST(ResponseTimeAnalysis, AddsInterruptionsByAHigherPriorityExecutor) {
   Cells cells{2};
   cells.executor(0).cpu = 1;
   cells.executor(1).cpu = 1;
   cells.periodic("fast", 100us, 30us, 0);
   cells.periodic("slow", 400us, 100us, 1);
-  EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));  // 30 + 70 + 30 + 30
+  EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));  // in us: 30 fast + 70 slow + 30 fast + 30 slow
 }
 
-// Times in us: the row of the lower executor at 0 waits for fast, runs a and b, is interrupted at 100 and
-// 200, and ends at 250. So its row at 200 begins at 250, is interrupted at 300, and a ends at 380.
-TEST(ResponseTimeAnalysis, AddsTheDelayByALateRowOfALowerExecutor) {
+// Times in us: the row at 0 of the lower-priority executor waits for module fast, runs a and b, is
+// interrupted at 100 and 200, and ends at 250. So the row at 200 of this executor begins at 250 and is
+// interrupted at 300, and module a ends at 380.
+TEST(ResponseTimeAnalysis, AddsTheDelayOfALateRowToTheNextRowOfALowerPriorityExecutor) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 100us, 30us, 0);
@@ -173,8 +174,9 @@ TEST(ResponseTimeAnalysis, AddsTheDelayByALateRowOfALowerExecutor) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 180us, 250us));
 }
 
-// Times in us: fast runs until 90. So the row of slow at 0 would begin after its next row is due, at 50.
-TEST(ResponseTimeAnalysis, ReportsARowThatAHigherExecutorMayDelayTooLong) {
+// Times in us: module fast runs until 90. So the row at 0 of module slow would begin after 50, when the next
+// row of slow is due.
+TEST(ResponseTimeAnalysis, ReportsARowThatAHigherPriorityExecutorMayDelayTooLong) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 400us, 90us, 0);
@@ -185,8 +187,8 @@ TEST(ResponseTimeAnalysis, ReportsARowThatAHigherExecutorMayDelayTooLong) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-// The row of slow ends exactly when the next row of fast begins. So the program of slow is woken only after
-// that row.
+// The row of module slow ends exactly when the next row of module fast begins. So the executor of slow wakes
+// its program only after this row of fast.
 TEST(ResponseTimeAnalysis, AddsAnInterruptionJustBeforeAProgramIsWoken) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
@@ -213,7 +215,7 @@ TEST(ResponseTimeAnalysis, TreatsExecutorsOnDifferentCpusIndependently) {
   EXPECT_THAT(cells.responses(2), ElementsAre(30us, 50us)) << "one CPU is left to the other threads";
 }
 
-TEST(ResponseTimeAnalysis, AddsTheSpinningOfAHigherExecutor) {
+TEST(ResponseTimeAnalysis, IncludesTheSpinningOfAHigherPriorityExecutor) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::hybrid;
@@ -233,7 +235,7 @@ TEST(ResponseTimeAnalysis, AddsAtMost100MicrosecondsOfSpinning) {
   EXPECT_THAT(cells.responses(), ElementsAre(1ms, 2100us));
 }
 
-TEST(ResponseTimeAnalysis, FindsNoBoundBelowAnExecutorThatNeverSleeps) {
+TEST(ResponseTimeAnalysis, FindsNoBoundForModulesBelowAnExecutorThatNeverSleeps) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::spin;
@@ -260,7 +262,8 @@ TEST(ResponseTimeAnalysis, AddsTheSporadicRunThatIsAlreadyInProgress) {
   cells.periodic("row", 1ms, 100us);
   cells.sporadic("urgent", 500us, 100us);
   cells.sporadic("long", 10ms, 200us);
-  // Module long waits for the row (100) and for two runs of urgent (200), and then runs for 200.
+  // Times in us: module long waits for the row (100) and for two runs of urgent (200 in total), and then runs
+  // for 200.
   EXPECT_THAT(cells.responses(), ElementsAre(100us, 400us, 500us));
 }
 
@@ -281,22 +284,33 @@ TEST(ResponseTimeAnalysis, StartsAProgramAtTheEndOfItsRow) {
   EXPECT_THAT(cells.responses(2), ElementsAre(30us, 80us));
 }
 
-TEST(ResponseTimeAnalysis, AddsTheRowsToAProgramOnTheOnlyCpu) {
+TEST(ResponseTimeAnalysis, AddsTheRowsThatInterruptAProgramOnTheOnlyCpu) {
   Cells cells;
   cells.periodic("row", 100us, 30us);
   process(cells.periodic("program", 300us, 50us));
-  // In the worst case: the row (30), the program (50) and the next row (30).
+  // Worst case in us: the row (30), the program (50) and the next row (30).
   EXPECT_THAT(cells.responses(1), ElementsAre(30us, 110us));
 }
 
-// With a period of 300 us, a program spins for at most 100 us, and two programs on one CPU for at most half
-// of that. A program also spins from its release until the row is over.
-TEST(ResponseTimeAnalysis, AddsTheOtherProgramsOfTheSameExecutor) {
+// With a period of 300 us, a program spins for at most 100 us, or for at most 50 us if two programs share the
+// CPU. A program also spins from its release until the end of the row.
+TEST(ResponseTimeAnalysis, AddsTheRunTimesOfTheOtherProgramsOfTheSameExecutor) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.periodic("p", 300us, 20us));
   process(cells.periodic("q", 300us, 40us));
-  EXPECT_THAT(cells.responses(2), ElementsAre(10us, 10us + 20us + 40us + 60us, 10us + 40us + 20us + 60us));
+  EXPECT_THAT(cells.responses(2), ElementsAre(10us, 10us + 20us, 10us + 40us + 20us + 60us));
+}
+
+TEST(ResponseTimeAnalysis, LetsProgramsOfEqualPriorityDelayEachOther) {
+  Cells cells;
+  cells.periodic("row", 100us, 10us);
+  process(cells.periodic("p", 300us, 20us)).priority = 1;
+  process(cells.periodic("q", 300us, 40us)).priority = 1;
+  const auto responses = cells.responses(2);
+  EXPECT_GE(responses[1], 10us + 20us + 40us);
+  EXPECT_GE(responses[2], 10us + 40us + 20us);
+  EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
 TEST(ResponseTimeAnalysis, DividesTheWaitingTimeOfProgramsAmongTheirCpus) {
@@ -305,16 +319,17 @@ TEST(ResponseTimeAnalysis, DividesTheWaitingTimeOfProgramsAmongTheirCpus) {
   for (const char* name : {"p", "q"}) process(cells.periodic(name, 1ms, 200us));
   const auto worst = cells.worst(3);
   EXPECT_THAT(worst[1].cpus, ElementsAre(0, 1));
-  // While one program waits, the other program accounts for at most half of the waiting time.
-  EXPECT_LT(*worst[1].response, 10us + 200us + 200us);
-  EXPECT_GE(*worst[1].response, 210us);
+  // While the second program waits for a CPU, the first program accounts for at most half of the waiting
+  // time.
+  EXPECT_LT(*worst[2].response, 10us + 200us + 200us);
+  EXPECT_GE(*worst[2].response, 210us);
 }
 
-// On two CPUs, each of the three programs may have to wait while the other two occupy both CPUs.
+// Two CPUs, three programs: each program may have to wait while the two others occupy both CPUs.
 TEST(ResponseTimeAnalysis, AddsProgramsOfEqualPriorityOnSeveralCpus) {
   Cells cells;
   cells.executor().spin_share = 0;
-  for (const char* name : {"p", "q", "r"}) process(cells.periodic(name, 1ms, 200us));
+  for (const char* name : {"p", "q", "r"}) process(cells.periodic(name, 1ms, 200us)).priority = 1;
   const auto responses = cells.responses(3);
   for (const Nanoseconds response : responses) {
     EXPECT_GE(response, 400us) << "the other two are released at the same time";
@@ -322,23 +337,24 @@ TEST(ResponseTimeAnalysis, AddsProgramsOfEqualPriorityOnSeveralCpus) {
   }
 }
 
-TEST(ResponseTimeAnalysis, CountsOnlyOneRunOfASporadicProgramLongerThanARow) {
+TEST(ResponseTimeAnalysis, CountsOnlyOneRunOfASporadicProgramThatRunsLongerThanARow) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));
   EXPECT_THAT(cells.responses(2), ElementsAre(10us, 3010us));
 }
 
-// A row may release the first program again as soon as it is done, so the program may never sleep.
-TEST(ResponseTimeAnalysis, FindsNoBoundBesideAnEqualProgramThatMayNeverSleep) {
+// A row may release the program of vision again as soon as its body has ended, so this program may never
+// sleep.
+TEST(ResponseTimeAnalysis, FindsNoBoundIfAProgramOfEqualPriorityMayNeverSleep) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
-  process(cells.sporadic("vision", 10ms, 3ms));
-  process(cells.sporadic("radar", 10ms, 1us));
+  process(cells.sporadic("vision", 10ms, 3ms)).priority = 1;
+  process(cells.sporadic("radar", 10ms, 1us)).priority = 1;
   EXPECT_THAT(cells.responses(2).back(), -1us);
 }
 
-TEST(ResponseTimeAnalysis, FindsNoBoundBelowAProgramThatMayNeverSleep) {
+TEST(ResponseTimeAnalysis, FindsNoBoundIfAProgramOfHigherPriorityMayNeverSleep) {
   Cells cells{2};
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));

@@ -13,8 +13,8 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::Optional;
 
-/// Returns a cell whose device robot has modules a (defined in line 1), b (in line 2) and a non-real-time
-/// module.
+/// Returns a cell whose device robot has the modules a (in line 1 of the file), b (in line 2) and logger,
+/// which is not real-time.
 model::Cell cell() {
   model::Cell cell;
   cell.name = "cell";

@@ -16,7 +16,8 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Returns the weight of the fullest row by definition: checks each module in each row of the macro period.
+/// Returns the weight of the fullest row. Follows the definition: checks each module in each row of the macro
+/// period.
 std::int64_t fullest(const std::vector<Shiftable>& modules, const std::vector<Nanoseconds>& offsets) {
   std::int64_t basic = 0;
   std::int64_t macro = 1;
@@ -41,7 +42,8 @@ std::vector<Nanoseconds> unshifted(const std::vector<Shiftable>& modules) {
   return offsets;
 }
 
-/// Tries all combinations of offsets; returns the smallest weight of the fullest row.
+/// Tries all combinations of offsets from module `i` on. Returns the smallest weight that the fullest row can
+/// have.
 std::int64_t lightest(const std::vector<Shiftable>& modules, std::vector<Nanoseconds>& offsets, std::size_t i,
                       Nanoseconds basic) {
   if (i == modules.size()) return fullest(modules, offsets);
@@ -90,7 +92,7 @@ TEST(Offsets, NeverShortenTheBasicPeriod) {
       << "an offset of half the period would separate them, but double the rows";
 }
 
-TEST(Offsets, OfNoModulesAreEmpty) { EXPECT_THAT(flatten({}), IsEmpty()); }
+TEST(Offsets, AreEmptyWithoutModules) { EXPECT_THAT(flatten({}), IsEmpty()); }
 
 TEST(Offsets, AreZeroIfTheyWouldNotReduceTheFullestRow) {
   const std::vector<Shiftable> modules{{.period = 1ms}, {.period = 1ms}};
@@ -121,7 +123,7 @@ TEST(Offsets, AreOptimalForSmallTables) {
   EXPECT_GT(lighter, 50);
 }
 
-TEST(Offsets, OfManyModulesAtLeastHalveTheFullestRow) {
+TEST(Offsets, AtLeastHalveTheFullestRowOfManyModules) {
   std::mt19937 random{12};
   const std::vector<std::int64_t> periods{1, 2, 4, 5, 8, 10, 20, 40, 50, 100};
   for (const std::size_t count : {30U, 300U, 10'000U}) {
@@ -135,8 +137,8 @@ TEST(Offsets, OfManyModulesAtLeastHalveTheFullestRow) {
     const auto begin = std::chrono::steady_clock::now();
     const auto offsets = flatten(modules);
     const auto took = std::chrono::steady_clock::now() - begin;
-    EXPECT_LT(took, 10s) << "the search does not end";
-    // For this many modules, a comparison with the definition would take too long.
+    EXPECT_LT(took, 10s) << "the search takes too long";
+    // With so many modules, fullest() would take too long.
     if (count == 10'000U) continue;
     const std::int64_t most = fullest(modules, offsets);
     EXPECT_LT(most, fullest(modules, unshifted(modules)) / 2);

@@ -28,14 +28,14 @@ TEST(Placement, WarnsThatProcessModulesShareTheOnlyCpu) {
   EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("no CPU is left")));
 }
 
-TEST(Placement, GivesTheExecutorTheHigherOfTwoCpus) {
+TEST(Placement, GivesTheExecutorTheHigherNumberedOfTwoCpus) {
   const Placement placement = place({executor("main")}, {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
-TEST(Placement, GivesEachExecutorACpuFromTheHighestDown) {
+TEST(Placement, GivesEachExecutorItsOwnCpuFromTheHighestNumberDown) {
   const Placement placement = place({executor("a"), executor("b")}, {0, 1, 2, 3});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{3}, Cpus{2}));
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
@@ -61,9 +61,11 @@ TEST(Placement, AllowsTwoExecutorsToRequestTheSameCpu) {
 }
 
 TEST(Placement, WarnsAndUsesAnotherCpuIfTheRequestedOneIsMissing) {
-  const Placement placement = place({executor("motion", 5)}, {0, 1});
+  model::Executor motion = executor("motion", 5);
+  motion.line = 7;
+  const Placement placement = place({motion}, {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
-  EXPECT_THAT(placement.warnings, ElementsAre(AllOf(HasSubstr("motion"), HasSubstr("CPU 5"))));
+  EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("executor motion (line 7) requests CPU 5,")));
 }
 
 TEST(Placement, UsesOnlyAllowedCpus) {
@@ -88,7 +90,7 @@ TEST(Placement, LeavesAllCpusToOtherThreadsWithoutExecutors) {
 model::Device programs(int count) {
   model::Device device;
   for (int i = 0; i < count; ++i) device.modules.emplace_back().type = model::ModuleType::process;
-  device.modules.emplace_back();  // a thread module, which is not counted
+  device.modules.emplace_back();  // a thread module, which does not count as a program
   model::Module& background = device.modules.emplace_back();
   background.type = model::ModuleType::process;
   background.operation = model::Operation::non_real;
@@ -100,14 +102,6 @@ TEST(ProgramsPerCpu, AreAveragedAndRoundedUp) {
   EXPECT_EQ(programs_on_one(programs(0), two), 1);
   EXPECT_EQ(programs_on_one(programs(2), two), 1);
   EXPECT_EQ(programs_on_one(programs(3), two), 2);
-}
-
-TEST(Priorities, OfProgramsAndSporadicModulesAreBelowTheExecutor) {
-  EXPECT_EQ(sporadic_priority(80), 79);
-  EXPECT_EQ(program_priority(80, model::Operation::periodic), 78);
-  EXPECT_EQ(program_priority(80, model::Operation::sporadic), 77);
-  EXPECT_EQ(program_priority(3, model::Operation::sporadic), 1);
-  EXPECT_EQ(program_priority(2, model::Operation::periodic), 1);
 }
 
 }  // namespace

@@ -53,7 +53,13 @@ Module with_budget(Module module, Nanoseconds budget) {
   return module;
 }
 
-/// Returns a cell with these modules, defined in lines 10, 20, 30 and so on of cell.xml.
+Module with_interarrival(Module module, Nanoseconds interarrival) {
+  module.interarrival = interarrival;
+  module.lines.interarrival = 14;
+  return module;
+}
+
+/// Returns a cell with these modules, which are defined in lines 10, 20, 30 and so on of cell.xml.
 Cell cell_of(std::vector<Module> modules) {
   Cell cell;
   cell.name = "cell";
@@ -86,7 +92,7 @@ Problems problems_of(const Cell& cell) {
   return result ? Problems{} : result.problems();
 }
 
-TEST(Plan, OfThePapersFigure1HasTheTablesOfFigures3And4) {
+TEST(Plan, HasTheTablesOfFigures3And4ForTheModulesOfFigure1) {
   const Cell cell = figure1();
   const Device& device = cell.devices.front();
   const auto result = plan(cell, device);
@@ -116,7 +122,7 @@ TEST(Plan, AllowsAnExecutorWithoutModules) {
   EXPECT_EQ(result->executors[0].macro_period, 0ns);
 }
 
-TEST(Plan, WithOnlySporadicModulesChecksConditionsTwicePerDeadline) {
+TEST(Plan, ChecksConditionsTwicePerDeadlineIfAllModulesAreSporadic) {
   const Cell cell = cell_of({sporadic("slow", 7ms, 1), sporadic("fast", 5ms, 2)});
   const auto result = plan(cell, cell.devices.front());
   ASSERT_TRUE(result);
@@ -179,7 +185,7 @@ TEST(Plan, NamesTwoModulesWhosePeriodsMakeTheTableTooLong) {
   EXPECT_THAT(problems[0].fix, HasSubstr("multiples of each other"));
 }
 
-TEST(Plan, RejectsPeriodsWhoseCommonMultipleExceeds64Bits) {
+TEST(Plan, RejectsPeriodsWithTooLargeACommonMultiple) {
   const Problems problems = problems_of(cell_of({periodic("a", Nanoseconds::max()), periodic("b", 2ns)}));
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_THAT(problems[0].what,
@@ -196,7 +202,7 @@ TEST(Plan, ReportsTheProblemsOfAllExecutorsAndDevices) {
   EXPECT_EQ(problems_of(cell).size(), 4U);
 }
 
-TEST(Plan, NamesTheModuleInAProblemIfThereIsNoFile) {
+TEST(Plan, ReportsTheModuleInsteadOfALineIfTheCellHasNoFile) {
   Cell cell = cell_of({with_budget(periodic("servo", 1ms), 2ms)});
   cell.file.clear();
   const Problems problems = problems_of(cell);
@@ -224,7 +230,18 @@ TEST(Budget, MayFillTheDeadlineButNotExceedIt) {
   EXPECT_THAT(problems[0].what, HasSubstr("deadline, 1 ms"));
 }
 
-TEST(Budget, OfThreadModulesMayFillTheRowButNotExceedIt) {
+TEST(Plan, RejectsAnInterarrivalTimeShorterThanTheBudget) {
+  const Module a = with_budget(sporadic("a", 5ms), 200us);
+  EXPECT_THAT(problems_of(cell_of({periodic("b", 1ms), with_interarrival(a, 200us)})), IsEmpty());
+  const Problems problems = problems_of(cell_of({with_interarrival(a, 50us), periodic("b", 1ms)}));
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_EQ(to_text(problems),
+            "cell.xml:14: error: the interarrival time of 'a', 50 us, is shorter than its budget, 200 us; "
+            "lengthen the <interarrival> to at least 200 us, or reduce the budget: a run must end before the "
+            "next release");
+}
+
+TEST(Budget, MayFillTheRowInTotalButNotExceedIt) {
   EXPECT_THAT(
       problems_of(cell_of({with_budget(periodic("a", 1ms), 600us), with_budget(periodic("b", 1ms), 400us)})),
       IsEmpty());
@@ -238,22 +255,36 @@ TEST(Budget, OfThreadModulesMayFillTheRowButNotExceedIt) {
   EXPECT_FALSE(problems[0].fix.empty());
 }
 
-TEST(Budget, OfProcessAndSporadicModulesDoesNotCountInTheRow) {
+TEST(Budget, CountsInTheRowOnlyForPeriodicThreadModules) {
   EXPECT_THAT(problems_of(cell_of({with_budget(periodic("a", 1ms), 800us),
                                    process(with_budget(periodic("b", 1ms), 900us)),
                                    with_budget(sporadic("c", 1ms), 900us)})),
               IsEmpty());
 }
 
-TEST(BudgetProblem, NamesTheFullestRowAndCountsTheOtherFullRows) {
-  // Modules a and b are due in every row, c in every second row, and d in every third. All four are due in
-  // row 0.
+TEST(BudgetProblem, NamesTheFullestRowAndCountsTheOverfullRows) {
+  // Modules a and b are due in every row, module c in every second row, and module d in every third row. All
+  // four are due in row 0.
   const Problems problems =
       problems_of(cell_of({with_budget(periodic("a", 1ms), 500us), with_budget(periodic("b", 1ms), 300us),
                            with_budget(periodic("c", 2ms), 300us), with_budget(periodic("d", 3ms), 400us)}));
   ASSERT_EQ(problems.size(), 1U);
-  EXPECT_THAT(problems[0].what,
-              AllOf(HasSubstr("row 0"), HasSubstr("1.5 ms, but the basic period is 1 ms"), HasSubstr("4 of 6 rows")));
+  EXPECT_THAT(problems[0].what, AllOf(HasSubstr("row 0"), HasSubstr("1.5 ms, but the basic period is 1 ms"),
+                                      HasSubstr("4 of 6 rows")));
+}
+
+TEST(BudgetProblem, NamesTheOffsetThatMakesTheRowsTooShort) {
+  Module servo = with_budget(periodic("servo", 1ms), 800us);
+  servo.offset = 1ns;
+  servo.lines.offset = 77;
+  const Problems problems = problems_of(cell_of({servo, periodic("arm", 1ms)}));
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_EQ(problems[0].where, "cell.xml:77");
+  EXPECT_EQ(
+      problems[0].what,
+      "the offset of 'servo', 1 ns, shortens the basic period of executor 'main' from 1 ms to 1 ns, which is "
+      "too short for the budget of row 1: servo 800 us");
+  EXPECT_EQ(problems[0].fix, "choose an offset that is a multiple of 1 ms, or reduce the budgets");
 }
 
 TEST(BudgetProblem, NamesAtMostTwelveModules) {
@@ -337,7 +368,7 @@ TEST(Plan, NamesTheOffsetThatMakesTheTableTooLong) {
   EXPECT_THAT(problems[0].fix, HasSubstr("multiples of 1 ms"));
 }
 
-TEST(Plan, GivesTheShortestPeriodTheHighestPriority) {
+TEST(Plan, GivesTheHighestPriorityToTheRateMonotonicExecutorWithTheShortestPeriod) {
   Cell cell = cell_of({periodic("slow", 10ms), periodic("fast", 1ms), periodic("mid", 5ms),
                        periodic("other", 1ms), periodic("fixed", 2ms)});
   Device& device = cell.devices[0];
@@ -354,7 +385,7 @@ TEST(Plan, GivesTheShortestPeriodTheHighestPriority) {
   ASSERT_TRUE(result);
   std::vector<int> priorities;
   for (const ExecutorPlan& executor : result->executors) priorities.push_back(executor.priority);
-  EXPECT_THAT(priorities, ElementsAre(72, 80, 76, 80, 42));
+  EXPECT_THAT(priorities, ElementsAre(60, 80, 70, 80, 42));
 }
 
 TEST(Plan, AssignsPrioritiesTo64DifferentPeriods) {
@@ -372,7 +403,7 @@ TEST(Plan, AssignsPrioritiesTo64DifferentPeriods) {
   ASSERT_TRUE(result);
   for (std::size_t i = 1; i < result->executors.size(); ++i) {
     EXPECT_LE(result->executors[i].priority, result->executors[i - 1].priority);
-    EXPECT_GE(result->executors[i].priority, 4) << "programs run up to three below";
+    EXPECT_GE(result->executors[i].priority, 10) << "programs run up to nine below";
   }
 }
 

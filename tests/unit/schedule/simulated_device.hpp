@@ -1,5 +1,6 @@
-// Simulates a device nanosecond by nanosecond: CPUs, SCHED_FIFO threads, rows, sporadic threads and programs.
-// The simulation is deliberately slow and simple, and shares no code with the analysis that it checks.
+// Simulates a device nanosecond by nanosecond: CPUs, SCHED_FIFO threads, rows, sporadic threads, and the
+// programs of process modules. The simulation is deliberately slow and simple, and shares no code with the
+// analysis that it checks.
 #pragma once
 
 #include <algorithm>
@@ -8,9 +9,11 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <takt/model/cell.hpp>
+#include <takt/schedule/levels.hpp>
 #include <takt/schedule/placement.hpp>
 #include <takt/schedule/plan.hpp>
 
@@ -19,18 +22,19 @@ namespace takt::schedule::simulated {
 using Tick = std::int64_t;
 using Random = std::mt19937;
 
-/// The choices that distinguish one simulation of a device from another.
+/// The choices by which two simulations of one device differ.
 struct Phasing {
-  double longest = 1;      ///< fraction of the runs that take the longest run time; the others are shorter
-  double ready = 1;        ///< probability that a sporadic module is released when it may be
+  double longest = 1;      ///< fraction of the runs that take the longest run time; other runs are shorter
+  double ready = 1;        ///< probability that a sporadic module is released when this is allowed
   Tick sporadic_from = 0;  ///< the first time at which a sporadic module may be released
-  /// Fraction of the wake-ups that spin as long as they may; the others spin for a shorter time.
+  /// Fraction of the wake-ups before which a thread spins as long as it may. Before the other wake-ups, the
+  /// thread spins for a shorter time.
   double spin = 1;
 };
 
 struct Outcome {
   std::vector<std::optional<Tick>> response;  ///< the longest response time of each module
-  /// For each module: whether it was late, skipped, or still running when it was due again.
+  /// For each module: true if it was late, skipped, or still running when it was due again.
   std::vector<bool> missed;
   [[nodiscard]] bool any_missed() const {
     return std::find(missed.begin(), missed.end(), true) != missed.end();
@@ -47,21 +51,21 @@ class Thread {
   Thread(const Thread&) = delete;
   Thread& operator=(const Thread&) = delete;
 
-  /// Called when the thread has a CPU: does everything that takes no time. Returns whether the thread uses
-  /// the next nanosecond.
+  /// The machine calls this function while the thread has a CPU. Does everything that takes no time. Returns
+  /// true if the thread uses the CPU for the next nanosecond.
   virtual bool advance() = 0;
-  /// Called after the thread has used a nanosecond of a CPU.
+  /// The machine calls this function after the thread has used a CPU for a nanosecond.
   virtual void use() = 0;
-  /// Called in each nanosecond. Models external events, which may wake the thread.
+  /// The machine calls this function in each nanosecond. Models external events, which may wake the thread.
   virtual void happen() {}
-  /// Records deadlines that have passed.
+  /// Records a miss for each module whose deadline has passed before its work was done.
   virtual void judge() const {}
   void wake();
 
   const int priority;
   const std::vector<int> cpus;
   bool ready = true;
-  Tick wake_at = 0;        ///< valid while the thread sleeps
+  Tick wake_at = 0;        ///< the time at which the thread wakes up; valid while it sleeps
   std::uint64_t turn = 0;  ///< the position in the order in which threads became ready
 
  protected:
@@ -88,12 +92,15 @@ class Machine {
     changed();
     return ++turn_;
   }
-  /// Called after a thread has done something that other threads may see at once.
+  /// Makes a program sleep until a body of any other program ends.
+  void wait_for_turn(Program& program) { waiting_.push_back(&program); }
+  void end_of_body();
+  /// Threads call this function after an action that other threads may see at once.
   void changed() { changed_ = true; }
   [[nodiscard]] bool chance(double share) {
     return share >= 1 || std::bernoulli_distribution{share}(random_);
   }
-  /// Returns a random time from `least` to `most`. It is exactly `most` with probability `longest`.
+  /// Returns a random time between `least` and `most`. Returns exactly `most` with probability `longest`.
   [[nodiscard]] Tick up_to(Tick least, Tick most, double longest) {
     return chance(longest) ? most : std::uniform_int_distribution<Tick>{least, most}(random_);
   }
@@ -126,6 +133,7 @@ class Machine {
   int cpus_ = 0;
   std::vector<std::unique_ptr<Thread>> threads_;
   std::vector<Program*> programs_;  // indexed by module
+  std::vector<Program*> waiting_;
   std::vector<Thread*> on_;         // indexed by CPU
   Outcome outcome_;
 };
@@ -136,7 +144,7 @@ inline void Thread::wake() {
   turn = machine_.next_turn();
 }
 
-/// A program that uses libtakt_process.
+/// The program of a process module, which uses libtakt_process.
 class Program : public Thread {
  public:
   Program(Machine& machine, int its_priority, std::vector<int> its_cpus, std::uint32_t index, Tick period,
@@ -144,10 +152,13 @@ class Program : public Thread {
       : Thread(machine, its_priority, std::move(its_cpus)), index_(index), period_(period), cap_(cap) {}
 
   [[nodiscard]] bool in_body() const { return released_; }
-  /// Called by a row. Returns whether the program sleeps on its wake word and must be woken.
-  bool release(Tick release) {
+  [[nodiscard]] bool stays() const { return cpus.size() == 1; }
+  /// A row calls this function to release the program. Returns true if the program sleeps on its wake word,
+  /// so that the row must wake it. `before` is the program whose body must begin first, or null.
+  bool release(Tick release, const Program* before = nullptr) {
     released_ = true;
     release_ = release;
+    before_ = before;
     machine_.changed();
     return on_wake_word_;
   }
@@ -181,6 +192,10 @@ class Program : public Thread {
       on_wake_word_ = true;
       return sleep();
     }
+    if (before_ != nullptr && before_->released_ && !before_->begun_ && before_->release_ == release_) {
+      machine_.wait_for_turn(*this);
+      return sleep();
+    }
     begun_ = true;
     left_ = machine_.a_run(index_);
     return true;
@@ -191,6 +206,7 @@ class Program : public Thread {
     release_at_end_ = release_;
     released_ = begun_ = false;
     served_ = waits_ = true;
+    machine_.end_of_body();
   }
 
  private:
@@ -207,7 +223,12 @@ class Program : public Thread {
   bool waits_ = false;
   bool spins_ = false;
   bool on_wake_word_ = false;
+  const Program* before_ = nullptr;
 };
+
+inline void Machine::end_of_body() {
+  for (Program* program : std::exchange(waiting_, {})) program->wake();
+}
 
 /// The thread that runs the sporadic thread modules of an executor.
 class Sporadics : public Thread {
@@ -251,7 +272,7 @@ class Sporadics : public Thread {
     one.release = release;
     one.not_before = release + machine_.module(one.index).interarrival.value_or(Nanoseconds{}).count();
   }
-  /// Models a sample that arrives for a module with immediate dispatch.
+  /// Models the arrival of a sample at a module with immediate dispatch.
   void happen() override {
     for (One& one : all) {
       if (machine_.module(one.index).dispatch != model::Dispatch::immediate) continue;
@@ -304,6 +325,7 @@ class Rows : public Thread {
         in_row_ = true;
         due_ = plan_.row(row_);
         place_ = 0;
+        before_ = nullptr;
       }
       if (place_ < due_.size()) {
         step(due_[place_]);
@@ -319,7 +341,7 @@ class Rows : public Thread {
   void use() override {
     if (left_ > 0 && --left_ == 0) machine_.done(due_[place_++], release_);
   }
-  /// Records missed deadlines of the current row, or of the next row if it has not begun.
+  /// Records missed deadlines of the modules in the current row. If no row has begun, checks the next row.
   void judge() const override {
     const std::vector<std::uint32_t> row = in_row_ ? due_ : plan_.row(row_);
     for (std::size_t i = in_row_ ? place_ : 0; i < row.size(); ++i) {
@@ -338,11 +360,13 @@ class Rows : public Thread {
       return;
     }
     ++place_;
-    if (machine_.program(index)->in_body()) {
+    Program& program = *machine_.program(index);
+    if (program.in_body()) {
       machine_.miss(index);
-    } else if (machine_.program(index)->release(release_)) {
-      to_wake_.push_back(machine_.program(index));
+      return;
     }
+    if (program.release(release_, program.stays() ? before_ : nullptr)) to_wake_.push_back(&program);
+    before_ = &program;
   }
   void check_conditions() {
     for (std::size_t i = 0; i < plan_.sporadic.size(); ++i) {
@@ -376,6 +400,7 @@ class Rows : public Thread {
   Tick left_ = 0;
   std::vector<std::uint32_t> due_;
   std::size_t place_ = 0;
+  const Program* before_ = nullptr;  // the program that this row released last
   std::vector<Program*> to_wake_;
 };
 
@@ -399,10 +424,10 @@ inline Machine::Machine(const model::Device& device, const DevicePlan& plan, con
     const model::Executor& settings = device.executors[executor.executor];
     const std::vector<int>& cpus = placement.executors[executor.executor];
     count_cpus(cpus);
-    auto sporadics = std::make_unique<Sporadics>(*this, executor.priority - 1, cpus);
-    const auto add_program = [&](std::uint32_t index, int below, Tick period) {
+    auto sporadics = std::make_unique<Sporadics>(*this, sporadic_level(executor.priority), cpus);
+    const auto add_program = [&](std::uint32_t index, Tick period) {
       const auto cap = static_cast<Tick>(static_cast<double>(period) * settings.spin_share) / share;
-      auto program = std::make_unique<Program>(*this, std::max(1, executor.priority - below),
+      auto program = std::make_unique<Program>(*this, program_level(device, executor, index),
                                                placement.background, index, period, cap);
       programs_[index] = program.get();
       threads_.push_back(std::move(program));
@@ -411,12 +436,12 @@ inline Machine::Machine(const model::Device& device, const DevicePlan& plan, con
       if (module(index).type == model::ModuleType::thread) {
         sporadics->all.push_back({.index = index});
       } else {
-        add_program(index, 3, executor.basic_period.count());
+        add_program(index, executor.basic_period.count());
       }
     }
     for (const auto index : executor.periodic) {
       if (module(index).type == model::ModuleType::process)
-        add_program(index, 2, module(index).period->count());
+        add_program(index, module(index).period->count());
     }
     threads_.push_back(std::make_unique<Rows>(*this, settings, executor, cpus, sporadics.get()));
     threads_.push_back(std::move(sporadics));
@@ -425,8 +450,8 @@ inline Machine::Machine(const model::Device& device, const DevicePlan& plan, con
   for (auto& thread : threads_) thread->turn = next_turn();
 }
 
-// Assigns threads to CPUs in the order of their priority, then in the order in which they became ready. Each
-// thread gets a free CPU that it may use.
+// Assigns CPUs to threads in the order of their priority, and for equal priorities in the order in which they
+// became ready. Each thread gets a free CPU that it may use, if there is one.
 inline void Machine::assign() {
   std::vector<Thread*> ready;
   for (const auto& thread : threads_) {
@@ -442,7 +467,7 @@ inline void Machine::assign() {
       if (on[static_cast<std::size_t>(cpu)] == nullptr) free.push_back(cpu);
     }
     if (free.empty()) continue;
-    // A thread stays on its CPU if that CPU is still free.
+    // A thread stays on the CPU that it used before, if this CPU is free.
     int chosen = free.size() == 1
                      ? free[0]
                      : free[std::uniform_int_distribution<std::size_t>{0, free.size() - 1}(random_)];
@@ -461,8 +486,8 @@ inline Outcome Machine::run(Tick length, bool stop_at_miss) {
       if (!thread->ready && thread->wake_at <= now_) thread->wake();
       thread->happen();
     }
-    // Some actions take no time, but let other threads continue or make a thread wait. So this loop repeats
-    // until nothing changes.
+    // Some actions of threads take no time, but let another thread continue or make a thread wait. So this
+    // loop repeats until nothing changes.
     bool settled = false;
     while (!settled) {
       settled = true;

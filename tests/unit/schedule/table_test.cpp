@@ -26,7 +26,7 @@ std::vector<Table::Index> row(const Table& table, std::size_t index) {
   return {tasks.begin(), tasks.end()};
 }
 
-/// Builds the table of these tasks; returns its only problem, or "accepted".
+/// Builds the table of these tasks. Returns its only problem, or "accepted" if there is none.
 std::string problem_of(const std::vector<Task>& tasks) {
   const auto table = Table::build(tasks);
   if (table) return "accepted";
@@ -37,7 +37,7 @@ std::string problem_of(const std::vector<Task>& tasks) {
 
 // ---- The paper's example, and edge cases
 
-TEST(Table, OfThePapersFigure1EqualsItsFigure3) {
+TEST(Table, IsThePapersFigure3ForTheModulesOfFigure1) {
   enum : Table::Index { controller1, control2, control3, control4 };
   const std::vector<Task> tasks{{600us, 3}, {100us, 2}, {100us, 1}, {300us, 4}};
   const auto table = Table::build(tasks);
@@ -116,7 +116,7 @@ TEST(Table, LimitsTheEntriesOfOneRowToAMillion) {
 }
 
 TEST(Table, LimitsTheEntriesOfAllRowsToAMillion) {
-  // The table has 999,999 rows with the fast task, and one entry of the slow task.
+  // The table has 999,999 rows. Each row contains the fast task, and one row also contains the slow task.
   std::vector<Task> tasks{{1us, 0, "fast"}, {1us * 999'999, 0, "slow"}};
   const auto full = Table::build(tasks);
   ASSERT_TRUE(full);
@@ -209,7 +209,7 @@ struct Naive {
     accepted = entries <= 1'000'000 && macro / basic <= 10'000'000;
   }
 
-  /// Returns the modules that are due at time `t`, in the order in which they run.
+  /// Returns the indices of the tasks that are due at time `t`, in the order in which they run.
   static std::vector<Table::Index> due(const std::vector<Task>& tasks, std::int64_t t) {
     std::vector<Table::Index> found;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -226,8 +226,8 @@ struct Naive {
   bool accepted = false;
 };
 
-/// Compares the rows of a table with the definition. If comparing all rows would take more than `work` steps,
-/// compares only evenly spaced rows and the last row.
+/// Compares the rows of the table of these tasks with the definition. If comparing all rows would take more
+/// than `work` steps, compares only evenly spaced rows and the last row.
 void expect_as_defined(const std::vector<Task>& tasks, std::size_t work) {
   const Naive naive{tasks};
   const auto table = Table::build(tasks);
@@ -246,13 +246,13 @@ void expect_as_defined(const std::vector<Task>& tasks, std::size_t work) {
   ASSERT_EQ(row(*table, rows - 1), Naive::due(tasks, static_cast<std::int64_t>(rows - 1) * naive.basic));
 }
 
-/// Draws random sets of modules of four kinds. Many are within the limits of a table, many exceed them by
-/// far, and some are close to them.
+/// Draws random sets of tasks of four kinds. Many sets are within the limits of a table, many exceed the
+/// limits by far, and some are close to them.
 class ModuleSets {
  public:
   std::vector<Task> draw() {
     const std::int64_t family = between(0, 3);
-    // Draws small and large sets equally often.
+    // Half of the sets have at most 12 tasks, and the other half at most 1000.
     const std::int64_t count = between(1, between(0, 1) == 0 ? 12 : 1000);
     const std::int64_t unit = between(1, 20) * power_of_ten(between(3, 5));
     std::vector<Task> tasks;

@@ -83,7 +83,7 @@ TEST(AccessRights, AllowOnlyOperatorsToSendCommands) {
   }
 }
 
-TEST(AccessRights, AllowAnObserverToReadEverythingAndWriteOnlyQuestions) {
+TEST(AccessRights, AllowAnObserverToReadEverythingAndWriteOnlyTheQuestionTopic) {
   EXPECT_THAT(on(of(Role::observer, "eve"), 7).reads, ElementsAre("*"));
   EXPECT_THAT(on(of(Role::observer, "eve"), 7).writes, ElementsAre("takt/question"));
 }
@@ -94,7 +94,7 @@ TEST(AccessRights, AllowAnExternalProgramOnlyTheOpenEndsOfConnections) {
   EXPECT_THAT(on(of(Role::program, "hmi"), 9).writes, ElementsAre("rt/goal"));
 }
 
-TEST(AccessRights, GiveServicesTheTopicsOfTheirClients) {
+TEST(AccessRights, LetAServiceUseTheRequestAndReplyTopicsOfItsClients) {
   model::Cell with = cell();
   model::Service service;
   service.client = at("line", "ask");

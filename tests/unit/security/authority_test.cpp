@@ -29,7 +29,7 @@ std::string text_of(const fs::path& path) {
 }
 void write(const fs::path& path, const std::string& text) { std::ofstream{path} << text; }
 
-/// A folder "home" with an authority that has issued identities for device robot and operator anna.
+/// A folder "home" with an authority that has issued an identity for device robot and one for operator anna.
 class SigningAuthority : public testing::Test {
  protected:
   SigningAuthority() {
@@ -82,7 +82,7 @@ TEST_F(SigningAuthority, AcceptsOnlyCertificatesWithASubject) {
   EXPECT_FALSE(names_somebody(""));
   EXPECT_FALSE(names_somebody("-----BEGIN CERTIFICATE-----\n"));
   EXPECT_FALSE(names_somebody(std::string(1 << 20, 'x')));
-  // a certificate without a subject, from: openssl req -x509 -new -key KEY -subj /
+  // a certificate without a subject, made with: openssl req -x509 -new -key KEY -subj /
   EXPECT_FALSE(
       names_somebody("-----BEGIN CERTIFICATE-----\n"
                      "MIIBVjCB/aADAgECAhRwAfNWhBHvEH2j56FxhISaMIDkfjAKBggqhkjOPQQDAjAA\n"
@@ -108,6 +108,11 @@ TEST_F(SigningAuthority, RejectsAKeyThatOthersMayRead) {
   EXPECT_THAT(wrong_with_robot(), HasSubstr("chmod 600 " + of_robot() + "/identity.key.pem"));
 }
 
+TEST_F(SigningAuthority, RejectsAnIdentityInAFolderThatEverybodyMayWriteTo) {
+  fs::permissions(of_robot(), fs::perms::all);
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("everybody may write to " + of_robot() + " "));
+}
+
 TEST_F(SigningAuthority, IsNeverOverwritten) {
   const std::string key = text_of(home() + "/authority/ca.key.pem");
   const auto again = Authority::create(home(), "belt", kNow);
@@ -115,6 +120,9 @@ TEST_F(SigningAuthority, IsNeverOverwritten) {
   EXPECT_THAT(again.problems()[0].what, HasSubstr("already"));
   EXPECT_EQ(text_of(home() + "/authority/ca.key.pem"), key);
   EXPECT_FALSE(authority_->issue(robot_, plan_, 100, kNow).ok()) << "an identity is not overwritten either";
+  const auto same_name = authority_->issue({"belt", Role::operator_, "robot"}, plan_, 100, kNow);
+  ASSERT_FALSE(same_name.ok());
+  EXPECT_EQ(same_name.problems()[0].what, "device robot already has this name");
 }
 
 TEST_F(SigningAuthority, CanBeOpenedAgain) {
@@ -126,14 +134,14 @@ TEST_F(SigningAuthority, CanBeOpenedAgain) {
   EXPECT_THAT(again->members(kNow), SizeIs(3));
 }
 
-TEST_F(SigningAuthority, LimitsAnIdentityToItsNumberOfDays) {
+TEST_F(SigningAuthority, IssuesAnIdentityThatIsValidOnlyForTheRequestedDays) {
   EXPECT_EQ(wrong_with_robot(kNow + 100 * kDay - 60), "");
   EXPECT_THAT(wrong_with_robot(kNow + 100 * kDay + 60), HasSubstr("it has expired"));
   EXPECT_EQ(wrong_with_robot(kNow - 600), "") << "valid before it was issued, because clocks differ";
   EXPECT_THAT(wrong_with_robot(kNow - 2 * kDay), HasSubstr("not valid yet"));
 }
 
-TEST_F(SigningAuthority, NeverIssuesAnIdentityThatOutlivesIt) {
+TEST_F(SigningAuthority, NeverIssuesAnIdentityThatIsValidLongerThanItself) {
   ASSERT_TRUE(authority_->issue({"belt", Role::operator_, "old"}, plan_, 3650, kNow + 3000 * kDay).ok());
   EXPECT_EQ(read_identity(home() + "/operators/old", kNow + 3000 * kDay)->until, kNow + 3650 * kDay);
 }

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <takt/os/environment.hpp>
+#include <takt/os/sealed_copy.hpp>
 #include <takt/security/authority.hpp>
 
 namespace signature_test {
@@ -30,7 +31,8 @@ class SignatureCheck : public testing::Test {
   }
   ~SignatureCheck() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string wrong(std::int64_t now = kNow) const {
-    const auto checked = check_signature(file_, certificate_, now);
+    const auto copy = os::sealed_copy(file_);
+    const auto checked = check_signature(file_, *copy, certificate_, now);
     return checked ? "" : to_text(checked.problems());
   }
 
@@ -45,6 +47,15 @@ TEST_F(SignatureCheck, AcceptsTheSignedFile) { EXPECT_EQ(wrong(), ""); }
 TEST_F(SignatureCheck, RejectsAChangedFile) {
   std::ofstream{file_, std::ios::app} << "!";
   EXPECT_THAT(wrong(), HasSubstr("its signature does not match its contents"));
+}
+
+TEST_F(SignatureCheck, ChecksTheGivenCopyInsteadOfTheFile) {
+  const auto copy = os::sealed_copy(file_);
+  std::ofstream{file_, std::ios::app} << "!";
+  EXPECT_TRUE(check_signature(file_, *copy, certificate_, kNow).ok());
+  const auto changed = os::sealed_copy(file_);
+  std::ofstream{file_} << "a component";
+  EXPECT_FALSE(check_signature(file_, *changed, certificate_, kNow).ok());
 }
 
 TEST_F(SignatureCheck, RejectsTheSignatureOfAnotherFile) {
@@ -73,6 +84,11 @@ TEST_F(SignatureCheck, RequiresAValidSignerCertificate) {
   EXPECT_THAT(wrong_signer(certificate_, kNow + 11 * kYear), HasSubstr("it has expired"));
 }
 
+TEST_F(SignatureCheck, RejectsACertificateThatEverybodyMayWriteTo) {
+  fs::permissions(certificate_, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_THAT(wrong(), HasSubstr("everybody may write to " + certificate_ + " "));
+}
+
 TEST_F(SignatureCheck, ReportsAMissingSignature) {
   fs::remove(file_ + ".sig");
   EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are accepted here; sign it"));
@@ -85,7 +101,7 @@ TEST_F(SignatureCheck, FailsAfterTheCertificateHasExpired) {
   EXPECT_THAT(wrong(kNow + 11 * kYear), HasSubstr("it has expired"));
 }
 
-TEST_F(SignatureCheck, NeedsTheFileAndTheCertificate) {
+TEST_F(SignatureCheck, FailsIfTheFileOrTheCertificateIsMissing) {
   fs::remove(certificate_);
   EXPECT_THAT(wrong(), HasSubstr("there is no such file"));
   EXPECT_FALSE(sign_file((folder_ / "nothing").string(), "").ok());

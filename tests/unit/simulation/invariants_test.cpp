@@ -1,4 +1,5 @@
-// The first tests check that a correct run has no violation. Each further test breaks one rule.
+// Tests the checks of the invariants. Some tests simulate a correct run, in which the checks must find no
+// violation. The other tests break one rule each.
 #include "invariants.hpp"
 
 #include <string>
@@ -134,7 +135,7 @@ TEST_F(InvariantChecks, FindNothingInACorrectRun) {
 TEST_F(InvariantChecks, AcceptCorrectlyCountedMissedRows) {
   begin();
   row(0);
-  wake(1, milliseconds{2});  // the wake-up is late, in the slot of row 3
+  wake(1, milliseconds{2});  // wakes up 2 ms late, in the slot of row 3
   run(kFast, 3, due(3));
   release(3, due(3));
   walked(3, 2);
@@ -353,7 +354,7 @@ TEST_F(InvariantChecks, FindCountersThatDoNotMatchTheEvents) {
                   "but is gone"));
 }
 
-TEST_F(InvariantChecks, CountARowThatACrashCutShortAsMissed) {
+TEST_F(InvariantChecks, CountARowInterruptedByACrashAsMissed) {
   begin();
   row(0);
   wake(1);

@@ -13,7 +13,7 @@ using testing::ElementsAre;
 constexpr Instant kBegin = from_ns(1000);
 constexpr Nanoseconds kTen{10};
 
-/// Records texts, each with the time since the start.
+/// Records texts, each with the virtual time in ns since kBegin.
 class Log {
  public:
   explicit Log(Kernel& kernel) : kernel_(kernel) {}
@@ -45,6 +45,31 @@ TEST(SimulatedKernel, RunsThreadsOnDifferentCpusInParallel) {
   });
   kernel.run_until(kBegin + 3 * kTen);
   EXPECT_THAT(log.lines, ElementsAre("a 10", "b 10"));
+}
+
+TEST(SimulatedKernel, CountsTheCpuTimeOfAThreadThatIsReady) {
+  Kernel kernel{kBegin};
+  Cpu cpu;
+  const Strand& low = kernel.spawn({.cpu = &cpu, .priority = 1}, [&] {
+    kernel.work(kTen);
+    kernel.sleep_until(kBegin + 3 * kTen);
+    kernel.work(kTen);
+  });
+  kernel.spawn({.cpu = &cpu, .priority = 2}, [&] {
+    kernel.sleep_until(kBegin + Nanoseconds{4});
+    kernel.work(kTen);
+  });
+  const auto ran_at = [&](std::int64_t time) {
+    kernel.run_until(kBegin + Nanoseconds{time});
+    return kernel.ran_if_ready(low.id());
+  };
+  EXPECT_EQ(ran_at(3), Nanoseconds{3});
+  EXPECT_EQ(ran_at(13), Nanoseconds{4}) << "the other thread has the CPU";
+  EXPECT_EQ(ran_at(18), Nanoseconds{8});
+  EXPECT_EQ(ran_at(25), std::nullopt) << "the thread sleeps";
+  EXPECT_EQ(ran_at(31), Nanoseconds{11});
+  EXPECT_EQ(ran_at(50), std::nullopt) << "the thread has ended";
+  EXPECT_EQ(kernel.ran_if_ready(0), std::nullopt) << "no thread has this id";
 }
 
 TEST(SimulatedKernel, PreemptsAThreadOfLowerPriorityOnTheSameCpu) {
@@ -85,7 +110,7 @@ TEST(SimulatedKernel, DoesNotPreemptAThreadOfEqualPriority) {
   EXPECT_THAT(log.lines, ElementsAre("first 10", "first 20", "second 20", "second 30"));
 }
 
-TEST(SimulatedKernel, MakesAWokenThreadWaitForAHigherPriority) {
+TEST(SimulatedKernel, MakesAWokenThreadWaitForAThreadOfHigherPriority) {
   Kernel kernel{kBegin};
   Log log{kernel};
   Cpu cpu;
@@ -106,13 +131,13 @@ TEST(SimulatedKernel, EndsAWaitAfterAWakeUpOrATimeout) {
   });
   kernel.at(kBegin + Nanoseconds{5}, [&] {
     kernel.wake(sleeper, Nanoseconds{1});
-    kernel.wake(sleeper, Nanoseconds{2});  // has no effect, because the sleeper is already being woken
+    kernel.wake(sleeper, Nanoseconds{2});  // has no effect: the sleeper is already being woken
   });
   kernel.run_until(kBegin + 10 * kTen);
   EXPECT_THAT(log.lines, ElementsAre("woken 6", "not woken 20", "slept 30"));
 }
 
-TEST(SimulatedKernel, MakesCallsBeforeItWakesThreadsAtTheSameInstant) {
+TEST(SimulatedKernel, MakesScheduledCallsBeforeItWakesThreadsAtTheSameInstant) {
   Kernel kernel{kBegin};
   Log log{kernel};
   kernel.at(kBegin + kTen, [&] { log("call"); });
@@ -144,7 +169,7 @@ TEST(SimulatedKernel, FreesTheCpuOfAKilledThread) {
   EXPECT_TRUE(dies.ended());
 }
 
-TEST(SimulatedKernel, CanContinueAfterItsEndTime) {
+TEST(SimulatedKernel, CanContinueToALaterEndTime) {
   Kernel kernel{kBegin};
   Log log{kernel};
   kernel.spawn({}, [&] {

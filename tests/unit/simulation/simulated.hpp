@@ -1,4 +1,5 @@
-// Simulated cells for tests: built from a descriptor, run with a script, and read back as text.
+// Simulated cells for tests. A test builds a cell from a descriptor, runs it with a script, and reads what
+// happened as text.
 #pragma once
 
 #include <string>
@@ -27,7 +28,7 @@ struct Outcome {
   Course course;
 };
 
-/// A cell that is read from a descriptor, with the plans of its devices.
+/// A cell that was read from a descriptor, with the plans of its devices.
 class Cell {
  public:
   static Cell demo() {
@@ -42,7 +43,7 @@ class Cell {
   [[nodiscard]] Outcome run(Options options, const std::string& script = "") const {
     auto faults = parse_script(script, "script", cell_);
     if (!faults) ADD_FAILURE() << to_text(faults.problems());
-    options.faults = *faults;
+    options.injections = *faults;
     Text text{cell_};
     if (options.listener == nullptr) options.listener = &text;
     auto course = simulate(cell_, plans_, {}, options);

@@ -46,7 +46,8 @@ TEST(Simulation, RunsEveryRowOfTheGrid) {
                                program("p", "2000000") + "</device>")
                           .run({.length = seconds{1}});
   const auto& executor = run.course.report["devices"][0]["executors"][0];
-  // The row that is due exactly at the end does not run, because the executors stop before it.
+  // The row that is due exactly at the end of the simulation does not run, because the executors stop before
+  // it.
   EXPECT_EQ(1000, executor["cycles"]);
   EXPECT_EQ(0, executor["missed"]);
   EXPECT_EQ(1000, module_of(run, "a")["cycles"]);
@@ -136,8 +137,8 @@ TEST(Simulation, DetectsARunThatHangs) {
   EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not return to waitPeriod()")));
 }
 
-/// Returns a cell with executor `motion` in its own host and executor `main` in the shared host. Each runs a
-/// thread module every millisecond.
+/// Returns a cell with executor `motion` in its own host and executor `main` in the shared host. Each
+/// executor runs a thread module every millisecond.
 Cell two_hosts(const std::string& recovery) {
   return Cell::of(R"(<device name="d"><executor name="main"/><executor name="motion" host="own"/>)" +
                   thread("a", "1000000", "<executor>motion</executor>" + recovery) +
@@ -183,8 +184,8 @@ TEST(Simulation, RejectsCommandsThatTheStateDoesNotAllow) {
                                                          "EXECUTING", "START", "DESTRUCT"));
 }
 
-// When the command arrives, the executor has already removed the module from the tables, but its supervisor
-// has not yet seen the error.
+// When the start command arrives, the executor has already removed the failed module from the tables, but the
+// supervisor has not yet seen the error.
 TEST(Simulation, AStartCommandDoesNotPutAFailedModuleBackIntoTheTables) {
   const Outcome run =
       Cell::of("<device name=\"d\">" + thread("a", "100000000", "<recovery attempts=\"3\" backoff=\"0\"/>") +
@@ -218,7 +219,7 @@ TEST(Simulation, ReadersGetTheSafeValueWhileTheWriterDoesNotExecute) {
   }
 }
 
-/// Returns a cell of two devices. The second device reads an output of the first.
+/// Returns a cell of two devices, a and b. Module b.r reads the output of a.w.
 Cell pair(const std::string& connection) {
   return Cell::of(
       "<device name=\"a\">" + thread("w", "1000000") + "</device><device name=\"b\">" +
@@ -272,7 +273,7 @@ TEST(Simulation, AClockStepMakesValuesStaleButDoesNotMoveTheGrid) {
   EXPECT_EQ(0, run.course.report["devices"][1]["executors"][0]["missed"]);
 }
 
-TEST(Simulation, ALowerExecutorWaitsForAHigherOneOnASharedCpu) {
+TEST(Simulation, ALowerPriorityExecutorWaitsForAHigherPriorityOneOnASharedCpu) {
   const std::string modules =
       "<executor name=\"high\" priority=\"80\" cpu=\"0\"/><executor name=\"low\" priority=\"70\" cpu=\"";
   const auto with = [&](const std::string& cpu) {
@@ -284,7 +285,7 @@ TEST(Simulation, ALowerExecutorWaitsForAHigherOneOnASharedCpu) {
   const double apart = module_of(with("1"), "l")["run_us"]["p50"];
   const double shared = module_of(with("0"), "l")["jitter_us"]["p99"];
   EXPECT_LT(apart, 300);
-  EXPECT_GT(shared, 300);  // the lower executor is sometimes due while the higher one is running
+  EXPECT_GT(shared, 300);  // executor low is sometimes due while high is running
 }
 
 TEST(Simulation, TakesRunTimesFromTheProfile) {
@@ -300,11 +301,12 @@ TEST(Simulation, TakesRunTimesFromTheProfile) {
   EXPECT_NEAR(450, measured["p50"].get<double>(), 10);
 }
 
-/// Runs random cells and the demo with all kinds of faults. No run may violate an invariant.
-constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // with sanitizers, each run takes fifty times as long
+constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // with sanitizers, a run takes many times as long
 constexpr std::uint64_t kParts = 16;
-/// Returns the number of seeds: `full` in tools/test --full, otherwise an eighth of that.
+/// Returns the number of seeds to try: `full` in tools/test --full, otherwise an eighth of it, and less with
+/// sanitizers.
 std::uint64_t seeds(std::uint64_t full) { return std::max(kParts, full / kSlower / (full_form() ? 1 : 8)); }
+/// Simulates random cells and the demo with all kinds of faults. No run may violate an invariant.
 class RandomRuns : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomRuns, OfRandomCellsViolateNoInvariant) {

@@ -12,8 +12,8 @@ namespace {
 using model::Direction;
 using std::chrono::milliseconds;
 
-/// A cell with two devices. "here", whose wiring is planned, has modules a (C++), b (C++), c (C) and p (a
-/// sporadic program with immediate dispatch). "there" is another device.
+/// A cell with two devices. The test plans the wiring of "here", which has modules a (C++), b (C++), c (C)
+/// and p (a sporadic process module with immediate dispatch). "there" is the other device.
 class PlannedWiring : public testing::Test {
  protected:
   PlannedWiring() {
@@ -65,7 +65,7 @@ class PlannedWiring : public testing::Test {
   std::vector<model::ModulePorts> ports;
 };
 
-TEST_F(PlannedWiring, PlansAFlowThatObserversCanTapForEveryOutput) {
+TEST_F(PlannedWiring, PlansAFlowForObserversOfEveryOutput) {
   const WiringPlan plan = this->plan();
   ASSERT_EQ(plan.flows.size(), 4U);
   for (const PlannedFlow& flow : plan.flows) {
@@ -166,7 +166,7 @@ TEST_F(PlannedWiring, SendsAnOutputToAllOtherDevicesThroughOneFlow) {
   EXPECT_TRUE(link.options.is_queue);
 }
 
-TEST_F(PlannedWiring, GivesATappedOutputADeepQueue) {
+TEST_F(PlannedWiring, PlansADeepQueueForObserversOfAnOutput) {
   const auto kept = [this] {
     const WiringPlan plan = this->plan();
     const PlannedFlow& flow = this->flow(plan, "takt/cell/here/a/out");
@@ -222,8 +222,8 @@ TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
       return std::optional{flow};
     });
   };
-  // This has the same effect as observers that tap the links.
-  for (const Wiring::Wire& wire : wiring->wires()) wire.link.block().enabled.store(1);
+  // Enables all links, as observers that tap the links would.
+  for (const Wiring::CreatedLink& created : wiring->links()) created.link.block().enabled.store(1);
   for (const std::uint32_t readers : {0U, 1U}) {
     EXPECT_EQ(health_of(0, readers).connections, 1U);
     EXPECT_EQ(health_of(0, readers).matched, 1U);
@@ -246,7 +246,7 @@ TEST_F(PlannedWiring, CountsAConnectionToAMissingServiceAsUnmatched) {
   EXPECT_EQ(health.matched, 0U);
 }
 
-TEST_F(PlannedWiring, GivesALinkMoreDepthIfLetTimingLetsTheWriterRunAhead) {
+TEST_F(PlannedWiring, MakesALinkDeeperIfItsWriterMayRunAheadUnderLetTiming) {
   model::Device& here = cell.devices[0];
   here.executors[0].timing = model::Timing::let;
   for (model::Module& module : here.modules) {
@@ -269,8 +269,9 @@ TEST_F(PlannedWiring, GivesALinkMoreDepthIfLetTimingLetsTheWriterRunAhead) {
   EXPECT_EQ(links[3].options.depth, 1U) << "a sporadic module never writes ahead";
 }
 
-/// Module a provides a service with a handler. Its clients are module b and device "there".
-TEST_F(PlannedWiring, OrdersRequestAndReplyLinksOfAServiceAlike) {
+/// Module a provides a service with a handler. The clients of the service are module b and a module of device
+/// "there".
+TEST_F(PlannedWiring, PlansRequestAndReplyLinksOfAServiceInTheSameOrder) {
   const model::Type type{"t::T", {{.name = "x", .scalar = model::Scalar::float64}}};
   const auto add = [&](std::size_t module, Direction request, Direction reply, model::Role role) {
     ports[module]->push_back({"s/request", request, type, "", true, role});
@@ -293,8 +294,8 @@ TEST_F(PlannedWiring, OrdersRequestAndReplyLinksOfAServiceAlike) {
     }
     if (link.from == LinkEnd{0, "s/reply"}) answered.push_back(link.to);
   }
-  // The order is: the client on the other device, the client on this device, and last any caller from outside
-  // the cell.
+  // The order of the links is: the client on the other device, the client on this device, and last any caller
+  // from outside the cell.
   ASSERT_EQ(asked.size(), 3U);
   EXPECT_EQ(asked, (std::vector<LinkEnd>{{}, {1, "s/request"}, {}}));
   EXPECT_EQ(answered, (std::vector<LinkEnd>{{}, {1, "s/reply"}, {}}));
@@ -351,13 +352,14 @@ TEST_F(PlannedWiring, PrefersTheSafeValueOfTheDescriptorToThatOfTheComponent) {
   EXPECT_EQ(model::sample_json(type, links[1].safe.data(), links[1].safe.size()), R"({"x": 0})");
 }
 
-TEST_F(PlannedWiring, AcceptsTheSafeValueOfAnotherDevicesOutputAfterCreation) {
+TEST_F(PlannedWiring, AcceptsTheSafeValueOfAnotherDevicesOutputAfterItWasCreated) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   auto wiring = Wiring::create(plan());
   ASSERT_TRUE(wiring);
-  const auto incoming = std::find_if(wiring->wires().begin(), wiring->wires().end(),
-                                     [](const Wiring::Wire& wire) { return wire.plan.writer.given(); });
-  ASSERT_NE(incoming, wiring->wires().end());
+  const auto incoming =
+      std::find_if(wiring->links().begin(), wiring->links().end(),
+                   [](const Wiring::CreatedLink& created) { return created.plan.writer.given(); });
+  ASSERT_NE(incoming, wiring->links().end());
   EXPECT_TRUE(incoming->link.safe().empty());
   EXPECT_TRUE(incoming->link.is_withheld());
   wiring->give_safe({end("there", "x", "other"), R"({"x": 1})"});

@@ -13,7 +13,9 @@ void recover(void);
 void run(void) {
   basic_Number number;
   if (takt_read(&in, &number)) sum += number.value;
+  if (sum > 100) takt_log(TAKT_LOG_WARNING, "the sum is %.1f", sum);
   if (sum < 0) takt_fail("the sum is negative");
+  if (sum > 1000) takt_finish();
   number.value = sum + (double)takt_cycle();
   takt_write(&out, &number);
 }

@@ -1,4 +1,4 @@
-// Tests of the test harness with a thread module in C.
+// Tests the test harness with a thread module in C.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>
@@ -67,7 +67,7 @@ TEST(ModuleInC, StartsWithNewVariablesAfterAReset) {
   ASSERT_TRUE(module.reset());
   ASSERT_TRUE(module.start());
   module.step();
-  EXPECT_EQ(out.value().value(), 1);  // the component writes its cycle number
+  EXPECT_EQ(out.value().value(), 1);  // the sum, which is 0 after the reset, plus the cycle number
 }
 
 TEST(ModuleInC, ReportsTheReasonOfAFailure) {
@@ -80,6 +80,18 @@ TEST(ModuleInC, ReportsTheReasonOfAFailure) {
   EXPECT_EQ(module.last_error().text, "the sum is negative");
   ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.step(2), 2U);
+}
+
+TEST(ModuleInC, EndsAfterTheCycleInWhichItFinishes) {
+  Module module{{.file = C_FORM}};
+  auto& in = module.in<basic::Number>("in");
+  auto& out = module.out<basic::Number>("out");
+  ASSERT_TRUE(module.start());
+  in.write(number(2000));
+  EXPECT_EQ(module.step(3), 1U);
+  EXPECT_EQ(module.state(), State::destruct);
+  EXPECT_EQ(out.value().value(), 2000);
+  EXPECT_TRUE(module.healthy());
 }
 
 TEST(ModuleInC, AcceptsPropertiesOnlyBeforeItIsInitialized) {

@@ -1,4 +1,4 @@
-// Tests of the test harness with a C++ component.
+// Tests the test harness with a C++ component.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,9 @@ using takt::lifecycle::State;
 using takt::testing::Error;
 using takt::testing::Module;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 basic::Number number(double value) {
   basic::Number result;
@@ -38,6 +40,25 @@ std::vector<std::int64_t> values_of(const takt::testing::Out<basic::Count>& out)
   std::vector<std::int64_t> all;
   for (const basic::Count& count : out.values()) all.push_back(count.value());
   return all;
+}
+
+TEST(TestedComponent, ShowsTheLinesThatItLogs) {
+  Module module;
+  ASSERT_TRUE(module.set("how", "nothing"));
+  ASSERT_TRUE(module.start());
+  module.step(2);
+  ASSERT_EQ(module.log().size(), 1U);
+  EXPECT_EQ(module.log()[0].text, "started with nothing");
+  EXPECT_EQ(module.log()[0].level, takt::LogLevel::info);
+  EXPECT_EQ(*module.get("log-level"), "info");
+  EXPECT_EQ(module.set("log-level", "debugs").text(),
+            "property 'log-level' cannot be 'debugs'; did you mean debug?");
+  ASSERT_TRUE(module.set("log-level", "debug"));
+  EXPECT_EQ(*module.get("log-level"), "debug");
+  module.step(200);
+  ASSERT_EQ(module.log().size(), 201U);
+  EXPECT_EQ(module.log()[200].text, "gain is 2");
+  EXPECT_EQ(module.log()[200].cycle, 201U);
 }
 
 TEST(TestedComponent, ReadsItsInputsAndWritesItsOutputs) {
@@ -229,7 +250,7 @@ TEST(TestedComponent, GetsTheLatestValueAgainAfterACrash) {
   EXPECT_EQ(done.count(), before) << "a queued sample is read only once";
 }
 
-TEST(TestedComponent, KeepsPropertiesAndConnectionsOverAReset) {
+TEST(TestedComponent, KeepsPropertiesAndConnectionsAfterAReset) {
   Module module;
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -275,9 +296,56 @@ TEST(TestedComponent, ReportsWhyAHookFailed) {
   EXPECT_EQ(module.state(), State::recover);
 }
 
-TEST(TestedComponent, GoesToRecoverWhenItsRunFails) {
+TEST(TestedComponent, FailsIfItConstructsAPortOrAPropertyAfterItsConstructor) {
+  for (const char* kind : {"port", "property"}) {
+    Module module;
+    ASSERT_TRUE(module.set("how", std::string{"late "} + kind));
+    EXPECT_EQ(module.initialize().text(),
+              std::string{kind} +
+                  " 'late' was created after the constructor, so it would have no effect; make it a member "
+                  "of the component, or create it in the constructor");
+    EXPECT_EQ(module.state(), State::idle);
+  }
+}
+
+TEST(TestedComponent, EndsAfterTheCycleInWhichItFinishes) {
+  Module module;
+  auto& out = module.out<basic::Number>("out");
+  auto& events = module.out<basic::Count>("events");
+  ASSERT_TRUE(module.set("how", "finish"));
+  ASSERT_TRUE(module.set("at", "3"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(10), 4U);
+  EXPECT_EQ(module.state(), State::destruct);
+  EXPECT_EQ(module.last_error().type, ErrorType::none);
+  EXPECT_THAT(values_of(events), ElementsAre(-4)) << "destruct() was called";
+  EXPECT_EQ(out.count(), 4U) << "the last run wrote its sample";
+  ASSERT_TRUE(module.reset());
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(10), 10U) << "the cycle in which it finishes is over";
+}
+
+TEST(TestedComponent, GoesToRecoverIfACycleBothFailsAndFinishes) {
+  Module module;
+  ASSERT_TRUE(module.set("how", "both"));
+  ASSERT_TRUE(module.set("at", "3"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(10), 4U);
+  EXPECT_EQ(module.state(), State::recover);
+  ASSERT_TRUE(module.recover());
+  EXPECT_EQ(module.step(10), 10U);
+}
+
+TEST(TestedComponent, DoesNotFinishIfItCallsFinishInStart) {
+  Module module;
+  ASSERT_TRUE(module.set("how", "finish in start"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(10), 10U);
+}
+
+TEST(TestedComponent, GoesToRecoverIfACycleFails) {
   const std::pair<const char*, const char*> ways[] = {
-      {"say", "the axis is blocked"},
+      {"fail", "the axis is blocked"},
       {"throw", "division by zero"},
       {"other", "threw something that is not a std::exception"}};
   for (const auto& [how, text] : ways) {
@@ -293,7 +361,7 @@ TEST(TestedComponent, GoesToRecoverWhenItsRunFails) {
     EXPECT_EQ(module.last_error().text, text);
     EXPECT_EQ(module.last_error().cycle, 3U);
     EXPECT_EQ(module.healthy().text(),
-              std::string{"the module has been in RECOVER since cycle 3: failure: "} + text);
+              std::string{"the module has been in RECOVER since release 3: failure: "} + text);
     EXPECT_THAT(values_of(out), ElementsAre(-11));
     ASSERT_TRUE(module.recover());
     EXPECT_TRUE(module.healthy());
@@ -301,12 +369,12 @@ TEST(TestedComponent, GoesToRecoverWhenItsRunFails) {
   }
 }
 
-TEST(TestedComponent, FailsWhenAnInputIsStale) {
+TEST(TestedComponent, GoesToRecoverWhenAnInputIsStale) {
   Module module{{.period = 1ms}};
   auto& in = module.in<basic::Number>("in", {.deadline = 10ms, .stale_is_error = true});
   ASSERT_TRUE(module.start());
   in.write(number(1));
-  EXPECT_EQ(module.step(20), 12U);  // the last release found the input stale and did not call run()
+  EXPECT_EQ(module.step(20), 12U);  // in the last release, the input was stale and run() was not called
   EXPECT_EQ(module.last_error().type, ErrorType::stale);
   EXPECT_EQ(module.last_error().text, "the newest value of input 'in' is older than 10 ms");
   EXPECT_EQ(in.late(), 1U);
@@ -377,7 +445,9 @@ TEST(TestHarness, RejectsUnknownPortsAndInvalidSteps) {
 }
 
 TEST(TestHarness, RejectsUnusableFilesAndOptions) {
-  EXPECT_THAT(error_of([] { Module{{.file = "not_there.so"}}; }), HasSubstr("not_there.so"));
+  const std::string misspelt = error_of([] { Module{{.file = "testing_subjcet.so"}}; });
+  EXPECT_THAT(misspelt, StartsWith("there is no file testing_subjcet.so (looked in /"));
+  EXPECT_THAT(misspelt, EndsWith("; did you mean testing_subject.so?"));
   EXPECT_THAT(error_of([] { Module{{.file = NOTHING}}; }), HasSubstr("has no function run()"));
   EXPECT_THAT(error_of([] { Module{{.file = "vision.exe"}}; }),
               HasSubstr("is a program and cannot be loaded"));
@@ -386,7 +456,12 @@ TEST(TestHarness, RejectsUnusableFilesAndOptions) {
   EXPECT_THAT(error_of([] { Module{{.period = 0ms}}; }), HasSubstr("it must be positive"));
 }
 
-// If ASSERT_TRUE(module.start()) fails, Google Test prints this message.
+TEST(TestHarness, FindsAFileInTheFolderOfTheTestedComponent) {
+  Module module{{.file = "testing_c_form.so"}};
+  EXPECT_TRUE(module.start());
+}
+
+// Google Test prints this message if ASSERT_TRUE(module.start()) fails.
 TEST(FailedCommand, ShowsItsReasonInGoogleTest) {
   Module module;
   ASSERT_TRUE(module.set("how", "initialize"));

@@ -1,4 +1,4 @@
-// Tests of the test harness with a periodic program.
+// Tests the test harness with a periodic program.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,6 +20,26 @@ basic::Number number(double value) {
   basic::Number result;
   result.value(value);
   return result;
+}
+
+TEST(TestedProgram, ShowsTheLinesThatItLogs) {
+  Module module;
+  ASSERT_TRUE(module.set("how", "logs"));
+  ASSERT_TRUE(module.start());
+  module.step(3);
+  ASSERT_EQ(module.log().size(), 3U);
+  EXPECT_EQ(module.log()[2].text, "body 3");
+  EXPECT_EQ(module.log()[2].level, takt::LogLevel::error);
+}
+
+TEST(TestedProgram, KeepsItsLogLevelWhenItIsStartedAgain) {
+  Module module;
+  ASSERT_TRUE(module.set("how", "logs"));
+  ASSERT_TRUE(module.set("log-level", "debug"));
+  ASSERT_TRUE(module.start());
+  ASSERT_TRUE(module.crash());
+  ASSERT_TRUE(module.recover());
+  EXPECT_EQ(*module.get("log-level"), "debug");
 }
 
 TEST(Program, RunsABodyAtEachRelease) {
@@ -56,7 +76,7 @@ TEST(Program, GoesThroughTheLifecycle) {
   EXPECT_EQ(module.state(), State::executing);
   ASSERT_TRUE(module.destruct());
   EXPECT_EQ(module.state(), State::destruct);
-  EXPECT_EQ(out.value().value(), -1);  // written by the function that the program registered with atexit()
+  EXPECT_EQ(out.value().value(), -1);  // the program's atexit() function has written this value
 }
 
 TEST(Program, StartsEachTimeWithNewVariables) {
@@ -81,14 +101,31 @@ TEST(Program, IsRestartedAfterItEnded) {
   EXPECT_EQ(module.step(5), 1U);
   EXPECT_EQ(module.state(), State::recover);
   EXPECT_EQ(module.last_error().type, ErrorType::crash);
-  EXPECT_EQ(module.last_error().text, "main() returned 0");
+  EXPECT_EQ(module.last_error().text, "main() returned 6");
   EXPECT_EQ(module.last_error().cycle, 5U);
   EXPECT_EQ(out.value().value(), -1);
   ASSERT_TRUE(module.recover());
-  EXPECT_EQ(module.step(5), 1U) << "the restored input value ends it again";
+  EXPECT_EQ(module.step(5), 1U) << "the restored input value ends the program again";
   in.write(number(0));
   ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.state(), State::executing);
+  EXPECT_EQ(module.step(5), 5U);
+}
+
+TEST(Program, HasFinishedAfterItEndedWithStatus0) {
+  Module module;
+  auto& in = module.in<basic::Number>("in");
+  auto& out = module.out<basic::Count>("out");
+  ASSERT_TRUE(module.start());
+  module.step(5);
+  in.write(number(3000));
+  EXPECT_EQ(module.step(5), 1U);
+  EXPECT_EQ(module.state(), State::destruct);
+  EXPECT_EQ(module.last_error().type, ErrorType::none);
+  EXPECT_EQ(out.value().value(), -1) << "the program's atexit() functions ran";
+  ASSERT_TRUE(module.reset());
+  in.write(number(0));
+  ASSERT_TRUE(module.start());
   EXPECT_EQ(module.step(5), 5U);
 }
 
@@ -151,6 +188,8 @@ TEST(Program, ReportsWhyItDidNotStart) {
       {"wait", "waitPeriod(): call initPeriodExe() or initSporadicExe() first"},
       {"sporadic",
        "initSporadicExe(): the test declares the module periodic; use initPeriodExe() and waitPeriod()"},
+      {"wrong_wait", "waitSporadic(): the module is periodic; call waitPeriod()"},
+      {"late_port", "initPeriodExe(): port 'later' was created after this call"},
       {"twice", "initPeriodExe(): called twice; call it once, before the first wait"},
       {"attached", "the program called exit(4) before its first release was served"}};
   for (const auto& [how, text] : ways) {

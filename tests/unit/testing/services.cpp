@@ -1,4 +1,4 @@
-// A component with a service that a handler answers, a service that run() answers, and a client.
+// A component with a client, a service that a handler answers, and a service that run() answers.
 #include <takt/component.hpp>
 
 #include <chrono>

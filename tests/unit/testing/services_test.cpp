@@ -1,4 +1,4 @@
-// Tests of the test harness with a component that has services and a client.
+// Tests the test harness with a component that has services and a client.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ TEST(TestedService, RejectsCallsWhileTheModuleIsNotExecuting) {
   EXPECT_TRUE(call(module, "half", 7).ok());
 }
 
-TEST(TestedService, CanAnswerFromRunAfterSeveralCycles) {
+TEST(TestedService, CanAnswerSeveralCyclesLater) {
   Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("cycles", "5"));
   ASSERT_TRUE(module.start());
@@ -134,7 +134,7 @@ class TestedClient : public ::testing::Test {
   }
 };
 
-TEST_F(TestedClient, GetsItsReplyInTheNextRun) {
+TEST_F(TestedClient, GetsItsReplyInTheNextCycle) {
   auto& server = module.serve<basic::Count, basic::Number>("ask", kDouble);
   ASSERT_TRUE(module.start());
   EXPECT_EQ(after(1), CallStatus::idle);
@@ -180,7 +180,7 @@ TEST_F(TestedClient, IgnoresALateReplyToAnEarlierCall) {
   EXPECT_FALSE(got.has_value());
 }
 
-TEST_F(TestedClient, ReportsThatNobodyAnswersWithoutAServer) {
+TEST_F(TestedClient, ReportsAMissingServer) {
   ASSERT_TRUE(module.start());
   order.write(count(1));
   EXPECT_EQ(after(1), CallStatus::nobody);

@@ -1,4 +1,4 @@
-/* Figure 11: every third release runs the body. */
+/* A program like the paper's Figure 11. Its body runs at every third release, and when an order arrives. */
 #include <takt/process.h>
 
 #include <basic_c.h>

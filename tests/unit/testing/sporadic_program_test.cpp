@@ -1,4 +1,4 @@
-// Tests of the test harness with a sporadic program in C, in the form of the paper's Figure 11.
+// Tests the test harness with a sporadic program in C, in the form of the paper's Figure 11.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>

@@ -1,7 +1,7 @@
-// A component for the tests of the test harness. It works correctly, except for the fault that its properties
-// select.
+// A component for the tests of the test harness. The properties can select a fault of the component.
 #include <takt/component.hpp>
 
+#include <optional>
 #include <stdexcept>
 
 #include <basic.hpp>
@@ -16,10 +16,13 @@ class Subject : public takt::Component {
   takt::InPort<line::BeltState> belt{*this, "belt"};
   takt::OutPort<line::BeltState> state{*this, "state"};
   takt::Property<double> gain{*this, "gain", 2, {.unit = "1", .min = 0, .max = 10}};
-  takt::Property<std::string> how{*this, "how", "", {.text = "The fault: say, throw, other, bound."}};
+  takt::Property<std::string> how{*this, "how", "", {.text = "The fault: fail, throw, other, bound."}};
   takt::Property<std::int64_t> at{*this, "at", -1, {.text = "Cycle of the fault."}};
   takt::Property<bool> starts{*this, "starts", true};
   takt::Property<bool> recovers{*this, "recovers", true};
+
+  std::optional<takt::OutPort<basic::Number>> late_port;
+  std::optional<takt::Property<double>> late_property;
 
   void write_event(std::int64_t what) {
     basic::Count count;
@@ -28,20 +31,26 @@ class Subject : public takt::Component {
   }
 
   takt::Result<void> initialize() override {
+    if (how.value() == "late port") late_port.emplace(*this, "late");
+    if (how.value() == "late property") late_property.emplace(*this, "late", 1);
     if (how.value() == "initialize") return takt::fail("no air pressure", "open the valve");
     write_event(-1);
     return {};
   }
   takt::Result<void> start() override {
     if (!starts) throw std::runtime_error("the drive is off");
+    if (how.value() == "finish in start") finish();
+    log().info("started with {}", how.value());
     write_event(-2);
     return {};
   }
   void run(const takt::Cycle& cycle) override {
     in.read();
+    log().debug("gain is {}", gain.value());
     while (orders.read()) write_event(orders.value().value());
     if (static_cast<std::int64_t>(cycle.number) == at) {
-      if (how.value() == "say") fail("the axis is blocked");
+      if (how.value() == "fail" || how.value() == "both") fail("the axis is blocked");
+      if (how.value() == "finish" || how.value() == "both") finish();
       if (how.value() == "throw") throw std::runtime_error("division by zero");
       if (how.value() == "other") throw 1;
       if (how.value() == "bound") {

@@ -1,4 +1,5 @@
-// A sporadic component that publishes the sum of its events. It also runs while `level` is above 10.
+// A sporadic component that publishes the sum of its events. The component runs when an event arrives, and
+// also while its input `level` is above 10.
 #include <takt/component.hpp>
 
 #include <basic.hpp>

@@ -1,4 +1,4 @@
-// Tests of the test harness with a sporadic C++ component.
+// Tests the test harness with a sporadic C++ component.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>
@@ -56,10 +56,10 @@ TEST(SporadicComponent, GoesToRecoverWhenItsConditionFails) {
   EXPECT_EQ(module.state(), State::start);
 }
 
-TEST(SafeValue, ReplacesSamplesBeforeTheFirstOneAndAfterTheWriterIsLost) {
+TEST(SafeValue, IsReadBeforeTheFirstSampleAndAfterTheWriterIsLost) {
   Module module{{.sporadic = true, .file = WATCHER}};
   auto& level = module.in<basic::Number>("level");
-  level.safe(number(11));  // the module runs while the level is above 10
+  level.safe(number(11));  // the module runs while its input `level` is above 10
   ASSERT_TRUE(module.start());
   EXPECT_EQ(module.step(5), 5U);
   level.write(number(1));
@@ -75,7 +75,7 @@ TEST(SafeValue, ReplacesASampleOlderThanTheDeadline) {
   auto& level = module.in<basic::Number>("level", {.deadline = 3ms});
   level.safe(number(11));
   ASSERT_TRUE(module.start());
-  level.write(number(1));  // the sample gets the time of the next release
+  level.write(number(1));  // the sample gets the time of the next release as its time
   EXPECT_EQ(module.step(4), 0U) << "a sample as old as the deadline is still valid";
   EXPECT_EQ(module.step(1), 1U);
   level.write(number(1), 3ms + 1ns);

@@ -1,4 +1,4 @@
-// Tests that the C struct and the C++ class of an IDL type are encoded to the same bytes.
+// Tests that the C struct and the C++ class of one IDL type are encoded to the same bytes.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -32,8 +32,8 @@ Bytes encoded(const T& value) {
 class CStruct : public testing::Test {
  protected:
   void SetUp() override {
-    // The test fills the struct with a pattern first, because encoding and decoding must not depend on
-    // earlier contents.
+    // Fills both structs with a pattern first, because encoding and decoding must not depend on earlier
+    // contents.
     std::memset(value.get(), 0xA5, sizeof *value);
     std::memset(other.get(), 0xA5, sizeof *other);
     fill_whole(value.get());
@@ -74,7 +74,7 @@ TEST_F(CStruct, DecodesTheBytesThatTheCppClassEncodes) {
 }
 
 TEST_F(CStruct, DecodesBigEndianBytes) {
-  // This is part(3) with the bytes of each number reversed.
+  // These are the bytes of part(3), with the bytes of each number in reverse order.
   const Bytes bytes{0,    0,    0,    0,    3,    0,    0, 0, 0, 0, 0,   0,   0x11, 0x22,
                     0x33, 0x44, 0x55, 0x66, 0x77, 0x8B, 0, 0, 0, 3, 'a', 'b', 0};
   parts_Part part;
@@ -97,7 +97,7 @@ TEST_F(CStruct, CanBeEncodedAndDecodedThroughItsTypeInfo) {
 
 TEST_F(CStruct, IsNotEncodedIfAFieldExceedsItsBound) {
   ASSERT_TRUE(is_encoded());
-  std::memset(value->scalars.name, 'x', sizeof value->scalars.name);  // the name has no terminating zero
+  std::memset(value->scalars.name, 'x', sizeof value->scalars.name);  // the text then has no terminating zero
   EXPECT_FALSE(is_encoded());
   fill_whole(value.get());
   std::memset(value->name_list.items[2], 'x', 7);

@@ -22,7 +22,7 @@ std::uint64_t end_heap_watch() {
 }  // namespace takt::types_test
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-// These functions replace those of the C library. operator new calls them, too.
+// The following functions replace those of the C library. operator new calls the replacements, too.
 extern "C" {
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t n, std::size_t size) noexcept;

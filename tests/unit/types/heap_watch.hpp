@@ -6,17 +6,17 @@
 namespace takt::types_test {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kHeapIsWatched = false;  ///< the sanitizer has its own allocator
+inline constexpr bool kHeapIsWatched = false;  ///< the sanitizer's own allocator does not count calls
 #else
 inline constexpr bool kHeapIsWatched = true;
 #endif
 
-/// begin_heap_watch() starts counting the allocations of this thread. end_heap_watch() returns the number
-/// since then.
+/// begin_heap_watch() starts counting the allocations of the calling thread. end_heap_watch() returns their
+/// number since then.
 std::uint64_t begin_heap_watch();
 std::uint64_t end_heap_watch();
 
-/// Returns the number of allocations of this thread while f() runs.
+/// Returns the number of allocations that this thread makes while f() runs.
 template <class F>
 std::uint64_t allocations_of(F f) {
   begin_heap_watch();

@@ -1,5 +1,5 @@
-// Tests that a type parsed from its description and the code generated from the same IDL accept the same
-// samples and encode them to the same bytes.
+// Compares a type that was parsed from its description with the code that was generated from the same IDL.
+// Both must accept the same samples, and must encode a sample to the same bytes.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -7,38 +7,29 @@
 #include <string>
 #include <vector>
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 #include <gtest/gtest.h>
+#include <nested.hpp>
 #include <takt/model/type.hpp>
 
 #include "heap_watch.hpp"
+#include "reference.hpp"
 #include "values.hpp"
 
 namespace takt::model::sample_test {
 namespace {
 
-using eprosima::fastcdr::Cdr;
+using types_reference::by_fast_cdr;
+using types_reference::Bytes;
+using types_reference::encoded;
+using types_reference::Endianness;
 using types_test::part;
 using types_test::scalars;
 using types_test::tail;
 using types_test::whole;
-using Bytes = std::vector<std::byte>;
 
 template <class T>
 Type type_of() {
   return parse_type(PortType<T>::info.description).value();
-}
-
-template <class T>
-Bytes by_fast_cdr(const T& value, Cdr::Endianness endianness) {
-  Bytes bytes(PortType<T>::info.max_size);
-  eprosima::fastcdr::FastBuffer buffer{reinterpret_cast<char*>(bytes.data()), bytes.size()};
-  Cdr cdr{buffer, endianness, Cdr::DDS_CDR};
-  cdr.serialize_encapsulation();
-  value.serialize(cdr);
-  bytes.resize(cdr.getSerializedDataLength());
-  return bytes;
 }
 
 template <class T>
@@ -56,15 +47,38 @@ TEST(ParsedType, MatchesTheGeneratedCode) {
   expect_parsed_type_matches_code<everything::Scalars>();
   expect_parsed_type_matches_code<everything::Whole>();
   expect_parsed_type_matches_code<everything::Tail>();
+  expect_parsed_type_matches_code<nested::Lists>();
 }
 
-/// Expects that samples that Fast DDS encoded are valid, and that they do not change when they are printed as
-/// JSON and read back.
+TEST(ParsedType, ReadsAndWritesTheSampleThatTheGeneratedCodeEncodes) {
+  nested::Lists value;
+  value.labels()[1] = {"a", "", "cde"};
+  value.modes()[1][0] = {nested::ON};
+  value.groups() = {{"x", "yz"}, {"", "uvw"}};
+  value.states() = {{{nested::OFF, nested::ON}, {nested::ON, nested::ON}}};
+  value.last(7);
+  const Type type = type_of<nested::Lists>();
+  const Bytes bytes = encoded(value);
+  ASSERT_TRUE(is_sample(type, bytes.data(), bytes.size()));
+  const std::string json = sample_json(type, bytes.data(), bytes.size());
+  EXPECT_EQ(json,
+            R"({"labels": [[], ["a", "", "cde"]], "modes": [[[], []], [["ON"], []]], )"
+            R"("groups": [["x", "yz"], ["", "uvw"]], "states": [["OFF", "ON"], ["ON", "ON"]], "last": 7})");
+  const auto again = sample_bytes(type, json);
+  ASSERT_TRUE(again.ok()) << to_text(again.problems());
+  EXPECT_EQ(*again, bytes);
+  nested::Lists other;
+  ASSERT_TRUE(PortType<nested::Lists>::decode(bytes.data(), static_cast<std::uint32_t>(bytes.size()), other));
+  EXPECT_EQ(other, value);
+}
+
+/// Expects that the samples that Fast DDS encodes for this value are valid, and that printing them as JSON
+/// and reading the JSON does not change them.
 template <class T>
 void expect_through_json(const T& value) {
   const Type type = type_of<T>();
-  const Bytes little = by_fast_cdr(value, Cdr::LITTLE_ENDIANNESS);
-  const Bytes big = by_fast_cdr(value, Cdr::BIG_ENDIANNESS);
+  const Bytes little = by_fast_cdr(value, Endianness::little);
+  const Bytes big = by_fast_cdr(value, Endianness::big);
   ASSERT_TRUE(is_sample(type, little.data(), little.size()));
   ASSERT_TRUE(is_sample(type, big.data(), big.size()));
   const std::string json = sample_json(type, little.data(), little.size());
@@ -84,7 +98,7 @@ TEST(Sample, SurvivesARoundTripThroughJson) {
 }
 
 TEST(Sample, IsPrintedWithTheNamesOfItsFields) {
-  const Bytes bytes = by_fast_cdr(scalars(), Cdr::BIG_ENDIANNESS);
+  const Bytes bytes = by_fast_cdr(scalars(), Endianness::big);
   EXPECT_EQ(
       sample_json(type_of<everything::Scalars>(), bytes.data(), bytes.size()),
       R"({"flag": true, "byte": 200, "letter": "L", "small": -2, "usmall": 65000, "whole": -70000, )"
@@ -96,10 +110,10 @@ TEST(Sample, IsPrintedWithTheNamesOfItsFields) {
 TEST(Sample, HasTheDefaultValueInEachFieldThatItsJsonOmits) {
   const auto bytes = sample_bytes(type_of<everything::Whole>(), "{}");
   ASSERT_TRUE(bytes.ok());
-  EXPECT_EQ(*bytes, by_fast_cdr(everything::Whole{}, Cdr::LITTLE_ENDIANNESS));
+  EXPECT_EQ(*bytes, by_fast_cdr(everything::Whole{}, Endianness::little));
 }
 
-/// Makes random invalid samples: copies of valid ones with up to three changes.
+/// Makes random samples, valid and invalid ones, from copies of valid samples with up to three changes each.
 class Mutation {
  public:
   explicit Mutation(std::vector<Bytes> seeds) : seeds_(std::move(seeds)) {}
@@ -149,8 +163,8 @@ template <class T>
 void expect_agreement(const std::vector<T>& values, std::size_t rounds) {
   std::vector<Bytes> seeds;
   for (const T& value : values) {
-    seeds.push_back(by_fast_cdr(value, Cdr::LITTLE_ENDIANNESS));
-    seeds.push_back(by_fast_cdr(value, Cdr::BIG_ENDIANNESS));
+    seeds.push_back(by_fast_cdr(value, Endianness::little));
+    seeds.push_back(by_fast_cdr(value, Endianness::big));
   }
   const Type type = type_of<T>();
   Mutation mutation{std::move(seeds)};
@@ -170,7 +184,7 @@ void expect_agreement(const std::vector<T>& values, std::size_t rounds) {
     if (!is) continue;
     ++samples;
     if (samples % 16 == 0) {
-      // Every valid sample can be printed and encoded again.
+      // The test prints and encodes every 16th valid sample.
       ASSERT_FALSE(sample_json(type, bytes.data(), bytes.size()).empty());
       Bytes again(PortType<T>::info.max_size);
       ASSERT_GT(PortType<T>::encode(value, again.data(), PortType<T>::info.max_size), 0U);
@@ -179,7 +193,7 @@ void expect_agreement(const std::vector<T>& values, std::size_t rounds) {
   if (types_test::kHeapIsWatched) {
     EXPECT_EQ(allocations, 0U);
   }
-  // The test covers enough valid and enough invalid samples.
+  // The test must have tried enough valid samples and enough invalid samples.
   EXPECT_GT(samples, rounds / 10);
   EXPECT_LT(samples, rounds * 9 / 10);
 }

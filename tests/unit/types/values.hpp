@@ -1,8 +1,9 @@
-// Example values of the types in everything.idl.
+// Functions that make example values of the types in everything.idl.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include <everything.hpp>
@@ -43,7 +44,16 @@ inline everything::Scalars scalars() {
   return value;
 }
 
-/// `fill` is the length of each sequence as a fraction of its bound: 0 means empty, 1 means full.
+/// Returns the value of scalars() with NaN, infinity, and a character that is not ASCII.
+inline everything::Scalars odd_numbers() {
+  everything::Scalars value = scalars();
+  value.single(-std::numeric_limits<float>::quiet_NaN());
+  value.real(-std::numeric_limits<double>::infinity());
+  value.letter(static_cast<char>(0xE9));
+  return value;
+}
+
+/// Returns a value in which each sequence has `fill` times its maximum length: 0 means empty, 1 means full.
 inline everything::Whole whole(double fill = 1) {
   const auto n = [fill](std::size_t bound) {
     return static_cast<std::size_t>(fill * static_cast<double>(bound));

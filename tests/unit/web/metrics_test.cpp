@@ -50,7 +50,7 @@ TEST(Metrics, MeasureTimesInSeconds) {
           HasSubstr("takt_web_viewers 2\n")));
 }
 
-// Monitoring would take the last values of a lost device for current measurements.
+// A monitoring system would take the last values of a lost device for current values.
 TEST(Metrics, OmitTheMeasurementsOfALostDevice) {
   EXPECT_THAT(text(), AllOf(HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"),
                             Not(HasSubstr("module=\"vision\"")),

@@ -5,7 +5,7 @@
 #include <takt/model/json.hpp>
 
 #include "seen.hpp"
-#include "web/said.hpp"
+#include "web/samples_json.hpp"
 
 namespace takt::tool::web::period_test {
 namespace {
@@ -14,8 +14,8 @@ using namespace seen;
 
 constexpr double kMs = 1000;  // one millisecond in us, the time unit of traces
 
-/// The trace of a robot. Its grid of 1 ms began 0.4 ms before the trace. Its macro periods of 3 ms begin at
-/// 2.6 ms, 5.6 ms and so on.
+/// The trace of a robot. The grid of 1 ms began 0.4 ms before the trace. The macro periods of 3 ms begin at
+/// 2.6 ms, 5.6 ms and so on in the trace.
 class Traced {
  public:
   void row(double release, double late, std::vector<std::pair<std::string, double>> runs,
@@ -105,7 +105,7 @@ TEST(MacroPeriod, ListsSporadicRunsInTheRowDuringWhichTheyBegan) {
   traced.row(2.6 * kMs, 5, {{"servo", 10}});
   traced.row(3.6 * kMs, 5, {{"servo", 10}});
   traced.add(11, "run", "react", 3.9 * kMs, 50);
-  traced.add(11, "run", "react", 1.9 * kMs, 50);  // before the period begins
+  traced.add(11, "run", "react", 1.9 * kMs, 50);  // begins before the macro period
   const auto json = period(traced, 6 * kMs);
   ASSERT_TRUE(json);
   const Json& rows = (*json)["executors"][0]["rows"];
@@ -128,12 +128,12 @@ TEST(MacroPeriod, IncludesProgramRunsThatBeganWithinIt) {
 TEST(MacroPeriod, IsReportedAsMissingIfNoneIsComplete) {
   Traced traced;
   traced.row(0.6 * kMs, 5, {});
-  auto json = period(traced, 5 * kMs);  // the period that ended at 2.6 ms began before the trace
+  auto json = period(traced, 5 * kMs);  // the period that ends at 2.6 ms began before the trace
   ASSERT_TRUE(json);
   EXPECT_TRUE((*json)["executors"][0]["rows"].empty());
   EXPECT_EQ((*json)["executors"][0]["text"], "the trace has no complete macro period");
   traced.t0_us = 2 * kMs;
-  json = period(traced, 4 * kMs);  // no period has ended since T0
+  json = period(traced, 4 * kMs);  // no macro period has ended since T0
   ASSERT_TRUE(json);
   EXPECT_TRUE((*json)["executors"][0]["rows"].empty());
 }

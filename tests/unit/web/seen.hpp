@@ -1,4 +1,4 @@
-// Provides the status of devices as nodes publish it, for the tests of the web page's data.
+// Provides the statuses of devices, as nodes would publish them, for the tests of the web page's data.
 #pragma once
 
 #include <string>

@@ -16,7 +16,7 @@ Command part_of(std::uint32_t part, std::uint32_t parts, std::size_t size = kPar
   return command;
 }
 
-TEST(Assembly, ReturnsDataInOnePartAtOnce) {
+TEST(Assembly, ReturnsDataOfASinglePartAtOnce) {
   Commands commands;
   WholeCommand whole;
   EXPECT_TRUE(commands.add(part_of(0, 1, 3), "a", whole));

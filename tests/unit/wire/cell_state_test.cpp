@@ -38,16 +38,16 @@ TEST(CellState, IsEmptyAtFirst) {
   EXPECT_TRUE(cell_state.devices().empty());
   EXPECT_TRUE(cell_state.devices("robot").empty());
   cell_state.lost(7);
-  cell_state.gone(device("-", "robot", ""), 7);
-  cell_state.gone(module("servo", STATE_IDLE));
+  cell_state.remove(device("-", "robot", ""), 7);
+  cell_state.remove(module("servo", STATE_IDLE));
   EXPECT_TRUE(cell_state.devices().empty());
 }
 
-TEST(CellState, KeepsTheStateOfAModuleReceivedBeforeThatOfItsDevice) {
+TEST(CellState, KeepsAModuleStateThatArrivesBeforeTheStatusOfTheDevice) {
   CellState cell_state;
-  cell_state.heard(module("servo", STATE_START));
+  cell_state.receive(module("servo", STATE_START));
   EXPECT_TRUE(cell_state.devices().empty());
-  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.receive(device("cell", "robot", "a"), 1);
   ASSERT_EQ(cell_state.devices().size(), 1U);
   EXPECT_EQ(cell_state.devices()[0].deployment.modules.at("servo").state(), STATE_START);
 }
@@ -55,15 +55,15 @@ TEST(CellState, KeepsTheStateOfAModuleReceivedBeforeThatOfItsDevice) {
 TEST(CellState, ShowsAModuleAsExecutingOnlyOnALiveDevice) {
   CellState cell_state;
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
-  cell_state.heard(module("servo", STATE_EXECUTING));
+  cell_state.receive(module("servo", STATE_EXECUTING));
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo")) << "its device is not known";
   DeviceStatus robot = device("cell", "robot", "a");
   robot.sequence_number(1);
-  cell_state.heard(robot, 1);
+  cell_state.receive(robot, 1);
   EXPECT_TRUE(cell_state.executes("cell", "robot", "servo"));
   EXPECT_FALSE(cell_state.executes("cell", "robot", "arm"));
   EXPECT_FALSE(cell_state.executes("other", "robot", "servo"));
-  cell_state.heard(module("servo", STATE_RECOVER));
+  cell_state.receive(module("servo", STATE_RECOVER));
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
 }
 
@@ -71,23 +71,23 @@ TEST(CellState, ShowsModulesOfAReturnedDeviceAsExecutingAfterItsSecondStatus) {
   CellState cell_state;
   DeviceStatus robot = device("cell", "robot", "a");
   robot.sequence_number(5);
-  cell_state.heard(robot, 1);
-  cell_state.heard(module("servo", STATE_EXECUTING));
+  cell_state.receive(robot, 1);
+  cell_state.receive(module("servo", STATE_EXECUTING));
   cell_state.lost(1);
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
   robot.sequence_number(9);
-  cell_state.heard(robot, 1);
+  cell_state.receive(robot, 1);
   EXPECT_FALSE(cell_state.executes("cell", "robot", "servo")) << "the module may have stopped meanwhile";
   robot.sequence_number(10);
-  cell_state.heard(robot, 1);
+  cell_state.receive(robot, 1);
   EXPECT_TRUE(cell_state.executes("cell", "robot", "servo"));
 }
 
 TEST(CellState, KeepsTheLastStateOfALostDevice) {
   CellState cell_state;
-  cell_state.heard(device("cell", "robot", "a"), 1);
-  cell_state.heard(device("cell", "line", "b"), 2);
-  cell_state.heard(module("servo", STATE_EXECUTING));
+  cell_state.receive(device("cell", "robot", "a"), 1);
+  cell_state.receive(device("cell", "line", "b"), 2);
+  cell_state.receive(module("servo", STATE_EXECUTING));
   cell_state.lost(1);
   ASSERT_EQ(cell_state.devices("robot").size(), 1U);
   EXPECT_FALSE(cell_state.devices("robot")[0].alive);
@@ -97,17 +97,17 @@ TEST(CellState, KeepsTheLastStateOfALostDevice) {
 
 TEST(CellState, ShowsALostDeviceAsAliveAfterANewStatus) {
   CellState cell_state;
-  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.receive(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
-  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.receive(device("cell", "robot", "a"), 1);
   EXPECT_TRUE(cell_state.devices("robot")[0].alive);
 }
 
 TEST(CellState, ReplacesALostNodeWithANewNodeOfTheSameName) {
   CellState cell_state;
-  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.receive(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
-  cell_state.heard(device("-", "robot", "b"), 2);
+  cell_state.receive(device("-", "robot", "b"), 2);
   ASSERT_EQ(cell_state.devices("robot").size(), 1U);
   EXPECT_EQ(cell_state.devices("robot")[0].node(), "b");
   EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
@@ -115,61 +115,61 @@ TEST(CellState, ReplacesALostNodeWithANewNodeOfTheSameName) {
 
 TEST(CellState, DoesNotAssignTheModulesOfALostNodeToANewNode) {
   CellState cell_state;
-  cell_state.heard(device("cell", "robot", "a"), 1);
-  cell_state.heard(module("servo", STATE_EXECUTING));
+  cell_state.receive(device("cell", "robot", "a"), 1);
+  cell_state.receive(module("servo", STATE_EXECUTING));
   cell_state.lost(1);
-  cell_state.heard(device("-", "robot", "b"), 2);
-  cell_state.heard(device("cell", "robot", "b"), 2);
+  cell_state.receive(device("-", "robot", "b"), 2);
+  cell_state.receive(device("cell", "robot", "b"), 2);
   EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
 }
 
 TEST(CellState, KeepsModulesReceivedBeforeTheStatusOfARestartedNode) {
   CellState cell_state;
-  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.receive(device("cell", "robot", "a"), 1);
   cell_state.lost(1);
-  cell_state.heard(module("servo", STATE_IDLE));
-  cell_state.heard(device("cell", "robot", "b"), 2);
+  cell_state.receive(module("servo", STATE_IDLE));
+  cell_state.receive(device("cell", "robot", "b"), 2);
   EXPECT_EQ(cell_state.devices("robot")[0].deployment.modules.at("servo").state(), STATE_IDLE);
 }
 
 TEST(CellState, ListsBothNodesWithTheSameName) {
   CellState cell_state;
-  cell_state.heard(device("-", "robot", "a"), 1);
-  cell_state.heard(device("-", "robot", "b"), 2);
+  cell_state.receive(device("-", "robot", "a"), 1);
+  cell_state.receive(device("-", "robot", "b"), 2);
   EXPECT_EQ(cell_state.devices("robot").size(), 2U);
 }
 
 TEST(CellState, KeepsADeviceWhoseKeyChangesWhenItIsDeployed) {
   CellState cell_state;
-  cell_state.heard(device("-", "robot", "a"), 1);
-  cell_state.heard(device("cell", "robot", "a"), 1);
-  cell_state.gone(only_key(device("-", "robot", "a")), 1);
+  cell_state.receive(device("-", "robot", "a"), 1);
+  cell_state.receive(device("cell", "robot", "a"), 1);
+  cell_state.remove(only_key(device("-", "robot", "a")), 1);
   ASSERT_EQ(cell_state.devices().size(), 1U);
   EXPECT_EQ(cell_state.devices()[0].status.cell(), "cell");
 }
 
 TEST(CellState, RemovesADeviceThatDisposesOfItsOnlyKey) {
   CellState cell_state;
-  cell_state.heard(device("-", "robot", "a"), 1);
-  cell_state.heard(device("-", "robot", "b"), 2);
-  cell_state.gone(only_key(device("-", "robot", "a")), 1);
+  cell_state.receive(device("-", "robot", "a"), 1);
+  cell_state.receive(device("-", "robot", "b"), 2);
+  cell_state.remove(only_key(device("-", "robot", "a")), 1);
   ASSERT_EQ(cell_state.devices().size(), 1U);
   EXPECT_EQ(cell_state.devices()[0].node(), "b");
 }
 
 TEST(CellState, RemovesAnUndeployedModuleAndItsPorts) {
   CellState cell_state;
-  cell_state.heard(device("cell", "robot", "a"), 1);
-  cell_state.heard(module("servo", STATE_DESTRUCT));
-  cell_state.heard(module("arm", STATE_DESTRUCT));
+  cell_state.receive(device("cell", "robot", "a"), 1);
+  cell_state.receive(module("servo", STATE_DESTRUCT));
+  cell_state.receive(module("arm", STATE_DESTRUCT));
   PortStatus port;
   set(port.cell(), "cell");
   set(port.device(), "robot");
   set(port.name(), "servo");
   set(port.port(), "effort");
-  cell_state.heard(port);
+  cell_state.receive(port);
   ASSERT_EQ(cell_state.devices()[0].deployment.ports.count("servo.effort"), 1U);
-  cell_state.gone(only_key(module("servo", STATE_DESTRUCT)));
+  cell_state.remove(only_key(module("servo", STATE_DESTRUCT)));
   const ObservedDeployment left = cell_state.devices()[0].deployment;
   EXPECT_EQ(left.modules.count("servo"), 0U);
   EXPECT_EQ(left.modules.count("arm"), 1U);
@@ -178,9 +178,9 @@ TEST(CellState, RemovesAnUndeployedModuleAndItsPorts) {
 
 TEST(CellState, SortsDevicesByName) {
   CellState cell_state;
-  cell_state.heard(device("-", "station", "a"), 1);
-  cell_state.heard(device("-", "line", "z"), 2);
-  cell_state.heard(device("-", "robot", "m"), 3);
+  cell_state.receive(device("-", "station", "a"), 1);
+  cell_state.receive(device("-", "line", "z"), 2);
+  cell_state.receive(device("-", "robot", "m"), 3);
   std::vector<std::string> names;
   for (const ObservedDevice& device : cell_state.devices()) names.push_back(device.name());
   EXPECT_THAT(names, testing::ElementsAre("line", "robot", "station"));

@@ -11,7 +11,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Builds the body of a submessage in little-endian byte order.
+/// Builds the content of a submessage in little-endian byte order.
 class Body {
  public:
   Body& u8(std::uint32_t value) { return put(value, 1); }
@@ -64,7 +64,8 @@ Bytes message(std::uint8_t kind, std::uint8_t flags, const Body& body) {
 
 bool is_rtps(const Bytes& bytes) { return !bytes.empty() && readable_rtps(bytes) == bytes.size(); }
 
-/// Expects that the filter accepts the body, but rejects it if it is any shorter.
+/// Expects that the filter accepts a submessage with this content, and rejects it if any bytes are missing at
+/// the end of the content.
 void expect_minimum_length(std::uint8_t kind, std::uint8_t flags, const Body& body) {
   EXPECT_TRUE(is_rtps(message(kind, flags, body))) << "kind " << int{kind};
   for (std::size_t n = 1; n < body.bytes.size(); ++n) {
@@ -129,12 +130,12 @@ TEST(RtpsFilter, RemovesStatisticsAtTheEndOfAMessage) {
   EXPECT_EQ(readable_rtps(both), 0U) << "Fast DDS aborts if anything follows statistics";
 }
 
-// If the length of a submessage is not a multiple of four, the next one begins at the next multiple of four.
-// A reader that continues right after the content sees other submessages.
+// If the length of a submessage is not a multiple of four, Fast DDS expects the next submessage at the next
+// multiple of four. A filter that continues right after the content would see other submessages.
 TEST(RtpsFilter, LocatesSubmessagesAsFastDdsDoes) {
   Bytes both = message(0x81, 0, Body{}.zeros(5));
-  // Read from the first of these bytes, this is a vendor submessage of 128 bytes. Read from the second, it is
-  // a statistics submessage that is not at the end.
+  // These bytes have two meanings. Read from the first byte, they are a vendor submessage of 128 bytes. Read
+  // from the fourth byte, they are a statistics submessage that is not at the end of the message.
   for (const int byte : {0x81, 0, 0, 0x80, 0, 0, 44}) both.push_back(static_cast<std::uint8_t>(byte));
   both.resize(both.size() + 125);
   EXPECT_EQ(readable_rtps(both), 0U);
@@ -183,10 +184,58 @@ TEST(RtpsFilter, RejectsInvalidSequenceNumbers) {
       << "too many bits";
   EXPECT_FALSE(is_rtps(message(0x06, 0, Body{}.zeros(8).number(-1).u32(0).u32(1))));
   EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 0))));
-  EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 1, 15)))) << "points before the end of the header";
-  EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 1, 17)))) << "points beyond its end";
+  EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 1, 15))))
+      << "the offset points before the end of the header";
+  EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 1, 17))))
+      << "the offset points beyond the end of the header";
   EXPECT_FALSE(is_rtps(message(0x15, 0x0c, data_head().zeros(8)))) << "both a key and data";
   EXPECT_FALSE(is_rtps(message(0x0f, 0, Body{}.u32(0xffffffff).zeros(48))));
+}
+
+// Fast DDS adds small numbers to a sequence number without checking for an overflow.
+TEST(RtpsFilter, RejectsSequenceNumbersThatCouldOverflow) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 62;
+  EXPECT_TRUE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(kMost).number(kMost).u32(1))));
+  EXPECT_FALSE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(kMost + 1).number(kMost + 1).u32(1))));
+  EXPECT_TRUE(is_rtps(message(0x08, 0, Body{}.zeros(8).number(1).number(kMost).u32(0))));
+  EXPECT_FALSE(is_rtps(message(0x08, 0, Body{}.zeros(8).number(1).number(kMost + 1).u32(0))));
+}
+
+TEST(RtpsFilter, RejectsCountsOfItemsThatDoNotFollow) {
+  constexpr std::uint32_t kRepresentations = 0x73;
+  EXPECT_TRUE(is_discovery(parameter(kRepresentations, Body{}.u32(2).u16(0).u16(2))));
+  EXPECT_TRUE(is_discovery(parameter(kRepresentations, Body{}.u32(0))));
+  EXPECT_FALSE(is_discovery(parameter(kRepresentations, Body{}.u32(3).u16(0).u16(2))));
+  EXPECT_FALSE(is_discovery(parameter(kRepresentations, Body{}.u32(0xffffffff).zeros(4))));
+  EXPECT_FALSE(is_discovery(parameter(kRepresentations, Body{})));
+  constexpr std::uint32_t kDataSharing = 0x8006;
+  EXPECT_TRUE(is_discovery(parameter(kDataSharing, Body{}.u32(2).zeros(16))));
+  EXPECT_TRUE(is_discovery(parameter(kDataSharing, Body{}.u32(0))));
+  EXPECT_FALSE(is_discovery(parameter(kDataSharing, Body{}.u32(2).zeros(12))));
+  EXPECT_FALSE(is_discovery(parameter(kDataSharing, Body{}.u32(0xffffffff).zeros(8))));
+  EXPECT_FALSE(is_discovery(parameter(kDataSharing, Body{})));
+}
+
+TEST(RtpsFilter, RejectsAContentFilterLongerThanItsMessage) {
+  const Body names = Body{}.text("filtered").text("topic").text("DDSSQL");
+  const Body whole = Body{names}.text("x > %0").u32(2).text("1").text("2");
+  EXPECT_TRUE(is_discovery(parameter(0x35, whole)));
+  for (std::size_t n = 0; n < whole.bytes.size(); n += 4) {
+    Body shorter = whole;
+    shorter.bytes.resize(n);
+    EXPECT_FALSE(is_discovery(parameter(0x35, shorter))) << n;
+  }
+  EXPECT_FALSE(is_discovery(parameter(0x35, Body{names}.u32(0xfffffff8).zeros(8))));
+  EXPECT_FALSE(is_discovery(parameter(0x35, Body{names}.text("x > %0").u32(0xffffffff).zeros(8))));
+}
+
+// Fast DDS reads this offset as a signed number. If it is negative, Fast DDS looks for the content elsewhere
+// than the filter does.
+TEST(RtpsFilter, RejectsAnOffsetThatFastDdsReadsAsNegative) {
+  for (const std::uint32_t offset : {0x7fffU, 0x8000U}) {
+    EXPECT_EQ(is_rtps(message(0x15, 4, data_head(0x103, 1, offset).zeros(0x8000))), offset == 0x7fff);
+    EXPECT_EQ(is_rtps(message(0x16, 0, fragments(1, 1, 8, 8, 0x8000, offset))), offset == 0x7fff);
+  }
 }
 
 TEST(RtpsFilter, RejectsAParameterListWithoutAnEnd) {
@@ -214,6 +263,7 @@ TEST(RtpsFilter, RejectsAParameterLongerThanItsMessage) {
   EXPECT_TRUE(is_discovery(parameter(0x29, Body{}.u32(2).text("a").text("bcdef"))));
   EXPECT_FALSE(is_discovery(parameter(0x29, Body{}.u32(3).text("a").text("bcdef"))));
   EXPECT_FALSE(is_discovery(parameter(0x29, Body{}.u32(0xffffffff))));
+  EXPECT_FALSE(is_discovery(parameter(0x29, Body{}.u32(1).u32(0)))) << "a text without a final zero";
   const Body one = Body{}.u32(1).text("name").text("value");
   EXPECT_TRUE(is_discovery(parameter(0x59, one)));
   EXPECT_TRUE(is_discovery(parameter(0x59, Body{one}.u32(1).text("name").u32(3).zeros(4))));
@@ -227,7 +277,8 @@ TEST(RtpsFilter, RejectsAParameterLongerThanItsMessage) {
   EXPECT_FALSE(is_discovery(parameter(0x58, Body{}.zeros(8))));
 }
 
-// Fast DDS allocates or copies the number of bytes that a token claims before it checks how many there are.
+// Fast DDS allocates or copies as many bytes as a token claims to have, before it checks how many bytes there
+// are.
 TEST(RtpsFilter, RejectsATokenLongerThanItsMessage) {
   const Body all = Body{}.text("PKI").u32(1).text("name").text("value").u32(1).text("c.id").octets("abcde");
   for (const std::uint32_t which : {0x1001U, 0x1002U}) {
@@ -322,7 +373,7 @@ constexpr std::uint8_t kSecBody = 0x30;
 constexpr std::uint8_t kSecPrefix = 0x31;
 constexpr std::uint8_t kSrtpsPrefix = 0x33;
 
-/// Returns an encrypted message or submessage, with an authentication code for each of `readers` readers.
+/// Returns an encrypted message or submessage with an authentication code for each of `readers` readers.
 Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {
   Bytes all = header();
   append(all, prefix, Body{}.zeros(20));
@@ -330,7 +381,7 @@ Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {
   append(all, prefix + 1, Body{}.zeros(16).id(readers).zeros(std::size_t{20} * readers));
   return all;
 }
-/// Returns whether the filter accepts the message and finds it protected.
+/// Returns true if the filter accepts the message, and if the whole message is protected.
 bool is_protected(const Bytes& bytes) { return is_rtps(bytes) && is_protected_rtps(bytes); }
 bool is_unprotected(const Bytes& bytes) { return is_rtps(bytes) && !is_protected_rtps(bytes); }
 
@@ -362,10 +413,11 @@ TEST(ProtectedRtps, OnlyDiscoveryAndAuthenticationMayBeUnencrypted) {
   EXPECT_TRUE(is_unprotected(message(0x08, 0, Body{}.zeros(8).number(1).number(5).u32(0))));
   EXPECT_TRUE(is_unprotected(message(0x12, 0, Body{}.zeros(8).number(1).u32(1).u32(1).zeros(4).u32(1))));
   EXPECT_TRUE(is_unprotected(message(0x13, 0, Body{}.zeros(8).number(1).u32(1).u32(1))));
-  EXPECT_TRUE(is_unprotected(message(0x0f, 0, Body{}.u32(0)))) << "it would redirect the replies";
+  EXPECT_TRUE(is_unprotected(message(0x0f, 0, Body{}.u32(0)))) << "the submessage would redirect the replies";
 }
 
-// Fast DDS expects each part to begin where the previous part ends, and to end where its own content ends.
+// Fast DDS expects that each part begins where the previous part ends, and that it ends where its own content
+// ends.
 TEST(ProtectedRtps, MustHaveAllItsPartsInOrder) {
   const auto parts = [](std::uint8_t prefix, const Body& head, std::uint8_t kind, const Body& body,
                         std::uint8_t postfix, const Body& tail) {
@@ -415,7 +467,7 @@ Bytes announcement(const Body& parameters, std::uint8_t flags = 4, const Body& i
       0x15, flags,
       data_head(kSpdpWriter).add(inline_qos).u8(0).u8(3).u16(0).add(parameters).add(end_of_list()));
 }
-/// The sender that header() names has participant number 0.
+/// The GUID of the participant that header() names as the sender.
 const Body kSelf = parameter(0x50, Body{}.zeros(12).id(0x1c1));
 const Body kOther = parameter(0x50, Body{}.zeros(11).u8(1).id(0x1c1));
 const Body kLease = parameter(0x02, Body{}.u32(20).u32(0));
@@ -441,14 +493,24 @@ TEST(Announcement, MustComeFromTheAnnouncedParticipant) {
   EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
 }
 
-// Even some messages of a leaving participant make Fast DDS add a participant, so each message with
-// participant data counts.
-TEST(Announcement, AlsoCountsIfItsParticipantLeaves) {
+// Fast DDS may add a participant even when it receives a message that says that the participant leaves. So
+// each message with participant data counts as an announcement.
+TEST(Announcement, MayAlsoSayThatItsParticipantLeaves) {
   for (const std::uint32_t flags : {0U, 3U, 4U}) {
     const Body status = parameter(0x71, Body{}.id(flags)).add(end_of_list());
     EXPECT_EQ(announcement_in(announcement(kSelf, 6, status)).of, Announcement::Of::sender) << flags;
   }
   EXPECT_EQ(announcement_in(announcement(kSelf, 8)).of, Announcement::Of::nobody) << "only a key";
+}
+
+TEST(ConcernsParticipants, IsTrueForAnnouncementsAndFarewells) {
+  EXPECT_TRUE(concerns_participants(announcement(kSelf)));
+  EXPECT_TRUE(concerns_participants(announcement(kSelf, 8))) << "only a key: the participant leaves";
+  EXPECT_FALSE(concerns_participants(header()));
+  EXPECT_FALSE(concerns_participants(message(0x15, 4, data_head().zeros(4)))) << "data of another writer";
+  Bytes second = message(0x15, 4, data_head().zeros(4));
+  append(second, 0x15, discovery(kSelf), 4);
+  EXPECT_TRUE(concerns_participants(second)) << "in the second submessage";
 }
 
 TEST(Announcement, IsReadAsFastDdsReadsIt) {
@@ -470,6 +532,7 @@ TEST(RtpsFilter, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
   EXPECT_FALSE(fits(fragments(4, 1, 100, 250, 100))) << "there are only three fragments";
   EXPECT_FALSE(fits(fragments(3, 2, 100, 250, 200)));
   EXPECT_FALSE(fits(fragments(1, 1, 100, 250, 100, 16)));
+  EXPECT_FALSE(is_rtps(message(0x16, 4, fragments(1, 1, 100, 250, 100)))) << "fragments of a key";
   EXPECT_FALSE(fits(fragments(0xffffffff, 0xffff, 0xffff, 0xffffffff, 100)));
 }
 

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t kHere = 1;
 constexpr std::uint32_t kThere = 2;
-constexpr std::uint32_t kLease = 10;  // s
+constexpr std::uint32_t kLease = 10;  // seconds
 
 class UnauthenticatedPeers : public testing::Test {
  protected:
@@ -21,7 +21,7 @@ class UnauthenticatedPeers : public testing::Test {
              Announcement::Of of = Announcement::Of::sender) {
     return unauthenticated_.admit({.of = of, .number = number(n), .lease_s = lease}, address, now_);
   }
-  /// Fills all slots of an address with participants, whose numbers start at `from`.
+  /// Fills all slots of an address with participants. The number of the first participant is `from`.
   void fill(std::uint32_t address, std::size_t from = 0) {
     for (std::size_t n = 0; n < UnauthenticatedParticipants::kOfOneAddress; ++n)
       ASSERT_TRUE(admit(from + n, address)) << n;
@@ -37,13 +37,13 @@ TEST_F(UnauthenticatedPeers, MustAnnounceThemselvesWithALimitedLease) {
   EXPECT_FALSE(admit(1, kHere, UnauthenticatedParticipants::kLongestLease + 1));
   EXPECT_FALSE(admit(1, kHere, 0));
   EXPECT_TRUE(admit(1, kHere, UnauthenticatedParticipants::kLongestLease));
-  EXPECT_FALSE(admit(1, kHere, ~0U)) << "also later, when it is known";
+  EXPECT_FALSE(admit(1, kHere, ~0U)) << "the limit also applies to a known participant";
 }
 
 TEST_F(UnauthenticatedPeers, AreLimitedPerAddress) {
   fill(kHere);
   EXPECT_TRUE(admit(0, kHere)) << "a known participant may announce itself again";
-  EXPECT_TRUE(admit(0, kThere)) << "from any address";
+  EXPECT_TRUE(admit(0, kThere)) << "and may do so from any address";
   EXPECT_TRUE(admit(10'000, kThere)) << "another address has its own slots";
 }
 
@@ -72,7 +72,7 @@ TEST_F(UnauthenticatedPeers, KeepTheirSlotForAWhileAfterLeaving) {
 }
 
 TEST_F(UnauthenticatedPeers, ExpireWithTheirLease) {
-  constexpr std::uint32_t kLong = 30;  // s
+  constexpr std::uint32_t kLong = 30;  // seconds
   for (std::size_t n = 0; n < UnauthenticatedParticipants::kOfOneAddress; ++n)
     ASSERT_TRUE(admit(n, kHere, kLong)) << n;
   now_ += 15s;

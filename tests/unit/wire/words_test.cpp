@@ -12,7 +12,7 @@ TEST(CutText, IsUnchangedIfItFits) {
   EXPECT_EQ(cut("12345", 5), "12345");
 }
 
-TEST(CutText, EndsWithDotsWhereTextIsMissing) {
+TEST(CutText, EndsWithDotsIfTheyFit) {
   EXPECT_EQ(cut("123456", 5), "12...");
   EXPECT_EQ(cut("123456", 2), "12");
 }
@@ -32,7 +32,7 @@ TEST(CutText, NeverSplitsACharacter) {
 
 TEST(CutText, KeepsInvalidUtf8WithinTheLimit) { EXPECT_LE(cut(std::string(300, '\x80'), 255).size(), 255U); }
 
-TEST(TextField, IsFilledWithAsMuchAsFits) {
+TEST(TextField, CutsATextThatIsTooLong) {
   LifecycleStatus status;
   set(status.text(), std::string(1000, 'x'));
   EXPECT_EQ(status.text().to_string(), std::string(252, 'x') + "...");
@@ -51,6 +51,8 @@ TEST(Enumerator, HasATextEvenIfItIsInvalid) {
   EXPECT_STREQ(to_text(ERROR_STALE), "stale");
   EXPECT_STREQ(to_text(ERROR_OVERRUN), "overrun");
   EXPECT_STREQ(to_text(DEVICE_ENDED), "ended");
+  EXPECT_STREQ(to_text(DEVICE_ARMED), "armed");
+  EXPECT_STREQ(to_text(UPDATE_KEPT), "kept");
   EXPECT_STREQ(to_text(HEALTH_DEGRADED), "degraded");
   EXPECT_STREQ(to_text(COMMAND_TAP), "tap");
   EXPECT_STREQ(to_text(COMMAND_LOG), "log");

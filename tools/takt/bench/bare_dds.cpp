@@ -20,8 +20,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* kSettings = "TAKT_BENCH_WRITER";  // "DOMAIN PERIOD_NS LENGTH_NS"
-constexpr std::size_t kHead = 4;  // size of the encapsulation header before the fields, in bytes
+constexpr const char* kSettings =
+    "TAKT_BENCH_WRITER";  // environment variable, with the value "DOMAIN PERIOD_NS LENGTH_NS"
+constexpr std::size_t kHead =
+    4;  // size of the encapsulation header, which precedes the fields of a sample, in bytes
 constexpr std::size_t kBytes = kHead + 64;
 constexpr Nanoseconds kMatchLimit = 10s;  // time limit for the matching of writer and reader
 
@@ -84,7 +86,7 @@ int serve_as_writer() {
     os::sleep_until(os::now() + 10ms);
   }
   std::array<std::byte, kBytes> bytes{};
-  bytes[1] = std::byte{1};  // the encapsulation: CDR, little endian
+  bytes[1] = std::byte{1};  // encapsulation: 1 means CDR in little-endian byte order
   loop_on_grid(Grid::from_now(Nanoseconds{period}, Nanoseconds{length}), sleep_to, [&](Instant) {
     const std::int64_t now = to_ns(os::now());
     std::memcpy(bytes.data() + kHead, &now, sizeof now);

@@ -1,5 +1,5 @@
-// The reference "DDS alone": a writer in one process and a reader in another, without Takt. They have the
-// type and the QoS of a connection.
+// The reference "DDS alone": a writer in one process and a reader in another, without Takt. Both use the data
+// type and the QoS of the connections that `takt bench cell` measures.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct BareDds {
 /// of the reader's listener, in ns. Call this function only while the process has no other threads.
 Result<std::vector<std::int64_t>> run_bare_dds(const BareDds& settings);
 
-/// The main function of the writer's process. It reads its settings from the environment, and returns the
-/// exit status.
+/// The main function of the writer's process. Reads the settings from the environment, and returns the exit
+/// status.
 int serve_as_writer();
 
 }  // namespace takt::bench

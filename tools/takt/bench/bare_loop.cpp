@@ -44,19 +44,20 @@ Instant sleep_to(Instant release) {
   return os::now();
 }
 
-Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop) {
+Result<Loop> run_at(const Scheduling& scheduling, const std::function<Loop()>& loop) {
   Loop result;
   Problems refused;
   auto thread = os::Thread::start(
-      {.name = "bench", .priority = place.priority, .cpus = {place.cpu}}, [&] { result = loop(); }, &refused);
+      {.name = "bench", .priority = scheduling.priority, .cpus = {scheduling.cpu}}, [&] { result = loop(); },
+      &refused);
   if (!thread) return thread.problems();
   thread->join();
   result.refused = refused;
   return result;
 }
 
-Result<Loop> run_bare_loop(const Place& place, Nanoseconds period, Nanoseconds length) {
-  return run_at(place, [=] { return loop_on_grid(Grid::from_now(period, length), sleep_to); });
+Result<Loop> run_bare_loop(const Scheduling& scheduling, Nanoseconds period, Nanoseconds length) {
+  return run_at(scheduling, [=] { return loop_on_grid(Grid::from_now(period, length), sleep_to); });
 }
 
 }  // namespace takt::bench

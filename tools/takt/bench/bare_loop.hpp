@@ -13,9 +13,9 @@
 namespace takt::bench {
 
 /// The CPU and the priority of a real-time thread.
-struct Place {
+struct Scheduling {
   int cpu = 0;
-  int priority = 80;  ///< SCHED_FIFO
+  int priority = 80;  ///< priority under SCHED_FIFO
 };
 
 /// The measurements of a loop that runs a cycle at each instant of a grid.
@@ -23,9 +23,9 @@ struct Loop {
   std::vector<std::int64_t> jitter;  ///< jitter of each cycle in ns, Eq. (1): release minus start
   std::uint64_t missed = 0;          ///< number of instants that had passed when the previous cycle ended
   Nanoseconds cpu_time{};
-  Problems refused;  ///< denied requests for a priority or a CPU; the loop ran without them
+  Problems refused;  ///< reports that the system denied the priority or the CPU; the loop ran nevertheless
 
-  /// Adds the results of another part of the same measurement.
+  /// Adds `other`, the results of a further part of the same measurement.
   void add(const Loop& other);
 };
 
@@ -51,9 +51,9 @@ Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
 Instant sleep_to(Instant release);
 
 /// Runs a loop in a new thread with this CPU and priority. Fails only if the thread cannot be created.
-Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop);
+Result<Loop> run_at(const Scheduling& scheduling, const std::function<Loop()>& loop);
 
 /// Runs the bare loop in a new thread with this CPU and priority.
-Result<Loop> run_bare_loop(const Place& place, Nanoseconds period, Nanoseconds length);
+Result<Loop> run_bare_loop(const Scheduling& scheduling, Nanoseconds period, Nanoseconds length);
 
 }  // namespace takt::bench

@@ -1,7 +1,7 @@
-// The benchmarks other than Table 1. Each benchmark measures Takt and a reference in turns, for
-// settings.seconds per measurement or its default time. A benchmark fails only if it cannot measure at all.
-// Requests that the system denies are added to `refused`. Call these functions only while the process has no
-// other threads.
+// The benchmarks other than Table 1. Each benchmark measures Takt and a reference alternately. Each
+// measurement takes settings.seconds or, if that is not set, the benchmark's default time. A benchmark fails
+// only if it cannot measure at all. Each function adds to `refused` each request that the system denied. Call
+// the functions only while the process has no other threads.
 #pragma once
 
 #include <takt/core/result.hpp>
@@ -16,13 +16,13 @@ namespace takt::bench {
 Result<std::vector<Section>> dispatch(const Settings& settings, Problems& refused);
 /// Measures how punctually an executor wakes up, with each wake-up strategy, compared with the bare loop.
 Result<std::vector<Section>> wake(const Settings& settings, Problems& refused);
-/// Measures the time from the release of a process module to the start of its body, compared with a signal
-/// and a futex.
+/// Measures the time from the release of a process module to the start of its body, compared with waking
+/// another process by a signal and by a futex.
 Result<std::vector<Section>> process(const Settings& settings, Problems& refused);
 /// Measures the cost of transferring a sample of 64 bytes from one port to another, compared with memcpy.
 Result<std::vector<Section>> ports(const Settings& settings, Problems& refused);
-/// Measures the time to deploy a cell of several devices, and the time to transfer a sample between devices,
-/// compared with DDS alone.
+/// Measures the time to deploy a cell of several devices and, compared with DDS without Takt, the time to
+/// transfer a sample between devices.
 Result<std::vector<Section>> cell(const Settings& settings, Problems& refused);
 
 }  // namespace takt::bench

@@ -90,12 +90,12 @@ class Table {
   void call_all() noexcept {
     for (executor::Body* body : bare_) static_cast<void>(body->run(cycle_));
   }
-  /// Pretends that each process module has finished its release.
+  /// Reports, in place of each process module, that the module has finished its release.
   void answer_all() noexcept {
     for (std::size_t i = 0; i < count_; ++i)
       slots_[i].done.store(slots_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
   }
-  /// Whether every row has called or released every module.
+  /// True if every row has called or released every module.
   [[nodiscard]] bool all_served() const noexcept {
     for (std::size_t i = 0; i < count_; ++i) {
       if (blocks_[i].cycles.load() != block_.cycles.load()) return false;
@@ -117,19 +117,20 @@ class Table {
 
 // ---- Rows that run without pauses between them
 
-Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
+Result<Section> row_after_row(const Scheduling& scheduling, Nanoseconds length, Course& course,
+                              Problems& refused) {
   Section section{.title = "rows of thread modules, without pauses between rows: ns",
                   .columns = {"row", "bare calls", "a module", "beyond it"}};
   for (const std::size_t n : {10U, 100U, 1000U}) {
     double row = 0;
     double calls = 0;
     course.next(fmt::format("a row of {} modules", n));
-    const auto loop = run_at(place, [&] {
+    const auto loop = run_at(scheduling, [&] {
       Table table{n};
       executor::Executor& executor = table.executor();
       executor.join_grid(os::now(), os::now());
-      // Pass the time of the release instead of the current time. The rows run without pauses, so the grid is
-      // ahead of the clock.
+      // Pass the time at which the row is due, not the current time. The rows run without pauses, so each row
+      // runs before it is due.
       std::vector<double> times = each_by_turns(
           length, {[&] { executor.run_cycle(executor.next_release()); }, [&] { table.call_all(); }});
       TAKT_CHECK(table.all_served());
@@ -145,7 +146,7 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& co
   double released = 0;
   double clock = 0;
   course.next("a row of process modules");
-  const auto loop = run_at(place, [&] {
+  const auto loop = run_at(scheduling, [&] {
     constexpr std::size_t kPrograms = 100;
     Table table{kPrograms, model::ModuleType::process};
     executor::Executor& executor = table.executor();
@@ -161,17 +162,19 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& co
     return Loop{};
   });
   if (!loop) return loop.problems();
-  section.notes.push_back(fmt::format(
-      "To release a process module and handle its answer takes {:.1f} ns. To read the clock takes {:.1f} ns.",
-      released, clock));
+  section.notes.push_back(
+      fmt::format("Releasing a process module and handling its answer takes {:.1f} ns. Reading the clock "
+                  "takes {:.1f} ns.",
+                  released, clock));
   section.notes.emplace_back(
-      "bare calls: the same functions, called without a table. beyond it: the cost of a module besides its "
+      "bare calls: the same functions, called without a table. beyond it: the cost of a module on top of its "
       "own work.");
   return section;
 }
 
-/// Measures the cost of the flight record: runs rows with and without it, in turns.
-Result<Section> recorded(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
+/// Measures the cost of the flight record: alternately runs rows with and without it.
+Result<Section> recorded(const Scheduling& scheduling, Nanoseconds length, Course& course,
+                         Problems& refused) {
   Section section{.title = "cost of the flight record, per run of a module: ns",
                   .columns = {"a module, not recorded", "recorded", "a run's entry", "a bare entry"}};
   constexpr std::uint64_t kEntries = 1U << 18;  // 4 MiB, the size for a device with ten modules at 1 ms
@@ -180,7 +183,7 @@ Result<Section> recorded(const Place& place, Nanoseconds length, Course& course,
   for (const std::size_t n : {10U, 100U, 1000U}) {
     std::vector<double> times;
     course.next(fmt::format("the flight record of {} modules", n));
-    const auto loop = run_at(place, [&] {
+    const auto loop = run_at(scheduling, [&] {
       channel::FlightWriter writer = memory->writer(0);
       channel::FlightWriter bare = memory->writer(1);
       Table with{n, model::ModuleType::thread, &writer};
@@ -204,17 +207,18 @@ Result<Section> recorded(const Place& place, Nanoseconds length, Course& course,
          {times[0] / count, times[1] / count, (times[1] - times[0]) / (count + 2), times[2] / 100}});
   }
   section.notes.emplace_back(
-      "A row has an entry at its beginning, one at its end and one for each run. Target: at most 25 ns per "
-      "entry.");
+      "The flight record gets one entry when a row of the executor's table begins, one when it ends, and one "
+      "for "
+      "each run of a module. Target: at most 25 ns per entry.");
   return section;
 }
 
 // ---- A thousand modules at 1 ms
 
-/// The measurements of one way to run the modules, with the time of each cycle.
+/// The measurements of one way to run the modules: one table, bare calls, or one thread per module.
 struct SeenCycles {
   Loop loop;
-  std::vector<std::int64_t> taken;  ///< ns
+  std::vector<std::int64_t> taken;  ///< duration of each cycle in ns
 };
 
 Loop walk_table(Table& table, const Grid& grid, std::vector<std::int64_t>& taken) {
@@ -243,7 +247,7 @@ Loop call_bare(Table& table, const Grid& grid, std::vector<std::int64_t>& taken)
       });
 }
 
-Result<Loop> a_thread_for_each(const Place& place, Nanoseconds length) {
+Result<Loop> a_thread_for_each(const Scheduling& scheduling, Nanoseconds length) {
   std::vector<Loop> loops(kMany);
   std::vector<os::Thread> threads;
   std::atomic<std::uint32_t> go{0};
@@ -251,7 +255,10 @@ Result<Loop> a_thread_for_each(const Place& place, Nanoseconds length) {
   Problems refused;
   for (Loop& loop : loops) {
     auto thread = os::Thread::start(
-        {.name = "bench", .priority = place.priority, .cpus = {place.cpu}, .stack_bytes = 64 * 1024},
+        {.name = "bench",
+         .priority = scheduling.priority,
+         .cpus = {scheduling.cpu},
+         .stack_bytes = 64 * 1024},
         [&] {
           Module module;
           while (go.load(std::memory_order_acquire) == 0) os::futex_wait(go, 0, ~0U);
@@ -286,7 +293,8 @@ Row row_of(const std::string& name, const SeenCycles& seen, Nanoseconds length) 
            jitter.p99 / 1e3, jitter.max / 1e3, static_cast<double>(seen.loop.missed)}};
 }
 
-Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
+Result<Section> a_thousand(const Scheduling& scheduling, Nanoseconds length, Course& course,
+                           Problems& refused) {
   SeenCycles table;
   SeenCycles bare;
   SeenCycles threads;
@@ -295,7 +303,7 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
     for (SeenCycles* seen : {&table, &bare}) {
       course.next(fmt::format("{} modules: {}", kMany, seen == &table ? "one table" : "bare calls"));
       seen->taken.reserve(seen->taken.size() + static_cast<std::size_t>(length / kDispatchPeriod));
-      const auto loop = run_at(place, [&] {
+      const auto loop = run_at(scheduling, [&] {
         const Grid grid = Grid::from_now(kDispatchPeriod, length / kDispatchTurns);
         return seen == &table ? walk_table(modules, grid, seen->taken)
                               : call_bare(modules, grid, seen->taken);
@@ -304,14 +312,14 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
       seen->loop.add(*loop);
     }
     course.next(fmt::format("{} modules: one thread per module", kMany));
-    const auto all = a_thread_for_each(place, length / kDispatchTurns);
+    const auto all = a_thread_for_each(scheduling, length / kDispatchTurns);
     if (!all) return all.problems();
     threads.loop.add(*all);
   }
   for (const SeenCycles* seen : {&table, &bare, &threads}) add_once(refused, seen->loop.refused);
   Section section{
       .title = fmt::format("{} modules every {}, on CPU {} with priority {}: us", kMany,
-                           takt::to_text(kDispatchPeriod), place.cpu, place.priority),
+                           takt::to_text(kDispatchPeriod), scheduling.cpu, scheduling.priority),
       .columns = {"processor", "cycle p50", "cycle p99", "jitter p50", "jitter p99", "jitter max", "missed"}};
   section.rows = {row_of("one table", table, length), row_of("bare calls", bare, length),
                   row_of("one thread per module", threads, length)};
@@ -337,14 +345,14 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
 }  // namespace
 
 Result<std::vector<Section>> dispatch(const Settings& settings, Problems& refused) {
-  const Place place{.cpu = cpu_of(settings)};
+  const Scheduling scheduling{.cpu = cpu_of(settings)};
   const Nanoseconds length = settings.length(kDispatchSeconds);
   Course course{settings, 4 + 3 + 3 * kDispatchTurns};
-  auto rows = row_after_row(place, length / 3, course, refused);
+  auto rows = row_after_row(scheduling, length / 3, course, refused);
   if (!rows) return rows.problems();
-  auto record = recorded(place, length / 3, course, refused);
+  auto record = recorded(scheduling, length / 3, course, refused);
   if (!record) return record.problems();
-  auto thousand = a_thousand(place, length, course, refused);
+  auto thousand = a_thousand(scheduling, length, course, refused);
   if (!thousand) return thousand.problems();
   return std::vector<Section>{std::move(*rows), std::move(*record), std::move(*thousand)};
 }

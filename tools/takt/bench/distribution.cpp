@@ -27,7 +27,8 @@ Distribution distribution_of(const std::vector<std::int64_t>& values_ns) {
   double sum = 0;
   for (const std::int64_t value : values_ns) sum += static_cast<double>(value);
   const double mean = sum / count;
-  // Compute the variance in a second pass. The difference of two large squares would not be accurate.
+  // Compute the variance in a second pass. In a single pass, it would be the difference of two large numbers,
+  // which is not accurate.
   double squares = 0;
   for (const std::int64_t value : values_ns) {
     const double from_mean = static_cast<double>(value) - mean;

@@ -1,5 +1,5 @@
-// Exact statistics of a series of measured times. They are computed from all values, so each percentile is a
-// measured value, not an estimate.
+// Exact statistics of a series of measured times. The statistics are computed from all values, so each
+// percentile is a measured value, not an estimate.
 #pragma once
 
 #include <cstddef>

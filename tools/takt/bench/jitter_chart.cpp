@@ -138,7 +138,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
   for (std::size_t begin = 0; begin < served.size();) {
     const std::size_t column = column_of(served[begin]);
     if (column > last + 1 && !upper.empty())
-      draw();  // end the line, because the columns between have no release
+      draw();  // end the line here, because the columns between `last` and this one have no releases
     last = column;
     std::vector<std::int64_t> sizes;
     for (; begin < served.size() && column_of(served[begin]) == column; ++begin)
@@ -183,7 +183,7 @@ std::string jitter_histogram(const std::string& title, const std::vector<Served>
   const int scale = std::max(3, static_cast<int>((most + kClassesOfADecade - 2) / kClassesOfADecade));
   const double width = kWidth / (scale * kClassesOfADecade + 1);
 
-  // The scale of the shares reaches from one release to all releases.
+  // The vertical axis ranges from the share of one release to the share of all releases (1).
   const double all = static_cast<double>(std::max<std::size_t>({values.size(), bare.size(), 10}));
   const double shares = std::ceil(std::log10(all));
   const auto y_of = [shares](std::size_t count, std::size_t of) {

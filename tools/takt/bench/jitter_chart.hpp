@@ -21,15 +21,15 @@ extern const char* const kDarkChartColours;
 /// sorted by time.
 std::string jitter_over_time(const std::string& title, const std::vector<Served>& served, Nanoseconds period);
 
-/// Draws the histogram of the absolute jitter, as SVG for an HTML page. It has ten classes per decade, and a
-/// logarithmic scale for the shares. The bare loop is drawn as a line.
+/// Draws the histogram of the absolute jitter, as SVG for an HTML page. A histogram has ten classes per
+/// decade. The scale for the share of releases in a class is logarithmic. The bare loop is drawn as a line.
 std::string jitter_histogram(const std::string& title, const std::vector<Served>& served,
                              const std::vector<std::int64_t>& bare);
 
 /// Counts the absolute values in each class of the histogram. The first class has all values below
 /// kLeastSize. The result has as many classes as the largest value needs.
 std::vector<std::size_t> classes_of(const std::vector<std::int64_t>& values);
-inline constexpr double kLeastSize = 10;  // ns
+inline constexpr double kLeastSize = 10;  // ns, upper end of the first class
 inline constexpr int kClassesOfADecade = 10;
 
 }  // namespace takt::bench

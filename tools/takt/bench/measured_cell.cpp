@@ -13,8 +13,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-// An upper bound for the number of releases in this time. It has a margin, because the run does not end
-// exactly then.
+// An upper bound for the number of releases in a run of this length. The bound includes a margin, because a
+// run can last longer than requested.
 std::size_t releases_in(Nanoseconds length, Nanoseconds period) {
   return static_cast<std::size_t>(length / period) * 11 / 10 + 1000;
 }

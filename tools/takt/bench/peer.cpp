@@ -34,22 +34,22 @@ void answer_until_the_end(Mailbox& mailbox, std::int64_t* answers, std::size_t r
     }
     const Instant now = os::now();
     if (mailbox.end.load(std::memory_order_acquire) != 0) return;
-    seen = mailbox.sent.load(std::memory_order_acquire);  // SYNC: release sent
+    seen = mailbox.sent.load(std::memory_order_acquire);  // synchronizes with knock()
     const std::uint32_t count = mailbox.answered.load(std::memory_order_relaxed);
     if (count < room) answers[count] = mailbox.release_ns.load(std::memory_order_relaxed) - to_ns(now);
-    mailbox.answered.store(count + 1, std::memory_order_release);  // SYNC: release answered
+    mailbox.answered.store(count + 1, std::memory_order_release);  // synchronizes with wake()
   }
 }
 
 }  // namespace
 
-Result<Peer> Peer::start(WakeBy by, const Place& place, std::size_t most) {
+Result<Peer> Peer::start(WakeBy by, const Scheduling& scheduling, std::size_t most) {
   auto memory = os::SharedMemory::create("takt-bench", sizeof(Mailbox) + most * sizeof(std::int64_t));
   if (!memory) return memory.problems();
   auto* mailbox = new (memory->data()) Mailbox{};
   mailbox->by = by;
-  mailbox->cpu = place.cpu;
-  mailbox->priority = place.priority;
+  mailbox->cpu = scheduling.cpu;
+  mailbox->priority = scheduling.priority;
   auto child = os::Child::spawn({.program = os::program_directory() + "/takt",
                                  .arguments = {"bench", "peer"},
                                  .environment = {{kMailboxFd, std::to_string(memory->fd().get())}},
@@ -72,7 +72,7 @@ Peer::~Peer() {
 }
 
 void Peer::knock() noexcept {
-  mailbox().sent.fetch_add(1, std::memory_order_release);  // SYNC: release sent
+  mailbox().sent.fetch_add(1, std::memory_order_release);  // synchronizes with answer_until_the_end()
   if (mailbox().by == WakeBy::signal)
     os::send_wake_signal(child_.pid());
   else

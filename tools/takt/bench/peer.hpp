@@ -1,4 +1,4 @@
-// The second process of a measurement, which runs the same program with a hidden command.
+// The second process of a measurement, which is `takt` with a hidden command.
 #pragma once
 
 #include <atomic>
@@ -17,33 +17,32 @@ namespace takt::bench {
 /// How the first process wakes the peer.
 enum class WakeBy : std::uint32_t { futex, signal };
 
-/// The beginning of the memory that both processes share. The answers follow it.
+/// The beginning of the memory that both processes share. The peer's answers are stored after the mailbox.
 struct Mailbox {
   WakeBy by = WakeBy::futex;
   std::int32_t cpu = 0;
   std::int32_t priority = 0;
   std::atomic<std::uint32_t> refused{0};  ///< the system denied the peer its priority or CPU
-  std::atomic<std::uint32_t> ready{0};    ///< the peer is waiting for a wake-up
-  std::atomic<std::uint32_t> end{0};      ///< the peer ends at its next wake-up
+  std::atomic<std::uint32_t> ready{0};    ///< the peer waits for a wake-up
+  std::atomic<std::uint32_t> end{0};      ///< the peer must end at its next wake-up
   std::atomic<std::uint32_t> sent{
-      0};  ///< SYNC: release sent; number of wake-ups so far, also used as the futex
+      0};  ///< number of wake-ups that the first process has sent; also used as the futex
   std::atomic<std::int64_t> release_ns{0};  ///< time of the newest release
-  std::atomic<std::uint32_t> answered{
-      0};  ///< SYNC: release answered; number of releases that the peer has answered
+  std::atomic<std::uint32_t> answered{0};   ///< number of releases that the peer has answered
 };
 
 /// A process that waits for wake-ups and records the time of each.
 class Peer {
  public:
-  /// Starts the process with this CPU and priority, and with memory for `most` answers.
-  static Result<Peer> start(WakeBy by, const Place& place, std::size_t most);
+  /// Starts the second process with this CPU and priority, and allocates memory for `most` answers.
+  static Result<Peer> start(WakeBy by, const Scheduling& scheduling, std::size_t most);
   Peer(Peer&&) = default;
   Peer& operator=(Peer&&) = delete;
   /// Ends the second process.
   ~Peer();
 
-  /// Wakes the process for this release. If it has not answered the previous release, does not wake it and
-  /// returns false. A real-time thread may call this function, which makes one system call.
+  /// Wakes the second process for this release. Returns false, without waking it, if it has not answered the
+  /// previous release. A real-time thread may call this function, which makes one system call.
   bool wake(Instant release) noexcept;
   /// The jitter of each answer in order: release minus start, in ns. Call this only after the last wake().
   [[nodiscard]] std::vector<std::int64_t> jitter() const;
@@ -58,7 +57,7 @@ class Peer {
   os::Child child_;
 };
 
-/// The main function of the second process. It returns the exit status.
+/// The main function of the second process. Returns the exit status.
 int serve_as_peer();
 
 }  // namespace takt::bench

@@ -3,10 +3,9 @@
 #include <cstring>
 #include <memory>
 
-#include <takt/component/in_port.hpp>
-#include <takt/component/out_port.hpp>
 #include <takt/core/check.hpp>
 #include <takt/os/shared_memory.hpp>
+#include <takt/process.hpp>
 
 #include <bench.hpp>
 
@@ -92,7 +91,7 @@ class Copy {
 Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) {
   Section section{.title = "transfer of a sample of 64 bytes between two ports, in one thread: ns",
                   .columns = {"ns", "of memcpy"}};
-  Course{settings, 1}.next("all variants, in turns");
+  Course{settings, 1}.next("all variants, alternately");
   const auto loop = run_at({.cpu = cpu_of(settings)}, [&] {
     Copy copy;
     Pair latest{true, 1};

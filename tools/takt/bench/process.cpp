@@ -32,13 +32,13 @@ struct SeenWakes {
 
 // Measures the reference: a thread that wakes another process at each release, as the paper's scheduler does,
 // without Takt.
-Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanoseconds period,
+Result<SeenWakes> wake_a_peer(WakeBy by, const Scheduling& scheduling, int other_cpu, Nanoseconds period,
                               Nanoseconds length, Problems& refused) {
   const Grid now = Grid::from_now(period, length);
-  auto peer = Peer::start(by, {.cpu = other_cpu, .priority = place.priority - 1}, now.instants() + 1);
+  auto peer = Peer::start(by, {.cpu = other_cpu, .priority = scheduling.priority - 1}, now.instants() + 1);
   if (!peer) return peer.problems();
   SeenWakes seen;
-  const auto loop = run_at(place, [&] {
+  const auto loop = run_at(scheduling, [&] {
     const std::atomic<std::uint32_t> stop{0};
     os::Waker waker{model::Wakeup::hybrid, os::margin_cap(period, model::Executor{}.spin_share), stop};
     return loop_on_grid(
@@ -59,11 +59,13 @@ Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nano
 }  // namespace
 
 Result<std::vector<Section>> process(const Settings& settings, Problems& refused) {
-  const Place place{.cpu = cpu_of(settings)};
+  const Scheduling scheduling{.cpu = cpu_of(settings)};
   const std::vector<int> cpus = os::allowed_cpus();
-  // The first CPU that the executor does not use, on which a node runs the device's programs.
-  const auto other = std::find_if(cpus.begin(), cpus.end(), [&place](int cpu) { return cpu != place.cpu; });
-  const int other_cpu = other == cpus.end() ? place.cpu : *other;
+  // The first CPU that the executor does not use. A node also runs process modules on CPUs without an
+  // executor.
+  const auto other =
+      std::find_if(cpus.begin(), cpus.end(), [&scheduling](int cpu) { return cpu != scheduling.cpu; });
+  const int other_cpu = other == cpus.end() ? scheduling.cpu : *other;
   const Nanoseconds period = settings.period.value_or(kProcessPeriod);
   const Nanoseconds length = settings.length(kProcessSeconds) / kProcessTurns;
   auto interruption = Interruption::create();
@@ -85,8 +87,8 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     course.next(names[0]);
     const auto measured = run_measured(one,
                                        {.period = period,
-                                        .cpu = place.cpu,
-                                        .priority = place.priority,
+                                        .cpu = scheduling.cpu,
+                                        .priority = scheduling.priority,
                                         .length = length,
                                         .domain = settings.domain},
                                        *folder, *interruption);
@@ -98,7 +100,7 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
       if (interruption->ended()) return asked_to_end();
       const std::size_t way = by == WakeBy::futex ? 1 : 2;
       course.next(names[way]);
-      const auto woken = wake_a_peer(by, place, other_cpu, period, length, refused);
+      const auto woken = wake_a_peer(by, scheduling, other_cpu, period, length, refused);
       if (!woken) return woken.problems();
       add(way, *woken);
     }
@@ -106,7 +108,7 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
   Section section{
       .title = fmt::format(
           "from the release to the start of the body in another process, every {}, from CPU {} to CPU {}",
-          takt::to_text(period), place.cpu, other_cpu),
+          takt::to_text(period), scheduling.cpu, other_cpu),
       .columns = time_columns()};
   section.columns.emplace_back("cycles");
   section.columns.emplace_back("missed");
@@ -120,7 +122,7 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     medians.push_back(d.p50);
   }
   section.notes = {
-      "A thread that wakes up like an executor makes all releases. For the process module, it is the "
+      "All releases come from a thread that wakes up like an executor. For the process module, this is the "
       "executor of a host.",
       fmt::format("p50 of the process module: {:.2f} us (target: at most 1 us; the paper: 5.5 to 6 us)",
                   medians[0] / 1e3)};

@@ -11,12 +11,12 @@
 
 namespace takt::bench {
 
-/// Detects a request to end this program (Ctrl-C), while other programs run for it. Create the object before
-/// any thread, and only one at a time.
+/// Detects that the user asks `takt bench` to end (Ctrl-C, SIGTERM) while it runs other programs. Create the
+/// object before the process starts threads. Only one object may exist at a time.
 class Interruption {
  public:
   static Result<Interruption> create();
-  /// Whether a request to end has arrived, now or earlier.
+  /// True if the user has asked `takt bench` to end since this object was created.
   [[nodiscard]] bool ended();
   [[nodiscard]] const os::Fd& fd() const noexcept { return signals_.fd(); }
 
@@ -26,17 +26,17 @@ class Interruption {
   bool ended_ = false;
 };
 
-/// The problem that a benchmark returns after such a request.
+/// The problem that a benchmark returns if the user has asked `takt bench` to end.
 Problem asked_to_end();
 
-/// Starts "takt" or "takt-node" from the folder of this program. The program uses only the loopback
+/// Starts "takt" or "takt-node" from the folder of this program. The started program uses only the loopback
 /// interface, unless TAKT_INTERFACE is set.
 Result<os::Child> start_beside(const std::string& program, const std::vector<std::string>& arguments,
                                bool capture_output);
 
 /// Runs "takt" or "takt-node" until it ends, and returns its standard output. If its exit status is not 0,
-/// fails with its standard error. A request to end this program also ends the other one, and this function
-/// fails.
+/// fails with its standard error. If the user asks `takt bench` to end, this function ends the started
+/// program and fails.
 Result<std::string> run_beside(const std::string& program, const std::vector<std::string>& arguments,
                                Interruption& interruption);
 

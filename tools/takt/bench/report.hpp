@@ -1,5 +1,5 @@
-// The report of a benchmark other than Table 1. It has tables of numbers, in which each reference is a row,
-// and notes.
+// The report of a benchmark other than Table 1: tables of numbers, with one row for each variant and
+// reference, and notes.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ struct Report {
 /// Adds the problems of `more` that are not in `all` yet.
 void add_once(Problems& all, const Problems& more);
 
-/// The columns for a distribution of times. in_columns() has the values for them.
+/// The titles of the columns that show a distribution of times. in_columns() returns the values in these
+/// columns.
 std::vector<std::string> time_columns();
 std::vector<double> in_columns(const Distribution& d);
 

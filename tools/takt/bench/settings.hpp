@@ -17,12 +17,12 @@ struct CellSettings {
 };
 
 struct Settings {
-  std::optional<double> seconds;  ///< duration of each measurement; by default that of the benchmark
+  std::optional<double> seconds;  ///< duration of each measurement; each benchmark has its own default
   std::optional<int>
       cpu;  ///< CPU of the real-time threads; by default the last one that this program may use
-  std::optional<int> domain;  ///< DDS domain of benchmarks that start nodes; by default that of `takt run`
-  bool load = false;          ///< run stress-ng during the measurements
-  std::optional<Nanoseconds> period;  ///< period of the modules; by default that of the benchmark
+  std::optional<int> domain;          ///< DDS domain of nodes; by default the domain that `takt run` uses
+  bool load = false;                  ///< run stress-ng during the measurements
+  std::optional<Nanoseconds> period;  ///< period of the modules; each benchmark has its own default
   CellSettings cell{};
   /// If given, Course calls this before each measurement, with the progress so far and the name of the
   /// measurement.
@@ -34,8 +34,8 @@ struct Settings {
   }
 };
 
-/// Reports the progress of a benchmark before each measurement. It reports nothing during a measurement,
-/// because drawing the progress would disturb it.
+/// Reports the progress of a benchmark before each measurement. Reports nothing during a measurement, because
+/// drawing the progress would disturb the measurement.
 class Course {
  public:
   /// `settings` must outlive this object. `measurements` is the number of measurements, which all take about

@@ -47,7 +47,7 @@ class Table1Run {
   }
 
  private:
-  // Runs half of the bare loop's time, in parts of 1 s, so that Ctrl-C takes effect within a second.
+  // Runs the bare loop for half of its time, in parts of 1 s, so that Ctrl-C takes effect within a second.
   Result<void> run_half(CaseResult& measured) {
     constexpr Nanoseconds kPart = std::chrono::seconds{1};
     for (Nanoseconds left = settings_.length(kTable1Seconds) / 2; left >= result_.period; left -= kPart) {

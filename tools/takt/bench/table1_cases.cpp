@@ -15,7 +15,7 @@ struct Element {
   const char* file;
   const char* type;
   const char* operation;
-  std::string time;  ///< its <period> or <deadline> element
+  std::string time;  ///< the <period> or <deadline> element of the module
   int priority;
   std::string property;
 };

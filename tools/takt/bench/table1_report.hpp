@@ -1,5 +1,5 @@
-// Makes the output of `takt bench table1`: as text, case by case, and as JSON. table1_page.hpp makes the HTML
-// page.
+// Formats the output of `takt bench table1` as text (one case at a time) or as JSON. table1_page.hpp makes the
+// HTML page.
 #pragma once
 
 #include <string>

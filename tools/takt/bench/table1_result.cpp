@@ -9,7 +9,7 @@ namespace takt::bench {
 namespace {
 
 constexpr double kThreadP50 = 100;    // ns
-constexpr double kThreadP99 = 1'000;  // ns; applies to periods of kSlow and longer
+constexpr double kThreadP99 = 1'000;  // ns; limit of p99 for periods of kSlow and longer
 constexpr double kOfBareP99 = 0.5;
 constexpr double kProcessP50 = 1'000;  // ns
 constexpr Nanoseconds kSlow = std::chrono::milliseconds{1};

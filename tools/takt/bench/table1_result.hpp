@@ -1,4 +1,4 @@
-// The results of a run of Table 1, and the verdict whether they are within the limits.
+// The results of a run of Table 1, and a verdict that says whether they are within the limits.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,14 @@
 
 namespace takt::bench {
 
-/// The results of one case and of its bare loop. Half of the bare loop ran before the case, half after it.
+/// The results of one case and of its bare loop. Half of the bare loop ran before the case, the other half
+/// after the case.
 struct CaseResult {
   Table1Case one;
   std::vector<Served> jitter;      ///< jitter of the measured module, Eq. (1)
   std::vector<std::int64_t> bare;  ///< jitter of the bare loop
-  Distribution takt;               ///< of `jitter`
-  Distribution loop;               ///< of `bare`
+  Distribution takt;               ///< statistics of `jitter`
+  Distribution loop;               ///< statistics of `bare`
   std::uint64_t cycles = 0;        ///< rows that the executor ran
   std::uint64_t missed = 0;        ///< rows that the executor missed
   std::uint64_t loop_missed = 0;
@@ -42,7 +43,7 @@ struct Table1Result {
   std::vector<CaseResult> cases;
 };
 
-/// The verdict whether a case is within the limits.
+/// Tells whether the results of a case are within the limits.
 enum class Verdict {
   held,
   more_modules,  ///< the case exceeds the limits, and the machine has fewer CPUs than the case needs
@@ -53,9 +54,9 @@ struct Judgement {
   std::string why;  ///< the exceeded limits; empty if the verdict is `held`
 };
 
-/// Compares the results of a case with its limits. For a thread module, p50 must be at most 0.1 us, and p99
-/// at most half of the bare loop's p99. If the period is 1 ms or longer, p99 must also be at most 1 us. For a
-/// process module, p50 must be at most 1 us.
+/// Compares the results of a case with its limits. For a thread module, the p50 of the jitter must be at most
+/// 0.1 us, and its p99 at most half of the bare loop's p99. If the period is 1 ms or longer, p99 must also be
+/// at most 1 us. For a process module, the p50 must be at most 1 us.
 Judgement judge(const CaseResult& result, Nanoseconds period, int cpus);
 
 /// The text of a verdict: "held", "more modules than cores" or "not held".

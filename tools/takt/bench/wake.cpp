@@ -27,8 +27,8 @@ Loop wait_by(Wakeup strategy, Nanoseconds period, Nanoseconds length) {
                       [&waker](Instant release) { return waker.wait_until(release); });
 }
 
-Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds length, Course& course,
-                          Problems& refused) {
+Result<Section> at_period(Nanoseconds period, const Scheduling& scheduling, Nanoseconds length,
+                          Course& course, Problems& refused) {
   struct Way {
     const char* name;
     std::function<Loop()> loop;
@@ -45,13 +45,13 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
   for (int turn = 0; turn < kWakeTurns; ++turn) {
     for (Way& way : ways) {
       course.next(fmt::format("wake-up by {} at {}", way.name, takt::to_text(period)));
-      const auto loop = run_at(place, way.loop);
+      const auto loop = run_at(scheduling, way.loop);
       if (!loop) return loop.problems();
       way.seen.add(*loop);
     }
   }
   Section section{.title = fmt::format("delay of the wake-up, every {}, on CPU {} with priority {}",
-                                       takt::to_text(period), place.cpu, place.priority),
+                                       takt::to_text(period), scheduling.cpu, scheduling.priority),
                   .columns = time_columns()};
   for (const char* column : {"cycles", "missed", "processor %"}) section.columns.emplace_back(column);
   for (const Way& way : ways) {

@@ -36,7 +36,7 @@ struct BenchOptions {
   std::string html;
 };
 
-// Adds a callback to the settings that shows the progress, if standard error is a terminal.
+// If standard error is a terminal, adds to the settings a callback that shows the progress.
 bench::Settings with_progress(bench::Settings settings, Progress& progress) {
   if (progress.is_seen()) {
     settings.progress = [&progress](double share, const std::string& what) {
@@ -53,10 +53,10 @@ Problems lock_memory() {
 }
 
 int table1(const BenchOptions& options) {
-  static_cast<void>(lock_memory());  // if this fails, so does real-time scheduling, which the report mentions
+  static_cast<void>(lock_memory());  // if this fails, real-time scheduling fails too, and that is reported
   std::ofstream page;
   if (!options.html.empty()) {
-    page.open(options.html);  // open the file now, not after minutes of measuring
+    page.open(options.html);  // if this fails, it must fail before the measurements, which take minutes
     if (!page) {
       complain({{options.html, "cannot be written", "choose a file in a folder that you may write to"}});
       return 1;

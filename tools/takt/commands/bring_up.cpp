@@ -19,7 +19,7 @@ std::size_t modules_of(const model::Cell& cell) {
 
 constexpr Nanoseconds kLate = std::chrono::seconds{2};
 
-/// Whether every module of the cell has reported the state START or a later one, so it is ready.
+/// True if every module of the cell is ready: the module has reported the state START or a later state.
 bool are_ready(const std::vector<wire::ObservedDevice>& seen, const model::Cell& cell) {
   const auto is_ready = [&seen](const model::Device& device, const model::Module& module) {
     return std::any_of(seen.begin(), seen.end(), [&](const wire::ObservedDevice& one) {

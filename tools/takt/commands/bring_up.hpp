@@ -15,9 +15,9 @@ class BringUpProgress {
   /// `client` and `cell` must outlive this object.
   BringUpProgress(const client::Connection& client, const model::Cell& cell);
 
-  /// Prints a permanent line to standard error, even if it is not a terminal.
+  /// Prints a permanent line to standard error, even if standard error is not a terminal.
   void print(const std::string& text);
-  /// Redraws the progress line if it is due for an update. The caller must call this often.
+  /// Redraws the progress line if it is due for an update. Call this function often.
   void refresh() {
     if (progress_.is_due()) show();
   }

@@ -9,8 +9,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <takt/client/answer_data.hpp>
 #include <takt/client/connection.hpp>
 #include <takt/client/identity.hpp>
+#include <takt/client/port_names.hpp>
+#include <takt/client/tap.hpp>
+#include <takt/core/words.hpp>
 #include <takt/dds/gateway.hpp>
 #include <takt/model/field_values.hpp>
 #include <takt/model/json.hpp>
@@ -21,6 +25,7 @@
 #include "commands/load.hpp"
 #include "commands/network_options.hpp"
 #include "commands/ranges.hpp"
+#include "commands/target.hpp"
 #include "terminal/terminal.hpp"
 
 namespace takt::tool {
@@ -32,20 +37,16 @@ using Json = nlohmann::ordered_json;
 struct CallOptions {
   std::string service;
   std::vector<std::string> request;
-  double timeout = 2;  ///< s
+  double timeout = 5;  ///< s
   bool json = false;
   client::Network network;
 };
 
-/// The node opens the service for other programs for a limited time. The command asks for this much more than
-/// it needs.
+/// A node opens a service to programs outside the cell only for a requested time. `takt call` requests the
+/// maximum duration of the call plus this margin.
 constexpr auto kMargin = std::chrono::seconds{2};
 /// If DDS does not match the request topic and the reply topic within this time, the call fails.
 constexpr auto kServiceFound = std::chrono::seconds{5};
-
-std::int64_t wall_ns() {
-  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 /// The type of the request or reply as the user declared it, without the envelope that Takt adds.
 Result<model::Type> inner(const model::Type& type, const char* field) {
@@ -63,16 +64,18 @@ class Answer {
   Answer(model::Type type, std::uint64_t client) : type_(std::move(type)), client_(client) {}
 
   void take(const std::byte* bytes, std::size_t size) {
-    Json reply = model::parse_json(model::sample_json(type_, bytes, size));
-    if (!reply.is_object() || reply.value("client", std::uint64_t{0}) != client_) return;
+    std::string reply = model::sample_json(type_, bytes, size);
+    const Json whole = model::parse_json(reply);
+    if (!whole.contains("client") || whole.at("client") != client_) return;
     const std::lock_guard lock{mutex_};
     reply_ = std::move(reply);
     arrived_.notify_all();
   }
-  /// Waits until a reply has arrived, at most until `until`. Null if none arrived.
-  Json wait_until(Instant until) {
+  /// Waits for the reply until the time `until`, and returns it as JSON. Returns an empty text if none
+  /// arrived.
+  std::string wait_until(Instant until) {
     std::unique_lock lock{mutex_};
-    arrived_.wait_until(lock, until, [this] { return !reply_.is_null(); });
+    arrived_.wait_until(lock, until, [this] { return !reply_.empty(); });
     return reply_;
   }
 
@@ -81,51 +84,13 @@ class Answer {
   std::uint64_t client_;
   std::mutex mutex_;
   std::condition_variable arrived_;
-  Json reply_;
+  std::string reply_;
 };
-
-/// The request topic and the reply topic of a service, with their types.
-struct Place {
-  std::string request_topic;
-  std::string reply_topic;
-  model::Type request;
-  model::Type reply;
-};
-
-Result<Place> find(client::Connection& client, const CallOptions& options) {
-  const std::size_t first = options.service.find('.');
-  const std::size_t second = first == std::string::npos ? first : options.service.find('.', first + 1);
-  if (second == std::string::npos || second + 1 == options.service.size())
-    return fail("'" + options.service + "' is not the name of a service", "write DEVICE.MODULE.SERVICE");
-  const auto open_for =
-      kServiceFound + kMargin +
-      std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
-  const auto answer =
-      client::accepted(client.asker->ask({.kind = COMMAND_TAP,
-                                          .device = options.service.substr(0, first),
-                                          .module = options.service.substr(first + 1, second - first - 1),
-                                          .property = options.service.substr(second + 1),
-                                          .time_ns = wall_ns() + Nanoseconds{open_for}.count()}));
-  if (!answer) return answer.problems();
-  const auto description = model::parse_json(answer->data);
-  if (!description.is_object())
-    return fail("the device's answer is from another version of Takt",
-                "install the same version on all machines");
-  if (!description.contains("reply"))
-    return fail(options.service + " is a port, not a service",
-                "show its samples with takt echo " + options.service);
-  auto request = model::parse_type(description.value("type", ""));
-  if (!request) return request.problems();
-  auto reply = model::parse_type(description["reply"].value("type", ""));
-  if (!reply) return reply.problems();
-  return Place{description.value("topic", ""), description["reply"].value("topic", ""), std::move(*request),
-               std::move(*reply)};
-}
 
 /// The serialized request. Fails if the fields that the user typed do not match the request's type.
-Result<std::vector<std::byte>> request_of(const Place& place, const CallOptions& options,
+Result<std::vector<std::byte>> request_of(const client::ServiceTopics& topics, const CallOptions& options,
                                           std::uint64_t client) {
-  const auto type = inner(place.request, "request");
+  const auto type = inner(topics.request, "request");
   if (!type) return type.problems();
   const auto typed = model::json_of_input(*type, options.request);
   if (!typed) return typed.problems();
@@ -134,34 +99,35 @@ Result<std::vector<std::byte>> request_of(const Place& place, const CallOptions&
                    {"number", 1},
                    {"timeout_ns", static_cast<std::int64_t>(options.timeout * 1e9)},
                    {"request", model::parse_json(*typed)}};
-  return model::sample_bytes(place.request, model::json_text(whole));
+  return model::sample_bytes(topics.request, model::json_text(whole));
 }
 
 int call(const CallOptions& options) {
-  const auto refuse = [](const Problems& problems) {
-    complain(problems);
-    return 1;
-  };
-  auto client = client::connect(options.network);
+  const auto name = client::parse_port(options.service);
+  if (!name)
+    return refuse(
+        {fail(in_quotes(options.service) + " is not the name of a service", "write DEVICE.MODULE.SERVICE")});
+  auto client = connect_to_device(options.network, name->device, name->module + "." + name->port);
   if (!client) return refuse(client.problems());
   if (const auto may = client::may_write(*client->participant, "call"); !may) return refuse(may.problems());
-  const auto place = find(*client, options);
-  if (!place) return refuse(place.problems());
+  const auto limit = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
+  const auto topics = client::opened_service(*client->sender, *name, kServiceFound + kMargin + limit);
+  if (!topics) return refuse(topics.problems());
   std::random_device random;
   const std::uint64_t me = (std::uint64_t{random()} << 32) | random();
-  const auto request = request_of(*place, options, me);
+  const auto request = request_of(*topics, options, me);
   if (!request) return refuse(request.problems());
 
-  Answer answer{place->reply, me};
+  Answer answer{topics->reply, me};
   const dds::Quality quality{.reliable = true, .depth = 8, .deadline = {}, .lifespan = {}};
   dds::Quality kept = quality;
-  kept.kept = true;  // keep the reply for this reader, which the service may discover only after answering
+  kept.kept = true;  // also get a reply that was sent before the service discovered this reader
   const auto replies = dds::Tap::create(
-      client->participant, {.topic = place->reply_topic, .type = place->reply, .quality = kept},
+      client->participant, {.topic = topics->reply_topic, .type = topics->reply, .quality = kept},
       [&answer](const std::byte* bytes, std::size_t size, std::int64_t) { answer.take(bytes, size); });
   if (!replies) return refuse(replies.problems());
   const auto requests = dds::Feed::create(
-      client->participant, {.topic = place->request_topic, .type = place->request, .quality = quality});
+      client->participant, {.topic = topics->request_topic, .type = topics->request, .quality = quality});
   if (!requests) return refuse(requests.problems());
   const Instant found = os::now() + kServiceFound;
   while ((*requests)->health().matched == 0 || (*replies)->health().matched == 0) {
@@ -173,24 +139,31 @@ int call(const CallOptions& options) {
   const Instant begun = os::now();
   if (!(*requests)->write(request->data(), request->size()))
     return refuse({fail("DDS rejected the request", "see the message that DDS printed")});
-  const auto limit = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
-  const Json reply = answer.wait_until(begun + limit);
+  const std::string answered = answer.wait_until(begun + limit);
   const double milliseconds = std::chrono::duration<double, std::milli>(os::now() - begun).count();
-  if (reply.is_null()) {
+  if (answered.empty()) {
     return refuse(
         {fail(fmt::format("{} did not answer within {} s; the service may still have acted on the request",
                           options.service, options.timeout),
               "check the result, or wait longer with --timeout")});
   }
-  if (reply.value("code", "") != "SERVICE_REPLIED")
-    return refuse({fail(options.service + " rejected the request: " + reply.value("reason", ""))});
+  std::string code;
+  std::string reason;
+  Json reply;
+  const auto read = client::read_answer(name->device, answered, [&](const Json& whole) {
+    code = whole.at("code").get<std::string>();
+    reason = whole.at("reason").get<std::string>();
+    reply = whole.at("reply");
+  });
+  if (!read) return refuse(read.problems());
+  if (code != "SERVICE_REPLIED") return refuse({fail(options.service + " rejected the request: " + reason)});
   if (options.json) {
     const double rounded = std::round(milliseconds * 1e3) / 1e3;
-    return print(model::json_text({{"reply", reply.at("reply")}, {"ms", rounded}}) + "\n") ? 0 : 1;
+    return print(model::json_text({{"reply", reply}, {"ms", rounded}}) + "\n") ? 0 : 1;
   }
   std::string lines;
-  for (const auto& [name, value] : reply.at("reply").items())
-    lines += fmt::format("{}: {}\n", name, model::json_text(value));
+  for (const auto& [field, value] : reply.items())
+    lines += fmt::format("{}: {}\n", field, model::json_text(value));
   return print(lines.empty() ? "done\n" : lines) ? 0 : 1;
 }
 
@@ -205,7 +178,7 @@ void add_call(CLI::App& app, Chosen& chosen) {
                    "FIELD=VALUE ..., with OUTER.INNER=VALUE for a nested field; or one JSON object. Fields "
                    "that are left out are zero")
       ->type_name("");
-  command->add_option("--timeout", options->timeout, "how long to wait for the reply (default 2)")
+  command->add_option("--timeout", options->timeout, "how long to wait for the reply (default 5)")
       ->type_name("SECONDS")
       ->check(within(0.001, 50));
   command->add_flag("--json", options->json,

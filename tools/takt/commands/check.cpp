@@ -19,9 +19,9 @@ namespace {
 struct CheckOptions {
   std::string file;
   bool json = false;
-  std::string svg;        ///< the file for the drawing, or empty for no drawing
+  std::string svg;        ///< the file for the drawing; if empty, no drawing is made
   bool expanded = false;  ///< only print the descriptor, with includes and templates expanded
-  bool remote = false;    ///< only warn of components that are not on this machine
+  bool remote = false;    ///< warn of components that are not on this machine, but do not fail
   ProofOptions proof;
 };
 
@@ -33,10 +33,8 @@ int check(const CheckOptions& options) {
   }
   Problems missing;
   auto loaded = load(options.file, options.remote ? &missing : nullptr);
-  for (const Problem& problem : missing) {
-    std::fprintf(stderr, "%s: warning: %s; the node will search for the component\n", problem.where.c_str(),
-                 problem.what.c_str());
-  }
+  for (Problem& problem : missing) problem.fix = "the node will search for the component";
+  warn(missing);
   if (!loaded) {
     complain(loaded.problems());
     return 1;
@@ -47,8 +45,9 @@ int check(const CheckOptions& options) {
     return 1;
   }
   loaded->cell.domain = *domain;
+  warn(model::doubtful_connections(loaded->cell, loaded->ports));
   std::optional<Proof> proof;
-  // Prove the deadlines if the user asks for it, or if every module has a budget, which suffices for a proof.
+  // Prove the deadlines if the user asks for a proof, or if a proof is possible: every module has a budget.
   if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {
     auto proved = prove(loaded->cell, loaded->plans, options.proof);
     if (!proved) {
@@ -56,8 +55,7 @@ int check(const CheckOptions& options) {
       return 1;
     }
     proof = std::move(*proved);
-    for (const Problem& problem : proof->warnings)
-      std::fprintf(stderr, "%s: warning: %s\n", problem.where.c_str(), problem.what.c_str());
+    warn(proof->warnings);
   }
   if (!options.svg.empty()) {
     std::ofstream out{options.svg};
@@ -67,9 +65,9 @@ int check(const CheckOptions& options) {
       return 1;
     }
   }
-  const std::string text = options.json
-                               ? model::json_text(check_json(loaded->cell, loaded->plans, proof)) + "\n"
-                               : check_text(loaded->cell, loaded->plans, terminal_style(), proof);
+  const std::string text =
+      options.json ? model::json_text(check_json(loaded->cell, loaded->plans, proof)) + "\n"
+                   : check_text(loaded->cell, loaded->plans, terminal_style(), proof, loaded->ports);
   const bool printed = print(text);
   if (!proof || proof->missed.empty()) return printed ? 0 : 1;
   std::fflush(stdout);  // print the report before the problems
@@ -86,7 +84,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
   command->add_flag("--json", options->json, "print one JSON object");
   command->add_option("--svg", options->svg, "write a drawing of the tables (SVG) to this file")
-      ->type_name("OUT");
+      ->type_name("OUT")->check(svg_file());
   command->add_flag("--expanded", options->expanded,
                     "print the descriptor with includes and templates expanded, instead of the tables");
   command->add_flag("--remote", options->remote, "only warn of components that are not on this machine");

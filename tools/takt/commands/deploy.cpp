@@ -1,4 +1,5 @@
 // takt deploy and takt undeploy: deploy a cell to the nodes on the network, or take it down.
+#include <algorithm>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -6,7 +7,6 @@
 #include <takt/client/connection.hpp>
 #include <takt/client/deploy.hpp>
 #include <takt/client/update.hpp>
-#include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
 
 #include "commands/bring_up.hpp"
@@ -28,9 +28,9 @@ struct DeployOptions {
 
 void print_progress(const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); }
 
-int update_cell(client::Operator& asker, const Loaded& loaded, const std::function<bool()>& cancelled) {
+int update_cell(client::Operator& sender, const Loaded& loaded, const std::function<bool()>& cancelled) {
   bool printed = true;
-  const auto updated = client::update(asker, loaded.cell, loaded.text,
+  const auto updated = client::update(sender, loaded.cell, loaded.text,
                                       {.progress = print_progress,
                                        .differs =
                                            [&printed](const std::vector<std::string>& lines) {
@@ -50,8 +50,10 @@ int deploy(const DeployOptions& options) {
     complain(loaded.problems());
     return 1;
   }
-  const auto signals =
-      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
+  // Block the signals before any thread starts, because new threads inherit the set of blocked signals.
+  const auto signals = os::SignalQueue::of_requests_to_end();
+  if (const std::string note = client::domain_note(options.network, loaded->cell); !note.empty())
+    std::fprintf(stderr, "%s\n", note.c_str());
   const auto client = client::connect(options.network, &loaded->cell);
   if (!signals || !client) {
     complain(signals ? client.problems() : signals.problems());
@@ -62,9 +64,10 @@ int deploy(const DeployOptions& options) {
     while (signals->next()) asked_to_end = true;
     return asked_to_end;
   };
-  if (options.update) return update_cell(*client->asker, *loaded, cancelled);
+  if (options.update) return update_cell(*client->sender, *loaded, cancelled);
   BringUpProgress bring_up{*client, loaded->cell};
-  const auto deployed = client::deploy(*client->asker, loaded->cell, loaded->text,
+  std::vector<client::Undeployed> undone;
+  const auto deployed = client::deploy(*client->sender, loaded->cell, loaded->text,
                                        {.require_real_time = options.require_real_time,
                                         .process_ids = {},
                                         .progress = [&](const std::string& text) { bring_up.print(text); },
@@ -72,16 +75,27 @@ int deploy(const DeployOptions& options) {
                                             [&] {
                                               bring_up.refresh();
                                               return cancelled();
-                                            }});
+                                            },
+                                        .undone = &undone});
   bring_up.end(deployed.ok());
   if (!deployed) {
     complain(deployed.problems());
-    std::fprintf(stderr, "cell %s was not deployed; the devices are unchanged\n", loaded->cell.name.c_str());
+    std::string unknown;
+    std::size_t many = 0;
+    for (const client::Undeployed& one : undone) {
+      if (one.problems.empty()) continue;
+      unknown += (unknown.empty() ? "" : ", ") + one.device;
+      ++many;
+    }
+    const std::string state =
+        unknown.empty()
+            ? "the devices are unchanged"
+            : unknown + (many == 1 ? " has" : " have") +
+                  " not confirmed this; the devices decide together whether the cell runs, and takt "
+                  "status shows it";
+    std::fprintf(stderr, "cell %s was not deployed; %s\n", loaded->cell.name.c_str(), state.c_str());
     return 1;
   }
-  // The cell runs from this instant on. Wait for it before the output says that the cell runs, because the
-  // operator may then send commands.
-  os::sleep_until(os::instant_of_wall(deployed->t0_ns));
   std::string names;
   for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;
   return print("cell " + loaded->cell.name + " runs on " + names + "\n") ? 0 : 1;
@@ -98,7 +112,7 @@ int undeploy(const UndeployOptions& options) {
     complain(client.problems());
     return 1;
   }
-  const auto devices = client::devices_of(*client->asker, options.cell);
+  const auto devices = client::devices_of(*client->sender, options.cell);
   if (!devices) {
     complain(devices.problems());
     return 1;
@@ -107,12 +121,15 @@ int undeploy(const UndeployOptions& options) {
   std::string names;
   for (const std::string& device : devices->lost) {
     problems.push_back(
-        {"device " + device, "is lost and did not receive the command",
-         "when you start its node again, leave out --resume; otherwise the device resumes the cell"});
+        {"device " + device, "it is lost and did not receive the command",
+         "the other devices pass it on when the device is back, unless their nodes are restarted before"});
   }
-  for (const auto& one : client::undeploy(*client->asker, {.names = devices->names})) {
+  client::Devices all{.names = devices->names, .process_ids = {}, .deployment = devices->deployment};
+  all.names.insert(all.names.end(), devices->waiting.begin(), devices->waiting.end());
+  for (const auto& one : client::undeploy(*client->sender, all)) {
     problems.insert(problems.end(), one.problems.begin(), one.problems.end());
-    if (one.problems.empty()) names += (names.empty() ? "" : ", ") + one.device;
+    const bool had_it = std::count(devices->names.begin(), devices->names.end(), one.device) != 0;
+    if (one.problems.empty() && had_it) names += (names.empty() ? "" : ", ") + one.device;
     for (const std::string& failure : one.failures)
       std::fprintf(stderr, "failed earlier: %s\n", failure.c_str());
   }
@@ -145,7 +162,7 @@ void add_deploy(CLI::App& app, Chosen& chosen) {
 void add_undeploy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<UndeployOptions>();
   auto* command = app.add_subcommand("undeploy", "Take down a cell on all of its devices");
-  command->add_option("CELL", options->cell, "the cell's name")->required();
+  command->add_option("CELL", options->cell, "the cell's name, or the id of its deployment")->required();
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return undeploy(*options); }; });
 }

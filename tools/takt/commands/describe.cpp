@@ -8,6 +8,7 @@
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/host/component_path.hpp>
+#include <takt/security/hash.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -54,7 +55,7 @@ Result<Described> describe_module(const model::Cell& cell, const model::Device& 
   const bool process = module.type == model::ModuleType::process;
   auto component = host::describe(*path, process ? host::arguments_of(module) : host::Arguments{});
   if (!component) return at_line(component.problems());
-  return Described{std::move(*path), std::move(*component), cell.name, device.name, module};
+  return Described{*path, security::short_hash(*path), std::move(*component), cell.name, device.name, module};
 }
 
 /// Describes the modules of a descriptor with the given names, each DEVICE.MODULE or MODULE. If `names` is
@@ -99,9 +100,15 @@ Result<std::vector<Described>> describe_files(const std::vector<std::string>& fi
   Problems problems;
   for (const std::string& file : files) {
     auto path = host::find_component(file, "");
+    if (!path && !file.ends_with(".so") && !file.ends_with(".exe")) {
+      Problem problem = path.problems()[0];
+      problem.fix += std::string{problem.fix.ends_with("?") ? " To" : "; to"} +
+                     " describe a module of a cell, write takt describe CELL.xml " + file;
+      path = problem;
+    }
     auto component = path ? host::describe(*path, properties) : Result<host::Description>{path.problems()};
     if (component)
-      all.push_back({std::move(*path), std::move(*component)});
+      all.push_back({*path, security::short_hash(*path), std::move(*component)});
     else
       std::copy(component.problems().begin(), component.problems().end(), std::back_inserter(problems));
   }

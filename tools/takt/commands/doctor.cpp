@@ -28,8 +28,8 @@ struct DoctorOptions {
 
 double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
 
-/// Checks the security of this machine. Security does not affect real time, but it is as important, because
-/// it decides who may command this machine.
+/// Checks the security of this machine. Security does not affect real time, but it is just as important,
+/// because it decides who may command this machine.
 node::Finding security_finding() {
   using node::Severity;
   node::Finding finding{

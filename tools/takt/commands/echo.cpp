@@ -13,6 +13,7 @@
 #include <takt/client/connection.hpp>
 #include <takt/client/port_names.hpp>
 #include <takt/client/tap.hpp>
+#include <takt/core/words.hpp>
 #include <takt/dds/gateway.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/type.hpp>
@@ -23,12 +24,16 @@
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
 #include "commands/network_options.hpp"
+#include "commands/target.hpp"
 #include "terminal/terminal.hpp"
 
 namespace takt::tool {
 
 namespace {
 
+/// After this time without a sample, takt echo prints the cause, if the states of module and device show it.
+constexpr auto kPause = std::chrono::milliseconds{200};
+/// After this time without a sample, takt echo reports the silence even if the cause is not known.
 constexpr auto kQuiet = std::chrono::seconds{2};
 
 struct EchoOptions {
@@ -60,17 +65,20 @@ class Samples {
   std::atomic<std::uint64_t> seen_{0};
 };
 
-/// Prints that no samples arrive, and the module's state, which may explain it.
-void print_quiet(const client::Connection& client, const client::PortName& name, const std::string& port) {
-  std::string state;
+/// Returns why no samples arrive, as far as the states of the port's module and device explain it; empty if
+/// the module is EXECUTING or its state is not known.
+std::string cause_of_quiet(const client::Connection& client, const client::PortName& name) {
+  const std::string path = name.device + "." + name.module;
   for (const wire::ObservedDevice& seen : client.observer->devices(name.device)) {
-    const auto& modules = seen.deployment.modules;
-    if (const auto found = modules.find(name.module); found != modules.end())
-      state = fmt::format("; {}.{} is in {}{}", name.device, name.module, to_text(found->second.state()),
-                          seen.alive ? "" : ", its last known state: the device is lost");
+    if (!seen.alive) return "device " + name.device + " is lost";
+    const auto found = seen.deployment.modules.find(name.module);
+    if (found == seen.deployment.modules.end()) continue;
+    const LifecycleState state = found->second.state();
+    if (state == STATE_START && seen.status.state() == DEVICE_RUNNING)
+      return path + " is stopped, in START; takt start " + path + " starts it";
+    if (state != STATE_EXECUTING) return path + " does not run; it is in " + to_text(state);
   }
-  std::fprintf(stderr, "no sample from %s in the last %lld s%s\n", port.c_str(),
-               static_cast<long long>(kQuiet.count()), state.c_str());
+  return {};
 }
 
 int echo(const EchoOptions& options) {
@@ -80,10 +88,13 @@ int echo(const EchoOptions& options) {
   };
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
-  const auto client = client::connect(options.network);
+  const auto name = client::parse_port(options.port);
+  if (!name)
+    return refuse({fail(in_quotes(options.port) + " is not a port name", "write DEVICE.MODULE.PORT")});
+  const auto client = connect_to_device(options.network, name->device, name->module + "." + name->port);
   if (!client) return refuse(client.problems());
 
-  const auto flow = client::tapped(*client->asker, options.port);
+  const auto flow = client::tapped(*client->sender, options.port);
   if (!flow) return refuse(flow.problems());
 
   Samples samples;
@@ -96,7 +107,7 @@ int echo(const EchoOptions& options) {
   Instant rate_since = os::now();
   std::uint64_t samples_before = 0;
   std::uint64_t printed = 0;
-  Instant quiet_at = os::now() + kQuiet;
+  Instant last_sample = os::now();  // or the start, before the first sample
   bool quiet_printed = false;
   std::uint64_t received = 0;
   while (options.count == 0 || printed < options.count) {
@@ -105,17 +116,23 @@ int echo(const EchoOptions& options) {
     const Instant now = os::now();
     if (now >= again) {
       again = now + client::kAskAgain;
-      if (const auto longer = client::tapped(*client->asker, options.port); !longer)
+      if (const auto longer = client::tapped(*client->sender, options.port); !longer)
         return refuse(longer.problems());
     }
     if (const std::uint64_t seen = samples.seen(); seen != received) {
       received = seen;
-      quiet_at = now + kQuiet;
+      last_sample = now;
       quiet_printed = false;
     }
-    if (now >= quiet_at && !quiet_printed) {
-      print_quiet(*client, *client::parse_port(options.port), options.port);
-      quiet_printed = true;
+    if (!quiet_printed && now - last_sample >= kPause) {
+      const std::string cause = cause_of_quiet(*client, *name);
+      quiet_printed = !cause.empty() || now - last_sample >= kQuiet;
+      if (!cause.empty()) {
+        std::fprintf(stderr, "no samples from %s: %s\n", options.port.c_str(), cause.c_str());
+      } else if (quiet_printed) {
+        std::fprintf(stderr, "no sample from %s in the last %lld s\n", options.port.c_str(),
+                     static_cast<long long>(kQuiet.count()));
+      }
     }
     const auto arrived = samples.take();
     if (options.rate) {
@@ -148,7 +165,7 @@ void add_echo(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand("echo", "Print the samples of a port, one per line, until Ctrl-C");
   command->add_option("PORT", options->port, "DEVICE.MODULE.PORT")->required();
   command->add_flag("--hz", options->rate, "print the number of samples per second instead of the samples");
-  command->add_option("--count", options->count, "end after this many lines")->type_name("N");
+  command->add_option("-n,--count", options->count, "end after this many lines")->type_name("N");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return echo(*options); }; });
 }

@@ -11,6 +11,7 @@
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
+#include "commands/ranges.hpp"
 #include "commands/network_options.hpp"
 #include "reports/graph_report.hpp"
 #include "terminal/terminal.hpp"
@@ -30,7 +31,7 @@ struct GraphOptions {
 Result<CellHealth> ask(const model::Cell& cell, const client::Network& network) {
   const auto client = client::connect(network, &cell);
   if (!client) return client.problems();
-  const auto status = client::status(*client->asker);
+  const auto status = client::status(*client->sender);
   if (!status) return status.problems();
   CellHealth health = health_of(cell, *status);
   if (health.devices.empty()) {
@@ -79,7 +80,7 @@ void add_graph(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "graph", "Print or draw the devices and modules of a cell, and the connections between their ports");
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
-  command->add_option("--svg", options->svg, "write a drawing (SVG) to this file")->type_name("OUT");
+  command->add_option("--svg", options->svg, "write a drawing (SVG) to this file")->type_name("OUT")->check(svg_file());
   command->add_flag("--json", options->json, "print one JSON object");
   command->add_flag("--live", options->live,
                     "add the states of the running cell and the health of each connection");

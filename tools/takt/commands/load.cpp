@@ -17,9 +17,14 @@ Result<Loaded> load_remote(const std::string& file) {
 
 Result<Loaded> load(const std::string& file, Problems* missing) {
   std::string text;
-  auto cell = descriptor::load(file, &text);
-  if (!cell) return cell.problems();
+  model::Cell rejected;
   Problems problems;
+  auto cell = descriptor::load(file, &text, &rejected);
+  if (!cell) {
+    if (missing == nullptr) problems = host::misnamed_files(rejected);
+    problems.insert(problems.end(), cell.problems().begin(), cell.problems().end());
+    return problems;
+  }
   auto plans = schedule::plan(*cell);
   if (!plans) problems = plans.problems();
   auto components = host::check_components(*cell, missing);
@@ -30,7 +35,16 @@ Result<Loaded> load(const std::string& file, Problems* missing) {
                 std::move(components->ports)};
 }
 
-void complain(const Problems& problems) { std::fprintf(stderr, "%s\n", to_text(problems).c_str()); }
+void complain(const Problems& problems) {
+  if (!problems.empty()) std::fprintf(stderr, "%s\n", to_text(problems).c_str());
+}
+
+void warn(const Problems& warnings) {
+  for (const Problem& warning : warnings) {
+    std::fprintf(stderr, "%s: warning: %s%s%s\n", warning.where.c_str(), warning.what.c_str(),
+                 warning.fix.empty() ? "" : "; ", warning.fix.c_str());
+  }
+}
 
 int refuse(const Problems& problems) {
   complain(problems);

@@ -20,8 +20,8 @@ struct Loaded {
 };
 
 /// Reads and validates the descriptor, plans its tables and inspects every component. Reports all problems of
-/// the file at once. If `missing` is given, a component that is not on this machine is added there and is no
-/// error.
+/// the file at once. If `missing` is given, a component that is not on this machine is added to `missing` and
+/// is not an error.
 Result<Loaded> load(const std::string& file, Problems* missing = nullptr);
 
 /// Like load(), but does not inspect the components, which may be on other machines. `paths` and `ports` are
@@ -30,6 +30,8 @@ Result<Loaded> load_remote(const std::string& file);
 
 /// Prints problems on standard error, one per line: `file:line: error: ...`.
 void complain(const Problems& problems);
+/// Prints warnings on standard error, one per line: `file:line: warning: ...`.
+void warn(const Problems& warnings);
 /// Prints problems like complain(), and returns 1, the exit status of the command.
 int refuse(const Problems& problems);
 

@@ -1,6 +1,7 @@
 // takt log: prints the events in the fault records of a cell's nodes.
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
 #include "commands/network_options.hpp"
+#include "commands/target.hpp"
 #include "reports/log_report.hpp"
 #include "terminal/terminal.hpp"
 
@@ -48,9 +50,13 @@ class Printer {
   std::string day_;
 };
 
-// The filter for these options, which are valid, because parsing the command line has checked them.
+/// How many events --follow prints first, unless --last or --since selects others.
+constexpr std::size_t kFirstOfFollow = 10;
+
+// Returns the filter for these options. The command line parser has checked that the options are valid.
 model::FaultFilter filter_of(const LogOptions& options) {
   model::FaultFilter filter{.device = options.device, .module = options.module, .last = options.last};
+  if (options.follow && !options.last && options.since.empty()) filter.last = kFirstOfFollow;
   if (!options.kinds.empty()) filter.kinds = *model::kinds_from(options.kinds);
   if (!options.since.empty()) filter.since_ns = *since_from(options.since, os::wall_ns());
   return filter;
@@ -71,13 +77,17 @@ int log_of_file(const LogOptions& options) {
     complain(recorded.problems());
     return 1;
   }
-  const bool printed = Printer{options.json}.print(filter_of(options).of(recorded->events));
+  auto events = filter_of(options).of(recorded->events);
+  client::sort_by_time(events);
+  const bool printed = Printer{options.json}.print(events);
   print_missing(options.file, recorded->overwritten, recorded->damaged);
   return printed ? 0 : 1;
 }
 
-// If the filter matched nothing because the cell has no such module, returns the problem that says so.
+// Explains why the filter matched no event: returns a problem if no running device has the module that the
+// filter names.
 std::optional<Problem> no_such_module(const LogOptions& options, const client::Observer& observer) {
+  observer.settle(std::chrono::seconds{1});  // the states of the modules arrive after the device is found
   std::vector<std::string> names;
   for (const wire::ObservedDevice& seen : observer.devices()) {
     if (!options.device.empty() && seen.name() != options.device) continue;
@@ -93,8 +103,8 @@ std::optional<Problem> no_such_module(const LogOptions& options, const client::O
 
 int log(const LogOptions& options) {
   if (!options.file.empty()) return log_of_file(options);
-  const auto signals =
-      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
+  // Block the signals before any thread starts, because new threads inherit the set of blocked signals.
+  const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) {
     complain(signals.problems());
     return 1;
@@ -114,7 +124,7 @@ int log(const LogOptions& options) {
     follower = std::move(*created);
   }
   model::FaultFilter filter = filter_of(options);
-  const client::Log read = client::read_log(*client->asker, filter);
+  const client::Log read = client::read_log(*client->sender, filter);
   Printer printer{options.json};
   if (!printer.print(read.events)) return 1;
   for (const client::DeviceLog& device : read.devices)
@@ -130,15 +140,38 @@ int log(const LogOptions& options) {
     return read.problems.empty() ? 0 : 1;
   }
   follower->go_on_after(read);
+  // A node merges frequent events, and records a merged event up to a second after the time of the event. So
+  // `takt log` holds each event for kHold, and then prints the events in the order of their times.
+  constexpr Nanoseconds kHold = std::chrono::milliseconds{1200};
+  struct Held {
+    Instant since;
+    model::Fault event;
+  };
+  std::vector<Held> held;
+  const auto print_until = [&](Instant since) {
+    std::vector<model::Fault> events;
+    std::int64_t newest_ns = std::numeric_limits<std::int64_t>::min();
+    for (const Held& each : held) {
+      if (each.since <= since) newest_ns = std::max(newest_ns, each.event.time_ns);
+    }
+    std::erase_if(held, [&](Held& each) {
+      if (each.event.time_ns > newest_ns) return false;
+      events.push_back(std::move(each.event));
+      return true;
+    });
+    client::sort_by_time(events);
+    return printer.print(events);
+  };
   while (!signals->next()) {
     Problems problems;
-    auto events = follower->next(*client->asker, std::chrono::milliseconds{100}, problems);
-    std::erase_if(events, [&](const model::Fault& fault) { return !filter.takes(fault); });
-    client::sort_by_time(events);
-    if (!printer.print(events)) return 1;
+    auto events = follower->next(*client->sender, std::chrono::milliseconds{100}, problems);
+    for (model::Fault& event : events) {
+      if (filter.takes(event)) held.push_back({os::now(), std::move(event)});
+    }
+    if (!print_until(os::now() - kHold)) return 1;
     complain(problems);
   }
-  return 0;
+  return print_until(os::now()) ? 0 : 1;
 }
 
 // The footer of the help: the kinds of events, wrapped to 100 columns.
@@ -161,7 +194,8 @@ void add_log(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<LogOptions>();
   auto* command = app.add_subcommand(
       "log", "Print the faults of a cell: errors, overruns, restarts, rejected commands and more");
-  command->add_option("--device", options->device, "show only events of this device")->type_name("D");
+  auto target = std::make_shared<std::string>();
+  command->add_option("TARGET", *target, "show only events of this DEVICE or DEVICE.MODULE");
   command->add_option("--module", options->module, "show only events of modules with this name")
       ->type_name("M");
   command
@@ -184,8 +218,10 @@ void add_log(CLI::App& app, Chosen& chosen) {
   command->add_option("--last", options->last, "show only the last N matching events")
       ->type_name("N")
       ->check(CLI::Range(0, 1000000).description(""));
-  auto* follow =
-      command->add_flag("--follow", options->follow, "continue to print events as they happen, until Ctrl-C");
+  auto* follow = command->add_flag(
+      "--follow", options->follow,
+      "print the last 10 events, or those that --last or --since selects, and then new events "
+      "as they happen, until Ctrl-C");
   command->add_flag("--json", options->json, "print one JSON object per line");
   command
       ->add_option(
@@ -195,7 +231,19 @@ void add_log(CLI::App& app, Chosen& chosen) {
       ->excludes(follow);
   add_network_options(*command, options->network);
   command->footer(footer());
-  command->callback([options, &chosen] { chosen = [options] { return log(*options); }; });
+  command->callback([options, target, &chosen] {
+    chosen = [options, target] {
+      if (target->empty()) return log(*options);
+      const auto meant = target_of(*target);
+      if (!meant) return refuse(meant.problems());
+      if (!meant->module.empty() && !options->module.empty())
+        return refuse(
+            {fail("both " + in_quotes(*target) + " and --module name a module", "leave out one of them")});
+      options->device = meant->device;
+      if (!meant->module.empty()) options->module = meant->module;
+      return log(*options);
+    };
+  });
 }
 
 }  // namespace takt::tool

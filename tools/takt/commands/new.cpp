@@ -1,5 +1,5 @@
-// takt new: creates the files of a component that builds, passes its tests and runs as it is, or of a cell
-// with two devices.
+// takt new: creates the files of a new component, which builds, passes its tests and runs without changes; or
+// the files of a new cell with two devices.
 #include <filesystem>
 #include <fstream>
 #include <memory>

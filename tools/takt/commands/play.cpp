@@ -163,7 +163,7 @@ Result<void> check_no_other_writer(const client::Connection& client, const recor
 
 struct Played {
   std::uint64_t samples = 0;
-  std::uint64_t rejected = 0;  ///< by DDS
+  std::uint64_t rejected = 0;  ///< samples that DDS rejected
   std::uint64_t wrong = 0;     ///< samples that are damaged in the recording
   Nanoseconds latest{0};       ///< the longest delay of a sample
 };
@@ -184,7 +184,7 @@ class Player {
     length_ = static_cast<double>(last - first) / 1e9;
     const Nanoseconds round = std::max<Nanoseconds>(scaled(last - first), milliseconds{1});
     begun_ = os::now() + milliseconds{10};
-    // Time every sample from the beginning of the round, so that delays do not add up.
+    // Compute the time of every sample from the beginning of the round, so that delays do not add up.
     for (Instant begin = begun_;; begin += round) {
       const auto done = recording_.read(
           selection_,
@@ -252,8 +252,8 @@ class Player {
   bool ended_ = false;
 };
 
-/// Waits until each topic has a reader, at most kReadersFound. Samples of a topic without a reader are
-/// published too, because a reader may appear later.
+/// Waits until each topic has a reader, but not longer than kReadersFound. Then reports each topic without a
+/// reader. The samples of such a topic are published too, because a reader may appear later.
 void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& feeds,
                       const std::map<std::int64_t, std::string>& topics, const os::SignalQueue& signals) {
   const auto read = [&](std::int64_t id) { return feeds.at(id)->health().matched > 0; };

@@ -42,7 +42,7 @@ struct PlotOptions {
   std::optional<double> to;
 };
 
-/// A column that the user wants: one field, or one element of a field, of a port.
+/// A column of the output: one field of a port, or one element of such a field.
 struct Wanted {
   const recording::PortOfRecording* port;
   std::size_t column;
@@ -56,7 +56,7 @@ struct Source {
 
 struct Choice {
   std::vector<Wanted> wanted;
-  std::map<std::int64_t, Source> sources;  ///< by the port's number in the recording
+  std::map<std::int64_t, Source> sources;  ///< for each port, by the port's number in the recording
 };
 
 Result<Choice> choose(const recording::Recording& recording, const PlotOptions& options) {
@@ -142,7 +142,7 @@ class Plotter {
   }
 
   Result<void> csv() {
-    // Leave out the elements of a sequence that no sample has.
+    // Leave out an element of a sequence if the sequence is too short for it in all samples.
     std::vector<bool> present(chosen_.wanted.size(), true);
     if (std::any_of(chosen_.sources.begin(), chosen_.sources.end(),
                     [](const auto& each) { return !each.second.columns->fixed(); })) {
@@ -199,7 +199,7 @@ class Plotter {
                      bounded ? "has no samples between --from and --to" : "has no samples of these fields",
                      "see takt play --list"};
     }
-    // Break a curve only at pauses longer than a pixel, because a shorter one would not be visible.
+    // Break a curve only at pauses longer than a pixel, because a shorter pause would not be visible.
     const std::int64_t pixel =
         (range_.last_ns - range_.first_ns) / static_cast<std::int64_t>(kPlotColumns) + 1;
     for (const Wanted& wanted : chosen_.wanted) {
@@ -298,7 +298,7 @@ class Plotter {
   Choice chosen_;
   recording::Selection selection_;
   recording::Series::Range range_;
-  std::map<std::int64_t, std::int64_t> pauses_;  // the pause that breaks a curve, by port, in ns
+  std::map<std::int64_t, std::int64_t> pauses_;  // for each port, in ns; a longer pause breaks a curve
   std::vector<recording::Series> series_;        // one for each column, in the order of Choice::wanted
   std::uint64_t wrong_ = 0;
 };
@@ -349,7 +349,7 @@ void add_plot(CLI::App& app, Chosen& chosen) {
           "FIELD", options->fields,
           "DEVICE.MODULE.PORT.FIELD; with FIELD[0], one element; without FIELD, all fields of the port")
       ->required();
-  command->add_option("--svg", options->svg, "draw the curves to this file")->type_name("OUT");
+  command->add_option("--svg", options->svg, "draw the curves to this file")->type_name("OUT")->check(svg_file());
   command
       ->add_option("--csv", options->csv,
                    "write one line for each sample to this file; - for standard output")

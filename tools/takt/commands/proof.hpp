@@ -22,7 +22,7 @@ struct ProofOptions {
   std::string profile;  ///< the file of the profile; if empty, the run times are the modules' budgets
   double factor = 1;    ///< multiplies the run times or budgets; from 1 to 1000
   std::optional<int>
-      cpus;  ///< the CPUs of each device, at least 1; by default as many as this program may use
+      cpus;  ///< the number of CPUs of each device, at least 1; by default as many as this program may use
 
   [[nodiscard]] bool given() const { return !profile.empty() || factor != 1 || cpus; }
 };
@@ -30,10 +30,10 @@ struct ProofOptions {
 struct Proof {
   bool of_profile = false;  ///< the run times are from a profile, not from the budgets
   double factor = 1;
-  std::size_t cpus = 1;                                   ///< the CPUs of each device
+  std::size_t cpus = 1;                                   ///< the number of CPUs of each device
   std::vector<std::vector<schedule::WorstCase>> devices;  ///< one for each device, in the order of the cell
   Problems missed;                                        ///< one problem for each deadline that is not kept
-  Problems warnings;  ///< settings in the descriptor that a device with so few CPUs cannot apply
+  Problems warnings;  ///< settings in the descriptor that have no effect on a device with `cpus` CPUs
 };
 
 /// Reads the profile and proves the deadlines. Fails if the profile cannot be read, or if a module has

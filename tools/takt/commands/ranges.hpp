@@ -1,5 +1,5 @@
-// Validators for numbers on the command line. CLI::Range is not strict enough: it accepts nan, and reads a
-// negative number as a number near 2^64.
+// Validators for numbers on the command line. The validator CLI::Range of CLI11 is not strict enough: it
+// accepts nan, and reads a negative number as a number near 2^64.
 #pragma once
 
 #include <cctype>
@@ -13,14 +13,14 @@
 
 namespace takt::tool {
 
-/// Accepts a number from `from` to `to`.
-inline CLI::Validator within(double from, double to) {
-  return CLI::Validator{[from, to](const std::string& text) -> std::string {
+/// Accepts a number from `from` to `to`. `what` describes the number in the message.
+inline CLI::Validator within(double from, double to, const char* what = "a number") {
+  return CLI::Validator{[from, to, what](const std::string& text) -> std::string {
                           char* end = nullptr;
                           const double value = std::strtod(text.c_str(), &end);
                           const bool number = end != text.c_str() && *end == '\0';
                           if (number && value >= from && value <= to) return "";
-                          return fmt::format("'{}' is not a number from {} to {}", text, from, to);
+                          return fmt::format("'{}' is not {} from {} to {}", text, what, from, to);
                         },
                         ""};
 }
@@ -35,6 +35,21 @@ inline CLI::Validator positive_seconds() {
                           const bool number = end != text.c_str() && *end == '\0';
                           if (number && value > 0 && value <= kLongest) return "";
                           return "'" + text + "' is not a number of seconds above 0 and at most 1e9";
+                        },
+                        ""};
+}
+
+/// Accepts the name of a file for an SVG drawing: any name that does not end like another kind of picture.
+inline CLI::Validator svg_file() {
+  return CLI::Validator{[](const std::string& file) -> std::string {
+                          const std::size_t dot = file.rfind('.');
+                          const std::string end = dot == std::string::npos ? "" : file.substr(dot);
+                          for (const char* other : {".png", ".jpg", ".jpeg", ".gif", ".pdf", ".webp"}) {
+                            if (end == other)
+                              return "'" + file + "' ends in " + end + ", but the drawing is an SVG file; write " +
+                                  file.substr(0, dot) + ".svg";
+                          }
+                          return "";
                         },
                         ""};
 }

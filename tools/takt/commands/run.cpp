@@ -1,5 +1,5 @@
-// takt run: runs a cell on this machine. It starts one takt-node for each device, and deploys the cell to
-// these nodes as `takt deploy` does.
+// takt run: runs a cell on this machine. Starts one takt-node for each device, and deploys the cell to these
+// nodes as `takt deploy` does.
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -40,8 +40,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The time between the moment when all nodes are ready and the first row. It is short, because all nodes are
-/// on this machine.
+/// The time between the moment when all nodes are ready and the first row. A short time suffices, because all
+/// nodes are on this machine.
 constexpr std::chrono::milliseconds kLead{500};
 constexpr std::chrono::milliseconds kMargin{50};
 
@@ -62,7 +62,7 @@ struct Node {
   std::string device;
   os::Child process;
   int pid = 0;
-  os::MessageSocket lifetime;  ///< the node shuts down cleanly when this closes
+  os::MessageSocket lifetime;  ///< the node shuts down cleanly when this socket closes
   bool ended = false;          ///< the node's process has ended
   bool reported = false;       ///< the node's closing report, or the reason for its end, is known
   Json report{};
@@ -84,7 +84,7 @@ class Run {
 
   [[nodiscard]] Json report() const;
   [[nodiscard]] std::vector<std::string> failures() const;
-  /// Whether the nodes agreed on the time of the first row. If they did not, only the reason can be reported.
+  /// True if the nodes agreed on the time of the first row. Otherwise the cell never ran.
   [[nodiscard]] bool started() const noexcept { return started_; }
 
  private:
@@ -99,6 +99,7 @@ class Run {
   const os::SignalQueue& signals_;
   std::vector<std::unique_ptr<Node>> nodes_;
   bool started_ = false;
+  std::string deployment_;  // id of the deployment; empty until the cell runs
   bool asked_to_end_ = false;
   bool undeploying_ = false;
   std::optional<Instant> end_at_;
@@ -153,8 +154,8 @@ std::map<std::string, std::int32_t> Run::process_ids() const {
   return ids;
 }
 
-// Handles signals to this program, and nodes whose process has ended. All waiting functions call it
-// repeatedly.
+// Handles Ctrl-C, SIGTERM, and nodes whose process has ended. All functions that wait for something call
+// watch() repeatedly.
 void Run::watch() {
   while (signals_.next()) {
     if (asked_to_end_) {
@@ -180,7 +181,7 @@ void Run::watch() {
 
 Result<void> Run::deploy(const client::Connection& client) {
   std::vector<client::Undeployed> undone;
-  // With --quiet, show the progress. Without it, the nodes print on the same terminal what they do.
+  // Show the progress only with --quiet. Without --quiet, the nodes print their events on the same terminal.
   std::optional<BringUpProgress> bring_up;
   if (options_.quiet) bring_up.emplace(client, loaded_.cell);
   client::DeployOptions deploy{.lead = kLead,
@@ -197,20 +198,21 @@ Result<void> Run::deploy(const client::Connection& client) {
                                                         [](const auto& n) { return n->ended; });
                                    },
                                .undone = &undone};
-  const auto deployed = client::deploy(*client.asker, loaded_.cell, loaded_.text, deploy);
+  const auto deployed = client::deploy(*client.sender, loaded_.cell, loaded_.text, deploy);
   if (bring_up) bring_up->end(deployed.ok());
   for (const client::Undeployed& one : undone) note(one);
   if (!deployed) {
     watch();
     for (auto& node : nodes_) node->reported = true;
-    // Do not print the reason if the user knows it: a signal asked for the end, or the failure of a node was
-    // printed.
+    // Print the reason only if the user does not know it already. The user knows the reason after asking
+    // `takt run` to end, or if the failure of a node was printed.
     const bool known = asked_to_end_ || std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) {
                          return node->ended && !node->failures.empty();
                        });
     return known ? Result<void>{} : deployed.problems();
   }
   started_ = true;
+  deployment_ = deployed->id;
   const Instant t0 = os::instant_of_wall(deployed->t0_ns);
   if (options_.seconds) {
     end_at_ = t0 + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(*options_.seconds));
@@ -228,7 +230,7 @@ void Run::note(const client::Undeployed& undeployed) {
 }
 
 client::Devices Run::still_running() const {
-  client::Devices devices{.names = {}, .process_ids = process_ids()};
+  client::Devices devices{.names = {}, .process_ids = process_ids(), .deployment = deployment_};
   for (const auto& node : nodes_) {
     if (!node->reported) devices.names.push_back(node->device);
   }
@@ -259,12 +261,14 @@ void Run::serve(const client::Connection& client) {
   }
 }
 
-// If a device has ended by itself, fetches its report and ends its node.
+// Checks whether a device has ended by itself. If so, fetches its report and ends its node.
 void Run::ask_one(const client::Connection& client, Node& node) {
   for (const wire::ObservedDevice& seen : client.observer->devices(node.device)) {
     if (!seen.alive || seen.status.process_id() != node.pid || seen.status.state() != DEVICE_ENDED) continue;
-    client::Devices one{.names = {node.device}, .process_ids = {{node.device, node.pid}}};
-    for (const auto& undeployed : client::undeploy(*client.asker, one, [this] { watch(); })) note(undeployed);
+    client::Devices one{
+        .names = {node.device}, .process_ids = {{node.device, node.pid}}, .deployment = deployment_};
+    for (const auto& undeployed : client::undeploy(*client.sender, one, [this] { watch(); }))
+      note(undeployed);
     node.lifetime.close();
     return;
   }
@@ -272,7 +276,7 @@ void Run::ask_one(const client::Connection& client, Node& node) {
 
 void Run::undeploy(const client::Connection& client) {
   undeploying_ = true;
-  for (const auto& undeployed : client::undeploy(*client.asker, still_running(), [this] { watch(); }))
+  for (const auto& undeployed : client::undeploy(*client.sender, still_running(), [this] { watch(); }))
     note(undeployed);
 }
 
@@ -334,9 +338,11 @@ int run(const RunOptions& options) {
     complain(domain.problems());
     return 1;
   }
+  if (const std::string note = client::domain_note(options.network, loaded->cell); !note.empty())
+    std::fprintf(stderr, "%s\n", note.c_str());
   os::survive_broken_pipes();
-  const auto signals =
-      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
+  // Block the signals before any thread starts, because new threads inherit the set of blocked signals.
+  const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) {
     complain(signals.problems());
     return 1;
@@ -358,7 +364,8 @@ int run(const RunOptions& options) {
   }
   run.end_nodes();
 
-  const Json report = run.report();
+  Json report = run.report();
+  leave_out_components(report);
   if (run.started() && !options.profile.empty()) {
     const auto written = write_profile(options.profile, report);
     if (!written) problems.insert(problems.end(), written.problems().begin(), written.problems().end());

@@ -68,7 +68,7 @@ class Trace final : public simulation::Listener {
     line_ += '\n';
     written_ &= std::fwrite(line_.data(), 1, line_.size(), to_) == line_.size();
   }
-  /// Ends the trace. Returns whether all of it was written.
+  /// Closes the trace. Returns true if the whole trace was written.
   bool close() {
     if (to_ == nullptr) return written_;
     written_ &= std::fflush(to_) == 0;
@@ -128,6 +128,11 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
   const double simulated_s = std::chrono::duration<double>(simulated.length).count();
   std::fprintf(stderr, "takt: simulated %g s in %.3f s, %.0f times real time; seed %llu\n", simulated_s,
                took.count(), simulated_s / took.count(), static_cast<unsigned long long>(simulated.seed));
+  if (!cell.connections.empty()) {
+    std::fprintf(stderr,
+                 "takt: the components are not called; every module writes each of its outputs in every run, "
+                 "so a queue may drop samples that the components would not write\n");
+  }
   if (!course->failures.empty()) complain(course->failures);
   for (const std::string& violation : course->violations)
     std::fprintf(stderr, "takt: error: the simulation violated an invariant: %s\n", violation.c_str());
@@ -175,6 +180,21 @@ std::string without_budget(const model::Cell& cell) {
   return names;
 }
 
+/// Warns of each fault and command of the script that has no effect.
+void warn_of_no_effect(const simulation::Options& simulated, const model::Cell& cell) {
+  for (const simulation::Injection& one : simulated.injections) {
+    const model::Device& device = cell.devices[one.device];
+    const char* why = nullptr;
+    if (one.at >= simulated.length)
+      why = "the simulation ends before; use a longer --for";
+    else if (one.kind == simulation::Injection::Kind::swap &&
+             device.modules[one.target].type == model::ModuleType::process)
+      why = "the module is a program, and only a thread module can be swapped";
+    if (why != nullptr)
+      std::fprintf(stderr, "takt: warning: '%s' has no effect: %s\n", to_text(one, cell).c_str(), why);
+  }
+}
+
 int simulate(const SimulateOptions& options) {
   if (options.is_random) {
     const simulation::RandomCell random = simulation::random_cell(options.random_cell);
@@ -218,7 +238,8 @@ int simulate(const SimulateOptions& options) {
       complain(faults.problems());
       return 1;
     }
-    simulated.faults = std::move(*faults);
+    simulated.injections = std::move(*faults);
+    warn_of_no_effect(simulated, loaded->cell);
   }
   if (const std::string guessed = without_budget(loaded->cell); options.profile.empty() && !guessed.empty()) {
     std::fprintf(
@@ -243,7 +264,7 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
       command
           ->add_option("--for", options->seconds, "simulated time from the first row to the end (default 10)")
           ->type_name("SECONDS")
-          ->check(within(1e-6, 1e6));
+          ->check(within(1e-6, 1e6, "a number of seconds"));
   auto* seed =
       command
           ->add_option("--seed", options->seed,

@@ -25,7 +25,7 @@ int status(const StatusOptions& options) {
     complain(client.problems());
     return 1;
   }
-  const auto report = client::status(*client->asker);
+  const auto report = client::status(*client->sender);
   if (!report) {
     complain(report.problems());
     return 1;
@@ -41,6 +41,7 @@ void add_status(CLI::App& app, Chosen& chosen) {
       "status", "Print the state and statistics of every device and module on the DDS domain");
   command->add_flag("--json", options->json, "print one JSON object");
   add_network_options(*command, options->network);
+  command->footer(kColumns);
   command->callback([options, &chosen] { chosen = [options] { return status(*options); }; });
 }
 

@@ -1,6 +1,7 @@
 // takt trace: shows what the executors of a device did in the last few seconds, and why rows or modules were
 // late.
 #include <cstdio>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,8 @@
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
 #include "commands/network_options.hpp"
+#include "commands/ranges.hpp"
+#include "commands/target.hpp"
 #include "reports/trace_report.hpp"
 #include "terminal/terminal.hpp"
 
@@ -31,13 +34,13 @@ struct TraceOptions {
 };
 
 Result<std::string> read_trace_of_device(const TraceOptions& options) {
-  const auto client = client::connect(options.network);
+  const auto client = connect_to_device(options.network, options.target, "");
   if (!client) return client.problems();
   auto answer =
-      client::accepted(client->asker->ask({.kind = COMMAND_TRACE,
-                                           .device = options.target,
-                                           .value = std::to_string(std::llround(options.seconds * 1e9)),
-                                           .limit = std::chrono::seconds{10}}));
+      client::accepted(client->sender->send({.kind = COMMAND_TRACE,
+                                             .device = options.target,
+                                             .value = std::to_string(std::llround(options.seconds * 1e9)),
+                                             .limit = std::chrono::seconds{10}}));
   if (!answer) return answer.problems();
   return std::move(answer->data);
 }
@@ -52,11 +55,14 @@ int trace(const TraceOptions& options) {
   const bool is_file = content->has_value();
   if (!is_file && options.target.find_first_of("/.") != std::string::npos) {
     return refuse({{options.target, "is neither an existing file nor a valid device name",
-                    "give the name of a device, or of a file that takt trace wrote"}});
+                    "give the name of a device, without a module, or of a file that takt trace wrote"}});
   }
   const auto text = is_file ? Result<std::string>{std::move(**content)} : read_trace_of_device(options);
   if (!text) return refuse(text.problems());
   if (!options.output.empty()) {
+    const std::filesystem::path folder = std::filesystem::path{options.output}.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+      return refuse({{options.output, "cannot be written: there is no folder " + folder.string(), "create it"}});
     if (const auto written = os::replace_file(options.output, *text); !written)
       return refuse(written.problems());
   }
@@ -98,7 +104,8 @@ void add_trace(CLI::App& app, Chosen& chosen) {
   command
       ->add_option("--svg", options->svg,
                    "write a drawing (SVG) of the runs over time to this file; best with --last 0.1 or less")
-      ->type_name("OUT");
+      ->type_name("OUT")
+      ->check(svg_file());
   command->add_flag("--json", options->json, "print the summary as one JSON object");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return trace(*options); }; });

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <takt/client/answer_data.hpp>
 #include <takt/client/connection.hpp>
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
@@ -23,6 +24,7 @@
 #include "commands/load.hpp"
 #include "commands/network_options.hpp"
 #include "commands/ranges.hpp"
+#include "reports/run_report.hpp"
 #include "terminal/screen_style.hpp"
 #include "terminal/terminal.hpp"
 #include "watch/screen.hpp"
@@ -72,7 +74,8 @@ class News {
 std::string line_of(const LifecycleStatus& s) {
   const std::string text = s.text().to_string();
   return fmt::format("{} {}.{}: {} -> {}{}", watch::clock_text(s.time_ns()), s.device().to_string(),
-                     s.name().to_string(), to_text(s.previous_state()), to_text(s.state()),
+                     s.name().to_string(), to_text(s.previous_state()),
+                     state_text(to_text(s.state()), s.event() == EVENT_STOP),
                      text.empty() ? "" : " (" + on_one_line(text) + ")");
 }
 
@@ -117,41 +120,41 @@ CommandKind kind_of(watch::Verb verb) {
   return COMMAND_START;
 }
 
-/// Sends questions to nodes. Each question has its own thread, so that the screen does not wait for the
-/// answer, which may take seconds.
-class Questions {
+/// Sends requests to nodes. An answer may take seconds. Each request has its own thread, so that the screen
+/// does not wait for the answer.
+class Requests {
  public:
-  /// The object calls notice.give() when an answer arrives. `asker` and `notice` must outlive the object.
-  Questions(client::Operator& asker, const os::Notice& notice) : asker_(asker), notice_(notice) {}
-  Questions(const Questions&) = delete;
-  Questions& operator=(const Questions&) = delete;
-  ~Questions() {
+  /// The object calls notice.give() when an answer arrives. `sender` and `notice` must outlive the object.
+  Requests(client::Operator& sender, const os::Notice& notice) : sender_(sender), notice_(notice) {}
+  Requests(const Requests&) = delete;
+  Requests& operator=(const Requests&) = delete;
+  ~Requests() {
     give_up_ = true;
     for (auto& one : open_) one->thread.join();
   }
 
   using Then = std::function<void(const Result<wire::WholeReply>&)>;
-  /// Sends a question. When the answer has arrived, take_answers() calls `then` with it. Returns false if too
-  /// many questions are unanswered.
-  bool ask(client::Question question, std::string words, Then then) {
+  /// Sends a request. When the answer has arrived, take_answers() calls `then` with it. Returns false if too
+  /// many requests are unanswered.
+  bool send(client::CommandRequest request, std::string words, Then then) {
     if (open_.size() >= kMost) return false;
     auto one = std::make_unique<Open>();
     one->words = std::move(words);
     one->since = os::now();
     one->then = std::move(then);
-    one->thread = std::thread{[this, &open = *one, question = std::move(question)] {
-      open.answer.emplace(asker_.ask(std::vector{question}, [this] { return give_up_.load(); })[0]);
-      open.done = true;  // SYNC: answered
+    one->thread = std::thread{[this, &open = *one, request = std::move(request)] {
+      open.answer.emplace(sender_.send(std::vector{request}, [this] { return give_up_.load(); })[0]);
+      open.done = true;  // synchronizes with take_answers(), which may read the answer from now on
       notice_.give();
     }};
     open_.push_back(std::move(one));
     return true;
   }
-  /// Handles the answers that have arrived. Returns whether there was one.
+  /// Handles the answers that have arrived. Returns true if there was at least one.
   bool take_answers() {
     bool any = false;
     for (auto at = open_.begin(); at != open_.end();) {
-      if (!(*at)->done) {  // SYNC: answered
+      if (!(*at)->done) {  // synchronizes with send()
         ++at;
         continue;
       }
@@ -163,7 +166,7 @@ class Questions {
     }
     return any;
   }
-  /// The unanswered questions that the user has sent, with their age: "stop of robot.servo, 3 s".
+  /// The unanswered requests that the user has sent, with their age: "stop of robot.servo, 3 s".
   [[nodiscard]] std::vector<std::string> open() const {
     std::vector<std::string> all;
     for (const auto& one : open_) {
@@ -184,7 +187,7 @@ class Questions {
     std::atomic<bool> done{false};
     std::thread thread{};
   };
-  client::Operator& asker_;
+  client::Operator& sender_;
   const os::Notice& notice_;
   std::atomic<bool> give_up_{false};
   std::vector<std::unique_ptr<Open>> open_;
@@ -201,6 +204,7 @@ class Screen {
  private:
   void take_news();
   void ask_for_descriptors(const std::vector<wire::ObservedDevice>& devices);
+  void ask_for_components(const std::vector<wire::ObservedDevice>& devices);
   void send(const watch::Command& command);
   /// Handles all keys that were pressed. Returns false if the user wants to quit.
   bool press_keys();
@@ -215,7 +219,7 @@ class Screen {
   watch::Shown shown_;
   std::vector<std::string> on_terminal_;
   os::Keyboard::Size size_{};
-  std::optional<Questions> questions_;
+  std::optional<Requests> requests_;
 };
 
 void Screen::take_news() {
@@ -228,32 +232,46 @@ void Screen::take_news() {
 void Screen::ask_for_descriptors(const std::vector<wire::ObservedDevice>& devices) {
   const auto unknown = watched_.unknown(devices, os::now());
   if (!unknown) return;
-  const client::Question question{.kind = COMMAND_DESCRIPTOR, .device = unknown->device};
-  questions_->ask(question, "", [this, id = unknown->deployment](const Result<wire::WholeReply>& answer) {
+  const client::CommandRequest request{.kind = COMMAND_DESCRIPTOR, .device = unknown->device};
+  requests_->send(request, "", [this, id = unknown->deployment](const Result<wire::WholeReply>& answer) {
     if (!answer || answer->head.code() != REPLY_OK) return;
     auto cell = descriptor::parse(answer->data, answer->head.value().to_string());
     if (cell) watched_.add(id, std::make_shared<const model::Cell>(std::move(*cell)));
   });
 }
 
+void Screen::ask_for_components(const std::vector<wire::ObservedDevice>& devices) {
+  const auto device = watched_.unreported(devices, os::now());
+  if (!device) return;
+  const client::CommandRequest request{.kind = COMMAND_REPORT, .device = *device};
+  requests_->send(request, "", [this, name = *device](const Result<wire::WholeReply>& answer) {
+    if (!answer || answer->head.code() != REPLY_OK) return;
+    static_cast<void>(client::read_answer(name, answer->data, [&](const nlohmann::ordered_json& report) {
+      watched_.add_components(name, components_in(client::checked_report(report)));
+    }));
+  });
+}
+
 void Screen::send(const watch::Command& command) {
   const std::size_t dot = command.target.find('.');
   const std::string module = dot == std::string::npos ? "" : command.target.substr(dot + 1);
-  const client::Question question{.kind = kind_of(command.verb),
-                                  .device = command.target.substr(0, dot),
-                                  .module = module,
-                                  .limit = std::chrono::seconds{20}};
-  const bool asked = questions_->ask(
-      question, fmt::format("{} of {}", to_text(command.verb), command.target),
+  const client::CommandRequest request{.kind = kind_of(command.verb),
+                                       .device = command.target.substr(0, dot),
+                                       .module = module,
+                                       .limit = std::chrono::seconds{20}};
+  const bool asked = requests_->send(
+      request, fmt::format("{} of {}", to_text(command.verb), command.target),
       [this, command, module](const Result<wire::WholeReply>& reply) {
         const auto answer = client::accepted(reply);
         if (answer) {
-          view_.message = command.target + ": " +
-                          (module.empty() ? "done for all modules" : to_text(answer->head.state()));
+          view_.message =
+              command.target + ": " +
+              (module.empty() ? "done for all modules"
+                              : state_text(to_text(answer->head.state()), command.verb == watch::Verb::stop));
           return;
         }
         Problems problems = answer.problems();
-        for (Problem& problem : problems)  // name only the target, which includes the device
+        for (Problem& problem : problems)  // show DEVICE.MODULE instead of "device DEVICE"
           if (problem.where == "device " + command.target.substr(0, command.target.find('.')))
             problem.where = command.target;
         view_.message = in_words(problems);
@@ -266,7 +284,7 @@ bool Screen::press_keys() {
     const watch::Done done = watch::press(view_, *key, shown_);
     if (done.quit) return false;
     if (done.command) send(*done.command);
-    // Draw again, because the effect of the next key may depend on the effect of this key.
+    // Draw after each key, because the effect of the next key may depend on what the screen shows.
     shown_ = watch::draw(snapshot_, view_, size_.columns, size_.rows, screen_style()).shown;
   }
   return true;
@@ -276,7 +294,7 @@ bool Screen::draw() {
   const auto size = keyboard_.size();
   if (size.columns != size_.columns || size.rows != size_.rows) on_terminal_.clear();
   size_ = size;
-  snapshot_.commands = questions_->open();
+  snapshot_.commands = requests_->open();
   watch::Screen screen = watch::draw(snapshot_, view_, size.columns, size.rows, screen_style());
   shown_ = std::move(screen.shown);
   const std::string changes = watch::changes(on_terminal_, screen.lines);
@@ -286,10 +304,10 @@ bool Screen::draw() {
 
 int Screen::show(const os::SignalQueue& signals, double seconds) {
   constexpr std::chrono::milliseconds kLooks{
-      200};  // interval at which data that does not arrive as events is read
-  const Instant end =
-      os::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
-  questions_.emplace(*client_.asker, news_.notice());
+      200};  // interval at which the screen reads data that does not arrive as events
+  const Instant begin = os::now();
+  const Instant end = begin + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
+  requests_.emplace(*client_.sender, news_.notice());
   // Switch to the alternate screen, hide the cursor, and turn line wrap off.
   static_cast<void>(print("\033[?1049h\033[?25l\033[?7l"));
   const auto leave = [](int status) {
@@ -301,12 +319,14 @@ int Screen::show(const os::SignalQueue& signals, double seconds) {
     os::wait_readable({&signals.fd(), &keyboard_.fd(), &news_.fd()}, 50);
     if (signals.next()) return leave(0);
     take_news();
-    const bool answered = questions_->take_answers();
+    const bool answered = requests_->take_answers();
     if (answered || os::now() - looked >= kLooks) {
       looked = os::now();
       const auto devices = client_.observer->devices();
       ask_for_descriptors(devices);
+      ask_for_components(devices);
       snapshot_ = watched_.snapshot(devices, os::now());
+      snapshot_.searching = os::now() - begin < client_.sender->search_limit();
     }
     if (!press_keys()) return leave(0);
     if (!draw()) return leave(1);

@@ -32,7 +32,8 @@ struct WebOptions {
   client::Network network;
 };
 
-/// The token that allows commands: read from the file, or random. Empty if commands are not allowed.
+/// The token that a page needs to send commands: read from the file, or random. Empty if commands are not
+/// allowed.
 Result<std::string> token_of(const WebOptions& options) {
   if (options.token_file.empty()) return options.commands ? web::random_word(16) : std::string{};
   namespace fs = std::filesystem;
@@ -62,8 +63,8 @@ int serve(const WebOptions& options) {
     complain(problems);
     return 1;
   };
-  const auto signals =
-      os::SignalQueue::of_requests_to_end();  // comes before other threads, which inherit the blocked signals
+  // Block the signals before any thread starts, because new threads inherit the set of blocked signals.
+  const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
   os::survive_broken_pipes();
   web::ServerOptions server_options = options.server;

@@ -1,5 +1,5 @@
-// A canvas that produces SVG. It cannot measure text, so it assumes the widest letters of the monospaced
-// fonts. The drawing grows with its content.
+// A canvas that produces SVG. The canvas cannot measure text, so it assumes the letter width of the widest
+// monospaced font. The drawing grows with its content.
 #pragma once
 
 #include <iterator>
@@ -36,7 +36,7 @@ class Canvas {
  public:
   void text(double x, double y, double size, std::string_view classes, std::string_view text);
   void centred(double x, double y, double size, std::string_view classes, std::string_view text);
-  /// Writes a text that ends at `x`.
+  /// Writes a text whose right end is at `x`.
   void text_before(double x, double y, double size, std::string_view classes, std::string_view text);
   void rectangle(double x, double y, double width, double height, std::string_view classes,
                  double radius = 0);
@@ -49,8 +49,8 @@ class Canvas {
   void open_group(std::string_view title, std::string_view classes) {
     append(R"(<g class="{}"><title>{}</title>)", classes, escaped(title));
   }
-  /// Like the function above, but adds the attribute data-NAME="VALUE", by which a web page finds the group
-  /// in the drawing.
+  /// Opens a group that has the attribute data-NAME="VALUE", by which a web page finds the group in the
+  /// drawing.
   void open_group(std::string_view title, std::string_view classes, std::string_view name,
                   std::string_view value) {
     append(R"(<g class="{}" data-{}="{}"><title>{}</title>)", classes, name, escaped(value), escaped(title));
@@ -83,8 +83,8 @@ class Canvas {
   double height_ = 0;
 };
 
-/// The CSS that document() uses: that of the light and the dark theme, each followed by `colours` or
-/// `dark_colours`.
+/// The CSS that document() uses: the CSS of the light theme with `colours`, and the CSS of the dark theme
+/// with `dark_colours`.
 std::string page_colours(std::string_view colours, std::string_view dark_colours);
 
 }  // namespace takt::tool

@@ -25,7 +25,7 @@ using schedule::ExecutorPlan;
 constexpr double kScheduleLane = 32;
 constexpr double kBadge = 15;  // height of the mark of a release
 constexpr double kStrip = 44;  // height of the strip that shows the load
-constexpr double kPlot = 960;  // width of all rows together, unless they need more
+constexpr double kPlot = 960;  // preferred width of all rows together
 
 // A row's load above kHigh is drawn as high, above kFull as full. Both are shares of the basic period.
 constexpr double kHigh = 0.7;
@@ -143,7 +143,7 @@ class Panel {
     for (std::size_t row = 0; row <= shown_; ++row) canvas_.line(at(row), y_, at(row), y_ + height, "grid");
   }
 
-  /// The periodic modules in the order in which a row runs them, which is their order from top to bottom.
+  /// The periodic modules in the order in which a row runs them. The lanes are in this order, from the top.
   [[nodiscard]] std::vector<std::uint32_t> by_priority() const {
     std::vector<std::uint32_t> tasks(plan_.periodic.size());
     std::iota(tasks.begin(), tasks.end(), 0U);
@@ -195,8 +195,8 @@ class Panel {
     y_ += kScheduleLane;
   }
 
-  /// The x coordinate at which a row checks the condition of a sporadic module: after its thread modules have
-  /// run.
+  /// The x coordinate at which the executor checks the conditions of sporadic modules in this row: after the
+  /// row's thread modules have run.
   [[nodiscard]] double check_at(std::size_t row) const {
     const double load = ratio_of(plan_.load(device_, row).budget, plan_.basic_period);
     return at(row) +
@@ -258,7 +258,7 @@ class Panel {
     y_ += kStrip;
   }
 
-  /// Draws the time axis below the grid. The end of the last row always has its time.
+  /// Draws the time axis below the grid. The axis always shows the time of the end of the last row.
   void axis() {
     canvas_.line(left_, y_, right_, y_, "grid");
     const auto time = [&](std::size_t row) {

@@ -20,12 +20,12 @@ using model::Module;
 constexpr double kTrack = 12;  // distance of two neighbouring tracks
 constexpr double kStub = 18;   // minimum distance from a column to the first track
 
-/// The distance of two wires, which have labels. In a running cell the distance is larger, because the health
-/// is on a line below the label.
+/// The vertical distance of two neighbouring wires, each with a label. kPitchLive is for a running cell,
+/// whose drawing also shows the health of each connection below the label.
 constexpr double kPitchAtRest = 20;
 constexpr double kPitchLive = 32;
-/// All y coordinates are multiples of a step. Every second column is half a step lower, so that wires from
-/// the two columns beside a channel never have the same y.
+/// All y coordinates are multiples of this step. Every second column is half a step lower, so that wires from
+/// the two columns beside a channel never have the same y. kStepLive is the step for a running cell.
 constexpr double kStepAtRest = 20;
 constexpr double kStepLive = 16;
 
@@ -43,8 +43,8 @@ std::string shortened(const std::string& text, std::size_t most) {
 /// The vertical part of a wire, in a channel.
 struct Track {
   std::size_t wire = 0;
-  double from = 0;            // the y coordinate at which the wire comes from the left
-  double to = 0;              // the y coordinate at which the wire goes on
+  double from = 0;            // the y coordinate at which the track begins
+  double to = 0;              // the y coordinate at which the track ends
   bool leaves_left = false;   // the wire ends at the column on the left of the channel
   bool leaves_right = false;  // the wire ends at the column on the right of the channel
   double x = 0;
@@ -63,9 +63,9 @@ struct Channel {
 };
 
 /// The index of the channel beside the port at this end of a wire.
-std::size_t channel_of(const Place& place) { return place.at_right ? place.column : place.column - 1; }
+std::size_t channel_of(const WireEnd& place) { return place.at_right ? place.column : place.column - 1; }
 
-/// Whether the wire passes a whole column. It is then drawn below all columns.
+/// True if the wire passes a whole column. Such a wire is drawn below all columns.
 bool passes(const Wire& wire) {
   return wire.from.column > wire.to.column + 1 || wire.to.column > wire.from.column + 1;
 }
@@ -96,7 +96,7 @@ class Builder {
  private:
   /// Identifies a port by name. Indexes are valid only after all ports have been added and sorted.
   struct Named {
-    Place place;
+    WireEnd place;
     std::string port;
     bool input = false;
   };
@@ -115,9 +115,9 @@ class Builder {
   void add_tracks(std::size_t wire);
   static void order(Channel& channel);
   void find_ways();
-  [[nodiscard]] double x_of(const Place& place, std::size_t wire) const;
+  [[nodiscard]] double x_of(const WireEnd& place, std::size_t wire) const;
 
-  Port& port_at(const Place& place) {
+  Port& port_at(const WireEnd& place) {
     return layout_.columns[place.column].boxes[place.box].ports[place.port];
   }
   [[nodiscard]] double whole(double height) const { return std::ceil(height / step_) * step_; }
@@ -126,7 +126,7 @@ class Builder {
   const CellHealth& health_;
   double step_;
   Layout layout_;
-  std::map<std::string, Place> modules_;       // by "device.module"
+  std::map<std::string, WireEnd> modules_;     // for each module, by "device.module"
   std::map<std::string, std::size_t> topics_;  // the index of each topic's box in outside()
   std::vector<std::pair<Named, Named>> ends_;  // the two ends of each wire
   std::vector<Channel> channels_;
@@ -190,7 +190,7 @@ Builder::Named Builder::end_of(const model::Endpoint& end, const Connection& con
     box.about = domain.empty() ? "topic" : "topic, " + domain;
     box.title = "topic " + connection.topic + (domain.empty() ? "" : ", " + domain);
   }
-  const Place place{.column = layout_.columns.size() - 1, .box = topic->second};
+  const WireEnd place{.column = layout_.columns.size() - 1, .box = topic->second};
   return {place, input ? "read" : "written", input};
 }
 
@@ -229,7 +229,7 @@ void Builder::inputs_first(Box& box) {
 
 void Builder::name_places() {
   const auto place_of = [&](const Named& end) {
-    Place place = end.place;
+    WireEnd place = end.place;
     while (port_at(place).name != end.port || port_at(place).input != end.input) ++place.port;
     return place;
   };
@@ -246,7 +246,7 @@ void Builder::choose_sides() {
     Wire& wire = layout_.wires[i];
     wire.from.at_right = wire.to.column >= wire.from.column;
     wire.to.at_right = wire.to.column <= wire.from.column;
-    for (const Place* place : {&wire.from, &wire.to}) {
+    for (const WireEnd* place : {&wire.from, &wire.to}) {
       (place->at_right ? port_at(*place).right : port_at(*place).left).push_back(i);
     }
   }
@@ -276,7 +276,7 @@ void Builder::set_heights() {
     layout_.bottom = std::max(layout_.bottom, columns[c].bottom);
   }
   for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
-    for (Place* place : {&layout_.wires[i].from, &layout_.wires[i].to}) {
+    for (WireEnd* place : {&layout_.wires[i].from, &layout_.wires[i].to}) {
       const Port& port = port_at(*place);
       const auto& side = place->at_right ? port.right : port.left;
       const auto at = std::find(side.begin(), side.end(), i) - side.begin();
@@ -290,7 +290,7 @@ void Builder::set_heights() {
 void Builder::add_tracks(std::size_t index) {
   const Wire& wire = layout_.wires[index];
   if (passes(wire)) {
-    for (const Place* place : {&wire.from, &wire.to}) {
+    for (const WireEnd* place : {&wire.from, &wire.to}) {
       channels_[channel_of(*place)].tracks.push_back({.wire = index,
                                                       .from = place->y,
                                                       .to = layout_.bottom,
@@ -359,14 +359,14 @@ void Builder::set_widths() {
   }
 }
 
-double Builder::x_of(const Place& place, std::size_t wire) const {
+double Builder::x_of(const WireEnd& place, std::size_t wire) const {
   const std::vector<Track>& tracks = channels_[channel_of(place)].tracks;
   return std::find_if(tracks.begin(), tracks.end(), [&](const Track& track) { return track.wire == wire; })
       ->x;
 }
 
 void Builder::find_ways() {
-  const auto edge = [&](const Place& place) {
+  const auto edge = [&](const WireEnd& place) {
     const Column& column = layout_.columns[place.column];
     return place.at_right ? column.right() - kInside : column.left + kInside;
   };
@@ -390,9 +390,17 @@ void Builder::find_ways() {
 std::size_t Port::lines() const { return std::max<std::size_t>({left.size(), right.size(), 1}); }
 
 Look look_of(const CellHealth::Connection& health) {
-  if (!health.matched || !health.incompatible.empty()) return kBroken;
-  if (health.stale || health.safe) return kBad;
-  return health.lost + health.dropped + health.late > 0 || !health.age ? kPoor : kGood;
+  switch (rating_of(health)) {
+    case Rating::good:
+      return kGood;
+    case Rating::poor:
+      return kPoor;
+    case Rating::bad:
+      return kBad;
+    case Rating::broken:
+      return kBroken;
+  }
+  return kUnknown;
 }
 
 std::string label_of(const Connection& connection) {

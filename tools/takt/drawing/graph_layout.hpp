@@ -40,11 +40,11 @@ struct Port {
   std::string name;
   bool input = false;
   std::vector<std::size_t> left;   ///< the indexes of the wires on the left side, from top to bottom
-  std::vector<std::size_t> right;  ///< the same for the right side
+  std::vector<std::size_t> right;  ///< the indexes of the wires on the right side, from top to bottom
   double y = 0;                    ///< y of the name and the first wire; each further wire is `pitch` lower
 
   [[nodiscard]] std::size_t lines() const;
-  /// Whether the name is at the right edge: the name is on a side that has wires.
+  /// True if the drawing shows the port's name at the right edge of the box, not at the left edge.
   [[nodiscard]] bool named_at_right() const {
     return left.empty() ? !right.empty() || !input : !right.empty() && !input;
   }
@@ -80,7 +80,7 @@ struct Column {
 };
 
 /// One end of a wire: the port where it begins or ends.
-struct Place {
+struct WireEnd {
   std::size_t column = 0;
   std::size_t box = 0;
   std::size_t port = 0;
@@ -90,8 +90,8 @@ struct Place {
 
 struct Wire {
   std::size_t connection = 0;  ///< the index in Cell::connections
-  Place from;
-  Place to;
+  WireEnd from;
+  WireEnd to;
   std::vector<Point> way;  ///< the corners of the line, from port to port
 };
 

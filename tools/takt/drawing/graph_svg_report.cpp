@@ -54,8 +54,8 @@ constexpr std::string_view kDarkGraphColours = R"(
 
 class GraphDrawing {
  public:
-  GraphDrawing(const model::Cell& cell, const CellHealth& health)
-      : cell_(cell), health_(health), layout_(lay_out(cell, health)) {}
+  GraphDrawing(const model::Cell& cell, const CellHealth& health, GraphLegend legend)
+      : cell_(cell), health_(health), legend_(legend), layout_(lay_out(cell, health)) {}
 
   std::string draw() {
     draw_title();
@@ -90,6 +90,7 @@ class GraphDrawing {
 
   const model::Cell& cell_;
   const CellHealth& health_;
+  GraphLegend legend_;
   Layout layout_;
   Canvas canvas_;
 };
@@ -226,13 +227,16 @@ void GraphDrawing::draw_legend() {
   sample("queue", "connection with a queue", of_kind(ConnectionKind::queue));
   const auto with = [&](Look look) {
     return [this, look](const Wire& wire) {
+      if (legend_ == GraphLegend::whole) return true;
       const auto* health = health_of(wire);
       return health != nullptr && look_of(*health).line == look.line;
     };
   };
   sample("good", "ok", with(kGood));
-  sample("poor", "no value yet, or samples were lost, dropped or late", with(kPoor));
-  sample("bad", "stale: the newest value is older than the connection's deadline", with(kBad));
+  sample("poor", "degraded: no value yet, or samples were lost, dropped or late", with(kPoor));
+  sample("bad",
+         "stale: the newest value is older than the connection's deadline; or the reader gets the safe value",
+         with(kBad));
   sample("broken", "not matched: the writer and the reader have not found each other", with(kBroken));
   if (cell_.devices.size() > kGraphDevices) {
     entry(fmt::format("only {} of {} devices are drawn; takt graph --json lists them all", kGraphDevices,
@@ -246,8 +250,8 @@ void GraphDrawing::draw_legend() {
 
 }  // namespace
 
-std::string graph_svg(const model::Cell& cell, const CellHealth& health) {
-  return GraphDrawing{cell, health}.draw();
+std::string graph_svg(const model::Cell& cell, const CellHealth& health, GraphLegend legend) {
+  return GraphDrawing{cell, health, legend}.draw();
 }
 
 }  // namespace takt::tool

@@ -124,7 +124,7 @@ class TraceDrawing {
   }
 
  private:
-  /// If there are too many bars to distinguish, removes the oldest ones.
+  /// Removes the oldest bars if there are too many to distinguish.
   void leave_out() {
     std::vector<double> begins;
     for (const Group& group : groups_) {
@@ -192,8 +192,8 @@ class TraceDrawing {
     return ticks(from_us_ / 1e6 / unit_.seconds, to_us_ / 1e6 / unit_.seconds, 9);
   }
 
-  /// Draws the grid behind the bars of one group. It leaves out the title above, which may be longer than the
-  /// names of the lanes.
+  /// Draws the grid behind the bars of one group. The grid does not extend behind the group's title, which
+  /// may be longer than the names of the lanes.
   void grid(double top, double bottom) {
     for (const double mark : marks()) {
       const double x = x_of(mark * unit_.seconds * 1e6);
@@ -205,7 +205,7 @@ class TraceDrawing {
     for (const double mark : marks()) {
       const double x = x_of(mark * unit_.seconds * 1e6);
       canvas_.line(x, bottom, x, bottom + 4, "grid");
-      canvas_.centred(x, bottom + 14, kSmall, "faint", fmt::format("{:.6g}", mark + 0.0));  // not -0
+      canvas_.centred(x, bottom + 14, kSmall, "faint", fmt::format("{:.6g}", mark + 0.0));  // + 0.0: no -0
     }
     canvas_.centred(left_ + kTraceWide / 2, bottom + 30, kSmall, "faint",
                     fmt::format("time in {}", unit_.name));

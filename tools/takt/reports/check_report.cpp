@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <takt/core/check.hpp>
+#include <takt/model/validate.hpp>
+#include <takt/schedule/levels.hpp>
 
 #include "reports/connections_report.hpp"
 #include "reports/page.hpp"
@@ -47,9 +52,6 @@ std::string percent(Nanoseconds part, Nanoseconds whole) {
   return fmt::format("{:.0f} %",
                      100.0 * static_cast<double>(part.count()) / static_cast<double>(whole.count()));
 }
-
-/// With a shorter basic period, no machine can finish a row before the next row is due.
-constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
 
 std::string in_words(const model::OverrunContract& contract) {
   const std::string word = model::to_text(contract.what);
@@ -95,8 +97,8 @@ std::string share_of(const RowLoad& load, Nanoseconds basic) {
   return (load.complete ? "" : ">= ") + percent(load.budget, basic);
 }
 
-/// The table as it would be without the offsets that offsets="auto" has chosen. None if it has chosen no
-/// offsets.
+/// The table as it would be without the offsets that offsets="auto" has chosen. None if no offsets were
+/// chosen.
 std::optional<schedule::Table> unshifted(const Device& device, const ExecutorPlan& plan) {
   if (device.executors[plan.executor].offsets != model::Offsets::automatic) return std::nullopt;
   std::vector<schedule::Task> tasks;
@@ -139,7 +141,7 @@ void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
   page.words(kDetailIndent, "shifted: ", shifted);
 }
 
-/// Lists the modules that have their own overrun contract.
+/// Lists the modules that have their own overrun policy.
 void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
   Words own;
   for (const auto index : plan.periodic) {
@@ -147,6 +149,19 @@ void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
     if (module.overrun) own.push_back(module.name + " " + in_words(*module.overrun));
   }
   if (!own.empty()) page.words(kDetailIndent, "overrun: ", own);
+}
+
+/// Lists the thread modules that have a budget, each with the time after which a run of it counts as hung.
+Words hang_limits(const Device& device, const ExecutorPlan& plan) {
+  Words limits;
+  for (const auto* modules : {&plan.periodic, &plan.sporadic}) {
+    for (const auto index : *modules) {
+      const Module& module = device.modules[index];
+      if (module.hang || (module.budget && module.type == ModuleType::thread))
+        limits.push_back(module.name + " " + to_text(model::hang_limit(module)));
+    }
+  }
+  return limits;
 }
 
 /// Writes an executor's table like Figure 3 of the paper, with consecutive equal rows on one line.
@@ -233,6 +248,31 @@ void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
                                           to_text(plan.basic_period) + ":"));
     page.words(kDetailIndent + 2, "", hasty);
   }
+}
+
+/// Writes the SCHED_FIFO priorities of the executor's threads and programs, highest first. An executor with
+/// only periodic thread modules has one thread, whose priority is in the heading.
+void levels(Page& page, const Device& device, const ExecutorPlan& plan) {
+  std::map<int, Words, std::greater<>> all;
+  all[plan.priority].emplace_back("rows");
+  std::vector<std::uint32_t> periodic = plan.periodic;
+  std::stable_sort(periodic.begin(), periodic.end(),
+                   [&](auto a, auto b) { return device.modules[a].priority < device.modules[b].priority; });
+  for (const auto* modules : {&std::as_const(periodic), &plan.sporadic}) {
+    for (const auto index : *modules) {
+      const Module& module = device.modules[index];
+      if (module.type == ModuleType::process)
+        all[schedule::program_level(device, plan, index)].push_back(called(module));
+    }
+  }
+  const bool has_thread = std::any_of(plan.sporadic.begin(), plan.sporadic.end(), [&](auto index) {
+    return device.modules[index].type == ModuleType::thread;
+  });
+  if (has_thread) all[schedule::sporadic_level(plan.priority)].emplace_back("sporadic thread modules");
+  if (all.size() == 1) return;
+  page.blank();
+  page.dim(kDetailIndent, "SCHED_FIFO  threads and process modules");
+  for (const auto& [level, names] : all) page.words(kDetailIndent, fmt::format("{:<10}  ", level), names);
 }
 
 double ratio(Nanoseconds part, Nanoseconds whole) {
@@ -351,7 +391,7 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
         fmt::format("basic period {}, macro period {}, {}, {}", to_text(plan.basic_period),
                     to_text(plan.macro_period), count(plan.rows(), "row"),
                     plan.table.entries() == 1 ? "1 entry" : fmt::format("{} entries", plan.table.entries())));
-    if (plan.basic_period < kShortest) {
+    if (plan.basic_period < model::kMinPeriod) {
       page.line(
           kDetailIndent,
           page.warning("no machine can run rows this often: choose periods and offsets with a larger common "
@@ -365,6 +405,11 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
   if (!plan.sporadic.empty()) {
     page.blank();
     sporadic_table(page, device, plan);
+  }
+  levels(page, device, plan);
+  if (const Words limits = hang_limits(device, plan); !limits.empty()) {
+    page.blank();
+    page.words(kDetailIndent, "a run hangs after: ", limits);
   }
   predicted_load(page, device, plan);
   sporadic_load(page, device, plan);
@@ -421,10 +466,23 @@ Words names(const Device& device, const std::vector<std::uint32_t>& modules) {
   return words;
 }
 
+void unconnected_text(Page& page, const model::Cell& cell, const model::CellPorts& ports) {
+  const auto modules = model::unconnected_inputs(cell, ports);
+  if (modules.empty()) return;
+  page.blank();
+  page.line(0, page.bold("inputs without a connection, which never get a value"));
+  const std::size_t shown = std::min(modules.size(), kTextRows);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const std::string place = whereabouts(cell.texts(), modules[i].line);
+    page.words(2, modules[i].module + ", " + place + ": ", modules[i].names);
+  }
+  if (shown < modules.size()) page.dim(2, "and " + count(modules.size() - shown, "more module"));
+}
+
 }  // namespace
 
 std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& plans, Style style,
-                       const std::optional<Proof>& proof) {
+                       const std::optional<Proof>& proof, const model::CellPorts& ports) {
   TAKT_CHECK(plans.size() == cell.devices.size());
   std::size_t modules = 0;
   for (const Device& device : cell.devices) modules += device.modules.size();
@@ -447,6 +505,7 @@ std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& p
     if (proof) proof_text(page, device, *proof, i);
   }
   connections_text(page, cell);
+  unconnected_text(page, cell, ports);
   return std::move(page).take();
 }
 

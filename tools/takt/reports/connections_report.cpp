@@ -62,9 +62,9 @@ std::map<std::string, const model::Module*> modules_of(const model::Cell& cell) 
   return modules;
 }
 
-/// The connections on which the reader gets a stale value at least once between two writes. Whatever the
-/// phases of the modules are, the reader's last run before a write sees a value whose age is at least the
-/// writer's period minus the reader's period.
+/// The connections on which the reader gets a stale value at least once between two writes: the value in the
+/// reader's last run before a write is at least as old as the writer's period minus the reader's period,
+/// whatever the phases of the modules are.
 std::vector<std::string> stale_by_design(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   const auto period_of = [&](const model::Endpoint& end) {
@@ -84,7 +84,7 @@ std::vector<std::string> stale_by_design(const model::Cell& cell) {
   return stale;
 }
 
-/// The readers that never get the safe value which the descriptor gives for the output they read.
+/// The readers of an output that has a safe value in the descriptor, if they never get this safe value.
 std::vector<std::string> without_safe_value(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   std::vector<std::string> without;
@@ -178,8 +178,9 @@ void connections_text(Page& page, const model::Cell& cell, const std::map<std::s
     for (std::size_t i = 0; i < named; ++i) page.sentence(4, of[i]);
     if (named < of.size()) page.line(4, fmt::format("and {} more", of.size() - named));
   };
-  warn("goes stale between two writes, because the deadline is too short:", stale_by_design(cell));
-  warn("never gets the safe value that the descriptor gives for the output:", without_safe_value(cell));
+  warn("inputs that go stale between two writes, because the deadline is too short:", stale_by_design(cell));
+  warn("readers that never get the safe value that the descriptor gives for the output:",
+       without_safe_value(cell));
 }
 
 }  // namespace takt::tool

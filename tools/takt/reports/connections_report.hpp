@@ -23,7 +23,7 @@ std::string kind_text(const model::Connection& connection);
 /// rt/x in domain 3".
 std::string described(const model::Connection& connection);
 
-/// Whether the cell communicates over the network, or its descriptor has network settings.
+/// True if the cell communicates over the network, or its descriptor has network settings.
 bool is_on_network(const model::Cell& cell);
 /// The network settings of a cell: "domain 7, discovery by multicast".
 std::string network_text(const model::Cell& cell);

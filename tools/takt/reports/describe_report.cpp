@@ -37,7 +37,7 @@ Page::Words wrapped_words(const std::string& text, std::size_t width) {
 }
 
 /// Adds rows with aligned columns. The last column is a sentence, which is wrapped. If the other columns
-/// leave too little width for the sentence, it goes on the next line.
+/// leave too little width for the sentence, the sentence goes on the next line.
 void rows(Page& page, std::size_t indent, const std::vector<Page::Words>& all) {
   constexpr std::size_t kLittle = 30;
   std::vector<Page::Words> columns;
@@ -77,6 +77,7 @@ void add_module(Page& page, const model::Module& module) {
   if (module.deadline) how += " within " + to_text(*module.deadline);
   if (!module.executor.empty()) how += ", on executor " + module.executor;
   page.line(2, "module      " + how);
+  if (!module.arguments.empty()) page.line(2, "arguments   " + model::in_one_line(module.arguments));
 }
 
 /// The type of a request or reply as the user declared it, without the envelope that Takt adds.
@@ -145,7 +146,7 @@ void add_properties(Page& page, const Described& described) {
   if (component.properties.empty()) {
     page.line(2, "properties  " + std::string{!component.takes_any_property() ? "none"
                                               : component.interface == "c"
-                                                  ? "any name; initialize() reads them"
+                                                  ? "any name; initialize() reads the values"
                                                   : "any name; each becomes an argument NAME=VALUE"});
   } else {
     page.line(2, "properties");
@@ -174,7 +175,7 @@ std::string proposed_name(const std::string& path) {
   return name;
 }
 
-/// Whether a descriptor cannot express the property's default. describe_xml() leaves such a property out.
+/// True if a descriptor cannot express the property's default. describe_xml() leaves such a property out.
 bool is_inexpressible(const host::PropertyDescription& property) {
   const std::string& value = property.default_value;
   return property.type == "double" && (value.ends_with("inf") || value.ends_with("nan"));
@@ -215,6 +216,8 @@ std::string describe_text(const Described& described, Style style) {
   else
     page.heading(0, name, component.text);
   page.line(2, "file        " + described.path);
+  page.line(2, "version     " + (component.version.empty() ? "not stated" : component.version) + ", hash " +
+                   described.hash);
   page.line(2, "interface   " + component.interface +
                    (component.operation.empty() ? "" : ", " + component.operation));
   if (described.module) add_module(page, *described.module);
@@ -231,15 +234,14 @@ std::string describe_text(const Described& described, Style style) {
 std::string describe_json(const Described& described) {
   auto object = model::parse_json(host::to_json(described.component));
   object["file"] = described.path;
+  object["hash"] = described.hash;
   if (described.module) {
     const model::Module& module = *described.module;
     nlohmann::ordered_json values = nlohmann::ordered_json::object();
     for (const model::PropertyValue& value : module.properties) values[value.name] = value.value;
-    object["module"] = {{"device", *described.device},
-                        {"name", module.name},
-                        {"type", to_text(module.type)},
-                        {"operation", to_text(module.operation)},
-                        {"given", values}};
+    object["module"] = {{"device", *described.device},   {"name", module.name},
+                        {"type", to_text(module.type)},  {"operation", to_text(module.operation)},
+                        {"arguments", module.arguments}, {"given", values}};
   }
   return model::json_text(object) + "\n";
 }
@@ -268,6 +270,12 @@ std::string describe_xml(const Described& described) {
   }
   if (operation != model::Operation::non_real)
     text += "  <priority>1</priority> <!-- modules with lower values run first -->\n";
+  if (described.module && !described.module->arguments.empty()) {
+    text += "  <arguments>\n";
+    for (const std::string& argument : described.module->arguments)
+      text += fmt::format("    <argument>{}</argument>\n", escaped(argument));
+    text += "  </arguments>\n";
+  }
   if (!std::all_of(component.properties.begin(), component.properties.end(), is_inexpressible)) {
     text += "  <property>\n";
     for (const auto& p : component.properties) {

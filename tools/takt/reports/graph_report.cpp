@@ -84,7 +84,7 @@ Json module_json(const Device& device, const Module& module, const CellHealth& h
 Json end_json(const model::Endpoint& end) { return end.given() ? Json(to_text(end)) : Json(); }
 
 Json health_json(const CellHealth::Connection& health) {
-  Json json{{"matched", health.matched}, {"stale", health.stale}};
+  Json json{{"rating", word_of(rating_of(health))}, {"matched", health.matched}, {"stale", health.stale}};
   if (health.age) json["age_ns"] = health.age->count();
   json["lost"] = health.lost;
   json["dropped"] = health.dropped;
@@ -148,14 +148,17 @@ CellHealth health_of(const Cell& cell, const ObservedCell& observed) {
 CellHealth::Connection health_of(const ObservedCell::Port& port, const Connection* connection,
                                  bool end_lost) {
   const bool reads = connection != nullptr && connection->to.given();
-  return {.matched = !end_lost && port.matched,
-          .stale = reads && connection->deadline && (!port.age || *port.age > *connection->deadline),
-          .safe = port.safe,
-          .age = port.age,
-          .lost = port.lost,
-          .dropped = port.dropped,
-          .late = port.late,
-          .incompatible = port.incompatible};
+  return {
+      .matched = !end_lost && port.matched,
+      .outside = !end_lost && connection != nullptr && !(connection->from.given() && connection->to.given()),
+      .stale = reads && connection->deadline && (!port.age || *port.age > *connection->deadline),
+      .safe = port.safe,
+      .age = port.age,
+      .lost = port.lost,
+      .dropped = port.dropped,
+      .late = port.late,
+      .incompatible = port.incompatible,
+      .expects_value = connection != nullptr && connection->kind == model::ConnectionKind::latest};
 }
 
 CellHealth health_of(const Cell& cell, const Json& status) {
@@ -198,13 +201,45 @@ Nanoseconds rounded(Nanoseconds age) {
 
 }  // namespace
 
+Rating rating_of(const CellHealth::Connection& health) {
+  if ((!health.matched && !health.outside) || !health.incompatible.empty()) return Rating::broken;
+  if (health.stale || health.safe) return Rating::bad;
+  const bool alone = !health.matched && health.outside;  // so there is nothing to read or to send
+  const bool missing = health.expects_value && !health.age && !alone;
+  return health.lost + health.dropped + health.late > 0 || missing ? Rating::poor : Rating::good;
+}
+
+const char* word_of(Rating rating) noexcept {
+  switch (rating) {
+    case Rating::good:
+      return "good";
+    case Rating::poor:
+      return "poor";
+    case Rating::bad:
+      return "bad";
+    case Rating::broken:
+      return "broken";
+  }
+  return "?";
+}
+
 std::string health_text(const CellHealth::Connection& health) {
   if (!health.incompatible.empty()) return "NOT MATCHED: " + health.incompatible;
-  std::string text = !health.matched ? "NOT MATCHED"
-                     : health.safe   ? "SAFE VALUE"
-                     : health.stale  ? "STALE"
-                     : health.age    ? "ok"
-                                     : "no value yet";
+  std::string text;
+  switch (rating_of(health)) {
+    case Rating::good:
+      text = !health.matched ? "no other program" : health.age ? "ok" : "ok, no value yet";
+      break;
+    case Rating::poor:
+      text = health.age || !health.expects_value ? "degraded" : "no value yet";
+      break;
+    case Rating::bad:
+      text = health.safe ? "SAFE VALUE" : "STALE";
+      break;
+    case Rating::broken:
+      text = "NOT MATCHED";
+      break;
+  }
   if (health.age) text += ", " + to_text(rounded(*health.age)) + " old";
   const auto add = [&](std::uint64_t number, const char* what) {
     if (number > 0) text += fmt::format(", {} {}", what, number);

@@ -74,7 +74,11 @@ std::string cause_of(const model::Fault& fault) {
   std::string text = on_one_line(fault.cause);
   if (!fault.error.empty()) text = fault.error + ": " + text;
   if (fault.count != 1) text += fmt::format(" ({} times)", fault.count);
-  if (!fault.module.empty() && fault.cycle != 0) text += fmt::format(" [cycle {}]", fault.cycle);
+  if (!fault.module.empty() && fault.cycle != 0) {
+    text += model::is_log_line(fault.kind)
+                ? fmt::format(" [release {}]", fault.cycle)
+                : fmt::format(" [after {} {}]", fault.cycle, fault.cycle == 1 ? "cycle" : "cycles");
+  }
   if (!fault.attachment.empty()) text += "; see " + on_one_line(fault.attachment);
   return text;
 }

@@ -42,7 +42,7 @@ class Page {
 
   /// Adds a table. The first row is the heading. All rows have the same number of cells.
   void table(std::size_t indent, const std::vector<Words>& rows);
-  /// Whether table() can show each row on one line within the width.
+  /// True if table() can show each row on one line within the width.
   [[nodiscard]] bool fits(std::size_t indent, const std::vector<Words>& rows) const;
   static std::vector<std::size_t> widths_of(const std::vector<Words>& rows);
 

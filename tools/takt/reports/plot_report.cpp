@@ -17,8 +17,8 @@ namespace {
 constexpr double kPanel = 200;
 constexpr double kGap = 34;  // space between panels, for a title and the first line of the legend
 constexpr double kPlotWide = static_cast<double>(kPlotColumns);
-constexpr std::size_t kCurveColours = 8;  // the ninth curve has the first colour again
-constexpr std::size_t kShapes = 5;        // with eight colours, 40 curves differ in colour or shape
+constexpr std::size_t kCurveColours = 8;  // number of colours; the ninth curve has the first colour again
+constexpr std::size_t kShapes = 5;        // number of shapes; 40 curves differ in colour or shape
 constexpr double kApart = 90;             // distance of two shapes on a curve
 
 constexpr std::string_view kColourWords = R"(.axis { stroke: #8a96a3; stroke-width: 1; }
@@ -49,7 +49,7 @@ struct Extent {
   double high = 1;
 };
 
-/// The range of a panel's value axis, which is a little wider than that of its values.
+/// The range of a panel's value axis, which is a little wider than the range of the values.
 Extent extent_of(const PlotPanel& panel) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -70,13 +70,13 @@ Extent extent_of(const PlotPanel& panel) {
   const double span = high / 2 - low / 2;
   const double margin = span > 0 ? span * 0.1 : std::max(std::abs(low) * 0.1, 0.5);
   constexpr double kMost = std::numeric_limits<double>::max() *
-                           0.99;  // the largest end of an axis, which leaves space for a mark beyond it
+                           0.99;  // limit of an axis, so that a mark beyond the axis is still finite
   return {std::max(low - margin, -kMost), std::min(high + margin, kMost)};
 }
 
 bool is_whole(double value) { return std::abs(value) < 1e15 && value == std::round(value); }
 
-/// Whether all values are whole numbers. If so, the axis has no marks between whole numbers.
+/// True if all values are whole numbers. If so, the axis has no marks between whole numbers.
 bool are_whole(const PlotPanel& panel) {
   return std::all_of(panel.series.begin(), panel.series.end(), [](const PlotSeries& series) {
     return std::all_of(series.curves.begin(), series.curves.end(), [](const auto& curve) {
@@ -255,7 +255,7 @@ class PlotDrawing {
   void time_axis(double y) {
     const std::vector<double> all = time_marks();
     const double step = all.size() > 1 ? (all[1] - all[0]) / unit_.seconds : 1;
-    double free = 0;  // the x coordinate from which a label fits beside the previous one
+    double free = 0;  // the next label fits from this x coordinate on
     for (const double mark : all) {
       const std::string text = mark_text(mark / unit_.seconds, step);
       const double half = width_of(text, kSmall) / 2;

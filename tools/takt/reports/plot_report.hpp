@@ -38,8 +38,8 @@ inline constexpr std::size_t kPlotColumns = 900;
 
 std::string plot_svg(const Plot& plot);
 
-/// Chooses the marks of an axis between `from` and `to`. Their distance is 1, 2 or 5 times a power of ten.
-/// Returns about `about` marks, but at least one.
+/// Chooses the marks of an axis between `from` and `to`. The distance of two marks is 1, 2 or 5 times a power
+/// of ten. Returns about `about` marks, but at least one.
 std::vector<double> ticks(double from, double to, std::size_t about);
 
 /// A unit for durations: "us", "ms", "s", "min" or "h", and its length in seconds. unit_of_time() chooses the

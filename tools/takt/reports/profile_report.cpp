@@ -13,8 +13,8 @@ model::Profile profile_of(const nlohmann::ordered_json& status) {
       const auto time = [&run](const char* key) {
         return Nanoseconds{std::llround(run[key].get<double>() * 1e3)};
       };
-      // `cycles` counts releases. If the module's only run had not ended when the cell stopped, no run was
-      // measured.
+      // `cycles` counts releases, not measured runs. If the module's only run had not ended when the cell
+      // stopped, no run was measured.
       const bool measured = time("max") > Nanoseconds{};
       profile.modules[device["name"].get<std::string>() + "." + module["name"].get<std::string>()] = {
           .runs = measured ? module["cycles"].get<std::uint64_t>() : 0,

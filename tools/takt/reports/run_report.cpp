@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <takt/model/build.hpp>
 #include <takt/model/json.hpp>
 
 namespace takt::tool {
@@ -23,6 +24,15 @@ std::string us(const Json& value) {
 
 // The first line of a text that may have several lines.
 std::string one_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+// How far the device's clock is ahead of the clock of the first device of the cell; empty if this is not
+// known.
+std::string clock_text(const Json& device) {
+  const Json clock = device.value("clock", Json{});
+  if (!clock.is_object() || clock["reference"] == device["name"]) return "";
+  return fmt::format("  clock {:+.1f} ms ±{:.1f} ms", clock["offset_us"].get<double>() / 1000,
+                     clock["bound_us"].get<double>() / 1000);
+}
 
 // A table of the device's connected ports.
 std::string ports_text(const Json& device) {
@@ -57,6 +67,26 @@ std::string ports_text(const Json& device) {
   return text;
 }
 
+// A table of the modules' component files.
+std::string components_text(const Json& device, std::size_t width) {
+  std::string text;
+  for (const Json& m : device["modules"]) {
+    if (!m.contains("hash")) continue;
+    if (text.empty())
+      text = fmt::format("  {:<{}} {:<8} {:<12} {}\n", "component", width, "hash", "version", "file");
+    const std::string version = m["version"].get<std::string>();
+    text += fmt::format("  {:<{}} {:<8} {:<12} {}\n", m["name"].get<std::string>(), width,
+                        m["hash"].get<std::string>(), version.empty() ? "-" : version,
+                        m["file"].get<std::string>());
+  }
+  return text;
+}
+
+std::string state_of(const Json& device, const Json& module) {
+  const auto state = module["state"].get<std::string>();
+  return state_text(state, state == "START" && device.value("state", "") == "running");
+}
+
 std::string device_text(const Json& device, std::size_t width) {
   // Name the device's state only if the device is not running.
   std::string state = device.value("state", "");
@@ -64,6 +94,9 @@ std::string device_text(const Json& device, std::size_t width) {
   const std::string why = one_line(device.value("text", ""));
   if (!why.empty()) state += (state.empty() ? "" : ": ") + why;
   if (!state.empty()) state.insert(0, "  ");
+  state.insert(0, clock_text(device));
+  if (const std::string conflict = device.value("conflict", ""); !conflict.empty())
+    state += "\n  NAME CONFLICT: " + conflict;
   std::string text = fmt::format(
       "device {}{}{}{}\n", device["name"].get<std::string>(), device["alive"].get<bool>() ? "" : "  LOST",
       device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME", state);
@@ -84,22 +117,44 @@ std::string device_text(const Json& device, std::size_t width) {
                     width, e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(), us(j["mean"]),
                     us(j["p50"]), us(j["p99"]), us(j["max"]), us(e.value("margin_us", 0.0)));
   }
-  text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width,
-                      "state", "cycles", "jitter", "p50", "p99", "run p50", "run max", "overruns", "errors");
+  std::size_t state_width = 10;
+  for (const Json& m : device["modules"]) state_width = std::max(state_width, state_of(device, m).size());
+  text += fmt::format("  {:<{}} {:<{}} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width,
+                      "state", state_width, "cycles", "jitter", "p50", "p99", "run p50", "run max",
+                      "overruns", "errors");
   for (const Json& m : device["modules"]) {
     const Json& j = m["jitter_us"];
-    text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n",
-                        m["name"].get<std::string>(), width, m["state"].get<std::string>(),
+    text += fmt::format("  {:<{}} {:<{}} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n",
+                        m["name"].get<std::string>(), width, state_of(device, m), state_width,
                         m["cycles"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]), us(j["p99"]),
                         us(m["run_us"]["p50"]), us(m["run_us"]["max"]), m["overruns"].get<std::uint64_t>(),
                         m["errors"].get<std::uint64_t>());
     if (const std::string text_of = one_line(m.value("text", "")); !text_of.empty())
       text += "    " + text_of + "\n";
   }
-  return text + ports_text(device);
+  return text + components_text(device, width) + ports_text(device);
 }
 
 }  // namespace
+
+std::map<std::string, std::string> components_in(const Json& device) {
+  std::map<std::string, std::string> components;
+  for (const Json& m : device.at("modules")) {
+    if (!m.contains("hash")) continue;
+    const auto path = m.at("file").get<std::string>();
+    const model::Build build{.version = m.at("version"), .hash = m.at("hash")};
+    components[m.at("name")] = path.substr(path.rfind('/') + 1) + " " + model::to_text(build);
+  }
+  return components;
+}
+
+void leave_out_components(Json& status) {
+  for (Json& device : status["devices"]) {
+    for (Json& m : device["modules"]) {
+      for (const char* member : {"file", "version", "hash"}) m.erase(member);
+    }
+  }
+}
 
 std::string run_text(const Json& status) {
   std::size_t width = 8;
@@ -110,14 +165,9 @@ std::string run_text(const Json& status) {
   }
   std::string text = fmt::format("\ncell {}\n", status["cell"].get<std::string>());
   for (const Json& device : status["devices"]) text += device_text(device, width);
-  return text +
-         "\n  Times are in us. jitter: release minus start, as a signed mean; p50, p99 and max are of the\n"
-         "  absolute value. missed: rows skipped because the row before, or the wake-up, was too late.\n"
-         "  margin: how long before a release the executor wakes up. overruns: runs that did not end before\n"
-         "  the next release or the deadline. matched: connections whose writer and reader have found each\n"
-         "  other, of all connections. lost: samples lost between writer and reader. dropped: samples\n"
-         "  dropped because the queue was full. late: how often the newest value became older than its\n"
-         "  deadline.\n";
+  for (const Json& line : status.value("differences", Json::array()))
+    text += "DIFFERENT DEPLOYMENTS: " + line.get<std::string>() + "\n";
+  return text + "\n  Times are in us. takt status --help explains the columns.\n";
 }
 
 std::string run_json(Json status) {

@@ -7,7 +7,7 @@
 namespace takt::tool {
 
 struct Style {
-  bool colour = false;      ///< use colours; their ANSI escapes do not count in the width
+  bool colour = false;      ///< use colours; the ANSI escapes for colours do not count in the width
   std::size_t width = 100;  ///< width in columns; Page uses at least 80 and at most 100
 };
 

@@ -52,9 +52,9 @@ Result<TraceSummary> summary_of(const nlohmann::ordered_json& trace);
 std::string trace_report(const TraceSummary& summary, const Style& style);
 nlohmann::ordered_json trace_json_report(const TraceSummary& summary);
 
-/// Draws the runs in a trace over time, as SVG. Each executor has a lane for its rows; each module and each
-/// program has its own lane. A late start has a mark with the reason. If there are more than kTraceBars bars,
-/// only the newest are drawn, and the drawing says so. Fails like summary_of().
+/// Draws the runs in a trace over time, as SVG. Each executor has a lane for its rows, and each module has
+/// its own lane. A late start has a mark with the reason. If there are more than kTraceBars bars, only the
+/// newest are drawn, and the drawing says so. Fails if `trace` is not a Takt trace.
 Result<std::string> trace_svg(const nlohmann::ordered_json& trace);
 inline constexpr std::size_t kTraceBars = 4000;
 

@@ -24,7 +24,7 @@ constexpr Template kTemplates[] = {
 
 using Values = std::map<std::string, std::string, std::less<>>;
 
-/// Replaces each @word@ in a template for which there is a value.
+/// Replaces each @word@ in a template by the value of the word, if `values` has one.
 std::string filled(std::string_view text, const Values& values) {
   std::string result;
   while (!text.empty()) {
@@ -59,7 +59,7 @@ std::string class_name(std::string_view name) {
   return result;
 }
 
-/// Checks that the name is also valid for a C++ namespace, an IDL module and a CMake target.
+/// Checks that the name is valid for a component, a C++ namespace, an IDL module and a CMake target.
 Result<void> check_name(const std::string& name) {
   constexpr const char* kRule =
       "start with a lower-case letter, then use lower-case letters, digits and single underscores, at most "
@@ -70,7 +70,7 @@ Result<void> check_name(const std::string& name) {
       name.find("__") != name.npos) {
     return fail("'" + name + "' is not a valid component name", kRule);
   }
-  // These names are targets of CMake or Takt, or the build folder.
+  // These names would collide with targets of CMake or Takt, or with the build folder.
   constexpr std::array<std::string_view, 9> kTaken{"all",  "build", "clean",   "help",      "install",
                                                    "test", "takt",  "package", "edit_cache"};
   if (std::find(kTaken.begin(), kTaken.end(), name) != kTaken.end())
@@ -110,6 +110,7 @@ Result<std::vector<NewFile>> new_component(const NewComponent& wanted) {
                       {"operationtype", to_text(wanted.operation)},
                       {"timing", sporadic ? "deadline" : "period"},
                       {"sporadic", sporadic ? "true" : "false"},
+                      {"queue", sporadic ? R"( kind="queue" depth="8")" : ""},
                       {"inport", sporadic ? "event" : "in"},
                       {"language", wanted.in_c ? "C" : "C++"}};
   const std::string source = std::string{to_text(wanted.type)} + "_" + to_text(wanted.operation) + suffix;

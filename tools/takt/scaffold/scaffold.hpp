@@ -18,7 +18,7 @@ struct NewFile {
 struct NewComponent {
   std::string name;
   model::ModuleType type = model::ModuleType::thread;
-  model::Operation operation = model::Operation::periodic;  ///< or sporadic
+  model::Operation operation = model::Operation::periodic;  ///< periodic or sporadic
   bool in_c = false;
 };
 

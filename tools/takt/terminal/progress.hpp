@@ -21,9 +21,9 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Whether standard error is a terminal. If not, the caller need not compute the progress.
+  /// True if standard error is a terminal. If not, the caller need not compute the progress.
   [[nodiscard]] bool is_seen() const noexcept { return seen_; }
-  /// Whether the line is due for an update. Updates come at most five times a second.
+  /// True if the line is due for an update. Updates come at most five times a second.
   [[nodiscard]] bool is_due() const;
   /// Shows this text as the progress line, cut to the width of the terminal.
   void show(const std::string& text);
@@ -45,7 +45,7 @@ std::string share_text(double share, const std::string& of, ScreenStyle style);
 /// The last report of a device during the bring-up of a cell.
 struct BroughtUp {
   std::string device;
-  std::string state;                           ///< "preparing"
+  std::string state;                           ///< for example "preparing"
   std::map<std::string, std::string> modules;  ///< the state of each module, by the module's name
 };
 

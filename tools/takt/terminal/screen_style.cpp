@@ -13,8 +13,8 @@ namespace takt::tool {
 ScreenStyle screen_style() { return {.colour = terminal_style().colour, .unicode = is_utf8()}; }
 
 bool is_utf8() {
-  // The first of these variables that is set decides, even if its locale is not installed: it tells what the
-  // terminal can show.
+  // The first of these variables that is set decides, even if its locale is not installed, because the
+  // variable describes the terminal.
   for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
     std::string value = os::environment(name);
     if (value.empty()) continue;

@@ -8,11 +8,11 @@ struct ScreenStyle {
   bool unicode = false;  ///< the terminal shows Unicode, not only ASCII
 };
 
-/// The style for this terminal. It has colour if standard output is a terminal and NO_COLOR is not set, and
-/// Unicode if the locale is UTF-8.
+/// The style for this terminal: with colour if standard output is a terminal and NO_COLOR is not set, and
+/// with Unicode if the locale is UTF-8.
 ScreenStyle screen_style();
 
-/// Whether the locale (LC_ALL, else LC_CTYPE, else LANG) is a UTF-8 locale.
+/// True if the locale (LC_ALL, else LC_CTYPE, else LANG) is a UTF-8 locale.
 bool is_utf8();
 
 }  // namespace takt::tool

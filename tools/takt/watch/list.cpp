@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "reports/run_report.hpp"
 #include "watch/sparkline.hpp"
 
 namespace takt::tool::watch {
@@ -37,7 +38,7 @@ State state(const Sign& sign, const std::string& word, Ink ink, ScreenStyle styl
   return {std::string{style.unicode ? sign.unicode : sign.ascii} + " " + word, ink};
 }
 
-// The position of a row when the list is sorted by state: the worst state has rank 0.
+// The rank of a row in a list that is sorted by state: the worst state has rank 0.
 int rank_of(const Row& row) {
   if (!row.device->alive) return 0;
   if (row.module == nullptr) return row.device->health == "ok" ? 7 : 1;
@@ -120,7 +121,7 @@ constexpr std::array kLaid{
     Laid{"state", 12, Column::state},
     Laid{"p50 us", 7, Column::p50},
     Laid{"p99 us", 7, Column::p99},
-    Laid{"last minute", 12},
+    Laid{"last minute", 11},
     Laid{"budget", 6, Column::budget},
     Laid{"over", 5, Column::overruns},
     Laid{"err", 4, Column::errors},
@@ -132,6 +133,10 @@ constexpr std::array kLaid{
 constexpr std::size_t kName = 0, kState = 1, kMinute = 4, kRecoveries = 10, kWhy = 11;
 constexpr std::array<std::size_t, kLaid.size()> kNeed{0, 1, 3, 7, 6, 5, 2, 4, 8, 9, 10, 11};
 constexpr std::size_t kMark = 2;
+
+/// The space before a column. The chart needs a wider gap than a column of numbers, because its heading is
+/// not right-aligned.
+constexpr std::size_t gap_before(std::size_t i) { return i == kName ? 0 : i == kMinute ? 2 : 1; }
 constexpr std::size_t kLongestName = 34;
 
 /// The width of each column of the list, or 0 for a column that is not shown.
@@ -139,7 +144,7 @@ std::array<std::size_t, kLaid.size()> widths_of(std::size_t columns) {
   std::array<std::size_t, kLaid.size()> widths{};
   std::size_t room = columns < kMark ? 0 : columns - kMark;
   for (const std::size_t i : kNeed) {
-    const std::size_t needed = kLaid.at(i).width + (i == kName ? 0 : 1);
+    const std::size_t needed = kLaid.at(i).width + gap_before(i);
     if (needed > room) break;
     widths.at(i) = kLaid.at(i).width;
     room -= needed;
@@ -151,6 +156,7 @@ std::array<std::size_t, kLaid.size()> widths_of(std::size_t columns) {
     widths.at(i) += more;
     room -= more;
   };
+  widen(kState, 17);
   widen(kMinute, 30);
   widen(kName, kLongestName);
   widen(kMinute, 60);
@@ -177,8 +183,9 @@ void measured_columns(Line& line, const Row& row, const std::array<std::size_t, 
   number(2, in_us(m.jitter_us.p50));
   number(3, in_us(m.jitter_us.p99));
   if (widths.at(kMinute) > 0) {
-    line.gap().left(sparkline(module.minute_us, std::min<std::size_t>(widths.at(kMinute), 60), style),
-                    widths.at(kMinute));
+    line.gap(gap_before(kMinute))
+        .left(sparkline(module.minute_us, std::min<std::size_t>(widths.at(kMinute), 60), style),
+              widths.at(kMinute));
   }
   const auto share = module.share(m.run_us.p99);
   number(5, share ? fmt::format("{:.0f} %", *share * 100) : "-", share ? ink_of_share(*share) : Ink::dim);
@@ -214,9 +221,11 @@ State state_of(const Device& device, ScreenStyle style) {
 
 State state_of(const Device& device, const Module& module, ScreenStyle style) {
   if (!device.alive) return state(kLost, "LOST", Ink::bad, style);
+  if (module.safe_stop) return state(kTrouble, "safe stop", Ink::warning, style);
   if (module.state == "EXECUTING") return state(kRuns, module.state, Ink::good, style);
   if (module.state == "RECOVER") return state(kTrouble, module.state, Ink::bad, style);
-  if (module.state == "DESTRUCT") return state(kOver, module.state, Ink::bad, style);
+  if (module.state == "DESTRUCT")
+    return state(kOver, module.state, module.given_up ? Ink::bad : Ink::dim, style);
   return state(module.state == "START" ? kReady : kNotYet, module.state, Ink::warning, style);
 }
 
@@ -224,10 +233,17 @@ State state_of(const Connection& connection, ScreenStyle style) {
   if (!connection.health) return state(kNotYet, "not reported", Ink::dim, style);
   const CellHealth::Connection& health = *connection.health;
   const std::string text = health_text(health);
-  if (!health.incompatible.empty() || !health.matched) return state(kLost, text, Ink::bad, style);
-  if (health.safe || health.stale) return state(kTrouble, text, Ink::bad, style);
-  if (!health.age) return state(kReady, text, Ink::warning, style);
-  return state(kRuns, text, health.lost + health.dropped + health.late > 0 ? Ink::warning : Ink::good, style);
+  switch (rating_of(health)) {
+    case Rating::good:
+      return state(kRuns, text, Ink::good, style);
+    case Rating::poor:
+      return state(health.age ? kTrouble : kReady, text, Ink::warning, style);
+    case Rating::bad:
+      return state(kTrouble, text, Ink::bad, style);
+    case Rating::broken:
+      break;
+  }
+  return state(kLost, text, Ink::bad, style);
 }
 
 std::vector<Row> rows_of(const Snapshot& snapshot, const View& view) {
@@ -254,7 +270,7 @@ Line list_heading(const View& view, std::size_t columns, ScreenStyle style) {
   for (std::size_t i = 0; i < kLaid.size(); ++i) {
     const Laid& laid = kLaid.at(i);
     if (widths.at(i) == 0) continue;
-    if (i > 0) line.gap();
+    line.gap(gap_before(i));
     std::string text = laid.heading;
     if (laid.column == view.column) {
       const bool falls = (view.column == Column::name || view.column == Column::state) == view.reversed;
@@ -276,7 +292,9 @@ Line list_line(const Row& row, bool chosen, std::size_t columns, ScreenStyle sty
   const std::string& why = row.module == nullptr ? row.device->text : row.module->text;
   Line line;
   line.add(chosen ? "> " : "  ").left(name, widths.at(kName));
-  if (widths.at(kState) > 0) line.gap().left(state.text, widths.at(kState), state.ink);
+  std::string word = state_text(state.text, row.module != nullptr && row.module->stopped);
+  if (columns_of(word) > widths.at(kState)) word = state.text;
+  if (widths.at(kState) > 0) line.gap().left(word, widths.at(kState), state.ink);
   // If the line is too short for both the numbers and the reason, show only the reason. The details page
   // shows the numbers.
   if (row.module == nullptr || (!why.empty() && widths.at(kWhy) == 0)) {

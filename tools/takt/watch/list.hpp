@@ -14,7 +14,7 @@ namespace takt::tool::watch {
 struct Row {
   const Device* device = nullptr;
   const Module* module = nullptr;  ///< null if this row shows the device itself
-  bool alone = false;              ///< the row is not below its device's row, so it names the device too
+  bool alone = false;              ///< the row is not below the row of its device, so it names the device too
 
   [[nodiscard]] std::string target() const;
 };
@@ -28,12 +28,12 @@ std::vector<Row> rows_of(const Snapshot& snapshot, const View& view);
 Line list_heading(const View& view, std::size_t columns, ScreenStyle style);
 Line list_line(const Row& row, bool chosen, std::size_t columns, ScreenStyle style);
 
-/// Whether `text` contains every word of `filter`; case does not matter.
+/// True if `text` contains every word of `filter`; case does not matter.
 bool matches(const std::string& text, const std::string& filter);
 
 /// A symbol and a word for a state, so that a user can read the state without colours.
 struct State {
-  std::string text;  ///< "● EXECUTING"
+  std::string text;  ///< for example "● EXECUTING"
   Ink ink = Ink::plain;
 };
 State state_of(const Device& device, ScreenStyle style);

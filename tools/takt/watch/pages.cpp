@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "reports/run_report.hpp"
 #include "watch/list.hpp"
 #include "watch/sparkline.hpp"
 
@@ -147,7 +148,7 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
                               ScreenStyle style) {
   std::vector<Line> page;
   const State state = state_of(device, module, style);
-  page.push_back(labelled("state").add(state.text, state.ink));
+  page.push_back(labelled("state").add(state_text(state.text, device.alive && module.stopped), state.ink));
   if (!device.alive)
     page.push_back(labelled("").add("the device's node is lost; these are the last known values", Ink::dim));
   if (!module.text.empty()) add_wrapped(page, "why", module.text, columns);
@@ -159,6 +160,7 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
           labelled("executor").add(fmt::format("{}, priority {}", planned.executor, planned.priority)));
     if (planned.budget) page.push_back(labelled("budget").add(takt::to_text(*planned.budget)));
   }
+  if (!module.component.empty()) page.push_back(labelled("component").add(module.component));
   if (module.measured) {
     counters(page, *module.measured);
     page.emplace_back();

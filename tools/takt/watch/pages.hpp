@@ -12,7 +12,8 @@
 
 namespace takt::tool::watch {
 
-/// The details of `target`, which is "DEVICE" or "DEVICE.MODULE". If it no longer exists, the page says so.
+/// The details of `target`, which is "DEVICE" or "DEVICE.MODULE". If the target no longer exists, the page
+/// says so.
 std::vector<Line> details_page(const Snapshot& snapshot, const std::string& target, std::size_t columns,
                                ScreenStyle style);
 

@@ -23,14 +23,21 @@ std::string cells_of(const Snapshot& snapshot) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The title line: counts the devices and modules, and those of them that are in a bad state or not yet
-/// running.
+/// The title line: shows how many devices and modules there are, and how many of them are in a bad state or
+/// not yet running.
 Line title(const Snapshot& snapshot, std::size_t columns) {
   std::map<std::string, std::size_t> states;
   std::size_t modules = 0;
+  std::size_t given_up = 0;
+  std::size_t safe_stops = 0;
   for (const Device& device : snapshot.devices) {
     modules += device.modules.size();
-    for (const Module& module : device.modules) ++states[device.alive ? module.state : "LOST"];
+    for (const Module& module : device.modules) {
+      ++states[device.alive ? module.state : "LOST"];
+      if (!device.alive) continue;
+      given_up += module.given_up ? 1 : 0;
+      safe_stops += module.safe_stop ? 1 : 0;
+    }
   }
   const auto lost = std::count_if(snapshot.devices.begin(), snapshot.devices.end(),
                                   [](const Device& d) { return !d.alive; });
@@ -43,10 +50,15 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
   for (const char* state : {"LOST", "RECOVER", "DESTRUCT", "IDLE", "INITIALIZE", "START"}) {
     const auto found = states.find(state);
     if (found == states.end()) continue;
-    const bool bad = found->first == "LOST" || found->first == "RECOVER" || found->first == "DESTRUCT";
-    counts.gap(2).add(fmt::format("{} {}", found->second, state), bad ? Ink::bad : Ink::warning);
+    const bool ended = found->first == "DESTRUCT";
+    const bool bad = found->first == "LOST" || found->first == "RECOVER" || (ended && given_up > 0);
+    counts.gap(2).add(fmt::format("{} {}", found->second, state), bad     ? Ink::bad
+                                                                  : ended ? Ink::dim
+                                                                          : Ink::warning);
   }
-  if (modules > 0 && states["EXECUTING"] == modules) counts.gap(2).add("all EXECUTING", Ink::good);
+  if (safe_stops > 0) counts.gap(2).add(fmt::format("{} in a safe stop", safe_stops), Ink::warning);
+  if (safe_stops == 0 && modules > 0 && states["EXECUTING"] == modules)
+    counts.gap(2).add("all EXECUTING", Ink::good);
   const std::string cells = cells_of(snapshot);
   const std::size_t needed = counts.width() + cells.size() + (cells.empty() ? 0 : 2);
   const std::string program = "takt watch";
@@ -66,7 +78,7 @@ Line question(const Snapshot& snapshot, const View& view) {
     return line.add(
         fmt::format("{} {}? y: yes, any other key: no", to_text(view.asked->verb), view.asked->target),
         Ink::warning);
-  if (!view.filter.empty() && (view.place == Place::list || view.place == Place::connections))
+  if (!view.filter.empty() && (view.page == Page::list || view.page == Page::connections))
     line.add("/" + view.filter, Ink::title).gap().add("(Esc: show all)", Ink::dim).gap(2);
   line.add(view.message);
   for (const std::string& command : snapshot.commands)
@@ -82,10 +94,10 @@ Line keys(const View& view) {
   std::vector<Key> all;
   if (view.typing)
     all = {{"Enter", "keep"}, {"Esc", "show all"}};
-  else if (view.place == Place::details)
+  else if (view.page == Page::details)
     all = {{"Esc", "back"},  {"n p", "next, previous"}, {"s", "start"}, {"t", "stop"},
            {"r", "recover"}, {"?", "all keys"},         {"q", "quit"}};
-  else if (view.place == Place::list)
+  else if (view.page == Page::list)
     all = {{"Enter", "details"}, {"/", "find"}, {"< >", "sort"}, {"c", "connections"},
            {"s", "start"},       {"t", "stop"}, {"?", "keys"},   {"q", "quit"}};
   else
@@ -108,15 +120,15 @@ Around around(const Snapshot& snapshot, const View& view, std::size_t columns, s
               ScreenStyle style) {
   Around around;
   around.above.push_back(title(snapshot, columns));
-  if (view.place == Place::list) {
+  if (view.page == Page::list) {
     around.above.push_back(list_heading(view, columns, style));
     const std::size_t events = std::min({snapshot.events.size(), lines / 6, std::size_t{8}});
     for (std::size_t i = snapshot.events.size() - events; i < snapshot.events.size(); ++i)
       around.below.push_back(Line{}.gap(2).add(snapshot.events[i], Ink::dim));
   } else {
-    around.above.push_back(Line{}.add(view.place == Place::details       ? view.chosen
-                                      : view.place == Place::connections ? "connections"
-                                                                         : "keys, columns and symbols",
+    around.above.push_back(Line{}.add(view.page == Page::details       ? view.chosen
+                                      : view.page == Page::connections ? "connections"
+                                                                       : "keys, columns and symbols",
                                       Ink::title));
   }
   around.below.push_back(question(snapshot, view));
@@ -134,22 +146,23 @@ Screen draw(const Snapshot& snapshot, View& view, std::size_t columns, std::size
   const std::size_t taken = outside.above.size() + outside.below.size();
   screen.shown.room = lines > taken ? lines - taken : 1;
   std::vector<Line> page;
-  if (view.place == Place::details) page = details_page(snapshot, view.chosen, columns, style);
-  if (view.place == Place::connections) page = connections_page(snapshot, view.filter, columns, style);
-  if (view.place == Place::help) page = help_page(style);
+  if (view.page == Page::details) page = details_page(snapshot, view.chosen, columns, style);
+  if (view.page == Page::connections) page = connections_page(snapshot, view.filter, columns, style);
+  if (view.page == Page::help) page = help_page(style);
   screen.shown.length = page.size();
   settle(view, screen.shown);
-  if (view.place == Place::list) {
+  if (view.page == Page::list) {
     if (rows.empty()) {
-      page.push_back(Line{}.gap(2).add(
-          snapshot.devices.empty() ? "no devices found on this domain" : "no rows match the filter",
-          Ink::dim));
+      page.push_back(Line{}.gap(2).add(!snapshot.devices.empty() ? "no rows match the filter"
+                                       : snapshot.searching      ? "searching for devices on this domain ..."
+                                                                 : "no devices found on this domain",
+                                       Ink::dim));
     }
     for (std::size_t i = view.first; i < rows.size() && i < view.first + screen.shown.room; ++i)
       page.push_back(list_line(rows[i], i == view.chosen_at, columns, style));
   } else {
     page.erase(page.begin(), page.begin() + static_cast<std::ptrdiff_t>(std::min(view.scroll, page.size())));
-    if (page.size() > screen.shown.room) {  // the last visible line counts the lines below it
+    if (page.size() > screen.shown.room) {  // the last visible line says how many lines are below it
       page.resize(screen.shown.room - 1);
       page.push_back(Line{}.gap(2).add(
           fmt::format("... {} more lines below", screen.shown.length - view.scroll - page.size()), Ink::dim));

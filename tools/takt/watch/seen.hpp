@@ -1,5 +1,5 @@
-// A snapshot of a DDS domain, as plain data for the screen of `takt watch`. It combines the reports of the
-// nodes with the descriptor of the running cell.
+// A snapshot of a DDS domain, as plain data for the screen of `takt watch`. The snapshot combines the reports
+// of the nodes with the descriptor of the running cell.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct Measured {
 
 /// What the descriptor says about a module.
 struct Planned {
-  std::string words;  ///< "thread, periodic, every 1 ms"
+  std::string words;  ///< for example "thread, periodic, every 1 ms"
   std::string executor{};
   int priority = 0;
   std::optional<Nanoseconds> period{};
@@ -52,22 +52,25 @@ struct Port {
 
 struct Transition {
   std::int64_t time_ns = 0;
-  std::string text;  ///< "EXECUTING -> RECOVER (why)"
+  std::string text;  ///< for example "EXECUTING -> RECOVER (why)"
 };
 
 struct Module {
   std::string name;
-  std::string state;   ///< "EXECUTING"
-  std::string text{};  ///< the reason for the state, or empty
+  std::string state;       ///< for example "EXECUTING"
+  std::string text{};      ///< the reason for the state, or empty
+  bool stopped = false;    ///< the module is in START, although its device runs
+  bool given_up = false;   ///< the node gave the module up after an error
+  bool safe_stop = false;  ///< the module reports that it is in a safe stop
   std::optional<Measured> measured{};
   std::optional<Planned> planned{};
+  std::string component{};  ///< file, version and hash: "servo.so 1.2.0 3fa91c02"; empty if not known
   std::vector<double>
-      minute_us{};  ///< rms jitter per second, of the last minute, newest last; NaN: did not run
+      minute_us{};  ///< rms jitter in each of the last 60 seconds, newest last; NaN: not known
   std::vector<Port> ports{};
   std::vector<Transition> transitions{};  ///< oldest first
 
-  /// A run of length `run_us`, as a share of the module's budget. None if the module has no budget or no
-  /// measurements.
+  /// Returns `run_us` as a share of the module's budget. None if the module has no budget or no measurements.
   [[nodiscard]] std::optional<double> share(double run_us) const;
 };
 
@@ -83,8 +86,8 @@ struct Executor {
 struct Device {
   std::string name;
   std::string cell;    ///< empty if the device has no deployment
-  std::string state;   ///< "running"
-  std::string health;  ///< "ok"
+  std::string state;   ///< for example "running"
+  std::string health;  ///< for example "ok"
   std::string text{};  ///< the reason for the health, if it is not "ok"
   bool alive = true;   ///< false if the node is lost; the other values are then the last known ones
   bool real_time = true;
@@ -105,10 +108,11 @@ struct Connection {
 
 struct Snapshot {
   int domain = 0;
-  std::string clock{};  ///< "12:34:56"
+  std::string clock{};     ///< local time, for example "12:34:56"
+  bool searching = false;  ///< `takt watch` began so recently that it may not have found the devices yet
   std::vector<Device> devices{};
   std::vector<Connection> connections{};
-  bool connections_known = false;       ///< whether a node has reported the connections
+  bool connections_known = false;       ///< true: at least one node has reported its connections
   std::vector<std::string> events{};    ///< the newest events, oldest first
   std::vector<std::string> commands{};  ///< unanswered commands, with their age: "stop of robot.servo, 3 s"
 

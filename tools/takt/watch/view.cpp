@@ -91,21 +91,21 @@ void sort_by_neighbour(View& view, int key) {
   view.reversed = false;
 }
 
-void open_page(View& view, Place place) {
-  view.place = place;
+void open_page(View& view, Page page) {
+  view.page = page;
   view.scroll = 0;
 }
 
 void leave(View& view) {
-  if (view.place != Place::list)
-    open_page(view, Place::list);
+  if (view.page != Page::list)
+    open_page(view, Page::list);
   else
     view.filter.clear();
 }
 
-// Moves the selection of the list, or scrolls the page if it is not the list.
+// Moves the selection if the page is the list, and scrolls any other page.
 void move(View& view, std::ptrdiff_t steps, const Shown& shown) {
-  if (view.place == Place::list)
+  if (view.page == Page::list)
     choose(view, steps, shown);
   else
     view.scroll = moved(view.scroll, steps, shown.length - std::min(shown.room, shown.length));
@@ -136,10 +136,10 @@ void settle(View& view, const Shown& shown) {
   if (!view.pressed && rows > 0) view.chosen = shown.targets.front();
   const bool stays = view.chosen_at < rows && shown.targets[view.chosen_at] == view.chosen;
   const auto found = std::find(shown.targets.begin(), shown.targets.end(), view.chosen);
-  if (stays) {  // comes first, because two nodes with the same name have one row each
+  if (stays) {  // no search: two nodes with the same name have rows with the same target
   } else if (found != shown.targets.end()) {
     view.chosen_at = static_cast<std::size_t>(found - shown.targets.begin());
-  } else if (view.place == Place::list) {  // the details page keeps its target even if its row disappears
+  } else if (view.page == Page::list) {  // the details page keeps its target even if its row disappears
     view.chosen_at = rows == 0 ? 0 : std::min(view.chosen_at, rows - 1);
     view.chosen = rows == 0 ? "" : shown.targets[view.chosen_at];
     view.slipped = view.pressed;
@@ -148,7 +148,7 @@ void settle(View& view, const Shown& shown) {
   view.first = std::min(view.first, rows - std::min(room, rows));
   if (view.chosen_at < view.first) view.first = view.chosen_at;
   if (view.chosen_at >= view.first + room) view.first = view.chosen_at - room + 1;
-  if (view.place != Place::list)
+  if (view.page != Page::list)
     view.scroll = std::min(view.scroll, shown.length - std::min(room, shown.length));
 }
 
@@ -173,7 +173,7 @@ Done press(View& view, int key, const Shown& shown) {
     move(view, *steps, shown);
     return {};
   }
-  const bool modules = view.place == Place::list || view.place == Place::details;
+  const bool modules = view.page == Page::list || view.page == Page::details;
   if (const auto verb = verb_of(key); verb && modules && !view.chosen.empty()) {
     if (*verb != Verb::destruct && !view.slipped) return {.command = Command{*verb, view.chosen}};
     view.asked = Command{*verb, view.chosen};
@@ -184,8 +184,8 @@ Done press(View& view, int key, const Shown& shown) {
       return {.quit = true};
     case '\r':
     case '\n':
-      if (view.place == Place::list && !view.chosen.empty()) {
-        open_page(view, Place::details);
+      if (view.page == Page::list && !view.chosen.empty()) {
+        open_page(view, Page::details);
         view.slipped = false;
       }
       break;
@@ -195,26 +195,26 @@ Done press(View& view, int key, const Shown& shown) {
       break;
     case '?':
     case 'h':
-      open_page(view, view.place == Place::help ? Place::list : Place::help);
+      open_page(view, view.page == Page::help ? Page::list : Page::help);
       break;
     case 'c':
-      open_page(view, view.place == Place::connections ? Place::list : Place::connections);
+      open_page(view, view.page == Page::connections ? Page::list : Page::connections);
       break;
     case 'n':
     case 'p':
-      if (view.place != Place::details) break;
+      if (view.page != Page::details) break;
       choose(view, key == 'n' ? 1 : -1, shown);
       view.scroll = 0;
       break;
     case '/':
-      view.typing = view.place == Place::list || view.place == Place::connections;
+      view.typing = view.page == Page::list || view.page == Page::connections;
       break;
     case '<':
     case '>':
-      if (view.place == Place::list) sort_by_neighbour(view, key);
+      if (view.page == Page::list) sort_by_neighbour(view, key);
       break;
     case 'v':
-      if (view.place == Place::list) view.reversed = !view.reversed;
+      if (view.page == Page::list) view.reversed = !view.reversed;
       break;
     default:
       break;

@@ -8,7 +8,7 @@
 
 namespace takt::tool::watch {
 
-enum class Place { list, details, connections, help };
+enum class Page { list, details, connections, help };
 
 /// The columns by which the list can be sorted, in the order on the screen.
 enum class Column { name, state, p50, p99, budget, overruns, errors, cycles, missed };
@@ -24,17 +24,17 @@ struct Command {
 };
 
 struct View {
-  Place place = Place::list;
+  Page page = Page::list;
   Column column = Column::name;
   bool reversed = false;
-  std::string filter{};       ///< the words that a row must contain to be listed
-  bool typing = false;        ///< the user is typing the filter
-  bool pressed = false;       ///< the user has pressed a key; until then the first row is selected
-  std::string chosen{};       ///< the target of the selected row, which stays selected when rows move
-  std::size_t chosen_at = 0;  ///< the index of the selected row; if that row disappears, the next selection
-  bool slipped = false;       ///< another row took the place of the selected one, so ask before a command
-  std::size_t first = 0;      ///< the first row that is shown
-  std::size_t scroll = 0;     ///< the number of lines scrolled off the top of a page other than the list
+  std::string filter{};            ///< the list shows only the rows that contain these words
+  bool typing = false;             ///< the user is typing the filter
+  bool pressed = false;            ///< the user has pressed a key; until then the first row is selected
+  std::string chosen{};            ///< the target of the selected row, which stays selected when rows move
+  std::size_t chosen_at = 0;       ///< index of the selected row, or of its successor if the row disappears
+  bool slipped = false;            ///< the selection moved by itself, so ask before a command
+  std::size_t first = 0;           ///< the first row that is shown
+  std::size_t scroll = 0;          ///< the number of lines scrolled off the top of a page other than the list
   std::optional<Command> asked{};  ///< the command that waits for the user's confirmation
   std::string message{};           ///< the result of the last key, for the user
 };
@@ -55,7 +55,7 @@ struct Done {
 /// that took its place.
 void settle(View& view, const Shown& shown);
 
-/// Changes the view as a key demands, and returns what the program must do. `key` is a key of os::Keyboard.
+/// Handles a key: changes the view, and returns what `takt watch` must do. `key` is a key of os::Keyboard.
 Done press(View& view, int key, const Shown& shown);
 
 }  // namespace takt::tool::watch

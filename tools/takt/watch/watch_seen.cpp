@@ -11,21 +11,20 @@
 #include <takt/wire/words.hpp>
 
 #include "reports/connections_report.hpp"
-#include "web/said.hpp"
+#include "web/samples_json.hpp"
 
 namespace takt::tool {
 
 namespace {
 
 constexpr std::size_t kMinute = 60;
-constexpr std::size_t kTransitions = 100;  // per module
-constexpr std::size_t kGone =
-    1000;  // at most this many modules that no longer exist or whose device is unknown
+constexpr std::size_t kTransitions = 100;  // number of transitions that are kept for each module
+constexpr std::size_t kGone = 1000;  // limit for modules that no longer exist or whose device is unknown
 constexpr std::size_t kEvents = 100;
-/// How long to wait for a node's descriptor before asking the node again.
+/// How long to wait for a node's descriptor or report before asking the node again.
 constexpr std::chrono::seconds kAgain{5};
-/// How long a received descriptor is used before the node is asked again, because an update may have changed
-/// it.
+/// How long a received descriptor or report is used before the node is asked again, because an update may
+/// have changed it.
 constexpr std::chrono::seconds kFresh{30};
 
 watch::Quantiles quantiles(const Distribution& d) {
@@ -85,6 +84,20 @@ bool is_lost(const std::vector<wire::ObservedDevice>& devices, const std::string
   return device != nullptr && !device->alive;
 }
 
+/// Returns the connection by which the health of a port is judged: the connection into an input, or the
+/// connection of an output that only other programs read. None for an output with readers in the cell, each
+/// of which has a health of its own.
+const model::Connection* connection_of(const model::Endpoint& port, const model::Cell& cell) {
+  const model::Connection* outside = nullptr;
+  for (const model::Connection& connection : cell.connections) {
+    if (connection.to == port) return &connection;
+    if (connection.from != port) continue;
+    if (connection.to.given()) return nullptr;
+    outside = &connection;
+  }
+  return outside;
+}
+
 std::vector<watch::Port> ports_of(const std::vector<wire::ObservedDevice>& devices,
                                   const wire::ObservedDevice& device, const std::string& module,
                                   const model::Cell* cell) {
@@ -94,20 +107,16 @@ std::vector<watch::Port> ports_of(const std::vector<wire::ObservedDevice>& devic
        ++at) {
     const PortStatus& status = at->second;
     const std::string name = status.port().to_string();
-    const model::Connection* into = nullptr;
-    if (cell != nullptr && !status.output()) {
-      const model::Endpoint end{device.name(), module, name};
-      const auto found = std::find_if(cell->connections.begin(), cell->connections.end(),
-                                      [&](const model::Connection& c) { return c.to == end; });
-      if (found != cell->connections.end()) into = &*found;
-    }
-    ports.push_back({.name = name,
-                     .output = status.output(),
-                     .type = status.type().to_string(),
-                     .connected = status.connections() > 0,
-                     .samples = status.samples(),
-                     .health = health_of(web::observed(status), into,
-                                         into != nullptr && is_lost(devices, into->from.device))});
+    const model::Connection* const connection =
+        cell == nullptr ? nullptr : connection_of({device.name(), module, name}, *cell);
+    ports.push_back(
+        {.name = name,
+         .output = status.output(),
+         .type = status.type().to_string(),
+         .connected = status.connections() > 0,
+         .samples = status.samples(),
+         .health = health_of(web::observed(status), connection,
+                             connection != nullptr && is_lost(devices, connection->from.device))});
   }
   return ports;
 }
@@ -162,6 +171,24 @@ std::optional<Watched::Unknown> Watched::unknown(const std::vector<wire::Observe
   return std::nullopt;
 }
 
+std::optional<std::string> Watched::unreported(const std::vector<wire::ObservedDevice>& devices,
+                                               Instant now) {
+  for (const wire::ObservedDevice& device : devices) {
+    const std::string deployment = device.status.deployment().to_string();
+    if (!device.alive || deployment.empty()) continue;
+    Reported& report = reports_[device.name()];
+    if (report.deployment == deployment && now - report.asked < (report.components.empty() ? kAgain : kFresh))
+      continue;
+    report = {.deployment = deployment, .asked = now, .components = std::move(report.components)};
+    return device.name();
+  }
+  return std::nullopt;
+}
+
+void Watched::add_components(const std::string& device, std::map<std::string, std::string> components) {
+  reports_[device].components = std::move(components);
+}
+
 void Watched::add_missed(watch::Snapshot& snapshot, Known& known,
                          const std::vector<wire::ObservedDevice>& devices, Instant now) {
   for (const model::Device& device : known.cell->devices) {
@@ -183,7 +210,7 @@ void Watched::add_missed(watch::Snapshot& snapshot, Known& known,
 }
 
 watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devices, Instant now) {
-  history_.hear(devices);
+  history_.add(devices);
   // Forget the cells that no device runs any longer.
   std::erase_if(cells_, [&](const auto& entry) {
     return std::none_of(devices.begin(), devices.end(),
@@ -222,9 +249,14 @@ watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devic
       watch::Module module{.name = name, .state = to_text(status.state())};
       if (status.state() == STATE_RECOVER || status.state() == STATE_DESTRUCT)
         module.text = status.text().to_string();
+      module.stopped = status.state() == STATE_START && s.state() == DEVICE_RUNNING;
+      module.given_up = status.event() == EVENT_GIVE_UP;
+      module.safe_stop = status.state() == STATE_EXECUTING && web::in_safe_stop(each, name);
+      if (module.safe_stop) module.text = "it is in a safe stop";
       if (const auto found = each.deployment.statistics.find(name); found != each.deployment.statistics.end())
         module.measured = measured(found->second);
       if (const model::Module* plan = planned_of(cell, device.name, name)) module.planned = planned(*plan);
+      module.component = reports_[device.name].components[name];
       module.minute_us = minute_of(history_.of(path, kMinute + 2));
       module.ports = ports_of(devices, each, name, cell);
       module.transitions = transitions_[path];

@@ -17,8 +17,8 @@
 
 namespace takt::tool {
 
-/// Keeps the earlier data that a snapshot needs: transitions, events and descriptors. Only one thread may use
-/// an object of this class.
+/// Makes snapshots, and keeps the earlier data that they need: transitions, events and descriptors. Only one
+/// thread may use an object of this class.
 class Watched {
  public:
   explicit Watched(int domain) : domain_(domain) {}
@@ -31,16 +31,23 @@ class Watched {
   /// changes.
   void add(const std::string& deployment, std::shared_ptr<const model::Cell> cell);
 
-  /// Returns the next device to ask for its descriptor, and notes that the device is being asked. None if no
-  /// device needs to be asked now.
+  /// A device whose descriptor is not known, and the name of its deployment.
   struct Unknown {
     std::string device;
     std::string deployment;
   };
+  /// Returns the next device to ask for its descriptor, and notes that the device is being asked. None if no
+  /// device needs to be asked now.
   std::optional<Unknown> unknown(const std::vector<wire::ObservedDevice>& devices, Instant now);
 
-  /// The current state of the domain. A device of the cell that is not found within kFound is shown as lost:
-  /// it was lost before this program started, so it publishes nothing.
+  /// Returns the next device to ask for its report, and notes that the device is being asked. None if no
+  /// device needs to be asked now.
+  std::optional<std::string> unreported(const std::vector<wire::ObservedDevice>& devices, Instant now);
+  /// Sets the components of a device: by module, the file, version and hash.
+  void add_components(const std::string& device, std::map<std::string, std::string> components);
+
+  /// The current state of the domain. If a device of the cell is not found within kFound, the snapshot shows
+  /// the device as lost, because it must have been lost before `takt watch` started.
   watch::Snapshot snapshot(const std::vector<wire::ObservedDevice>& devices, Instant now);
   static constexpr std::chrono::seconds kFound{2};
 
@@ -51,15 +58,21 @@ class Watched {
 
   int domain_;
   client::History history_;
-  std::map<std::string, std::vector<watch::Transition>> transitions_;  // by DEVICE.MODULE
+  std::map<std::string, std::vector<watch::Transition>> transitions_;  // for each module, by DEVICE.MODULE
   std::deque<std::string> events_;
   struct Known {
     std::shared_ptr<const model::Cell> cell;
     Instant asked{};
     std::map<std::string, Instant>
-        missed{};  ///< the devices of the cell that were not found, each with the time of the first search
+        missed{};  ///< the devices of the cell that are not found, each with the time of the first search
   };
-  std::map<std::string, Known> cells_;  // by deployment
+  std::map<std::string, Known> cells_;  // for each deployment, by its name
+  struct Reported {
+    std::string deployment;
+    Instant asked{};
+    std::map<std::string, std::string> components{};
+  };
+  std::map<std::string, Reported> reports_;  // for each device, by its name
 };
 
 }  // namespace takt::tool

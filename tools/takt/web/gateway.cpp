@@ -18,14 +18,14 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kMostFaults = 500;   // newest events sent to a new page
-constexpr std::size_t kMostProblems = 20;  // the newest problems in reading fault records
+constexpr std::size_t kMostFaults = 500;   // number of the newest events that a new page gets
+constexpr std::size_t kMostProblems = 20;  // number of kept problems in reading fault records
 constexpr std::size_t kTrend = 120;        // length of the jitter series sent to a new page, in seconds
 constexpr milliseconds kTogether{20};      // state changes within this time are sent in one event
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
 constexpr seconds kNodeAnswered{3};
-constexpr seconds kAskAgain{10};  // interval of requests for the descriptor
+constexpr seconds kAskAgain{10};  // time between two requests for the descriptor
 
 std::string state_event(bool whole, Json devices, Json modules) {
   return event_text(
@@ -88,7 +88,7 @@ Result<std::unique_ptr<Gateway>> Gateway::create(const client::Network& network)
   auto follower = client::LogFollower::create(gateway->client_.participant);
   if (!follower) return follower.problems();
   gateway->follower_ = std::move(*follower);
-  gateway->questions_ = std::make_unique<Questions>(*gateway->client_.asker);
+  gateway->device_requests_ = std::make_unique<DeviceRequests>(*gateway->client_.sender);
   gateway->watched_ = std::make_unique<WatchedPorts>(gateway->client_, gateway->streams_);
   gateway->cell_text_ = event_text("cell", model::json_text(cell_json(nullptr, gateway->client_.domain, "")));
   gateway->sender_ = std::thread{[self = gateway.get()] { self->run_sender(); }};
@@ -110,9 +110,9 @@ std::shared_ptr<const model::Cell> Gateway::cell() const {
 
 // Sends the complete state to a new page. All changes are sent under the same lock, so the page misses none
 // of them.
-std::shared_ptr<Stream> Gateway::open() {
+std::shared_ptr<Stream> Gateway::open(const std::string& address) {
   const std::lock_guard lock{mutex_};
-  auto stream = streams_.open();
+  auto stream = streams_.open(address);
   if (!stream) return nullptr;
   stream->send(event_text("stream", model::json_text({{"id", stream->id()}})));
   stream->send(cell_text_);
@@ -207,7 +207,7 @@ void Gateway::send_measures() {
     if (!device.alive) lost.insert(device.name());
   }
   const std::lock_guard lock{mutex_};
-  history_.hear(seen);
+  history_.add(seen);
   for (auto& [name, module] : measures["modules"].items()) {
     const client::Series last = history_.of(name, 1);
     if (last.times_ms.empty() || lost.contains(name.substr(0, name.find('.')))) continue;
@@ -218,7 +218,7 @@ void Gateway::send_measures() {
   measures_ = std::move(text);
 }
 
-// The caller holds the lock.
+// Returns the event `faults` with all events that are kept. The caller must hold the lock.
 std::string Gateway::all_faults() const {
   Json events = Json::array();
   for (const Json& fault : faults_) events.push_back(fault);
@@ -226,7 +226,7 @@ std::string Gateway::all_faults() const {
       "faults", model::json_text({{"whole", true}, {"events", std::move(events)}, {"problems", problems_}}));
 }
 
-// The caller holds the lock.
+// Keeps problems that occurred while fault records were read, for the pages. The caller must hold the lock.
 void Gateway::keep_problems(const Problems& problems) {
   for (const Problem& problem : problems) {
     problems_.push_back(in_words({problem}));
@@ -251,8 +251,8 @@ void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems
       model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", problems_}})));
 }
 
-// Adds events from a fault record. They happened earlier, so they are sorted in by time and not counted as
-// new.
+// Adds events from a fault record. These events happened before the gateway found the device. So they are
+// inserted by their time, and do not count as new.
 void Gateway::add_record(const client::Log& read) {
   if (read.events.empty() && read.problems.empty()) return;
   const std::lock_guard lock{mutex_};
@@ -279,13 +279,13 @@ void Gateway::run_fetcher() {
   }
 }
 
-// Reads the fault record of each device once. It has the events that happened before this program found the
+// Reads the fault record of each device once, to get the events that happened before this program found the
 // device.
 void Gateway::read_records() {
   for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
     const client::Log read =
-        client::read_log(*client_.asker, {.device = seen.name(), .last = kMostFaults}, kNodeAnswered);
+        client::read_log(*client_.sender, {.device = seen.name(), .last = kMostFaults}, kNodeAnswered);
     add_record(read);
     follower_->go_on_after(read);
   }
@@ -293,13 +293,13 @@ void Gateway::read_records() {
 
 void Gateway::follow_faults() {
   Problems problems;
-  auto events = follower_->next(*client_.asker, kTurn, problems);
+  auto events = follower_->next(*client_.sender, kTurn, problems);
   client::sort_by_time(events);
   add_faults(events, problems);
 }
 
-// Whether the shown cell is lost: no device of it is alive. The page keeps showing a lost cell. If a device
-// is alive without the cell, the cell was removed and the page stops showing it.
+// True if the shown cell is lost: no device of the cell is alive. The page keeps showing a lost cell. If a
+// live device no longer has the cell, the cell was removed and the page stops showing it.
 bool Gateway::is_lost() const {
   if (!cell_) return false;
   bool lost = false;
@@ -332,7 +332,7 @@ void Gateway::look_for_cell() {
   std::string descriptor;
   if (!deployment.empty()) {
     const auto reply = client::accepted(
-        client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kNodeAnswered}));
+        client_.sender->send({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kNodeAnswered}));
     if (!reply) return;  // run_fetcher() tries again in its next cycle
     asked_ = now;
     if (deployment == deployment_ && reply->data == descriptor_) return;
@@ -400,7 +400,7 @@ std::string Gateway::metrics() {
   }
   counted.viewers = streams_.count();
   const auto devices = client_.observer->devices();
-  // Prometheus sees an increase only if the series existed before, so report a 0 for devices without events.
+  // Prometheus detects an increase only in a series that exists, so report 0 for a device without events.
   for (const wire::ObservedDevice& device : devices) counted.faults.try_emplace(device.name());
   return metrics_text(devices, running.get(), counted);
 }

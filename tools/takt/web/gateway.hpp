@@ -1,9 +1,9 @@
-// Collects the data of a cell for web pages, and forwards the requests of web pages to the cell. Independent
-// of HTTP.
+// Collects the data of a cell for web pages, and forwards the requests of web pages to the cell. This code
+// does not depend on HTTP.
 //
-// Most of what a page shows comes from topics that the nodes publish anyway. The gateway asks a device for
-// more only while a page shows it: ports, properties and tables of one module or device. The node answers,
-// not a real-time thread.
+// Most of what a page shows comes from topics that the nodes publish anyway. The gateway requests other data
+// only while a page shows them: the ports, properties and tables of one module or device. The node answers
+// these requests without the help of real-time threads.
 #pragma once
 
 #include <atomic>
@@ -22,9 +22,9 @@
 #include <takt/client/history.hpp>
 #include <takt/client/log.hpp>
 
+#include "web/device_requests.hpp"
 #include "web/metrics.hpp"
-#include "web/questions.hpp"
-#include "web/said.hpp"
+#include "web/samples_json.hpp"
 #include "web/stream.hpp"
 #include "web/watched_ports.hpp"
 
@@ -38,14 +38,14 @@ class Gateway {
 
   /// Opens a stream for a new page and sends the complete current state to it. Null if there are too many
   /// streams.
-  std::shared_ptr<Stream> open();
+  std::shared_ptr<Stream> open(const std::string& address);
   void close(const std::shared_ptr<Stream>& stream) { streams_.close(stream); }
   /// Ends all streams; open() then opens no more.
   void end_streams() { streams_.end(); }
 
-  Questions& questions() noexcept { return *questions_; }
-  Answer table(const std::string& device) { return questions_->table(device, cell()); }
-  Answer properties(const std::string& module) { return questions_->properties(module, cell()); }
+  DeviceRequests& device_requests() noexcept { return *device_requests_; }
+  Answer table(const std::string& device) { return device_requests_->table(device, cell()); }
+  Answer properties(const std::string& module) { return device_requests_->properties(module, cell()); }
   Answer watch(const std::string& stream, const std::string& body);
 
   Answer history(const std::string& module);
@@ -61,7 +61,7 @@ class Gateway {
   void send_states(std::vector<LifecycleStatus> steps);
   void send_measures();
   void look_for_cell();
-  [[nodiscard]] bool is_lost() const;  // whether all devices of the shown cell are lost
+  [[nodiscard]] bool is_lost() const;  // true if all devices of the shown cell are lost
   void follow_faults();
   void read_records();
   void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
@@ -73,7 +73,7 @@ class Gateway {
   std::unique_ptr<News> news_;  // declared before the client, whose threads use it
   client::Connection client_;
   Streams streams_;
-  std::unique_ptr<Questions> questions_;
+  std::unique_ptr<DeviceRequests> device_requests_;
   std::unique_ptr<WatchedPorts> watched_;
   std::unique_ptr<client::LogFollower> follower_;
 

@@ -11,7 +11,7 @@
 
 #include <takt/wire/words.hpp>
 
-#include "web/said.hpp"
+#include "web/samples_json.hpp"
 
 namespace takt::tool::web {
 
@@ -79,9 +79,9 @@ constexpr const char* kCounter = "counter";
 std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell) {
   Metric up{"takt_device_up", kGauge, "1 if the node of the device is alive, 0 if it is lost."};
   Metric state{"takt_device_state", kGauge,
-               "Whether the device is in this state: 1 for the current state, 0 for all others."};
+               "1 for the current state of the device, 0 for every other state."};
   Metric health{"takt_device_health", kGauge,
-                "Whether the device has this health: 1 for the current health, 0 for all others."};
+                "1 for the current health of the device, 0 for every other health."};
   Metric real_time{"takt_device_real_time", kGauge,
                    "1 if the system allows real-time scheduling on the device, else 0."};
   Metric restarts{"takt_device_host_restarts_total", kCounter,
@@ -105,7 +105,8 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
     real_time.add(labels, s.real_time());
     restarts.add(labels, std::uint64_t{s.host_restarts()});
   }
-  // Report devices of the cell as down if they were lost before the gateway started: they publish nothing.
+  // Report a device of the cell as down if `devices` does not contain it: it was lost before this program
+  // started.
   for (const model::Device& device : cell == nullptr ? std::vector<model::Device>{} : cell->devices) {
     const bool found = std::any_of(devices.begin(), devices.end(), [&](const wire::ObservedDevice& one) {
       return one.name() == device.name;
@@ -117,7 +118,7 @@ std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const m
 
 std::string of_modules(const std::vector<wire::ObservedDevice>& devices) {
   Metric state{"takt_module_state", kGauge,
-               "Whether the module is in this state: 1 for the current state, 0 for all others."};
+               "1 for the current state of the module, 0 for every other state."};
   Metric cycles{"takt_module_cycles_total", kCounter, "Releases of the module."};
   Metric missed{"takt_module_missed_total", kCounter, "Releases of the module that were skipped."};
   Metric overruns{"takt_module_overruns_total", kCounter, "Releases at which the module was still running."};
@@ -216,8 +217,8 @@ std::string of_connections(const std::vector<wire::ObservedDevice>& devices, con
          late.text();
 }
 
-/// Keeps one node of each name, if possible one that is alive. Two nodes with the same name would write the
-/// same Prometheus series.
+/// Keeps only one node of each name, because two nodes of the same name would write the same Prometheus
+/// series. Prefers a node that is alive.
 std::vector<wire::ObservedDevice> one_of_each(std::vector<wire::ObservedDevice> devices) {
   std::stable_partition(devices.begin(), devices.end(),
                         [](const wire::ObservedDevice& one) { return one.alive; });

@@ -21,8 +21,8 @@ struct Counted {
   std::size_t viewers = 0;  ///< open pages
 };
 
-/// The metrics as text. `cell` is the running cell, or null if none is known; then the text has no metrics of
-/// connections.
+/// The metrics as text. `cell` is the running cell. If no running cell is known, `cell` is null and the text
+/// has no metrics of connections.
 std::string metrics_text(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell,
                          const Counted& counted);
 

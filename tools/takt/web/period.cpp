@@ -8,7 +8,7 @@
 
 #include <takt/schedule/plan.hpp>
 
-#include "web/said.hpp"
+#include "web/samples_json.hpp"
 
 namespace takt::tool::web {
 
@@ -22,8 +22,8 @@ std::int64_t in_ns(double us) { return std::llround(us * 1e3); }
 
 /// The thread ids in a trace, as the trace gives them.
 struct Threads {
-  std::map<std::string, double> rows;      // by executor
-  std::map<std::string, double> sporadic;  // by executor
+  std::map<std::string, double> rows;      // for each executor, the thread that runs its rows
+  std::map<std::string, double> sporadic;  // for each executor, the thread that runs its sporadic modules
 };
 
 Threads threads_of(const Json& about) {
@@ -59,8 +59,8 @@ bool is(const Json& event, const char* category, double thread) {
   return event.value("cat", "") == category && event.value("tid", kNone) == thread;
 }
 
-/// The rows in a time window. A trace lists the rows in the order in which they began, and after each row its
-/// runs.
+/// The rows in a time window. A trace lists the rows in the order in which they began, and the runs of a row
+/// after that row.
 Json rows_json(const Json& trace, double thread, const Window& window, double basic_us) {
   Json rows = Json::array();
   double row_end = 0;

@@ -10,7 +10,7 @@
 
 namespace takt::tool::web {
 
-/// How many seconds a trace must cover to contain a complete macro period of each executor of the device: at
+/// The length that a trace needs to contain a complete macro period of each executor of the device, but at
 /// most 10 s.
 Nanoseconds trace_needed(const model::Cell& cell, const model::Device& device);
 

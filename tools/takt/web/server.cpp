@@ -6,15 +6,19 @@
 #include <chrono>
 #include <cstring>
 #include <functional>
+#include <memory>
+#include <semaphore>
 #include <string_view>
 #include <thread>
 #include <utility>
 
 #include <httplib.h>
 
+#include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 
 #include "web/gateway.hpp"
+#include "web/intake.hpp"
 
 namespace takt::tool::web {
 
@@ -23,10 +27,16 @@ namespace {
 using httplib::Request;
 using httplib::Response;
 
-constexpr std::size_t kMostBody = std::size_t{64} << 10;
-constexpr std::size_t kThreads = Streams::kMost + 16;  // each stream occupies one thread
-constexpr std::chrono::seconds kSign{10};              // an idle stream sends a comment line this often
-constexpr std::chrono::seconds kWrite{10};  // disconnect a browser that reads nothing for this long
+constexpr std::size_t kMostWaiting = 16;  // number of requests that wait for devices at the same time
+// Each stream and each request that waits for a device occupies a thread. The remaining threads answer the
+// other requests.
+constexpr std::size_t kThreads = Streams::kMost + kMostWaiting + 16;
+constexpr std::chrono::seconds kSign{10};  // an idle stream sends a comment line this often
+// Disconnect a client that reads less than this number of bytes in this time.
+constexpr std::size_t kPiece = std::size_t{128} << 10;
+constexpr std::chrono::seconds kWrite{10};
+constexpr int kSendBuffer = 1 << 20;  // so that most responses do not wait for the client
+constexpr int kBacklog = 256;         // connections that wait to be accepted; the library's number is 5
 
 struct File {
   std::string_view path;
@@ -55,21 +65,78 @@ bool is_equal(const std::string& a, const std::string& b) {
   return differs == 0;
 }
 
+/// Lets the library read a complete request from memory, and write the response to the client.
+class ClientStream final : public httplib::Stream {
+ public:
+  explicit ClientStream(Client& client) : client_(client), rest_(client.request.text()) {}
+
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return !broken_; }
+  ssize_t read(char* to, size_t size) override {
+    const std::size_t n = rest_.copy(to, size);
+    rest_.remove_prefix(n);
+    return static_cast<ssize_t>(n);
+  }
+  ssize_t write(const char* from, size_t size) override {
+    for (std::string_view rest{from, size}; !rest.empty() && !broken_;) {
+      const std::string_view piece = rest.substr(0, kPiece);
+      broken_ = !client_.connection.send(piece, os::now() + kWrite);
+      rest.remove_prefix(piece.size());
+    }
+    return broken_ ? -1 : static_cast<ssize_t>(size);
+  }
+  void get_remote_ip_and_port(std::string& ip, int&) const override { ip = client_.connection.peer(); }
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return INVALID_SOCKET; }
+
+ private:
+  Client& client_;
+  std::string_view rest_;
+  bool broken_ = false;
+};
+
+/// The library's server. It accepts connections and answers complete requests, but does not read from
+/// connections.
+class Library final : public httplib::Server {
+ public:
+  /// Sets the function that gets each accepted connection. It must not wait.
+  void on_connection(std::function<void(os::Fd)> take) {
+    take_ = std::move(take);
+    new_task_queue = [] { return new OnThisThread; };
+  }
+  /// Call this after the server was bound to its port.
+  void accept_bursts() { ::listen(svr_sock_, kBacklog); }
+  void answer(Client& client) {
+    ClientStream stream{client};
+    bool closed = false;
+    process_request(stream, true, closed, nullptr);
+  }
+
+ private:
+  struct OnThisThread final : httplib::TaskQueue {
+    void enqueue(std::function<void()> task) override { task(); }
+    void shutdown() override {}
+  };
+  bool process_and_close_socket(socket_t socket) override {
+    take_(os::Fd{socket});
+    return true;
+  }
+
+  std::function<void(os::Fd)> take_;
+};
+
 class HttpServer final : public Server {
  public:
   HttpServer(Gateway& gateway, std::string token)
       : gateway_(gateway), token_(std::move(token)), machine_(os::host_name()) {
-    server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-    server_.set_payload_max_length(kMostBody);
-    server_.set_keep_alive_timeout(2);
-    server_.set_read_timeout(5);
-    server_.set_write_timeout(kWrite);
+    server_.on_connection([this](os::Fd connection) { intake_->add(std::move(connection)); });
     server_.set_tcp_nodelay(true);
-    // Replace the default option, SO_REUSEPORT, with which a second server on this port would get half of the
-    // requests.
+    // Do not set SO_REUSEPORT, which cpp-httplib sets by default: this option would let a second server on
+    // this port take half of the requests.
     server_.set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+      ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof kSendBuffer);
     });
     server_.set_default_headers(
         {{"Content-Security-Policy",
@@ -87,11 +154,10 @@ class HttpServer final : public Server {
     });
     server_.set_error_handler([](const Request& request, Response& response) {
       if (!response.body.empty()) return;
-      const bool large = response.status == 413;
-      put(response, answer_of(response.status,
-                              {.where = "",
-                               .what = large ? "the request is too long" : "there is no " + request.path,
-                               .fix = large ? "send at most 64 KiB" : "the page is at /"}));
+      put(response, answer_of(response.status, {.where = "",
+                                                .what = response.status == 404 ? "there is no " + request.path
+                                                                               : "the request is malformed",
+                                                .fix = "the page is at /"}));
     });
     server_.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
       put(response,
@@ -104,6 +170,8 @@ class HttpServer final : public Server {
     gateway_.end_streams();
     server_.stop();
     if (thread_.joinable()) thread_.join();
+    if (intake_) intake_->stop();
+    workers_.shutdown();
   }
 
   Result<void> listen(const ServerOptions& options) {
@@ -121,6 +189,15 @@ class HttpServer final : public Server {
                          ? "choose another --port, or 0 for any free port"
                          : "give --listen an address of this machine, or 0.0.0.0 for all its addresses"};
     }
+    auto intake = Intake::create([this](const std::shared_ptr<Client>& client) {
+      workers_.enqueue([this, client] {
+        server_.answer(*client);
+        intake_->finish(client);
+      });
+    });
+    if (!intake) return intake.problems();
+    intake_ = std::move(*intake);
+    server_.accept_bursts();
     thread_ = std::thread{[this] { server_.listen_after_bind(); }};
     return {};
   }
@@ -144,29 +221,45 @@ class HttpServer final : public Server {
     server_.Get("/metrics", [this](const Request&, Response& response) {
       response.set_content(gateway_.metrics(), "text/plain; version=0.0.4; charset=utf-8");
     });
-    server_.Get("/api/events", [this](const Request&, Response& response) { stream(response); });
-    Questions& questions = gateway_.questions();
+    server_.Get("/api/events", [this](const Request& request, Response& response) {
+      stream(request.remote_addr, response);
+    });
+    DeviceRequests& requests = gateway_.device_requests();
     ask("/api/history", "module", [this](const std::string& module) { return gateway_.history(module); });
     ask("/api/table", "device", [this](const std::string& device) { return gateway_.table(device); });
-    ask("/api/ports", "device", [&questions](const std::string& device) { return questions.ports(device); });
+    ask("/api/ports", "device", [&requests](const std::string& device) { return requests.ports(device); });
     ask("/api/properties", "module",
         [this](const std::string& module) { return gateway_.properties(module); });
     server_.Put(R"(/api/streams/([0-9a-f]+)/ports)", [this](const Request& request, Response& response) {
-      put(response, gateway_.watch(request.matches[1], request.body));
+      put(response, waiting([&] { return gateway_.watch(request.matches[1], request.body); }));
     });
     server_.Get("/api/rights", [this](const Request& request, Response& response) {
       const std::string why = refusal(request);
       put(response, answer_of(Json{{"command", why.empty()}, {"why", why}}));
     });
-    post("/api/command", [&questions](const std::string& body) { return questions.command(body); });
-    post("/api/property", [&questions](const std::string& body) { return questions.set_property(body); });
+    post("/api/command", [&requests](const std::string& body) { return requests.command(body); });
+    post("/api/property", [&requests](const std::string& body) { return requests.set_property(body); });
   }
 
   using Answers = std::function<Answer(const std::string&)>;
   void ask(const char* path, const char* parameter, Answers answers) {
-    server_.Get(path, [answers = std::move(answers), parameter](const Request& request, Response& response) {
-      put(response, answers(request.get_param_value(parameter)));
-    });
+    server_.Get(path,
+                [this, answers = std::move(answers), parameter](const Request& request, Response& response) {
+                  put(response, waiting([&] { return answers(request.get_param_value(parameter)); }));
+                });
+  }
+  /// Answers a request that may wait for a device and needs no token. Limits the number of these requests, so
+  /// that some threads remain for the others.
+  Answer waiting(const std::function<Answer()>& answer) {
+    if (!may_wait_.try_acquire())
+      return answer_of(503, {.where = "",
+                             .what = "too many requests wait for devices: " + std::to_string(kMostWaiting),
+                             .fix = "try again"});
+    struct Release {
+      std::counting_semaphore<kMostWaiting>& may_wait;
+      ~Release() { may_wait.release(); }
+    } const release{may_wait_};
+    return answer();
   }
   /// Serves POST requests to `path`, which need the token.
   void post(const char* path, Answers answers) {
@@ -180,21 +273,21 @@ class HttpServer final : public Server {
     });
   }
 
-  /// The reason why the sender of a request may not send commands; empty if it may. Checks a header that a
-  /// page of another site cannot send.
+  /// The reason why the sender of a request may not send commands; empty if the sender may. Checks a header
+  /// that a page of another site cannot send.
   [[nodiscard]] std::string refusal(const Request& request) const {
-    if (token_.empty()) return "this page is read-only: takt web was started without --commands";
+    if (token_.empty()) return "takt web was started without --commands";
     const std::string given = request.get_header_value("Authorization");
     if (given.empty()) return "the request has no token";
     if (!is_equal(given, "Bearer " + token_)) return "the token is wrong";
     return "";
   }
 
-  void stream(Response& response) {
-    auto stream = gateway_.open();
+  void stream(const std::string& address, Response& response) {
+    auto stream = gateway_.open(address);
     if (!stream) {
       put(response, answer_of(503, {.where = "",
-                                    .what = "too many pages are open: " + std::to_string(Streams::kMost),
+                                    .what = "too many pages are open on " + address,
                                     .fix = "close another page"}));
       return;
     }
@@ -206,18 +299,28 @@ class HttpServer final : public Server {
             sink.done();
             return true;
           }
-          const std::string& sent = text->empty() ? kNothing : *text;
-          return sink.write(sent.data(), sent.size());
+          // The library copies what it sends. If the stream ends because the browser is too slow, the rest is
+          // not sent.
+          std::string_view rest = text->empty() ? kNothing : std::string_view{*text};
+          while (!rest.empty() && !stream->ended()) {
+            const std::string_view piece = rest.substr(0, kPiece);
+            if (!sink.write(piece.data(), piece.size())) return false;
+            rest.remove_prefix(piece.size());
+          }
+          return true;
         },
         [this, stream](bool) { gateway_.close(stream); });
   }
 
-  static inline const std::string kNothing = ": nothing new\n\n";
+  static constexpr std::string_view kNothing = ": nothing new\n\n";
 
   Gateway& gateway_;
   const std::string token_;
   const std::string machine_;
-  httplib::Server server_;
+  std::counting_semaphore<kMostWaiting> may_wait_{kMostWaiting};
+  Library server_;
+  httplib::ThreadPool workers_{kThreads};
+  std::unique_ptr<Intake> intake_;
   std::thread thread_;
   int port_ = -1;
 };

@@ -30,9 +30,9 @@ class Server {
   Server() = default;
 };
 
-/// Whether the host of a request (header Host, with or without a port) is an IP address, localhost or the
-/// name of this machine. The server rejects other names: the owner of a foreign DNS name could point it to
-/// this machine, so that a foreign web page can read the cell (DNS rebinding).
+/// True if the host of a request (header Host, with or without a port) is an IP address, localhost or the
+/// name of this machine. The server rejects other names: an attacker could point a DNS name to this machine,
+/// so that a web page of the attacker can read the cell (DNS rebinding).
 bool is_own_name(const std::string& host, const std::string& machine);
 
 }  // namespace takt::tool::web

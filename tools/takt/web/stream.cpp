@@ -8,19 +8,36 @@
 
 namespace takt::tool::web {
 
+static_assert(Streams::kMost * Stream::kShare <= Stream::kMostOfAll);
+
 std::string event_text(const std::string& name, const std::string& data) {
   return "event: " + name + "\ndata: " + data + "\n\n";
+}
+
+Stream::~Stream() { forget(queued_); }
+
+void Stream::count(std::size_t bytes) {
+  queued_ += bytes;
+  all_ += bytes;
+}
+
+void Stream::forget(std::size_t bytes) {
+  queued_ -= bytes;
+  all_ -= bytes;
 }
 
 void Stream::send(const std::string& text) {
   {
     const std::lock_guard lock{mutex_};
     if (ended_) return;
-    if (waiting_.size() + text.size() > kMostBytes) {
+    const std::size_t size = queued_ + text.size();
+    if (size > kMostBytes || (size > kShare && all_ + text.size() > kMostOfAll)) {
       ended_ = true;
-      waiting_.clear();
+      forget(waiting_.size());
+      waiting_ = {};
     } else {
       waiting_ += text;
+      count(text.size());
     }
   }
   arrived_.notify_all();
@@ -28,8 +45,10 @@ void Stream::send(const std::string& text) {
 
 std::optional<std::string> Stream::next(std::chrono::milliseconds limit) {
   std::unique_lock lock{mutex_};
+  forget(std::exchange(taken_, 0));
   arrived_.wait_for(lock, limit, [this] { return ended_ || !waiting_.empty(); });
   if (ended_) return std::nullopt;
+  taken_ = waiting_.size();
   return std::exchange(waiting_, {});
 }
 
@@ -46,11 +65,12 @@ bool Stream::ended() const {
   return ended_;
 }
 
-std::shared_ptr<Stream> Streams::open() {
+std::shared_ptr<Stream> Streams::open(const std::string& address) {
   const std::lock_guard lock{mutex_};
-  std::erase_if(all_, [](const auto& stream) { return stream->ended(); });
-  if (ended_ || all_.size() >= kMost) return nullptr;
-  return *all_.insert(std::make_shared<Stream>(random_word(16))).first;
+  const auto own = static_cast<std::size_t>(
+      std::count_if(all_.begin(), all_.end(), [&](const auto& each) { return each.second == address; }));
+  if (ended_ || own >= kMost - all_.size()) return nullptr;
+  return all_.emplace(std::make_shared<Stream>(random_word(16), bytes_), address).first->first;
 }
 
 void Streams::close(const std::shared_ptr<Stream>& stream) {
@@ -61,25 +81,26 @@ void Streams::close(const std::shared_ptr<Stream>& stream) {
 
 void Streams::send(const std::string& text) {
   const std::lock_guard lock{mutex_};
-  for (const auto& stream : all_) stream->send(text);
+  for (const auto& [stream, address] : all_) stream->send(text);
 }
 
 std::shared_ptr<Stream> Streams::find(const std::string& id) const {
   const std::lock_guard lock{mutex_};
-  const auto found = std::find_if(all_.begin(), all_.end(), [&id](const auto& s) { return s->id() == id; });
-  return found == all_.end() ? nullptr : *found;
+  const auto found =
+      std::find_if(all_.begin(), all_.end(), [&id](const auto& each) { return each.first->id() == id; });
+  return found == all_.end() ? nullptr : found->first;
 }
 
 std::size_t Streams::count() const {
   const std::lock_guard lock{mutex_};
   return static_cast<std::size_t>(
-      std::count_if(all_.begin(), all_.end(), [](const auto& stream) { return !stream->ended(); }));
+      std::count_if(all_.begin(), all_.end(), [](const auto& each) { return !each.first->ended(); }));
 }
 
 void Streams::end() {
   const std::lock_guard lock{mutex_};
   ended_ = true;
-  for (const auto& stream : all_) stream->end();
+  for (const auto& [stream, address] : all_) stream->end();
 }
 
 std::string random_word(std::size_t bytes) {

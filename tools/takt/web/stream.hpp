@@ -4,14 +4,15 @@
 // its stream ends. The browser then reconnects by itself and gets the complete state again.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -24,33 +25,48 @@ std::string event_text(const std::string& name, const std::string& data);
 class Stream {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{8} << 20;  ///< limit of the queued bytes
+  /// If the queues of all streams together have more than kMostOfAll bytes, each may have only kShare bytes.
+  static constexpr std::size_t kMostOfAll = std::size_t{64} << 20;
+  static constexpr std::size_t kShare = std::size_t{512} << 10;
 
-  explicit Stream(std::string id) : id_(std::move(id)) {}
+  /// `all` counts the queued bytes of all streams, and must outlive this object.
+  Stream(std::string id, std::atomic<std::size_t>& all) : id_(std::move(id)), all_(all) {}
+  ~Stream();
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
 
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
-  /// Queues an event. Ends the stream if the queue would exceed kMostBytes.
+  /// Queues an event. Ends the stream if there would be too many queued bytes.
   void send(const std::string& text);
-  /// Waits for events, at most `limit`, and returns all queued events. The text is empty if no event arrived.
-  /// None if the stream has ended.
+  /// Waits for events, at most `limit`, and returns all queued events as one text, which is empty if no event
+  /// arrived. Returns none if the stream has ended. The events count as queued until the next call.
   std::optional<std::string> next(std::chrono::milliseconds limit);
   void end();
   [[nodiscard]] bool ended() const;
 
  private:
+  void count(std::size_t bytes);
+  void forget(std::size_t bytes);
+
   const std::string id_;
+  std::atomic<std::size_t>& all_;
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   std::string waiting_;
+  std::size_t taken_ = 0;   // bytes that next() returned last
+  std::size_t queued_ = 0;  // taken_ and the bytes that wait
   bool ended_ = false;
 };
 
 /// The streams of all browsers. Any thread may call its functions.
 class Streams {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMost = 128;
 
-  /// Opens a new stream. Null if kMost streams are open, or after end().
-  std::shared_ptr<Stream> open();
+  /// Opens a new stream to the browser at `address`. Null after end(), or if the address has as many streams
+  /// as there are free places. So one address gets at most half of the places, and cannot keep the others
+  /// out. A stream that has ended occupies a thread, and its place, until it is closed.
+  std::shared_ptr<Stream> open(const std::string& address);
   void close(const std::shared_ptr<Stream>& stream);
   void send(const std::string& text);
   [[nodiscard]] std::shared_ptr<Stream> find(const std::string& id) const;
@@ -58,12 +74,13 @@ class Streams {
   void end();
 
  private:
+  std::atomic<std::size_t> bytes_{0};
   mutable std::mutex mutex_;
-  std::set<std::shared_ptr<Stream>> all_;
+  std::map<std::shared_ptr<Stream>, std::string> all_;  // with the address of the browser
   bool ended_ = false;
 };
 
-/// As many random bytes as `bytes` says, written in hexadecimal digits.
+/// Returns `bytes` random bytes as hexadecimal digits.
 std::string random_word(std::size_t bytes);
 
 }  // namespace takt::tool::web

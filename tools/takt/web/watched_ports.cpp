@@ -11,7 +11,7 @@
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 
-#include "web/said.hpp"
+#include "web/samples_json.hpp"
 
 namespace takt::tool::web {
 
@@ -55,8 +55,8 @@ struct WatchedPorts::Source {
     return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
   }
 
-  /// The next values for a stream that already has `has` values. Adds the number of returned values to `has`.
-  /// None if there are no new values.
+  /// Returns the next values for a stream that already has `has` values, and adds their number to `has`.
+  /// Returns none if there are no new values.
   std::optional<Json> news(const std::string& port, std::uint64_t& has) {
     const std::lock_guard lock{mutex};
     const bool whole = has == 0;
@@ -108,7 +108,7 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
     const std::lock_guard lock{mutex_};
     if (const auto found = sources_.find(port); found != sources_.end()) return found->second;
   }
-  auto flow = client::tapped(*client_.asker, port);
+  auto flow = client::tapped(*client_.sender, port);
   if (!flow) return flow.problems();
   auto made = std::make_shared<Source>(std::move(*flow));
   if (made->shown.empty())
@@ -189,7 +189,7 @@ void WatchedPorts::maintain() {
     const auto devices = client_.observer->devices(port.substr(0, port.find('.')));
     if (std::none_of(devices.begin(), devices.end(), [](const wire::ObservedDevice& d) { return d.alive; }))
       continue;
-    const auto flow = client::tapped(*client_.asker, port);
+    const auto flow = client::tapped(*client_.sender, port);
     if (!flow) continue;  // the device is lost or still starting; the page shows its state
     const std::lock_guard lock{mutex_};
     const auto source = sources_.find(port);
@@ -199,7 +199,7 @@ void WatchedPorts::maintain() {
         before.quality.reliable == flow->quality.reliable) {
       continue;
     }
-    gone.push_back(std::move(source->second));  // another deployment
+    gone.push_back(std::move(source->second));  // a new deployment has changed the port
     sources_.erase(source);
     changed.push_back(port);
   }

@@ -25,14 +25,14 @@ class WatchedPorts {
   static constexpr std::size_t kMostFields = 32;   ///< limit of the plotted fields of one port
   static constexpr std::chrono::minutes kKept{5};  ///< how long a value is kept
   static constexpr std::chrono::milliseconds kApart{
-      20};  ///< samples that follow the last kept one sooner are dropped
+      20};  ///< minimum time between two kept samples; samples in between are dropped
   static constexpr std::chrono::seconds kUnused{60};
 
   WatchedPorts(client::Connection& client, Streams& streams);
   ~WatchedPorts();
 
   /// Replaces the list of ports whose values a stream gets. Asks the ports' devices, which may take a few
-  /// seconds. Each problem names a port in `where`; that port is left out.
+  /// seconds. Each problem names in `where` a port whose values the stream will not get.
   Problems want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports);
   /// Sends to each stream the values of its ports that arrived since the last call.
   void send();
@@ -50,7 +50,7 @@ class WatchedPorts {
   Streams& streams_;
   std::mutex mutex_;
   Sources sources_;
-  /// For each stream, by its id: the number of values that it has got of each port.
+  /// For each stream id and port: the number of values of the port that the stream has received.
   std::map<std::string, std::map<std::string, std::uint64_t>> views_;
 };
 

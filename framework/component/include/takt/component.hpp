@@ -8,9 +8,16 @@
 //   };
 //   TAKT_COMPONENT(Ramp, "A value that rises.")
 //
-// In CMake, takt_add_component(ramp ramp.cpp) builds it. A cell may have several modules of one component;
-// each module is a separate object.
+// In CMake, takt_add_component(ramp ramp.cpp) builds this component. A cell may have several modules of one
+// component; each module is a separate object.
 #pragma once
+
+#ifndef __cplusplus
+#error <takt/component.hpp> is for C++: a component in C includes <takt/module.h>
+#endif
+#ifdef TAKT_PROCESS_MODULE
+#error <takt/component.hpp> is for components: use takt_add_component; a program includes <takt/process.hpp> or <takt/process.h>
+#endif
 
 #include <cstdint>
 #include <string>
@@ -20,6 +27,7 @@
 #include <takt/text.h>
 #include <takt/component/event_port.hpp>
 #include <takt/component/in_port.hpp>
+#include <takt/component/log.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
 #include <takt/component/saved.hpp>
@@ -32,10 +40,13 @@ namespace takt {
 
 /// One release of a module. By the paper's Eq. (1), `time` is P_n = T0 + n x period.
 struct Cycle {
-  std::uint64_t number = 0;  ///< n: release number on the module's grid, from 0; missed releases leave gaps
-  Instant time{};            ///< when the release was due; equal for all modules of a row
-  Nanoseconds period{};      ///< period of the module; for a sporadic module, of its executor's rows
-  Instant start{};           ///< when run() was called; stamps of samples and ages refer to this time
+  std::uint64_t number = 0;  ///< n: the number of the release, from 0; missed releases count, too. For a
+                             ///< sporadic module, the number of the executor's row that released it (with
+                             ///< immediate dispatch, of the next row)
+  Instant time{};            ///< when the release was due; the same for all modules of a row
+  Nanoseconds period{};      ///< period of the module; for a sporadic module, the basic period of its
+                             ///< executor
+  Instant start{};           ///< when run() was called; written samples get this time as their stamp
 
   /// Returns the period in seconds. A real-time thread may call it.
   [[nodiscard]] double seconds() const noexcept { return std::chrono::duration<double>(period).count(); }
@@ -49,11 +60,11 @@ enum class ErrorType : int {
   start = 3,     ///< start() failed
   crash = 4,     ///< the host or the process module crashed or ended by itself
   hang = 5,      ///< run() or another hook did not return
-  deadline = 6,  ///< a sporadic module missed its deadline, and its descriptor makes that an error
+  deadline = 6,  ///< a sporadic module missed its deadline, with miss="error"
   stale = 7,     ///< an input was older than its connection's deadline, with stale="error"
   overrun = 8,   ///< a release was not served in time, and the descriptor makes that an error
 };
-/// "failure", "budget", ...
+/// Returns the name of the type: "failure", "budget", ...
 const char* to_text(ErrorType type) noexcept;
 
 /// The base class of every component. A real-time thread calls run() and condition(). Another thread, which
@@ -70,20 +81,22 @@ class Component {
   /// allocate, open files and connect. If it fails, the device does not start, and Takt reports the reason:
   /// `return takt::fail("the sensor does not answer", "switch it on");`
   virtual Result<void> initialize() { return {}; }
-  /// Called between initialize() and start() if a former instance saved a value of another version or size.
-  /// Put what is still valid into the Saved of this instance. If it fails, the value is not restored, the
-  /// reason is reported, and the module starts all the same. A value of the same version and size is restored
-  /// without this call. During a swap, restore() is called again, also after start(), until the new instance
-  /// has the newest value; a failure then ends the swap. The calling thread is not real-time. The default
-  /// implementation fails.
+  /// Called between initialize() and start() if a former instance of the module saved a value with another
+  /// version or size. Copy the parts of `before` that are still valid into the Saved member of this instance.
+  /// If restore() fails, the value is not restored, Takt reports the reason, and the module starts
+  /// nevertheless. A value of the same version and size is restored without this call. During a swap,
+  /// restore() is called again, also after start(), until the new instance has the newest value; a failure
+  /// then ends the swap. The calling thread is not real-time. The default implementation fails.
   virtual Result<void> restore(const SavedBefore& before);
-  /// Called when every module of the device is initialised. It may fail. The calling thread is not real-time.
+  /// Called when every module of the device is initialised. start() may fail. The calling thread is not
+  /// real-time.
   virtual Result<void> start() { return {}; }
   /// Called every period, or when condition() is true. The calling thread is real-time, so run() must not
-  /// lock, allocate, make a system call or log. It reports failures with fail().
+  /// lock, allocate or make a system call. It reports failures with fail(), and writes log lines with log().
   virtual void run(const Cycle& cycle) = 0;
-  /// For a sporadic module: whether run() must be called. By default, it is true while an event port has an
-  /// unread event. The calling thread is real-time, so the rules of run() apply.
+  /// Called for a sporadic module. Returns true if run() must be called. The default implementation returns
+  /// true while an event port has an unread event. The calling thread is real-time, so the rules of run()
+  /// apply.
   virtual bool condition();
   /// Called after an error took the module out of its table. The calling thread is not real-time.
   virtual void error(ErrorType /*type*/) {}
@@ -99,18 +112,38 @@ class Component {
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
   /// The services that have a handler.
   [[nodiscard]] const std::vector<ServiceBase*>& services() const noexcept { return services_; }
-  /// The Saved members. A component may have only one.
+  /// All Saved members. A valid component has at most one.
   [[nodiscard]] const std::vector<SavedBase*>& saved() const noexcept { return saved_; }
 
  protected:
   /// Returns the period of this module, or 0 if it has none. Every hook may call it; initialize() can check
-  /// properties against the period. In run() and condition() of a sporadic module, it returns the period of
-  /// the executor's rows. A real-time thread may call it.
+  /// properties against the period. In run() and condition() of a sporadic module, it returns the basic
+  /// period of the executor. A real-time thread may call it.
   static Nanoseconds period() noexcept;
-  /// Reports a failure from run() or condition(). The module is taken out of its table after the call, with
-  /// this text as the reason (255 bytes are kept). fail() returns, so the hook must end itself. A real-time
-  /// thread may call it.
+  /// Reports a failure from run() or condition(). After the hook, Takt takes the module out of its table,
+  /// with `text` as the reason (at most 255 bytes). fail() returns to the hook, which should then return,
+  /// too. A real-time thread may call it.
   static void fail(const char* text) noexcept;
+  /// Reports from run() that the module has finished its work. This run() is then the last one: Takt takes
+  /// the module out of its table, calls destruct(), and the module is in DESTRUCT until it is reset. Samples
+  /// that run() writes after finish() are sent, too. finish() returns to run(), which should then return,
+  /// too. If run() calls finish() and fails, Takt treats it as failed, not as finished. Outside of run(),
+  /// finish() has no effect. A real-time thread may call it.
+  static void finish() noexcept;
+  /// The log of this module: `log().info("lost the part at {:.2f} m", x);`. A real-time thread may call it.
+  static Log log() noexcept { return {}; }
+  /// Makes the compiler reject a call such as log(text) or log(x), with a message that states what to write
+  /// instead.
+  template <class T>
+  static void log(const T& /*text*/) {
+    static_assert(detail::kIsLiteral<T>,
+                  "log() has no arguments; write log().info(\"{}\", text), or std::log(x) for the logarithm");
+  }
+  /// Reports whether this module is in a safe stop. In a safe stop, a module works as intended, and keeps its
+  /// machine stopped for safety. `takt status`, `takt watch`, `takt log` and the web page show the safe stop
+  /// while the module is in EXECUTING. A reset of the module ends the safe stop. A real-time thread may call
+  /// it.
+  static void safe_stop(bool stopped) noexcept { takt::safe_stop(stopped); }
 
  private:
   friend class PropertyBase;
@@ -123,15 +156,16 @@ class Component {
   std::vector<SavedBase*> saved_;
 };
 
-/// What the .so of a C++ component exports; TAKT_COMPONENT defines it.
+/// The data that the .so of a C++ component exports to the host. TAKT_COMPONENT defines an object of this
+/// type.
 struct ComponentFactory {
   static constexpr std::uint32_t kAbi = 5;  ///< version of this interface
   std::uint32_t abi;                        ///< kAbi when the component was compiled
   std::uint32_t component_size;             ///< sizeof(Component) when the component was compiled
   const char* name;                         ///< name of the class
   Component* (*create)();                   ///< creates an object of the class
-  void (*destroy)(Component*);              ///< destroys an object
-  bool own_condition;                       ///< whether the class overrides condition()
+  void (*destroy)(Component*);              ///< destroys an object that create() created
+  bool own_condition;                       ///< true if the class overrides condition()
 };
 
 namespace detail {
@@ -140,7 +174,7 @@ constexpr bool overrides_condition() {
   if constexpr (requires { &Type::condition; })
     return !std::is_same_v<decltype(&Type::condition), bool (Component::*)()>;
   else
-    return true;  // it is overridden as a private member
+    return true;  // condition() is a private member of Type, so Type overrides it
 }
 }  // namespace detail
 

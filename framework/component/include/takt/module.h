@@ -7,18 +7,23 @@
  *     void run(void);            every period, or when condition() returns TRUE
  *     int  condition(void);      sporadic modules: returns TRUE if run() must be called
  *     void error(int type);      after an error took the module out of its table; type is a TAKT_ERROR_...
- *     void recover(void);        makes the module fit to run again
+ *     void recover(void);        prepares the module to run again
  *     void destruct(void);
  *
  * run() is required. A sporadic module without an event port also needs condition(). All other hooks are
- * optional. A real-time thread calls run() and condition(), which must not lock, allocate, block or log.
- * Another thread, which is not real-time, calls all other hooks. A hook reports a failure with
- * takt_fail(text) or, in C++, by throwing an exception. */
+ * optional. A real-time thread calls run() and condition(), which must not lock, allocate or block; they may
+ * write log lines with takt_log(). Another thread, which is not real-time, calls all other hooks. A hook
+ * reports a failure with takt_fail(text) or, in C++, by throwing an exception. */
 #ifndef TAKT_MODULE_H
 #define TAKT_MODULE_H
 
+#ifdef TAKT_PROCESS_MODULE
+#error <takt/module.h> is for components: use takt_add_component; a program includes <takt/process.h>
+#endif
+
 #include <stdint.h>
 
+#include <takt/log.h>
 #include <takt/port.h>
 #include <takt/property.h>
 #include <takt/saved.h>
@@ -43,26 +48,45 @@ enum {
   TAKT_ERROR_OVERRUN = 8   /**< a release was not served in time, and the descriptor makes that an error */
 };
 
+#ifndef __cplusplus
+/* In C, a hook with another result does not compile, because Takt could not see the result. In C++, these
+ * declarations would reject hooks that are noexcept. */
+void initialize(void); /**< returns nothing; it reports a failure with takt_fail(text) */
+void start(void);      /**< returns nothing; it reports a failure with takt_fail(text) */
+void run(void);        /**< returns nothing; it reports a failure with takt_fail(text) */
+int condition(void);   /**< returns TRUE or FALSE; it reports a failure with takt_fail(text) */
+void recover(void);    /**< returns nothing; it reports a failure with takt_fail(text) */
+void destruct(void);   /**< returns nothing; it reports a failure with takt_fail(text) */
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** Reports that the calling hook failed, with a reason (at most 255 bytes are kept). takt_fail() returns, so
- * the hook must end itself. Any hook may call it. It takes no lock and allocates nothing, so a real-time
- * thread may call it. The function is in libtakt_component, which the host has loaded. */
+/** Reports that the calling hook failed, with a reason (at most 255 bytes are kept). takt_fail() returns to
+ * the hook, which should then return, too. Any hook may call it. It takes no lock and allocates nothing, so a
+ * real-time thread may call it. The function is in libtakt_component, which is loaded with the host. */
 void takt_fail(const char* text);
 
-/** The number of the release that run() serves, on the module's grid. It counts from 0, with gaps for missed
- * releases. Returns 0 outside of run(). Only the thread that runs the hook may call it. A real-time thread
- * may call it. */
+/** Reports from run() that the module has finished its work. This run() is then the last one: Takt takes the
+ * module out of its table, calls destruct(), and the module is in DESTRUCT until it is reset. takt_finish()
+ * returns to run(), which should then return, too. If run() calls takt_finish() and fails, Takt treats it as
+ * failed, not as finished. Outside of run(), takt_finish() has no effect. It takes no lock and allocates
+ * nothing, so a real-time thread may call it. */
+void takt_finish(void);
+
+/** Returns the number of the release for which run() was called. Releases are numbered from 0; a missed
+ * release leaves a gap. For a sporadic module, this is the number of the executor's row that released it
+ * (with immediate dispatch, of the next row). Returns 0 outside of run(). Only the thread that runs the hook
+ * may call it. A real-time thread may call it. */
 uint64_t takt_cycle(void);
-/** The instant at which the release that run() serves was due: P_n of the paper's Eq. (1), in ns of
- * CLOCK_MONOTONIC. Returns 0 outside of run(). Only the thread that runs the hook may call it. A real-time
- * thread may call it. */
+/** Returns the instant at which the release was due for which run() was called: P_n of the paper's Eq. (1),
+ * in ns of CLOCK_MONOTONIC. Returns 0 outside of run(). Only the thread that runs the hook may call it. A
+ * real-time thread may call it. */
 int64_t takt_release_ns(void);
-/** The period of the module in ns, in every hook; 0 if the module has no period. In run() and condition() of
- * a sporadic module it is the period of the executor's rows. Only the thread that runs the hook may call it.
- * A real-time thread may call it. */
+/** Returns the period of the module in ns, in every hook; 0 if the module has no period. In run() and
+ * condition() of a sporadic module it is the basic period of the executor. Only the thread that runs the hook
+ * may call it. A real-time thread may call it. */
 int64_t takt_period_ns(void);
 
 #ifdef __cplusplus
@@ -81,8 +105,8 @@ int64_t takt_period_ns(void);
 /** The C++ types of the paper's interface. */
 namespace irp {
 
-/** The properties of a module: the named values of the descriptor. Not for real-time threads: read them in
- * initialize(). */
+/** The properties of a module: the named values of the descriptor. Real-time threads must not use this class;
+ * read the properties in initialize(). */
 class Property {
  public:
   /** Pairs of name and text. */
@@ -90,36 +114,36 @@ class Property {
 
   /** Constructs an empty set of properties. */
   Property() = default;
-  /** Constructs a set of these properties. */
+  /** Constructs a set with the properties in `values`. */
   explicit Property(Values values) : values_(std::move(values)) {}
 
-  /** Whether the descriptor sets the property. */
+  /** True if the descriptor sets the property. */
   bool contains(const std::string& name) const { return find(name) != nullptr; }
 
-  /** The text of a property. Throws std::out_of_range if the descriptor does not set it. */
+  /** Returns the text of a property. Throws std::out_of_range if the descriptor does not set the property. */
   const std::string& get(const std::string& name) const {
     const std::string* text = find(name);
     if (text == nullptr) throw std::out_of_range("the descriptor does not set property '" + name + "'");
     return *text;
   }
 
-  /** The value of a property as bool (true, false, 1, 0), integer, floating point or std::string; `fallback`
-   * if the descriptor does not set it. Throws std::invalid_argument if the text is not a value of type T, for
-   * example "1.5" for an integer, "-1" for an unsigned integer, "nan" or a blank. */
+  /** Returns the value of a property as bool (true, false, 1, 0), integer, floating point or std::string;
+   * `fallback` if the descriptor does not set the property. Throws std::invalid_argument if the text is not a
+   * value of type T, for example "1.5" for an integer, "-1" for an unsigned integer, "nan" or a blank. */
   template <class T>
   T get(const std::string& name, T fallback) const {
     const std::string* text = find(name);
     return text == nullptr ? fallback : convert<T>(name, *text);
   }
-  /** The text of a property; `fallback` if the descriptor does not set it. */
+  /** Returns the text of a property; `fallback` if the descriptor does not set the property. */
   std::string get(const std::string& name, const char* fallback) const {
     const std::string* text = find(name);
     return text == nullptr ? fallback : *text;
   }
 
-  /** The value of a property that is a number from `min` to `max`, both inclusive; `fallback` if the
-   * descriptor does not set it. Throws std::invalid_argument if the value is out of this range or is not a
-   * number. The fallback is not checked. */
+  /** Returns the value of a property that is a number from `min` to `max`, both inclusive; `fallback` if the
+   * descriptor does not set the property. Throws std::invalid_argument if the value is out of this range or
+   * is not a number. The fallback is not checked. */
   template <class T>
   T get(const std::string& name, T fallback, std::common_type_t<T> min, std::common_type_t<T> max) const {
     const std::string* text = find(name);
@@ -158,8 +182,8 @@ class Property {
       if (text != "false" && text != "0") refuse(name, text, "true or false");
       return false;
     } else if constexpr (std::is_arithmetic_v<T>) {
-      // Not strtod(): it depends on the locale, skips blanks and accepts hexadecimal numbers, so the same
-      // text could mean different numbers.
+      // This code does not use strtod(), which depends on the locale, skips blanks and accepts hexadecimal
+      // numbers. So a text always means the same number.
       T value{};
       const char* const end = text.data() + text.size();
       const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';

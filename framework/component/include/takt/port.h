@@ -1,6 +1,6 @@
 /** @file
- * Ports for modules in the C form: a thread module (.so) or a program (.exe). Declare them at file scope,
- * each with a type that takt_add_idl() generated:
+ * Ports for modules in the C form: thread modules (.so) and process modules (.exe). Declare them at file
+ * scope, each with a type that takt_add_idl() generated:
  *
  *     #include <takt/module.h>          or <takt/process.h>
  *     #include <motion_c.h>
@@ -16,8 +16,9 @@
  *     }
  *
  * Every hook may call these macros, including on the real-time thread: they neither wait nor allocate. Only
- * one thread may call them at a time. In a program, use them only after initPeriodExe() or initSporadicExe().
- * An unconnected input never has a new sample, and an unconnected output writes nowhere. */
+ * one thread may call them at a time. In a process module, use them only after initPeriodExe() or
+ * initSporadicExe(). An unconnected input never has a new sample, and an unconnected output discards its
+ * samples. */
 #ifndef TAKT_PORT_H
 #define TAKT_PORT_H
 
@@ -37,14 +38,14 @@ typedef struct takt_port {
   const char* name;              /**< the name of the port */
   const takt_type* type;         /**< the type of its samples */
   enum takt_direction direction; /**< its direction */
-  void* inside;                  /**< set when the module is loaded */
+  void* inside;                  /**< the port's object in Takt; set when the module is loaded */
 } takt_port;
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* The functions behind the macros below. */
+/* The macros below call these functions. */
 void takt_add_port(takt_port* port);
 void takt_remove_port(takt_port* port);
 int takt_port_read(takt_port* port, void* value);
@@ -76,24 +77,34 @@ int64_t takt_port_age_ns(const takt_port* port);
  * not fit its type: a length exceeds its bound, or an enumerator is invalid. The stamp of the sample is the
  * start of the current run(). A real-time thread may call it. */
 #define takt_write(port, value) takt_port_write(&(port)->base, TAKT_VALUE_OF(port, value))
-/** Returns 1 if takt_read() would find a sample. A real-time thread may call it. */
+/** Returns 1 if takt_read() would find a sample, otherwise 0. A real-time thread may call it. */
 #define takt_has_news(port) takt_port_has_news(&(port)->base)
-/** Returns 1 if the last takt_read() found a sample. A real-time thread may call it. */
+/** Returns 1 if the last takt_read() found a sample, otherwise 0. A real-time thread may call it. */
 #define takt_is_new(port) takt_port_is_new(&(port)->base)
-/** Returns 1 if the value of the last takt_read() is the safe value of the connected output. A real-time
- * thread may call it. */
+/** Returns 1 if the value of the last takt_read() is the safe value of the connected output, otherwise 0. A
+ * real-time thread may call it. */
 #define takt_is_safe(port) takt_port_is_safe(&(port)->base)
-/** Returns 1 if another port is connected. A real-time thread may call it. */
+/** Returns 1 if the port is connected to another port, otherwise 0. A real-time thread may call it. */
 #define takt_connected(port) takt_port_connected(&(port)->base)
-/** The number of the sample that was read last. Its writer counts from 1. 0 before the first sample.
- * A real-time thread may call it. */
+/** Returns the sequence number of the sample that was read last; 0 before the first sample. The writer
+ * numbers its samples from 1. A real-time thread may call it. */
 #define takt_sequence(port) takt_port_sequence(&(port)->base)
-/** The age of the sample that was read last in ns: from the start of the run() that wrote it to the start of
- * this run(). INT64_MAX before the first sample. A real-time thread may call it. */
+/** Returns the age, in ns, of the sample that was read last: the time from the start of the run() that wrote
+ * it to the start of this run(). INT64_MAX before the first sample. A real-time thread may call it. */
 #define takt_age_ns(port) takt_port_age_ns(&(port)->base)
 
-/* Makes the compiler reject a pointer to a type other than the port's. */
+/* Makes the compiler reject a pointer to a type other than that of the port. In C, this is an assertion, because the
+ * compiler reports no warnings for macros of installed headers. */
+#ifdef __cplusplus
 #define TAKT_VALUE_OF(port, pointer) (1 ? (pointer) : (port)->value)
+#else
+#define TAKT_VALUE_OF(port, pointer)                                                                        \
+  ((pointer) + 0 * sizeof(struct {                                                                          \
+     _Static_assert(__builtin_types_compatible_p(__typeof__(*(pointer)), __typeof__(*(port)->value)),       \
+                    "the second argument must point to a value of the type of this port");               \
+     int unused;                                                                                            \
+   }))
+#endif
 
 #define TAKT_PORT_OF_DIRECTION(Type, port, direction_)                                               \
   static struct {                                                                                    \

@@ -1,6 +1,6 @@
 /** @file
- * Properties of modules in the C form: a thread module (.so) or a program (.exe). Declare them at file scope,
- * each with its default:
+ * Properties of modules in the C form: thread modules (.so) and process modules (.exe). Declare them at file
+ * scope, each with its default:
  *
  *     #include <takt/module.h>          or <takt/process.h>
  *
@@ -14,12 +14,13 @@
  * `takt describe`.
  *
  * The variable has the value of the descriptor. In a thread module, it has this value from initialize() on;
- * after `takt set`, the next call of a hook sees the new value. In a program, it has this value from the
- * first line of main() on, and the value never changes. Reading the variable is real-time.
+ * after `takt set`, the next call of a hook sees the new value. In a process module, it has this value from
+ * the first line of main() on, and the value never changes. A real-time thread may read the variable.
  *
  * If a module declares properties, `takt check` rejects other names in the descriptor, and values out of
- * range. The module also rejects them when it starts. A module that declares no properties accepts any name
- * and value, and must check them itself. */
+ * range. Takt rejects them also when the module starts. A module that declares no properties accepts any name
+ * and value, and must check them itself. The name `log-level` is reserved: this property of every module sets
+ * the level of its log, and the module does not receive it. */
 #ifndef TAKT_PROPERTY_H
 #define TAKT_PROPERTY_H
 
@@ -44,14 +45,14 @@ typedef struct takt_property {
   int64_t most;                 /**< largest value of an integer; INT64_MAX: no bound */
   const char* unit;             /**< the unit, such as "m/s"; may be empty */
   const char* text;             /**< one sentence for `takt describe` */
-  void* inside;                 /**< set when the module is loaded */
+  void* inside;                 /**< the property's object in Takt; set when the module is loaded */
 } takt_property;
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* The functions behind the macros below. */
+/* The macros below call these functions. */
 void takt_add_property(takt_property* property);
 void takt_remove_property(takt_property* property);
 

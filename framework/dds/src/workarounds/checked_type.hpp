@@ -1,5 +1,5 @@
-// Wraps a generated type of Fast DDS, so that forged bytes cannot crash the process or mix up keys. For the
-// source files of this room only.
+// Wraps a generated type of Fast DDS, so that forged bytes cannot crash the process or mix up keys. Only the
+// source files of this room include this header.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@ struct Undecoded {
 template <class Generated>
 class CheckedType final : public Generated, public Undecoded {
  public:
-  // Catches the exceptions of the generated decoder. Most of them would otherwise end the process, because
-  // Fast DDS does not catch them.
+  // Decodes a sample, and catches the exceptions of the generated decoder. Fast DDS does not catch most of
+  // these exceptions, so they would end the process.
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
     try {
       if (Generated::deserialize(payload, data)) return true;
@@ -32,8 +32,8 @@ class CheckedType final : public Generated, public Undecoded {
     return false;
   }
 
-  // Locks and clears the buffer for keys. The generated function uses one buffer for all threads and keys,
-  // and does not clear it.
+  // Computes the key of a sample. Locks and clears the buffer for keys first, because the generated function
+  // uses one buffer for all threads and keys, and does not clear it.
   bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5 = false) override {
     if (!this->m_isGetKeyDefined) return false;
     const std::lock_guard lock{mutex_};
@@ -46,8 +46,8 @@ class CheckedType final : public Generated, public Undecoded {
   std::mutex mutex_;
 };
 
-/// Returns the counter of the type that this process has registered for a topic. Another user of the topic
-/// may have registered it before.
+/// Returns the counter of the type that this process has registered for a topic. An earlier user of the topic
+/// may have registered the type.
 inline Undecoded& undecoded(fast::DomainParticipant& participant, const fast::Topic& topic) {
   return *dynamic_cast<Undecoded*>(participant.find_type(topic.get_type_name()).get());
 }

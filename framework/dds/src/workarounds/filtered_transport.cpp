@@ -33,13 +33,23 @@ class FilteredTransport final : public transport::ChainingTransport {
 
   [[nodiscard]] transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
 
+  // Fast DDS sends to a loopback address instead of the machine's own addresses, for example to a discovery server
+  // on the same machine. If it has never opened a channel for the loopback address, it aborts the process.
+  bool OpenOutputChannel(transport::SendResourceList& channels, const Locator_t& to) override {
+    const bool opened = ChainingTransport::OpenOutputChannel(channels, to);
+    Locator_t local;
+    if (!transform_remote_locator(to, local) || local == to) return opened;
+    return ChainingTransport::OpenOutputChannel(channels, local) && opened;
+  }
+
   bool send(SenderResource* below, const octet* bytes, std::uint32_t size, transport::LocatorsIterator* begin,
             transport::LocatorsIterator* end, const std::chrono::steady_clock::time_point& limit) override {
-    return below->send(bytes, size, begin, end, limit);
+    return filter_->silent || below->send(bytes, size, begin, end, limit);
   }
 
   void receive(transport::TransportReceiverInterface* above, const octet* bytes, std::uint32_t size,
                const Locator_t& here, const Locator_t& from) override {
+    if (filter_->silent) return;
     const std::size_t readable =
         wire::readable_rtps({bytes, size}, filter_->secured ? &security::names_somebody : nullptr);
     if (readable == 0) return drop(from, "it is not a valid RTPS message");
@@ -51,8 +61,12 @@ class FilteredTransport final : public transport::ChainingTransport {
         return drop(
             from, "it announces an invalid participant, or there are too many unauthenticated participants");
     }
-    filter_->receive_lock.handle(
-        [&] { above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from); });
+    const auto handle = [&] { above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from); };
+    // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
+    if (wire::concerns_participants({bytes, readable}))
+      filter_->receive_lock.handle_alone(handle);
+    else
+      filter_->receive_lock.handle(handle);
   }
 
  private:

@@ -1,6 +1,7 @@
 // A UDP transport that drops packets that are not valid RTPS messages. With DDS Security, it also drops
-// packets that are not encrypted, and announcements of too many unauthenticated participants. While a reader
-// is created or deleted, the transport handles no packet. For the source files of this room only.
+// packets that are not encrypted, and announcements of unauthenticated participants above the limits. While a
+// reader is created or deleted, the transport handles no packet. Only the source files of this room include
+// this header.
 #pragma once
 
 #include <atomic>
@@ -24,6 +25,7 @@ struct PacketFilter {
   const bool secured;
   wire::UnauthenticatedParticipants unauthenticated;  // used only with DDS Security
   std::atomic<std::uint64_t> refused{0};
+  std::atomic<bool> silent{false};  // if true, nothing is sent or received
   ReceiveLock receive_lock;
 };
 

@@ -6,11 +6,7 @@
 #include <fastdds/rtps/history/WriterHistory.h>
 #include <fastdds/rtps/writer/RTPSWriter.h>
 #include <fastdds/rtps/writer/WriterListener.h>
-#include <fastrtps/config.h>
-
-#if FASTRTPS_VERSION_MAJOR != 2 || FASTRTPS_VERSION_MINOR != 9
-#error "this file replaces a function of Fast DDS 2.9; for another version, see workarounds/README.md"
-#endif
+#include "replaced_function.hpp"
 
 namespace {
 

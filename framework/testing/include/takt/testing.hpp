@@ -14,9 +14,9 @@
 //   }
 //
 // In CMake, takt_add_component_test(low_pass low_pass_test.cpp) builds and registers the test. The test runs
-// the built component. The same code calls the component as in a cell, but on virtual time: there are no
-// threads, no DDS and no clock, and run() takes no time. The harness works with any test framework: wrong use
-// throws takt::testing::Error.
+// the built component. The component is called by the same code as in a cell, but on virtual time: there are
+// no threads, no DDS and no clock, and run() takes no time. The harness works with any test framework: wrong
+// use throws takt::testing::Error.
 #pragma once
 
 #include <algorithm>
@@ -81,38 +81,48 @@ class [[nodiscard]] Answer : public Result<void> {
 
 /// What the descriptor of a cell would state about the module.
 struct Options {
-  /// The period of a periodic module, in whole nanoseconds above 0. For a sporadic module, how often its
-  /// condition is checked.
+  /// The period of a periodic module, in whole nanoseconds above 0. For a sporadic module, the time between
+  /// two checks of its condition.
   Nanoseconds period = std::chrono::milliseconds{1};
-  bool sporadic = false;  ///< whether the module is sporadic; otherwise it is periodic
+  bool sporadic = false;  ///< true: the module is sporadic; false: it is periodic
   /// The .so of a thread module, or the .exe.so that takt_add_component_test() builds from a program. Empty:
-  /// the component that takt_add_component_test() named.
+  /// the component that takt_add_component_test() named. A relative path is searched in the folder of that
+  /// component, then in the folders of TAKT_COMPONENT_PATH.
   std::string file{};
 };
 
 /// How an input is connected.
 struct Connection {
-  std::uint32_t queue =
-      0;  ///< number of samples that the queue holds; 0: the latest value, or for an event port a queue of 64
-  Nanoseconds deadline{};       ///< a value older than this is late; 0: no deadline. Only for thread modules
-  bool stale_is_error = false;  ///< a late value takes the module to RECOVER
+  std::uint32_t queue = 0;  ///< number of samples that the queue holds. 0: the input holds only the latest
+                            ///< value; an event port has a queue of 64 samples
+  Nanoseconds deadline{};   ///< a value older than this is late; 0: no deadline. Thread modules only
+  bool stale_is_error = false;  ///< true: a late value takes the module to RECOVER
 };
 
 /// The last error that took the module out of its table.
 struct Failure {
   ErrorType type = ErrorType::none;  ///< the type of the error; none if there was no error
-  std::string text{};                ///< the message of the exception, or of fail()
-  std::uint64_t cycle = 0;           ///< the number of the cycle in which the error occurred
+  std::string text{};                ///< the text of the exception, or the text that the module passed to
+                                     ///< fail()
+  std::uint64_t cycle = 0;           ///< the number of the release in which the error occurred
+};
+
+/// A line that the module has logged.
+struct Logged {
+  LogLevel level = LogLevel::info;  ///< how important the line is
+  std::uint64_t cycle = 0;          ///< the number of the release in which the module logged the line
+                                    ///< (takt::Cycle::number); 0 if a hook other than run() logged it
+  std::string text{};               ///< the text, with its arguments
 };
 
 /// One connection between the test and a port.
-class Wire {
+class TestLink {
  public:
   /// Only Module calls this; use Module::in() and Module::out().
-  Wire(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline);
-  Wire(const Wire&) = delete;
-  Wire& operator=(const Wire&) = delete;
-  virtual ~Wire() = default;
+  TestLink(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline);
+  TestLink(const TestLink&) = delete;
+  TestLink& operator=(const TestLink&) = delete;
+  virtual ~TestLink() = default;
   /// The link between the test and the port.
   [[nodiscard]] channel::Link link() const { return link_; }
   /// The type of the port's samples.
@@ -121,7 +131,7 @@ class Wire {
  protected:
   /// Called at the beginning of each step().
   virtual void begin_step() {}
-  /// Called after each run of the module.
+  /// Called after each release and after each hook of the module.
   virtual void collect() {}
 
  private:
@@ -138,18 +148,18 @@ class Module;
 
 /// The test's side of an input or event port of the module.
 template <class T>
-class In final : public Wire {
+class In final : public TestLink {
  public:
-  /// Sends a sample, which has this `age` at the next release. Throws Error if the value does not fit its
-  /// type: a string or sequence exceeds its bound, or an enumerator is invalid.
+  /// Sends a sample that has this `age` at the next release. Throws Error if the value does not fit its type:
+  /// a string or sequence exceeds its bound, or an enumerator is invalid.
   void write(const T& value, Nanoseconds age = Nanoseconds{0});
   /// Sets the safe value of the simulated output that feeds this input. The module gets the safe value until
   /// the first write(), after lose(), and when the last sample is older than the connection's deadline.
-  /// Throws Error like write(), and also for a queue, which has no safe value.
+  /// Throws Error in the same cases as write(), and also for a queue, which has no safe value.
   void safe(const T& value);
-  /// Simulates that the writing module stops or its device is lost, until the next write().
+  /// Simulates that the writing module stops or its device is lost. The next write() ends this state.
   void lose() { link().withhold(); }
-  /// How often the newest value was older than the connection's deadline.
+  /// The number of times that the newest value was older than the connection's deadline.
   [[nodiscard]] std::uint64_t late() const { return link().block().late.load(); }
   /// The number of samples that were overwritten before the module read them.
   [[nodiscard]] std::uint64_t overwritten() const { return link().block().overwritten.load(); }
@@ -157,7 +167,7 @@ class In final : public Wire {
  private:
   friend class Module;
   In(const Module& module, std::uint32_t depth, bool is_queue, Nanoseconds deadline)
-      : Wire(PortType<T>::info, depth, is_queue, deadline), module_(module), writer_(link()) {}
+      : TestLink(PortType<T>::info, depth, is_queue, deadline), module_(module), writer_(link()) {}
   static std::uint32_t encode(const T& value, std::byte* to);
   const Module& module_;
   channel::LinkWriter writer_;
@@ -166,30 +176,30 @@ class In final : public Wire {
 /// The test's side of an output port of the module. It receives the values that the module writes after out()
 /// was called.
 template <class T>
-class Out final : public Wire {
+class Out final : public TestLink {
  public:
-  /// values() keeps at most this many values, the newest ones.
+  /// The maximum number of values in values(), which keeps the newest ones.
   static constexpr std::size_t kMost = 100'000;
 
-  /// Whether the module has written a value.
+  /// True if the module has written a value since out() was called.
   [[nodiscard]] bool has_value() const { return has_value_; }
-  /// The last value. Throws Error if there is none.
+  /// The last value that the module wrote. Throws Error if there is none.
   [[nodiscard]] const T& value() const {
     if (!has_value_) throw Error("nothing was written to output '" + name_ + "' since out() was called");
     return value_;
   }
-  /// The values of the last step(n), the oldest first, and those that hooks wrote since then.
+  /// The values that the module wrote during the last step() and in hooks since then, the oldest first.
   [[nodiscard]] const std::deque<T>& values() const { return values_; }
   /// The number of all values since out() was called.
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// Number of values that were not sent because they did not fit their type: a string or sequence exceeded
-  /// its bound, or an enumerator was invalid.
+  /// The number of values that the module wrote but that were not sent, because they did not fit their type:
+  /// a string or sequence exceeded its bound, or an enumerator was invalid.
   [[nodiscard]] std::uint64_t unfit() const { return link().block().unfit.load(); }
 
  private:
   friend class Module;
   Out(std::string name, std::uint32_t depth)
-      : Wire(PortType<T>::info, depth, true, {}), name_(std::move(name)), reader_(link()) {
+      : TestLink(PortType<T>::info, depth, true, {}), name_(std::move(name)), reader_(link()) {
     PortType<T>::reserve(value_);
   }
   void begin_step() override { values_.clear(); }
@@ -209,7 +219,7 @@ class [[nodiscard]] Called : public Answer {
  public:
   /// Constructs an outcome with a reply.
   Called(Reply reply) : reply_(std::move(reply)) {}  // NOLINT(google-explicit-constructor)
-  /// Constructs an outcome without a reply, for this reason.
+  /// Constructs an outcome without a reply. The problem is the reason.
   Called(Problem problem)
       : Answer(Result<void>(std::move(problem))) {}  // NOLINT(google-explicit-constructor)
 
@@ -244,12 +254,12 @@ class Responder {
 template <class Request, class Reply>
 class Server final : public Responder {
  public:
-  /// Returns a reply, or takt::fail("why not").
+  /// The function that answers a request. Returns a reply, or takt::fail("why not").
   using Handler = std::function<Result<Reply>(const Request&)>;
 
-  /// The number of requests so far.
+  /// The number of requests that the client has sent so far.
   [[nodiscard]] std::uint64_t asked() const { return asked_; }
-  /// The last request; Request{} before the first.
+  /// The last request that the client sent; Request{} before the first request.
   [[nodiscard]] const Request& request() const { return request_; }
 
  private:
@@ -271,7 +281,7 @@ class Server final : public Responder {
   In<ServiceReply<Reply>>& replies_;
   Handler handler_;
   Nanoseconds after_;
-  std::uint64_t seen_;  // number of values of requests_ that were handled
+  std::uint64_t seen_;  // number of requests that this server has already processed
   std::uint64_t asked_ = 0;
   Request request_{};
   std::deque<Due> due_;
@@ -287,9 +297,9 @@ class Module {
   Module(const Module&) = delete;
   Module& operator=(const Module&) = delete;
 
-  /// Sets a property: before initialize() like the descriptor, and afterwards like `takt set`. A C++
+  /// Sets a property: before initialize() as the descriptor does, and afterwards as `takt set` does. A C++
   /// component sees a value that is set between two cycles from the next cycle on. Other modules take
-  /// properties only before initialize().
+  /// properties only before initialize(). Every module takes `log-level` at any time.
   Answer set(const std::string& property, const std::string& text);
   /// The value of a property. For a C++ component this is the current value, otherwise the value that was set
   /// last.
@@ -309,7 +319,7 @@ class Module {
   Out<T>& out(const std::string& port);
 
   /// Calls a service of the module, as another module does, and steps until there is an answer. Returns the
-  /// reply, the reason of a rejection, or a failure if no answer came within `timeout`. A handler is called
+  /// reply, the reason for a rejection, or a failure if no answer came within `timeout`. A handler is called
   /// between two rows, while the module is EXECUTING. Throws Error like in() and step().
   template <class Request, class Reply>
   Called<Reply> call(const std::string& service, const Request& request,
@@ -336,7 +346,7 @@ class Module {
   /// Simulates the death of the module's process, without calling a hook: the module goes to RECOVER with an
   /// error of type crash. recover() then loads the module again, and the module gets its saved state back.
   Answer crash();
-  /// Makes one recovery attempt. A program that has ended is started again.
+  /// Makes one recovery attempt. If the program of a process module has ended, starts it again.
   Answer recover();
   /// Takes the module out of the tables and calls the hook destruct(). The state changes to DESTRUCT.
   Answer destruct();
@@ -347,8 +357,9 @@ class Module {
   [[nodiscard]] lifecycle::State state() const;
 
   /// Performs this many releases of the module's grid. Returns the number of releases in which the module
-  /// ran; a sporadic module runs if its condition is true. In RECOVER and DESTRUCT only time passes. Throws
-  /// Error if start() was never called.
+  /// ran: a sporadic thread module runs if its condition is true, a sporadic program in each release. A
+  /// module that finishes goes to DESTRUCT. In RECOVER and DESTRUCT only time passes. Throws Error if start()
+  /// was never called.
   std::uint64_t step(std::uint64_t releases = 1);
   /// Steps until `done()` is true after a release, and returns true. Returns false after `most` releases.
   template <std::predicate Done>
@@ -359,35 +370,42 @@ class Module {
     }
     return false;
   }
-  /// Makes the module miss its next releases, as if the machine was busy. The cycle numbers then have a gap.
+  /// Makes the module miss its next releases, as if the machine was busy. The numbers of its releases then
+  /// have a gap.
   void miss(std::uint64_t releases = 1);
 
   /// The virtual time at which the next release is due.
   [[nodiscard]] Instant next_release() const;
-  /// How often the module ran. For a program: how often it was released.
+  /// The number of times that the module ran. For a process module: the number of its releases.
   [[nodiscard]] std::uint64_t runs() const;
-  /// How many releases the module missed.
+  /// The number of releases that the module missed.
   [[nodiscard]] std::uint64_t missed() const;
   /// The last error; of type none if there was none.
   [[nodiscard]] const Failure& last_error() const;
-  /// Fails while the module is in RECOVER, with the text of the last error.
+  /// All lines that the module has logged, the oldest first. A test sees every line, because the harness does
+  /// not limit the rate.
+  [[nodiscard]] const std::vector<Logged>& log() const;
+  /// True if the module has reported that it is in a safe stop.
+  [[nodiscard]] bool in_safe_stop() const;
+  /// Succeeds unless the module is in RECOVER. In RECOVER, fails with the text of the last error.
   [[nodiscard]] Answer healthy() const;
 
  private:
   enum class Side { in, out };
   struct Tie {
-    Wire* wire = nullptr;  // the existing connection; null: none
+    TestLink* link = nullptr;  // the existing connection; null: none
     std::uint32_t queue = 0;
   };
   Tie find(const std::string& port, Side side, const TypeInfo& type, const Connection* wanted) const;
-  void tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection);
-  /// The depth of an output's queue: more samples than one run() should write, but in bounded memory.
+  void tie(const std::string& port, std::unique_ptr<TestLink> link, const Connection& connection);
+  /// The depth of an output's queue: enough for the samples that one run() is expected to write, but within a
+  /// memory limit.
   static std::uint32_t most_of_a_run(const TypeInfo& type);
-  /// Throws Error if there is no such service or client with these types.
+  /// Throws Error if the module has no service or client with this name and these types.
   void find_service(const std::string& name, bool is_client, const TypeInfo& request,
                     const TypeInfo& reply) const;
   void respond(const std::string& client, std::unique_ptr<Responder> responder);
-  /// The number of the next call.
+  /// Returns a new number, for the next call of a service.
   std::uint64_t call_number();
 
   struct Inside;
@@ -405,7 +423,7 @@ std::uint32_t In<T>::encode(const T& value, std::byte* to) {
 template <class T>
 void In<T>::safe(const T& value) {
   if (!link().has_safe_place())
-    throw Error("a queue has no safe value; connect the input with the latest value");
+    throw Error("an input with a queue has no safe value; connect it without a queue");
   std::vector<std::byte> bytes(PortType<T>::info.max_size);
   bytes.resize(encode(value, bytes.data()));
   link().give_safe(bytes);
@@ -434,7 +452,7 @@ void Out<T>::collect() {
 template <class T>
 In<T>& Module::in(const std::string& port) {
   const Tie tied = find(port, Side::in, PortType<T>::info, nullptr);
-  if (tied.wire != nullptr) return static_cast<In<T>&>(*tied.wire);
+  if (tied.link != nullptr) return static_cast<In<T>&>(*tied.link);
   return in<T>(port, Connection{});
 }
 
@@ -442,19 +460,19 @@ template <class T>
 In<T>& Module::in(const std::string& port, const Connection& connection) {
   const Tie tied = find(port, Side::in, PortType<T>::info, &connection);
   const bool is_queue = tied.queue != 0;
-  std::unique_ptr<In<T>> wire{new In<T>(*this, is_queue ? tied.queue : 1, is_queue, connection.deadline)};
-  In<T>& result = *wire;
-  tie(port, std::move(wire), connection);
+  std::unique_ptr<In<T>> link{new In<T>(*this, is_queue ? tied.queue : 1, is_queue, connection.deadline)};
+  In<T>& result = *link;
+  tie(port, std::move(link), connection);
   return result;
 }
 
 template <class T>
 Out<T>& Module::out(const std::string& port) {
   const Tie tied = find(port, Side::out, PortType<T>::info, nullptr);
-  if (tied.wire != nullptr) return static_cast<Out<T>&>(*tied.wire);
-  std::unique_ptr<Out<T>> wire{new Out<T>(port, most_of_a_run(PortType<T>::info))};
-  Out<T>& result = *wire;
-  tie(port, std::move(wire), Connection{});
+  if (tied.link != nullptr) return static_cast<Out<T>&>(*tied.link);
+  std::unique_ptr<Out<T>> link{new Out<T>(port, most_of_a_run(PortType<T>::info))};
+  Out<T>& result = *link;
+  tie(port, std::move(link), Connection{});
   return result;
 }
 

@@ -1,5 +1,5 @@
-// The paper's Figure 10, with one line of user code where it prints "...". Misprints corrected here: `extern
-// "C'`, and unclosed braces.
+// The paper's Figure 10, with one line of user code where the paper prints "...". Misprints corrected here:
+// `extern "C'`, and unclosed braces.
 #include <takt/module.h>
 
 static int level = 0;

@@ -1,4 +1,4 @@
-// The paper's Figure 8, with one line of user code where it prints "...".
+// The paper's Figure 8, with one line of user code where the paper prints "...".
 #include <takt/module.h>
 
 static int counter = 0;

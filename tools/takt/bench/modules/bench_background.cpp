@@ -1,4 +1,4 @@
-// A non-real-time program for `takt bench`, which uses a tenth of a CPU's time.
+// A non-real-time process module for `takt bench`. It uses a tenth of one CPU's time.
 #include <chrono>
 #include <thread>
 

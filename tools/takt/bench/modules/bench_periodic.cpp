@@ -1,4 +1,5 @@
-// A periodic thread module for `takt bench`: records its jitter if `file` is given.
+// A periodic thread module for `takt bench`. If its property `file` is set, it writes its jitter to this
+// file.
 #include <takt/component.hpp>
 
 #include "filter_step.hpp"

@@ -1,5 +1,5 @@
-// A periodic process module for `takt bench`, written like the paper's Figure 9. Its arguments file=... and
-// releases=... mean the same as for bench_periodic.so.
+// A periodic process module for `takt bench`, written like the paper's Figure 9. The arguments file=... and
+// releases=... have the same meaning as the properties of bench_periodic.so.
 #include <chrono>
 #include <cstdlib>
 #include <string>

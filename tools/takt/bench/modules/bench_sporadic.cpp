@@ -1,4 +1,5 @@
-// A sporadic thread module for `takt bench`. Its condition is true once every `every` rows.
+// A sporadic thread module for `takt bench`. Its condition is true in one of `every` rows; `every` is a
+// property.
 #include <takt/component.hpp>
 
 #include "filter_step.hpp"

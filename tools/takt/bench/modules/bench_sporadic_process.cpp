@@ -1,5 +1,5 @@
-// A sporadic process module for `takt bench`, written like the paper's Figure 11. It is released in each row,
-// and its condition is true every tenth time.
+// A sporadic process module for `takt bench`, written like the paper's Figure 11. Each row releases the
+// module, and its condition is true in every tenth row.
 #include <takt/process.h>
 
 #include "filter_step.hpp"

@@ -1,6 +1,6 @@
-// The recording of a module in a benchmark, with one entry per release. Its memory is allocated before the
-// first release and written to a file at the end. So a recorded release costs one store in real-time code,
-// and a release that is not recorded costs nothing.
+// The values that a module measures in a benchmark, one per release. The memory is allocated before the first
+// release, and its content is written to a file at the end. So recording a value in real-time code costs only
+// one store to memory.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,8 @@ struct Served {
 
 class Recording {
  public:
-  /// Allocates the memory for `most` entries and writes to it once. Further entries are dropped.
+  /// Allocates memory for `most` entries, and writes to all of it, so that real-time code causes no page
+  /// faults. Further entries are dropped.
   void reserve(std::size_t most) { entries_.resize(most); }
   /// Adds an entry. Real-time code may call this function.
   void note(std::int64_t number, std::int64_t value) noexcept {

@@ -1,8 +1,8 @@
 // Sends requests to the gateway of `takt web`, with the token that commands need.
 
 const kKept = "takt-token";
-// How long the page waits for an answer: longer than the gateway waits for a device. A device may take long, because a component may be
-// slow to stop.
+// How long the page waits for an answer, by the method of the request. The gateway waits less long for a device, which may itself have to
+// wait until a component has stopped.
 const kLimits_s = { GET: 20, POST: 40, PUT: 40 };
 
 /// The error of a failed request: what is wrong, and how to fix it.
@@ -20,7 +20,7 @@ export class Problem extends Error {
 }
 
 /// Moves the token from the page's address to the storage of the browser tab, so that the token does not appear on the screen, in links or
-/// in the history. Returns whether the address had a token.
+/// in the history. Returns true if the address had a token.
 export function keepToken() {
   const match = location.hash.match(/^#token=([^&]+)/);
   if (!match) return false;

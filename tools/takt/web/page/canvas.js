@@ -3,7 +3,7 @@
 import { element } from "./dom.js";
 
 export class Canvas {
-  // The size, set by a ResizeObserver: reading it from the element would force a layout each time.
+  // A ResizeObserver sets this size. Reading the size from the element would force a layout each time.
   #width = 0;
   #height = 0;
 

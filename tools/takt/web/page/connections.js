@@ -11,13 +11,13 @@ class Row {
     this.connection = connection;
     this.mark = new Mark();
     this.age = new Bar();
-    this.numbers = ["lost", "dropped", "late"].map((what) => ({ what, cell: element("td", { class: "number" }) }));
+    this.numbers = ["lost", "dropped", "late"].map((what) => ({ what, cell: element("td", { class: "number", dataset: { label: what } }) }));
     const end = (name) => name === null || name === undefined ? element("span", { class: "faint", text: "outside" }) :
       element("a", { href: addressOf("plots", { port: name }), text: name });
     this.element = element("tr", { dataset: { connection: index }, tabindex: "-1" },
       element("th", { scope: "row" }, element("div", { class: "ends" }, element("span", {}, end(connection.from)), element("span", {}, "\u2192 ", end(connection.to))),
         element("div", { class: "faint small", text: connection.text ?? connection.kind })),
-      element("td", {}, this.mark.element), element("td", {}, this.age.element), ...this.numbers.map(({ cell }) => cell));
+      element("td", {}, this.mark.element), element("td", { dataset: { label: "age" } }, this.age.element), ...this.numbers.map(({ cell }) => cell));
   }
 
   show(health) {
@@ -47,7 +47,7 @@ export class Connections {
     const head = (text) => element("th", { scope: "col", text });
     this.element = element("div", { class: "scrolled" }, element("div", { class: "tools" }, this.filter, this.shown),
       element("table", { class: "list connections" }, element("caption", { class: "unseen", text: "connections of the cell" }),
-        element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age, as a share of the deadline"), head("lost"),
+        element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age of the newest value"), head("lost"),
           head("dropped"), head("late"))), this.body));
     arrows(this.body, "tr");
   }

@@ -4,7 +4,7 @@ import { element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
 import { LastFaults } from "./last_faults.js";
 import { lookOfDevice, lookOfModule } from "./looks.js";
-import { Commands } from "./orders.js";
+import { Commands } from "./commands.js";
 import { addressOf, linkTo } from "./route.js";
 import { count, exact, number } from "./words.js";
 
@@ -44,7 +44,10 @@ export class DeviceDetails {
   update(changes) {
     if (changes.cell) this.#forgetExecutors();
     if (changes.cell || changes.whole || changes.devices.has(this.#name) || changes.modules.size > 0) this.#showAll();
-    else if (changes.measures) this.#showExecutors();
+    else if (changes.measures) {
+      this.#showModules();
+      this.#showExecutors();
+    }
     if (changes.faults) this.faults.show(this.#name);
     if (changes.rights || changes.link) this.commands.update();
   }
@@ -73,7 +76,7 @@ export class DeviceDetails {
       this.#modules = new Map(names.map((name) => [name, new Mark()]));
       this.modules.replaceChildren(...modules.map(({ name, label }) => element("li", {}, linkTo(name, label), this.#modules.get(name).element)));
     }
-    for (const module of modules) this.#modules.get(module.name).show(lookOfModule({ ...module, lost: this.#store.isLost(module) }));
+    for (const module of modules) this.#modules.get(module.name).show(lookOfModule(this.#store.shown(module)));
   }
 
   #forgetExecutors() {

@@ -6,13 +6,13 @@ import { adjust, linkTo } from "./route.js";
 import { count, day, instant, several } from "./words.js";
 
 const kPage = 200;  // lines shown at first, and added by each "Show older events"
-const kSeverities = { "": "all", warning: "warnings and errors", error: "errors" };
+const kSeverities = { "": "all severities", warning: "warnings and errors", error: "errors" };
 
 export class Faults {
   #store;
   #shown = kPage;
-  #paused = null;  // the events when the user pressed Pause, or null
-  #come = 0;       // the number of events when the user pressed Pause
+  #paused = null;  // the events that the list showed when the user pressed Pause; null if the list is not paused
+  #come = 0;       // the number of events that had arrived when the user pressed Pause
   #known = new Map();
   #day = "";  // the day on which the known lines were made
 
@@ -126,7 +126,8 @@ export class Faults {
     const of = event.module ? `${event.device}.${event.module}` : event.device;
     const what = event.error ? `${event.kind}: ${event.error}` : event.kind;
     const times = event.count > 1 ? ` (${count(event.count)} times)` : "";
-    const more = [event.cycle ? `cycle ${event.cycle}` : "", event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
+    const cycle = event.kind.startsWith("log-") ? `release ${event.cycle}` : `after ${several(event.cycle, "cycle")}`;
+    const more = [event.cycle ? cycle : "", event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
     return element("tr", { tabindex: "-1", dataset: { kind: event.kind, severity: event.severity } },
       element("td", { class: "time", text: instant(event.time_ms) }), element("td", {}, mark.element),
       element("td", {}, linkTo(of, of)),

@@ -1,8 +1,10 @@
-// A viewport for a drawing, which first fits its width. The user moves and zooms the drawing by touch, mouse wheel, keys or buttons.
+// A viewport for a drawing. At first it shows the whole drawing, or the upper left part if the text of the whole drawing would be too small.
+// The user moves and zooms the drawing by touch, mouse wheel, keys or buttons.
 
 import { element } from "./dom.js";
 
 const kClosest = 4;      // maximum zoom, relative to the drawing's own size
+const kLegible = 0.75;   // at a smaller scale, the text of the drawing is too small
 const kStep = 1.25;
 const kAside = 60;       // pixels that an arrow key moves the drawing
 const kClick = 5;        // a pointer movement up to this many pixels is a click
@@ -14,7 +16,9 @@ export class Frame {
   #scale = 1;
   #x = 0;
   #y = 0;
-  #fits = true;
+  #fits = true;   // the scale follows the size of the surface
+  #whole = false;  // the user asked for the whole drawing
+  #kept = null;   // the part that stays visible when the size of the surface changes
   #pointers = new Map();
   #way = 0;
 
@@ -23,20 +27,20 @@ export class Frame {
       element("button", { type: "button", text, "aria-label": label, title: label, on: { click: act } });
     this.surface = element("div", {
       class: "surface", tabindex: "0", role: "group",
-      "aria-label": "graph of the cell; the arrow keys move it, plus and minus zoom, 0 fits it to the width",
+      "aria-label": "graph of the cell; the arrow keys move it, plus and minus zoom, 0 shows all of it",
     });
     this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" },
       button("+", "zoom in", () => this.zoom(kStep)), button("\u2212", "zoom out", () => this.zoom(1 / kStep)),
-      button("fit", "fit to the width", () => this.fit())));
+      button("fit", "show the whole drawing", () => this.fit())));
     this.surface.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.surface.addEventListener("keydown", (event) => this.#press(event));
     this.surface.addEventListener("pointerdown", (event) => this.#down(event));
     this.surface.addEventListener("pointermove", (event) => this.#move(event));
     for (const name of ["pointerup", "pointercancel"]) this.surface.addEventListener(name, (event) => this.#up(event));
-    new ResizeObserver(() => (this.#fits ? this.fit() : this.#place())).observe(this.surface);
+    new ResizeObserver(() => (this.#fits ? this.#adapt() : this.#place())).observe(this.surface);
   }
 
-  /// Whether the last press of the pointer dragged the drawing, so it was no click.
+  /// True if the last press of the pointer dragged the drawing, and so was not a click.
   get moved() {
     return this.#way > kClick;
   }
@@ -47,17 +51,34 @@ export class Frame {
     [this.#width, this.#height] = [box[2], box[3]];
     drawing.removeAttribute("viewBox");
     this.surface.replaceChildren(drawing);
-    this.fit();
+    this.#whole = false;
+    this.#kept = null;
+    this.#adapt();
+  }
+
+  /// Keeps `node`, a part of the drawing, visible when the size of the surface changes. `node` may be null.
+  keep(node) {
+    this.#kept = node;
   }
 
   fit() {
-    this.#fits = true;
-    this.#scale = Math.min((this.surface.clientWidth || 1) / this.#width, kClosest);
-    [this.#x, this.#y] = [0, 0];
-    this.#place();
+    this.#whole = true;
+    this.#adapt();
   }
 
-  /// Zooms; the point (x, y) of the surface stays where it is. The default point is the centre.
+  #adapt() {
+    this.#fits = true;
+    const across = (this.surface.clientWidth || 1) / this.#width;
+    const whole = Math.min(across, (this.surface.clientHeight || 1) / this.#height, kClosest);
+    this.#scale = this.#whole || whole >= kLegible ? whole : Math.max(kLegible, Math.min(across, 1));
+    [this.#x, this.#y] = [0, 0];
+    this.#place();
+    if (!this.#kept) return;
+    this.reveal(this.#kept);
+    this.#fits = true;
+  }
+
+  /// Zooms by a factor. The point (x, y) of the surface stays where it is; by default this is the centre.
   zoom(factor, x = this.surface.clientWidth / 2, y = this.surface.clientHeight / 2) {
     const least = Math.min(this.surface.clientWidth / this.#width, this.surface.clientHeight / this.#height, 1) * 0.9;
     const scale = Math.max(least, Math.min(this.#scale * factor, kClosest));

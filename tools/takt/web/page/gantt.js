@@ -9,6 +9,7 @@ import { number } from "./words.js";
 const kRows = 200;
 const kLane = 20, kHead = 22, kLeast = 2;
 const kLetter = 6.7;
+const kApart = 64;  // least distance of two lines of the grid, in pixels
 const kFont = '11px ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace';
 
 export class Gantt {
@@ -184,13 +185,14 @@ export class Gantt {
     context.fillRect(this.#cursor.x, kHead, 1, height - kHead);
   }
 
-  /// Draws a line at the release of each row, or of every 5th, 25th and so on if the lines would be too close.
+  /// Draws a line at the release of each row, or of every 2nd, 5th, 10th and so on if the lines would be too close.
   #drawGrid(context, x, width, height) {
     const period = this.executor.basic_period_ns;
-    if (width <= this.left) return;  // avoids an endless loop below
+    if (width <= this.left) return;
     let every = period;
     if (this.#to - this.#from < period * 1.5) every = nice((this.#to - this.#from) / 6);
-    while ((width - this.left) * every / (this.#to - this.#from) < 64) every *= every < period ? 2 : 5;
+    const least = kApart * (this.#to - this.#from) / (width - this.left);
+    if (every < least) every *= nice(least / every);
     context.textAlign = "left";
     context.textBaseline = "middle";
     for (let at = Math.ceil(this.#from / every) * every; at <= this.#to; at += every) {

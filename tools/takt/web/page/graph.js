@@ -1,4 +1,4 @@
-// The view that shows the graph of the cell. It adds the current states, the health and the selection to the gateway's drawing.
+// The view that shows the graph of the cell. The view adds the current states, the health and the selection to the gateway's drawing.
 
 import { drawn, element, setAttribute, setText } from "./dom.js";
 import { drawingOf } from "./drawing.js";
@@ -87,7 +87,7 @@ export class Graph {
     group.append(...(known === this.#modules ? [strip] : []), use, word, measure);
     setAttribute(group, "role", "button");
     setAttribute(group, "tabindex", "-1");
-    // Remove the state from the box's tooltip: it is the state when the gateway made the drawing, not the current one.
+    // Remove the state from the tooltip of the box. The tooltip has the state at the time of the drawing, not the current state.
     const title = group.querySelector("title");
     known.set(name, { group, use, word, measure, title, about: title?.textContent.replace(/; [^;]*$/, "") });
   }
@@ -122,11 +122,11 @@ export class Graph {
     const drawn = this.#modules.get(name);
     const module = this.#store.modules.get(name);
     if (!drawn || !module) return;
-    const look = lookOfModule({ ...module, lost: this.#store.isLost(module) });
+    const look = lookOfModule(this.#store.shown(module));
     this.#showLook(drawn, look);
     const p99 = module.measures?.jitter_us.p99;
     const room = look.word.length < 14 && p99 !== undefined && look.key !== "lost";
-    setText(drawn.measure, room ? duration(p99) : "");
+    setText(drawn.measure, room ? `p99 ${duration(p99)}` : "");
     setAttribute(drawn.group, "aria-label", `${name}: ${look.word}`);
   }
 
@@ -156,6 +156,7 @@ export class Graph {
     for (const known of [this.#devices, this.#modules]) {
       for (const [name, { group }] of known) group.classList.toggle("selected", name === selected);
     }
+    this.#frame.keep((this.#modules.get(selected) ?? this.#devices.get(selected))?.group ?? null);
     for (const [index, { group }] of this.#connections) {
       const { from, to } = this.#store.cell?.connections?.[index] ?? {};
       const touches = selected !== null && [from, to].some((end) => end?.startsWith(`${selected}.`));

@@ -14,13 +14,13 @@ export class LastFaults {
   constructor(store) {
     this.#store = store;
     this.list = element("ul", { class: "last-faults" });
-    this.none = element("p", { class: "faint", text: "The fault record has no errors and no warnings." });
+    this.none = element("p", { class: "faint", text: "No recent errors or warnings." });
     this.all = element("a", { text: "all faults of the device" });
     this.element = element("section", {}, element("h3", { text: "Last faults" }), this.list, this.none, element("p", {}, this.all));
   }
 
-  /// Shows the faults of `name`, a device or a module. For a module, the list includes the faults of the whole device, such as the end of
-  /// the host.
+  /// Shows the faults of `name`, a device or a module. For a module, the list also shows the faults that name no module of the device, such as
+  /// the end of the host.
   show(name) {
     const [device, module] = name.split(".");
     this.all.href = addressOf("faults", { device, select: name });

@@ -12,14 +12,15 @@ const kStates = {
 };
 const kLost = { look: "bad", sign: "lost" };
 
-/// The look of a module's state. `key` identifies the state for sorting and filtering.
+/// The look of a module's state. `module` comes from Store.shown(). `key` identifies the state for sorting and filtering.
 export function lookOfModule(module) {
   if (!module.state) return { key: "none", word: "not found", look: "faint", sign: "wait" };
   const word = module.state.state;
   if (module.lost) return { ...kLost, key: "lost", word: `lost, was ${word}` };
   const look = kStates[word] ?? { look: "poor", sign: "poor" };
+  if (word === "EXECUTING" && module.measures?.safe_stop) return { look: "poor", sign: "poor", key: word, word: "safe stop" };
   const given_up = word === "DESTRUCT" && module.state.event === "give up";
-  return { ...look, key: word, word, look: given_up ? "bad" : look.look };
+  return { ...look, key: word, word: module.stopped ? `${word} (stopped)` : word, look: given_up ? "bad" : look.look };
 }
 
 export function lookOfDevice(device) {
@@ -38,24 +39,25 @@ export function lookOfSeverity(severity) {
   return { look: "plain", sign: "note", word: severity };
 }
 
-/// The look of a connection. `health` comes from the `measures` event, or is undefined if it is not known. The worse the health, the higher
-/// is `rank`.
+/// The look of a connection. `health` comes from the `measures` event, or is undefined if it is not known. `health.rating` is the
+/// rating that `takt watch` and `takt graph` also show. The worse the rating, the higher is `rank`.
 export function lookOfConnection(health) {
   if (!health) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
-  if (!health.matched) {
+  if (health.rating === "broken") {
     const why = health.incompatible ? `not matched: ${health.incompatible} differs` : "not matched";
     return { key: "broken", rank: 4, look: "bad", sign: "lost", word: why, short: "not matched", line: "broken" };
   }
-  if (health.stale) {
-    const word = health.safe ? "stale, reader uses the safe value" : "stale";
-    return { key: "stale", rank: 3, look: "bad", sign: "recover", word, short: "stale", line: "bad" };
+  if (health.rating === "bad") {
+    const short = health.stale ? "stale" : "safe value";
+    const word = health.stale && health.safe ? "stale, reader uses the safe value" : short;
+    return { key: "stale", rank: 3, look: "bad", sign: "recover", word, short, line: "bad" };
   }
-  const poor = [];
-  if (health.age_us === null || health.age_us === undefined) poor.push("no value yet");
-  if (health.safe) poor.push("safe value");
-  for (const what of ["lost", "dropped", "late"]) if (health[what] > 0) poor.push(`${health[what]} ${what}`);
-  if (poor.length > 0) return { key: "poor", rank: 2, look: "poor", sign: "poor", word: poor.join(", "), short: poor[0], line: "poor" };
-  return { key: "good", rank: 0, look: "good", sign: "good", word: "ok", line: "good" };
+  if (health.rating === "poor") {
+    const why = ["lost", "dropped", "late"].filter((what) => health[what] > 0).map((what) => `${health[what]} ${what}`);
+    if (health.age_us === null || health.age_us === undefined) why.unshift("no value yet");
+    return { key: "poor", rank: 2, look: "poor", sign: "poor", word: why.join(", "), short: why[0], line: "poor" };
+  }
+  return { key: "good", rank: 0, look: "good", sign: "good", word: health.matched ? "ok" : "no other program", line: "good" };
 }
 
 /// The look of the page's own connection to the gateway.

@@ -19,7 +19,7 @@ import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
 import { clock } from "./words.js";
 
-const kQuiet_ms = 4000;  // the connection is "quiet" after this time without an event, because `measures` arrives every second
+const kQuiet_ms = 4000;  // the connection is "quiet" after this time without an event; normally `measures` arrives every second
 
 const byId = (name) => document.getElementById(name);
 const store = new Store();

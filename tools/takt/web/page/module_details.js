@@ -5,7 +5,7 @@ import { Bar, element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
 import { LastFaults } from "./last_faults.js";
 import { lookOfConnection, lookOfModule, useOf } from "./looks.js";
-import { Commands } from "./orders.js";
+import { Commands } from "./commands.js";
 import { Properties } from "./properties.js";
 import { addressOf } from "./route.js";
 import { TimePlot } from "./time_plot.js";
@@ -21,12 +21,14 @@ export class ModuleDetails {
   #times = [];
   #history = { jitter: [[], []], run: [[], []] };
   #ports = null;  // null: not known yet
+  #component = null;  // its file, version and hash; null: not known yet
 
   constructor(store) {
     this.#store = store;
     this.mark = new Mark("p");
     this.why = element("p", { class: "why" });
     this.facts = new Facts();
+    this.component = new Facts();
     this.use = new Bar();
     this.counts = new Facts();
     this.distributions = new Distributions();
@@ -42,7 +44,8 @@ export class ModuleDetails {
     this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.commands.element, this.faults.element,
       part("Measured", this.use.element, this.distributions.element, this.counts.element, element("p", {}, this.table)),
       part("Jitter and run time in the last ten minutes", this.jitter.element, this.run.element),
-      part("Ports", this.ports), this.properties.element, part("State changes", this.steps), part("Descriptor", this.facts.element));
+      part("Ports", this.ports), this.properties.element, part("State changes", this.steps), part("Descriptor", this.facts.element),
+      part("Component", this.component.element));
   }
 
   show(name) {
@@ -53,7 +56,7 @@ export class ModuleDetails {
     this.table.href = addressOf("table", { device, select: name });
     this.properties.hold(name);
     this.#askHistory();
-    this.#ports = null;
+    [this.#ports, this.#component] = [null, null];
     this.ports.replaceChildren(element("li", { class: "faint", text: "loading ..." }));
     this.#askPorts();
     this.#showAll();
@@ -73,6 +76,7 @@ export class ModuleDetails {
     if (changes.faults) this.faults.show(this.#name);
     if (changes.measures) {
       this.#append();
+      this.#showState();
       this.#showMeasures();
     }
     if (changes.rights || changes.link || changes.devices.size > 0) {
@@ -97,11 +101,18 @@ export class ModuleDetails {
       ["deadline", about?.deadline_ns ? exact(about.deadline_ns) : ""], ["priority", about?.priority],
       ["executor", about?.executor], ["budget", about?.budget_ns ? exact(about.budget_ns) : about ? "none" : ""],
     ]);
+    this.#showComponent();
     this.#showState();
     this.faults.show(this.#name);
     this.#showMeasures();
     this.#showPorts();
     this.properties.update();
+  }
+
+  #showComponent() {
+    const component = this.#component;
+    this.component.show([["file", component?.file], ["version", component?.version || (component ? "not stated" : "")],
+      ["hash", component?.hash]]);
   }
 
   #showState() {
@@ -111,10 +122,11 @@ export class ModuleDetails {
       setText(this.why, "");
       this.steps.replaceChildren();
     } else {
-      const look = lookOfModule({ ...module, lost: this.#store.isLost(module) });
-      const since = module.state?.time_ms ? ` since ${instant(module.state.time_ms)}` : "";
+      const look = lookOfModule(this.#store.shown(module));
+      const stopped = look.word === "safe stop";
+      const since = module.state?.time_ms && !stopped ? ` since ${instant(module.state.time_ms)}` : "";
       this.mark.show({ ...look, word: look.word + since });
-      setText(this.why, reason(module.state));
+      setText(this.why, stopped ? "The module works as intended, and keeps its machine stopped for safety." : reason(module.state));
       this.#showSteps(module);
     }
     this.commands.update();
@@ -157,13 +169,13 @@ export class ModuleDetails {
         run: kLines.map((line, i) => joined(history[`run_${line}_us`], this.#history.run[i])),
       };
       this.#showMeasures();
-    } catch { /* there is no history yet: the plots begin now */ }
+    } catch { /* the gateway has no history yet, so the plots begin now */ }
   }
 
   #append() {
     const module = this.#module;
     const measures = module?.measures;
-    // Add no point for a lost module, because its last measures are out of date.
+    // Add no point for a lost module, because its last measurements are out of date.
     if (!measures || !module.state || this.#store.isLost(module) || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
     this.#times.push(this.#store.time_ms);
     kLines.forEach((line, i) => {
@@ -175,14 +187,16 @@ export class ModuleDetails {
     }
   }
 
-  /// Asks the device for the ports of the module. If that fails, asks once more: the device may report that it runs a moment before it can
-  /// answer.
+  /// Asks the device for the ports of the module. If that fails, asks once more, because a device may not answer yet when it has just
+  /// reported that it runs.
   async #askPorts(again = true) {
     const name = this.#name;
     try {
-      const { ports } = await get("/api/ports", { device: name.split(".")[0] });
+      const { ports, components } = await get("/api/ports", { device: name.split(".")[0] });
       if (name !== this.#name) return;
       this.#ports = ports.filter((port) => port.name.startsWith(`${name}.`));
+      this.#component = components[name] ?? null;
+      this.#showComponent();
       this.#showPorts();
     } catch (problem) {
       if (name !== this.#name) return;
@@ -223,5 +237,6 @@ export class ModuleDetails {
 
 function reason(state) {
   if (!state) return "";
+  if (state.error && state.text?.startsWith(`${state.error}: `)) return state.text;
   return [state.error, state.text].filter(Boolean).join(": ");
 }

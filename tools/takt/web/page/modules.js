@@ -28,10 +28,11 @@ class Row {
     this.spark = new Spark(kTrend);
     this.link = linkTo(module.name, module.label, { class: "name" });
     this.about = element("span", { class: "faint small" });
+    const numbers = (label) => element("td", { class: "number", dataset: { label } });  // a phone shows the label with the number
     this.cells = {
       name: element("th", { scope: "row" }, this.link, this.about), state: element("td", {}, this.mark.element),
-      p50: element("td", { class: "number" }), p99: element("td", { class: "number" }), run: element("td", {}, this.bar.element),
-      overruns: element("td", { class: "number" }), recoveries: element("td", { class: "number" }),
+      p50: numbers("jitter p50, us"), p99: numbers("jitter p99, us"), run: element("td", { dataset: { label: "run time p99" } }, this.bar.element),
+      overruns: numbers("overruns"), recoveries: numbers("recoveries"),
       trend: element("td", { class: "trend" }, this.spark.element),
     };
     this.element = element("tr", { dataset: { module: module.name } }, ...kColumns.map(({ key }) => this.cells[key]));
@@ -39,7 +40,7 @@ class Row {
   }
 
   showState(store) {
-    this.look = lookOfModule({ ...this.module, lost: store.isLost(this.module) });
+    this.look = lookOfModule(store.shown(this.module));
     this.mark.show(this.look);
     setAttribute(this.element, "data-state", this.look.key);
   }
@@ -114,7 +115,12 @@ export class Modules {
     }
     for (const name of changes.devices) this.#showGroup(name);
     for (const name of changes.modules) this.#rows.get(name)?.showState(this.#store);
-    if (changes.measures) for (const row of this.#rows.values()) row.showMeasures();
+    if (changes.measures) {
+      for (const row of this.#rows.values()) {
+        row.showState(this.#store);  // the measurements say whether the module is in a safe stop
+        row.showMeasures();
+      }
+    }
     const sorts = this.sort !== "" && this.sort !== "name";
     const measured = sorts || this.only.value === "over";
     if ((changes.modules.size > 0 && (sorts || this.#filters())) || (changes.measures && measured)) this.#arrange();

@@ -6,7 +6,7 @@ import { adjust, alter, currentRoute } from "./route.js";
 import { TimePlot } from "./time_plot.js";
 
 const kSpan_ms = 300000;
-const kFields = 4;  // at first
+const kFields = 4;  // number of fields that are shown at first
 const kAgain_ms = 3000;
 
 export class Plots {
@@ -59,11 +59,11 @@ export class Plots {
     clearTimeout(this.again);
     if (this.#port) this.#select([]);
     this.#port = null;
-    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // a frame requested earlier may still draw these
+    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // an animation frame that was requested earlier may still draw these arrays
   }
 
   update(changes) {
-    // If the last request for the ports failed, a changed device may answer now.
+    // If the last request for the ports failed, ask again after each change of a device, because it may answer now.
     if (changes.cell || changes.whole || (changes.devices.size > 0 && this.#listed === "")) this.#askPorts();
     if (changes.cell && this.#port) this.#ask();  // a new cell: the gateway has dropped the chosen port
   }
@@ -90,7 +90,7 @@ export class Plots {
     const groups = devices.map((device, i) => {
       const ports = answers[i].status === "fulfilled" ? answers[i].value.ports : [];
       return element("optgroup", { label: device }, ...ports.map(({ name, direction, type }) =>
-        element("option", { value: name, text: `${name.slice(device.length + 1)} (${direction === "in" ? "reads" : "writes"} ${type})` })));
+        element("option", { value: name, text: `${name.slice(device.length + 1)} (${direction === "out" ? "writes" : "reads"} ${type})` })));
     });
     const none = groups.every((group) => group.children.length === 0);
     if (none || answers.some(({ status }) => status === "rejected")) this.#listed = "";

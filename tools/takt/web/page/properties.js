@@ -32,7 +32,7 @@ class Property {
     return element("input", { type: "text", value: String(value ?? ""), spellcheck: "false", autocomplete: "off" });
   }
 
-  /// Whether `other` describes the same property; the values may differ.
+  /// True if `other` describes the same property; the values may differ.
   is(other) {
     const kind = ({ value, ...rest }) => JSON.stringify(rest);
     return kind(this.property) === kind(other);
@@ -100,8 +100,8 @@ export class Properties {
     for (const property of this.#shown.values()) property.may(may);
   }
 
-  /// Asks the device for the module's properties. If that fails, asks once more: the device may report that it runs a moment before it can
-  /// answer.
+  /// Asks the device for the module's properties. If that fails, asks once more, because a device may not answer yet when it has just
+  /// reported that it runs.
   async ask(again = true) {
     const module = this.module;
     try {

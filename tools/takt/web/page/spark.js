@@ -21,7 +21,7 @@ export class Spark {
   #draw(context, width, height) {
     const values = this.#values;
     if (values.length < 2) return;
-    const top = Math.max(...values, 1e-9);  // if all values are 0 or unknown, this avoids a division by 0
+    const top = Math.max(...values, 1e-9);  // at least 1e-9, to avoid a division by 0 if all values are 0 or unknown
     const step = width / (this.length - 1);
     const from = this.length - values.length;
     context.strokeStyle = colour("accent");

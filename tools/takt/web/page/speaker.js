@@ -1,5 +1,5 @@
-// Announces state changes to screen readers. Changes are collected and announced together, because each announcement interrupts the one
-// before.
+// Announces state changes to screen readers. Changes are collected and announced together, because each announcement interrupts the previous
+// announcement.
 
 const kEvery_ms = 1500;
 const kNamed = 3;

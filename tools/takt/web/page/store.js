@@ -12,7 +12,7 @@ class Changes {
   measures = false;
   whole = false;         // a device or module was added or removed
   devices = new Set();
-  begun = new Set();     // devices that have just started to run, so views ask them again
+  begun = new Set();     // devices that have just started to run; the views ask these devices again
   modules = new Set();
   faults = false;
 }
@@ -35,7 +35,7 @@ export class Store {
   faults = [];
   faultsCome = 0;        // number of fault events since the page was opened
   problems = [];
-  time_ms = 0;           // the gateway's clock when the last event arrived, which was at `seen`
+  time_ms = 0;           // the gateway's time in the last event, which arrived when this page's clock showed `seen`
   seen = 0;
   #listeners = [];
   #changes = new Changes();
@@ -45,7 +45,7 @@ export class Store {
     this.#listeners.push(listener);
   }
 
-  /// The current time by the gateway's clock. It stops while no events arrive, so that the plots stop too.
+  /// The current time by the gateway's clock. This time stops while no events arrive, so that the plots stop too.
   get now() {
     if (this.time_ms === 0) return Date.now();
     return this.time_ms + (this.link === "live" ? Math.min(performance.now() - this.seen, 2000) : 0);
@@ -169,15 +169,20 @@ export class Store {
     const events = news.events ?? [];
     if (news.whole) this.faults = [];
     else this.faultsCome += events.length;
-    this.faults.push(...events);  // not sorted by time, because events of a device whose clock is behind would appear far down
+    this.faults.push(...events);  // do not sort by time: new events of a device whose clock is behind would appear far down
     if (this.faults.length > kFaults) this.faults.splice(0, this.faults.length - kFaults);
     this.change((changes) => { changes.faults = true; });
   }
 
-  /// Whether the module's device is lost. The module's state is then the last known one.
+  /// True if the module's device is lost. The module's state is then the last known one.
   isLost(module) {
     const device = this.devices.get(module.device);
     return module.state !== null && device?.alive === false;
+  }
+
+  /// The module as lookOfModule() takes it: with `lost`, and with `stopped`, which is true for a module in START on a running device.
+  shown(module) {
+    return { ...module, lost: this.isLost(module), stopped: module.state?.state === "START" && runs(this.devices.get(module.device)) };
   }
 
   /// The names of all devices: first those in the descriptor, then all others.

@@ -16,6 +16,8 @@ export function summaryOf(store) {
   const modules = [...store.modules.values()].filter((module) => module.state || module.about);
   const counted = modules.filter((module) => module.state?.state === "EXECUTING" && !store.isLost(module)).length;
   const recover = modules.filter((module) => module.state?.state === "RECOVER" && !store.isLost(module));
+  const safe = modules.filter((module) => module.state?.state === "EXECUTING" && module.measures?.safe_stop && !store.isLost(module));
+  const stopped = modules.filter((module) => store.shown(module).stopped);
 
   const trouble = [];
   if (lost.length > 0) trouble.push(`${listed(lost.map((device) => device.name))} lost`);
@@ -23,9 +25,12 @@ export function summaryOf(store) {
   if (recover.length > 0) trouble.push(`${listed(recover.map((module) => module.name))} in RECOVER`);
   const what = doing(devices);
   const words = modules.length > 0 ? `${counted} of ${several(modules.length, "module")} EXECUTING` : several(names.length, "device");
-  const word = [`${what}: ${words}`, ...trouble].join(", ");
+  const stops = [];
+  if (stopped.length > 0) stops.push(`${listed(stopped.map((module) => module.name))} stopped`);
+  if (safe.length > 0) stops.push(`${listed(safe.map((module) => module.name))} in a safe stop`);
+  const word = [`${what}: ${words}`, ...trouble, ...stops].join(", ");
   if (trouble.length > 0) return { look: "bad", sign: lost.length > 0 ? "lost" : "recover", word };
-  if (counted < modules.length) return { look: "poor", sign: "poor", word };
+  if (safe.length > 0 || counted < modules.length) return { look: "poor", sign: "poor", word };
   if (what !== "running") return { look: "plain", sign: "wait", word };
   return { look: "good", sign: "executing", word };
 }

@@ -57,8 +57,8 @@ export class Table {
     for (const gantt of this.#gantts) gantt.redraw();
   }
 
-  /// Asks the device for its tables. If that fails or the tables are empty, asks once more: a device reports that it runs a moment before
-  /// its first row.
+  /// Asks the device for its tables. If that fails or the tables are empty, asks once more, because a device may not have run a row yet
+  /// when it has just reported that it runs.
   async #ask(again = true) {
     const device = this.#device;
     const asked = ++this.#asked;
@@ -116,7 +116,7 @@ export class Table {
   }
 }
 
-/// The modules of an executor: first those of the table in the order of its rows, then the sporadic ones, then any others that ran.
+/// The modules of an executor: first the modules in the table, in the order of its rows; then the sporadic modules; then all others that ran.
 function orderOf(rows, spec, executor) {
   const names = new Set();
   for (const row of rows) for (const name of row) names.add(name);

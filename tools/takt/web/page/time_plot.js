@@ -7,7 +7,8 @@ import { clock, number } from "./words.js";
 
 const kDashes = [[], [6, 3], [2, 3], [9, 3, 2, 3]];
 const kSame = 1e-12;  // relative difference below which two values count as equal
-const kTicks = 10;    // upper bound of the number of ticks; rounded steps give at most five
+const kTicks = 10;    // upper bound of the number of ticks; there are at most five, because steps are rounded up
+const kApart = 84;    // least distance of two labels of the time axis, in pixels
 const kLetters = 10, kLeft = 76, kBottom = 20, kTop = 8, kRight = 8;
 const kFont = '11px ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace';
 
@@ -156,7 +157,7 @@ export class TimePlot {
     context.textBaseline = "alphabetic";
     context.fillStyle = colour("faint");
     const minutes = this.span_ms / 60000;
-    const every = minutes > 5 ? 2 : 1;
+    const every = [1, 2, 5].find((step) => area.width * step / minutes >= kApart) ?? minutes;
     for (let ago = 0; ago <= minutes; ago += every) {
       const x = area.left + area.width * (1 - ago / minutes);
       context.textAlign = ago === 0 ? "right" : ago === minutes ? "left" : "center";
@@ -195,7 +196,7 @@ export class TimePlot {
   }
 }
 
-/// Creates the sample line of a legend. It is SVG, so its colour follows a change of the theme.
+/// Creates the sample line of a legend. The line is SVG, so its colour changes with the theme.
 function sample(dash) {
   const line = drawn("line", { x1: 0, y1: 4, x2: 24, y2: 4, "stroke-dasharray": dash.join(" ") || "none" });
   const svg = drawn("svg", { class: "dash", width: 24, height: 8, "aria-hidden": "true" });

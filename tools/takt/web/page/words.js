@@ -17,13 +17,16 @@ export function count(value) {
   return value === null || value === undefined ? "-" : String(value);
 }
 
-/// Formats a duration that is given in microseconds.
+/// Formats a duration that is given in microseconds. From two minutes on, the duration is rounded to seconds, and from two hours on to minutes.
 export function duration(us) {
   if (us === null || us === undefined) return "-";
   const size = Math.abs(us);
   if (size < 1000) return `${number(us)} us`;
   if (size < 1e6) return `${number(us / 1000)} ms`;
-  return `${number(us / 1e6)} s`;
+  const seconds = Math.round(us / 1e6);
+  const minutes = Math.round(us / 6e7);
+  if (seconds < 120) return `${number(us / 1e6)} s`;
+  return minutes < 120 ? `${Math.floor(seconds / 60)} min ${seconds % 60} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
 /// Formats a time from the descriptor without rounding: 1 ms, not 1.00 ms.
@@ -59,6 +62,7 @@ export function several(n, what) {
 
 /// Lists names for a sentence: up to three names; if there are more, two names and the number of the others.
 export function listed(names) {
-  if (names.length <= 3) return names.join(", ");
+  if (names.length === 3) return `${names[0]}, ${names[1]} and ${names[2]}`;
+  if (names.length < 3) return names.join(" and ");
   return `${names.slice(0, 2).join(", ")} and ${names.length - 2} more`;
 }

@@ -1,8 +1,8 @@
 // The agent of one device: carries out commands, one deployment at a time.
 //
-// All input arrives through its functions, called on one thread, and all output goes to its Publisher. It
-// uses neither DDS nor a clock of its own, so tests can drive it. It never waits: step() looks for the
-// results of everything that takes long.
+// The node passes all input to the agent's functions, on one thread, and all output goes to the Publisher.
+// The agent uses neither DDS nor a clock of its own, so a test can control it completely. The agent never
+// waits: step() checks whether the results of long actions, such as inspections, have arrived.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,11 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <takt/agent/clock_offset.hpp>
 #include <takt/agent/fault_rate_limiter.hpp>
 #include <takt/agent/inspection.hpp>
+#include <takt/agent/joint_start.hpp>
+#include <takt/agent/joint_update.hpp>
 #include <takt/agent/memory.hpp>
 #include <takt/agent/publisher.hpp>
 #include <takt/model/cell.hpp>
@@ -43,23 +46,26 @@ class Agent {
     std::string device;
     std::string node;  ///< unique id of this node
     int domain = 0;
-    std::string cell{};  ///< the cell that the device's identity is for; empty if DDS Security is off
+    std::string cell{};  ///< the cell for which the device's identity was issued; empty if DDS Security is
+                         ///< off
     bool require_real_time = false;
-    bool real_time = true;  ///< whether the machine allows real time; reported without a deployment
-    /// Whether takt run started this node for one cell. Such a node uses the paths of files as written and
-    /// saves nothing on disk. Before it ends, it waits briefly for its final report to be fetched.
+    bool real_time = true;  ///< true: the machine allows real time; published while there is no deployment
+    /// True if `takt run` started this node for one cell. Such a node uses the paths of components as the
+    /// descriptor states them, and saves nothing on disk. Before the node ends, it waits until `takt run` has
+    /// received its final report, but at most kReportFetched.
     bool temporary = false;
     std::string host_name{};
     int process_id = 0;
-    std::shared_ptr<DeploymentStore> store{};     ///< where the deployment is saved; null to save nothing
+    std::shared_ptr<DeploymentStore> store{};     ///< stores the deployment; null: nothing is stored
     std::string boot{};                           ///< identifies this boot of the machine; empty if not known
     std::shared_ptr<FaultMemory> record;          ///< never null
-    std::function<void(const std::string&)> log;  ///< prints a line for the person at the terminal
+    std::function<void(const std::string&)> log;  ///< prints a line to the output of the node
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
     std::function<Instant(std::int64_t)> instant_of_wall;
   };
-  /// Creates the inspections and supervisions that the agent uses; tests pass fakes.
+  /// Functions that create the inspections and supervisions that the agent uses. Tests pass functions that
+  /// create fakes.
   struct Factories {
     std::function<Result<std::unique_ptr<Inspection>>(const InspectionRequest&)> inspect;
     std::function<std::unique_ptr<Supervised>(Supervisor::Options)> supervise;
@@ -70,27 +76,35 @@ class Agent {
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
 
-  /// Record the start and the end of this node. Two starts in a row mean that the first node crashed.
+  /// note_start() and note_end() record the start and the end of this node in the fault record. A start
+  /// without an end before it means that the previous node crashed.
   void note_start();
   void note_end();
-  /// Records and publishes an event. Adds its time, cell and device. See FaultRateLimiter::put() for
-  /// `origin`.
+  /// Records and publishes an event. Adds the event's time, cell and device. For `origin`, see
+  /// FaultRateLimiter::put().
   void note(model::Fault fault, const std::string& origin = {});
 
   /// Carries out a command that has arrived.
   void receive(const wire::WholeCommand& command);
-  /// The state of the other nodes. It shows lost devices, and other nodes with this node's name.
+  /// Takes the status of a node, also of this one. A status of another node also answers earlier statuses of
+  /// this node; from these answers, the agent measures the clock of the other node.
+  void receive(const DeviceStatus& status, wire::WriterId writer, Instant arrived);
+  /// The state of the other nodes, which the node updates. From this state, the agent detects lost devices,
+  /// and other nodes with this node's device name.
   wire::CellState& others() noexcept { return others_; }
-  /// Restores the deployment that is saved on disk.
+  /// Restores the deployment that is saved on disk. If another node with this device name has a deployment,
+  /// the agent first waits until that node is gone.
   void resume();
-  /// Logs that there is a saved deployment, for a node started without --resume.
+  /// Logs that a deployment is saved but is not restored. Called if the node was started without --resume.
   void report_kept() const;
-  /// Shuts the deployment and then the agent down. With `at_once` it does not wait for its final report to be
-  /// fetched.
+  /// Shuts down the deployment and then the agent. If `at_once` is true, the agent does not wait until `takt
+  /// run` has received the final report.
   void end(bool at_once);
 
   void step();
   [[nodiscard]] bool ended() const;
+  /// True if the agent has ended by itself, because another node with this device name executes in its place.
+  [[nodiscard]] bool has_given_way() const noexcept { return has_given_way_; }
 
  private:
   struct Deployment;
@@ -109,9 +123,10 @@ class Agent {
   void swap(const Command& command);
   void check_swap();
   void property(const Command& command);
-  /// Whether a deployment runs. If not, rejects the command.
+  /// Returns true if a deployment runs. Otherwise rejects the command and returns false.
   bool runs(const Command& command);
-  /// The index of the module that the command names. Rejects the command if there is no such module.
+  /// Returns the index of the module that the command names. If the device has no such module, rejects the
+  /// command and returns nothing.
   std::optional<std::uint32_t> module_of(const Command& command);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
               std::optional<lifecycle::State> state = {}, const std::string& value = {});
@@ -120,7 +135,7 @@ class Agent {
   // The fault record (faults.cpp)
   void send_log(const wire::WholeCommand& command);
   void note_answer(const Command& command, ReplyCode code, const std::string& text);
-  void watch_devices();
+  void check_devices();
 
   // Deployments (deployments.cpp)
   void prepare(const wire::WholeCommand& command);
@@ -132,7 +147,15 @@ class Agent {
   void check_inspection();
   void step_supervised();
   void abandon(const Problems& problems);
-  void go(std::int64_t t0_wall_ns);
+  bool check_others();
+  void step_start();
+  [[nodiscard]] Heard heard_from(const DeviceStatus& status) const;
+  [[nodiscard]] std::map<std::string, Heard> heard() const;
+  void go();
+  void undo(const std::string& why);
+  void check_undeployed();
+  void remember_undeployed(const std::string& id);
+  [[nodiscard]] std::string undeployed_but_held() const;
   void finish();
   void keep_for_restart();
   void forget_kept();
@@ -142,15 +165,33 @@ class Agent {
 
   // Updates (updates.cpp)
   void update(const wire::WholeCommand& command);
-  /// The update that the command names. If it is not in progress, rejects the command and returns null.
+  /// Returns the update that the command names. If that update is not in progress, rejects the command and
+  /// returns null.
   Update* update_of(const Command& command);
+  void keep(const Command& command);
+  void put_back(const Command& command);
+  [[nodiscard]] Vote vote_of(const std::string& device, const std::string& update) const;
   void reply_problems(const Command& command, ReplyCode code, const Problems& problems,
                       const std::string& value = {});
   void begin_again(const Deployment& description);
 
-  void watch_names();
-  void watch_cell();
-  void watch_disk();
+  // The clocks of the other devices (clocks.cpp)
+  [[nodiscard]] std::optional<ClockBounds> clock_of(const std::string& device) const;
+  [[nodiscard]] std::optional<ClockBounds> ahead(const std::string& device) const;
+  [[nodiscard]] nlohmann::ordered_json clock_report() const;
+  void check_clocks();
+
+  // Other nodes with this device name (twins.cpp)
+  void check_names();
+  void check_interruption();
+  void check_resume();
+  [[nodiscard]] std::chrono::seconds uninterrupted() const;
+  [[nodiscard]] bool gives_way_to(const DeviceStatus& other) const;
+  void give_way();
+
+  void restore();
+  void check_cell();
+  void check_disk();
   [[nodiscard]] DeviceStatus status() const;
   void publish_status();
   void publish_measures();
@@ -162,11 +203,23 @@ class Agent {
   const Instant began_;
   wire::CellState others_;
   std::unique_ptr<Deployment> deployment_;
-  std::shared_ptr<Update> update_;  // shared, so that callbacks can check whether it still exists
-  std::string name_clash_;          // describes the other node with this name; empty if there is none
-  std::string last_id_;             // id of the deployment that ended last
-  std::string last_data_;           // its final report
-  std::string last_refusal_;        // why a deployment could not be restored
+  std::shared_ptr<Update> update_;        // shared, so that callbacks can check whether it still exists
+  std::string update_id_;                 // id of the newest update that is over
+  UpdateState update_end_ = UPDATE_NONE;  // how that update ended
+  Problems update_problems_;              // why that update was undone
+  std::string twin_;        // id and activity of another node with this device name; empty if there is none
+  std::string name_clash_;  // describes that node
+  std::optional<Instant> both_execute_since_;   // since when that node and this node execute
+  std::optional<Instant> uninterrupted_since_;  // see DeviceStatus::uninterrupted_s
+  bool resuming_ = false;                       // the agent calls restore() after resume_at_
+  Instant resume_at_{};
+  std::optional<Instant> waits_since_;  // since when another node keeps this node from resuming
+  bool has_given_way_ = false;
+  std::string last_id_;       // id of the deployment that ended last
+  std::string last_data_;     // the final report of the deployment that ended last
+  std::string last_refusal_;  // the reason why the saved deployment could not be restored, or why a
+                              // deployment was undone
+  std::vector<std::string> undeployed_;  // ids of the deployments that were undeployed or undone last
   DeviceStatus published_;
   bool published_once_ = false;
   Instant measured_at_{};
@@ -176,6 +229,13 @@ class Agent {
   bool at_once_ = false;
   std::optional<Instant> ended_at_;
   FaultRateLimiter filter_;
+  std::int64_t wall_ahead_ns_ = 0;  ///< wall clock minus monotonic clock, in ns
+  struct OtherClock {
+    std::string node;
+    ClockOffset offset;
+    bool differs = false;  // true: the fault record says that the clocks differ by more than kClocksDiffer
+  };
+  std::map<std::string, OtherClock> clocks_;  // by the name of the device
   std::map<std::string, bool> devices_seen_;  // for each other device of the cell: whether it was alive at
                                               // the last check
 };

@@ -1,5 +1,5 @@
-// Limits the rate of fault events: a module may overrun ten thousand times a second, which would fill the
-// record.
+// Limits the rate of fault events, because a module may overrun ten thousand times a second, which would fill
+// the fault record.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +14,25 @@
 
 namespace takt::agent {
 
-/// Emits the first event of a module and kind at once, and then at most one a second. The count of an emitted
-/// event includes all events since the one emitted before, so no event goes uncounted. Single actions (a
-/// deployment, a command, a restart) are always emitted at once. A merged event has the cause, cycle and time
-/// of the newest event in it.
+/// Emits the first event of a module and kind at once, and then at most one event per second. Events between
+/// two emitted events are merged into the later one, whose count includes them. A merged event has the cause,
+/// cycle and time of its newest event. Events of single actions (a deployment, a command, a restart) are
+/// always emitted at once.
 class FaultRateLimiter {
  public:
   static constexpr Nanoseconds kEvery = std::chrono::seconds{1};
-  /// How many sources are tracked separately at the same time. Further sources of one kind share an entry.
+  /// The number of combinations of kind, module, error and origin that are limited separately at the same
+  /// time. Further combinations share one entry for each kind.
   static constexpr std::size_t kMost = 256;
 
   explicit FaultRateLimiter(std::function<void(model::Fault)> emit) : emit_(std::move(emit)) {}
 
-  /// Accepts an event. `origin` names its port, executor or client; each origin is limited separately.
+  /// Accepts an event, and emits or merges it. `origin` names the port, executor or client that caused the
+  /// event; each origin is limited separately.
   void put(model::Fault fault, Instant now, const std::string& origin = {});
   /// Emits merged events that are due.
   void step(Instant now);
-  /// Emits all merged events.
+  /// Emits all merged events, even those that are not due.
   void flush();
 
  private:

@@ -1,4 +1,4 @@
-// What an agent remembers beyond its own process: the deployment to restore, and the fault record.
+// Interfaces to the data that outlive the node's process: the saved deployment, and the fault record.
 #pragma once
 
 #include <cstdint>
@@ -16,40 +16,44 @@ struct KeptDeployment {
   std::string file;  ///< the descriptor's name, for messages
   std::string text;  ///< the content of the descriptor
   bool require_real_time = false;
-  std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since
-  /// Identifies the boot of the machine in which t0_monotonic_ns was read; it is valid until the next boot.
-  /// Empty if not known.
+  std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since then
+  /// Identifies the boot of the machine during which t0_monotonic_ns is valid. Empty if not known.
   std::string boot{};
   std::int64_t t0_monotonic_ns = 0;
-  std::string safe{};  ///< the safe values of the cell's outputs, in the format of model::parse_safe()
+  std::string safe{};    ///< the safe values of the cell's outputs, in the format of model::parse_safe()
+  std::string update{};  ///< id of the last update; empty if there was none
   bool operator==(const KeptDeployment&) const = default;
 };
 
-/// Holds at most one deployment.
+/// Saves at most one deployment, which a restarted node can restore, and the ids of the deployments that were
+/// undeployed last. A restarted node publishes these ids for devices that missed the undeploy command.
 class DeploymentStore {
  public:
   virtual ~DeploymentStore() = default;
   virtual Result<void> keep(const KeptDeployment& deployment) const = 0;
-  /// Returns the saved deployment, or nothing if none is saved. Fails if it is damaged or cannot be read.
+  /// Returns the saved deployment, or nothing if none is saved. Fails if the saved data is damaged or cannot
+  /// be read.
   [[nodiscard]] virtual Result<std::optional<KeptDeployment>> kept() const = 0;
   virtual Result<void> forget() const = 0;
+  virtual Result<void> keep_undeployed(const std::vector<std::string>& ids) const = 0;
+  [[nodiscard]] virtual Result<std::vector<std::string>> undeployed() const = 0;
 };
 
-/// The device's newest events.
+/// The fault record: the device's newest events.
 class FaultMemory {
  public:
   virtual ~FaultMemory() = default;
-  /// Gives the event its number and keeps it.
+  /// Sets the sequence number of the event, and adds the event to the record.
   virtual void append(model::Fault& fault) = 0;
-  /// Tries again to use a file that failed. Returns true if the file is in use again and contains all events
-  /// that are in memory.
+  /// If writing to the file failed before, tries to use the file again. Returns true if the file is now in
+  /// use again and contains all events that are in memory.
   virtual bool reopen() = 0;
   /// Waits until all events are on disk.
   virtual void sync() const = 0;
   [[nodiscard]] virtual const std::vector<model::Fault>& events() const noexcept = 0;
-  /// Number of older events that newer ones have replaced.
+  /// Number of older events that newer events have replaced.
   [[nodiscard]] virtual std::uint64_t overwritten() const noexcept = 0;
-  /// Number of events that were not valid when the file was read.
+  /// Number of invalid events that were found when the file was read.
   [[nodiscard]] virtual std::uint64_t damaged() const noexcept = 0;
   [[nodiscard]] virtual const Problems& problems() const noexcept = 0;
   /// The path of the file; empty if the events are only in memory.

@@ -9,7 +9,7 @@
 
 namespace takt::agent {
 
-/// [{"where", "what", "fix"}]
+/// Returns the problems as a JSON list: [{"where", "what", "fix"}, ...].
 inline nlohmann::ordered_json problems_json(const Problems& problems) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Problem& problem : problems)

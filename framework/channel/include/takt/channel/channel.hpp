@@ -1,5 +1,5 @@
 // The channel of one device: one block for each host, each executor and each module, in one piece of shared
-// memory. The node creates the channel and keeps it across restarts of the host, so that counts continue.
+// memory. The node creates the channel and keeps it when a host restarts, so that counters continue.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,15 @@ class Channel {
   Channel() = default;
   static Result<Channel> create(std::size_t hosts, const std::vector<std::string>& executors,
                                 const std::vector<std::string>& modules);
-  /// Fails if the memory is not a channel, or if another version of Takt created it.
+  /// Opens the channel that another process created. Fails if the memory is not a channel, or if another
+  /// version of Takt created it.
   static Result<Channel> attach(os::Fd fd);
 
-  /// `index` must be below hosts().
+  /// Returns the block of a host. `index` must be below hosts().
   [[nodiscard]] HostBlock& host(std::size_t index) const noexcept;
-  /// `index` must be below executors().
+  /// Returns the block of an executor. `index` must be below executors().
   [[nodiscard]] ExecutorBlock& executor(std::size_t index) const noexcept;
-  /// `index` must be below modules().
+  /// Returns the block of a module. `index` must be below modules().
   [[nodiscard]] ModuleBlock& module(std::size_t index) const noexcept;
   [[nodiscard]] std::size_t hosts() const noexcept { return hosts_; }
   [[nodiscard]] std::size_t executors() const noexcept { return executors_; }

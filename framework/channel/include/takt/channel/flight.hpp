@@ -1,6 +1,6 @@
 // The flight record: the latest actions of the executor threads, in memory that the node keeps when the host
-// dies. Each thread has its own ring, in which the newest entry replaces the oldest. Reading a ring never
-// stops its writer.
+// dies. Each thread has its own ring, in which the newest entry replaces the oldest. A reader of a ring never
+// stops the ring's writer.
 #pragma once
 
 #include <atomic>
@@ -10,23 +10,23 @@ namespace takt::channel {
 
 enum class FlightKind : std::uint8_t {
   nothing,
-  row,       ///< a row began; value: its delay after the release, in ns
+  row,       ///< a row began; value: its delay from the planned instant, in ns
   run,       ///< a run() ended; value: its duration, in ns
-  row_end,   ///< a row ended, including its conditions
-  released,  ///< the scheduler released a program, or found it still in its body; value: a channel::Release
-  body,   ///< a program's body ended at the time of this entry, which is recorded later; value: its duration,
-          ///< in ns
-  ready,  ///< a sporadic module became ready to run
-  write,  ///< the run that the next `run` entry ends wrote a sample; value: index of the port in its module
-  event,  ///< the run that the next `run` entry ends took an event; value: index of the port in its module
-  swapped,  ///< from this row on, the executor calls the new instance of a swapped module
+  row_end,   ///< a row ended, after all its modules and conditions
+  released,  ///< the scheduler released a process module, or found it still in its body; value: a Release
+  body,      ///< a body of a process module (the work of one release) ended; the entry's time is the end of
+             ///< the body, but it is recorded later; value: duration of the body, in ns
+  ready,     ///< a sporadic module became ready to run
+  write,     ///< a run(), whose `run` entry follows, wrote a sample; value: index of the port in its module
+  event,     ///< a run(), whose `run` entry follows, took an event; value: index of the port in its module
+  swapped,   ///< from this row on, the executor calls the new instance of a swapped module
 };
 inline constexpr std::uint8_t kFlightKinds = 10;
 
 /// An entry as it is stored in the ring.
 struct FlightEntry {
-  std::atomic<std::int64_t> time_ns;  ///< monotonic clock
-  std::atomic<std::uint64_t> what;    ///< FlightWriter::pack()
+  std::atomic<std::int64_t> time_ns;  ///< monotonic clock, in ns
+  std::atomic<std::uint64_t> what;    ///< kind, module and value, as FlightWriter::pack() returns them
 };
 
 /// An entry as a reader gets it.
@@ -39,20 +39,20 @@ struct FlightSample {
 };
 
 struct alignas(64) FlightRing {
-  std::atomic<std::uint64_t> written;  ///< number of entries written so far. SYNC: flight
+  std::atomic<std::uint64_t> written;  ///< number of entries written so far
 };
 
 /// Writes the entries of one thread into its ring. A ring has at most one writer at a time. A
 /// default-constructed writer has no ring and records nothing.
 class FlightWriter {
  public:
-  /// The largest module index and the largest value that an entry holds; larger ones are recorded as these
-  /// limits.
+  /// The largest module index and the largest value that an entry can hold. A larger index or value is
+  /// recorded as this maximum.
   static constexpr std::uint32_t kMostModule = (1U << 20) - 1;
   static constexpr std::uint64_t kMostValue = (std::uint64_t{1} << 40) - 1;
 
   FlightWriter() = default;
-  /// `capacity`: number of entries, a power of two.
+  /// `capacity`: the number of entries in the ring, a power of two.
   FlightWriter(FlightRing& ring, FlightEntry* entries, std::uint64_t capacity) noexcept
       : ring_(&ring),
         entries_(entries),
@@ -63,8 +63,8 @@ class FlightWriter {
   void add(FlightKind kind, std::int64_t time_ns, std::uint32_t module = 0, std::int64_t value = 0) noexcept {
     if (ring_ == nullptr) return;
     FlightEntry& entry = entries_[written_ & mask_];
-    // SYNC: flight. Each store is a release store. So a reader that sees any part of this entry also sees how
-    // many entries were written before it, and therefore which entry it replaced.
+    // Each store is a release store. So a reader that sees any part of this entry also sees how many entries
+    // were written before this one, and therefore which entry this one replaced.
     entry.time_ns.store(time_ns, std::memory_order_release);
     entry.what.store(pack(kind, module, value), std::memory_order_release);
     ring_->written.store(++written_, std::memory_order_release);

@@ -1,17 +1,17 @@
 // A link: the shared memory of one connection. It passes samples from one writer to one reader, in different
 // threads or processes.
 //
-// When the queue is full, the writer drops the oldest sample, so both sides change the queue. A process could
-// be killed while it holds a lock, so a link uses no lock. Every sample is in a buffer, and the sides pass
-// each other only buffer numbers. There are depth + 2 buffers: one in each slot, one private to the writer,
-// and one private to the reader. The writer fills its own buffer and exchanges it for the one in the next
-// slot. The reader exchanges its own buffer for the oldest full one. Only the side that has a buffer's number
-// accesses the buffer, so the reader never sees a half-written sample. With depth 1 the link holds the latest
-// value.
+// When the queue is full, the writer drops the oldest sample, so both writer and reader change the queue. A
+// process could be killed while it holds a lock, so a link uses no lock. Every sample is in a buffer, and
+// writer and reader pass each other only buffer numbers. There are depth + 2 buffers: one in each slot, one
+// private to the writer, and one private to the reader. The writer fills its own buffer and exchanges this
+// buffer for the one in the next slot. The reader exchanges its own buffer for the oldest full one. Only the
+// side that has a buffer's number accesses the buffer, so the reader never sees a half-written sample. With
+// depth 1, the link holds only the latest value.
 //
-// Each side announces which buffer it has, and which buffer it is about to take for which sample. If a side
-// dies during an exchange, its successor finds from these announcements, in a few steps, which buffer the
-// dead side had. The other side may continue meanwhile.
+// Each side (writer or reader) announces which buffer it has, and which buffer it is about to take for which
+// sample. If a side dies during an exchange, its successor finds from these announcements, in a few steps,
+// which buffer the dead side had. The other side may continue meanwhile.
 #pragma once
 
 #include <algorithm>
@@ -33,9 +33,9 @@ struct SampleInfo {
   std::int64_t valid_ns = 0;   ///< monotonic time from which the sample may be read; 0: at once
 };
 
-/// The word of a slot: whether the slot is full, the number of its sample, and the number of its buffer. An
-/// emptied slot keeps the number of the sample that was taken from it, so the words alone show the progress
-/// of the link.
+/// The word of a slot has three parts: a bit that is set if the slot is full, the number of the slot's
+/// sample, and the number of its buffer. An emptied slot keeps the number of the sample that was taken from
+/// it. So the words alone show how far writer and reader have come.
 struct SlotWord {
   static constexpr std::uint64_t kFull = std::uint64_t{1} << 63;
   static constexpr unsigned kIndexBits = 18;
@@ -58,43 +58,52 @@ inline constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max
 /// A time that never comes.
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-/// The start of a link's memory; slots, sample infos and payloads follow. Nothing in it is a pointer.
+/// The start of a link's memory; slots, sample infos and payloads follow. The memory contains no pointers.
 /// `Atomic` is std::atomic, except in a test that interrupts the code between any two accesses.
 template <template <class> class Atomic>
 struct alignas(64) BasicLinkBlock {
-  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0004;  // "link", layout 4
+  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0005;  // "link", layout 5
 
   // format() and the node set these fields before the link is used.
   std::uint64_t magic;
   std::uint32_t depth;      ///< number of slots, 1 to 65536; 1: the link holds only the latest value
-  std::uint32_t stride;     ///< bytes reserved for one payload, a multiple of 64; 0: payloads are elsewhere
-  std::uint32_t is_queue;   ///< 1: a sample that is overwritten before it was read counts as dropped
+  std::uint32_t stride;     ///< bytes reserved for one payload, a multiple of 64; 0: the payloads are C++
+                            ///< objects in the host's memory
+  std::uint32_t is_queue;   ///< 1: a sample that is overwritten before it is read counts as dropped
   std::uint32_t wake_bits;  ///< the bits of the wake word that wake the reader after a sample was written; 0:
                             ///< the reader does not sleep
-  std::int64_t deadline_ns;       ///< a value older than this is stale; 0: never
+  std::int64_t deadline_ns;       ///< a value older than this is stale; 0: values never become stale
   Atomic<std::uint32_t> enabled;  ///< 0: writers skip this link, because nobody reads it. Set by the node.
   std::uint32_t safe_room;        ///< bytes reserved for a safe value; 0: this link has none
   /// In a link with a safe value: the lowest number of a sample that the reader may get, or kNobody while the
-  /// writer does not execute. The reader's node sets it. SYNC: trusted
+  /// writer does not execute. The reader's node sets this word.
   Atomic<std::uint64_t> trusted_from;
-  Atomic<std::uint32_t> safe_size;  ///< bytes of the safe value; 0: not known yet. SYNC: safe value
+  Atomic<std::uint32_t> safe_size;  ///< size of the safe value, in bytes; 0: not known yet. Stored after the
+                                    ///< value's bytes
+
+  /// In a link for samples of another device: an upper limit for the difference between the wall clock of
+  /// that device and the monotonic clock of this device; 0: not known. From this limit, the gateway
+  /// calculates the maximum age of a sample. The reader's node sets this word.
+  Atomic<std::int64_t> sender_clock_ns;
 
   // The writer writes these fields.
   alignas(64) Atomic<std::uint64_t> written;  ///< number of samples written so far
   Atomic<std::int64_t> newest_ns;             ///< stamp of the last sample; 0: none yet
-  Atomic<std::uint64_t> overwritten;          ///< samples that were overwritten before they were read
-  Atomic<std::uint64_t> unfit;       ///< values that were not written because they do not fit their type
-  Atomic<std::uint32_t> writer_has;  ///< number of the writer's buffer. SYNC: hands over
+  Atomic<std::uint64_t> overwritten;          ///< number of samples that were overwritten before they were
+                                              ///< read
+  Atomic<std::uint64_t> unfit;       ///< number of values that were not written because they do not fit their
+                                     ///< type
+  Atomic<std::uint32_t> writer_has;  ///< number of the writer's buffer
   Atomic<std::uint64_t>
       writer_takes;  ///< a SlotWord: which buffer the writer is taking, and for which sample
 
   // The reader writes these fields.
   alignas(64) Atomic<std::uint64_t> taken;
+  Atomic<std::uint64_t> refused;  ///< number of samples that the reader took but rejected, because their
+                                  ///< bytes are not valid for the type
+  Atomic<std::uint64_t> late;     ///< number of times that the newest value was older than the deadline
   Atomic<std::uint64_t>
-      refused;                 ///< samples that the reader took, but whose bytes are not valid for the type
-  Atomic<std::uint64_t> late;  ///< how often the newest value was older than the deadline
-  Atomic<std::uint64_t>
-      reader_has;  ///< a SlotWord: the reader's buffer, and its last finished sample. SYNC: hands over
+      reader_has;  ///< a SlotWord: the reader's buffer, and the last sample that the reader finished
   Atomic<std::uint64_t>
       reader_takes;  ///< a SlotWord: the sample that the reader is taking, and the sample's buffer
 };
@@ -139,7 +148,7 @@ class BasicLinkLayout {
   std::uint32_t safe_;
 };
 
-/// Access to a link's memory, for both sides. Copies refer to the same memory.
+/// Access to a link's memory, for its writer and its reader. Copies of this object refer to the same memory.
 template <template <class> class Atomic>
 class BasicLink {
  public:
@@ -148,8 +157,9 @@ class BasicLink {
   using Layout = BasicLinkLayout<Atomic>;
 
   BasicLink() = default;
-  /// `memory`: formatted, Layout::size() bytes, aligned to 64. Depth and stride are read only here. If a
-  /// program that writes out of bounds changes them later, no access leaves the memory.
+  /// `memory`: a formatted link of Layout::size() bytes, aligned to 64 bytes. Depth and stride are read only
+  /// here. So if a process that writes out of bounds changes them later, all accesses still stay within the
+  /// memory.
   explicit BasicLink(std::byte* memory) noexcept
       : block_(reinterpret_cast<Block*>(memory)), layout_(block_->depth, block_->stride, block_->safe_room) {
     slots_ = reinterpret_cast<Atomic<std::uint64_t>*>(memory + layout_.slots());
@@ -160,7 +170,8 @@ class BasicLink {
 
   struct Options {
     std::uint32_t depth = 1;
-    std::uint32_t payload = 0;  ///< maximum size of one sample, in bytes; 0: the payloads are elsewhere
+    std::uint32_t payload = 0;  ///< maximum size of one sample, in bytes; 0: the payloads are C++ objects in
+                                ///< the host's memory
     bool is_queue = false;
     std::uint32_t wake_bits = 0;
     std::int64_t deadline_ns = 0;
@@ -170,7 +181,7 @@ class BasicLink {
   static constexpr Layout layout(const Options& options) noexcept {
     return {options.depth, (options.payload + 63) / 64 * 64, options.safe};
   }
-  /// Whether memory from another process is a complete link of this version.
+  /// True if `memory`, which another process may have written, is a complete link of this version.
   static bool is_link(const std::byte* memory, std::size_t size) noexcept {
     if (size < sizeof(Block)) return false;
     const auto* block = reinterpret_cast<const Block*>(memory);
@@ -191,6 +202,7 @@ class BasicLink {
     block->safe_room = options.safe;
     block->safe_size.store(0, relaxed);
     block->trusted_from.store(options.safe == 0 ? 0 : kNobody, relaxed);
+    block->sender_clock_ns.store(0, relaxed);
     block->newest_ns.store(0, relaxed);
     for (auto* counter : {&block->written, &block->overwritten, &block->unfit, &block->taken, &block->refused,
                           &block->late}) {
@@ -218,7 +230,7 @@ class BasicLink {
   [[nodiscard]] std::uint32_t buffers() const noexcept { return layout_.buffers(); }
   [[nodiscard]] bool has_buffer(std::uint32_t buffer) const noexcept { return buffer < layout_.buffers(); }
   [[nodiscard]] std::size_t size() const noexcept { return layout_.size(); }
-  /// The index of the slot of a sample.
+  /// Returns the index of the slot that holds the sample with this number.
   [[nodiscard]] std::uint32_t place_of(std::uint64_t sequence) const noexcept {
     return static_cast<std::uint32_t>((sequence - 1) % layout_.depth());
   }
@@ -231,26 +243,26 @@ class BasicLink {
     return payloads_ + std::size_t{buffer} * layout_.stride();
   }
 
-  /// Whether the link can hold a safe value, which the reader then gets instead of samples that are not
-  /// trusted.
+  /// True if the link has room for a safe value. The reader gets the safe value instead of samples that are
+  /// not trusted.
   [[nodiscard]] bool has_safe_place() const noexcept { return layout_.safe_room() != 0; }
-  /// The safe value as CDR; empty while it is not known. SYNC: safe value
+  /// The safe value as CDR; empty while the value is not known.
   [[nodiscard]] std::span<const std::byte> safe() const noexcept {
     const std::uint32_t size = block_->safe_size.load(std::memory_order_acquire);
     return {safe_, std::min(size, layout_.safe_room())};
   }
-  /// Sets the safe value, as CDR. The node calls it once. Ignores a value that is too large, because it
-  /// cannot be a value of the type.
+  /// Sets the safe value, as CDR. The node calls this once. Ignores a value that is too large, because such a
+  /// value is not valid for the type.
   void give_safe(std::span<const std::byte> value) const noexcept {
     if (value.size() > layout_.safe_room()) return;
     std::copy(value.begin(), value.end(), safe_);
     block_->safe_size.store(static_cast<std::uint32_t>(value.size()), std::memory_order_release);
   }
-  /// From now on the reader gets no sample, because the writer does not execute. The node calls it, even
+  /// Makes all samples untrusted from now on, because the writer does not execute. The node calls it, even
   /// while the writer is writing.
   void withhold() const noexcept { block_->trusted_from.store(kNobody, std::memory_order_release); }
-  /// From now on the reader gets the samples that are written, because the writer executes or is about to.
-  /// The node calls it.
+  /// Makes all samples that are written from now on trusted, because the writer executes or is about to
+  /// execute. The node calls it.
   void trust() const noexcept {
     if (block_->trusted_from.load(std::memory_order_relaxed) != kNobody) return;
     const std::uint64_t written = block_->written.load(std::memory_order_relaxed);
@@ -270,8 +282,9 @@ class BasicLink {
   std::byte* safe_ = nullptr;
 };
 
-/// The state of a link's writer or reader side while no LinkWriter or LinkReader uses that side: its buffer,
-/// and the last sample that it published or finished. The opposite side may be in use or unused.
+/// The state of a link's writer or reader side while no LinkWriter or LinkReader uses that side: the side's
+/// buffer, and the last sample that the side published or finished. The opposite side may be in use or
+/// unused.
 struct LinkPlace {
   std::uint32_t buffer = 0;
   std::uint64_t sequence = 0;
@@ -301,19 +314,20 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
   const std::uint64_t sequence = SlotWord::sequence(takes);
   const LinkPlace not_taken{old, SlotWord::sequence(has)};
   const LinkPlace taken{wanted, sequence};
-  if (!link.has_buffer(old) || !link.has_buffer(wanted)) return {};  // a program wrote out of bounds
+  if (!link.has_buffer(old) || !link.has_buffer(wanted)) return {};  // a process wrote out of bounds
   if (old == wanted) return not_taken;                               // the reader had finished its exchange
-  // The second attempt always succeeds in intact memory: a writer that continued meanwhile has filled its
-  // buffer. The limit of 100 attempts guards against damaged memory.
+  // If the memory is intact, the second attempt always succeeds: if the writer was active during the first
+  // attempt, it has filled its buffer by the second. The limit of 100 attempts guards against damaged memory.
   for (int attempt = 0; attempt < 100; ++attempt) {
     const std::uint64_t word = link.slot(link.place_of(sequence)).load(acquire);
-    // One of the two buffers is in the slot, and the other is the reader's.
+    // If the slot still has this number, one of the buffers `old` and `wanted` is in the slot, and the other
+    // is the reader's.
     if (SlotWord::sequence(word) == sequence) return SlotWord::index(word) == old ? taken : not_taken;
-    // The writer has overtaken the reader and has taken the buffer from the slot. It has filled that buffer
-    // again ...
+    // Otherwise the writer has overtaken the reader and has taken the buffer from the slot. If it has filled
+    // that buffer again, the buffer contains a newer sample.
     if (link.head(old).sequence.load(acquire) > sequence) return taken;
     if (link.head(wanted).sequence.load(acquire) > sequence) return not_taken;
-    // ... or still has it.
+    // If the writer has not filled that buffer again, the buffer is still the writer's own.
     const std::uint32_t writers = SlotWord::index(link.block().writer_takes.load(acquire));
     if (writers == old) return taken;
     if (writers == wanted) return not_taken;
@@ -321,8 +335,8 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
   return not_taken;
 }
 
-/// Empties a link whose payloads were in a process that has ended. Neither side may be active. Sample numbers
-/// and counts continue.
+/// Empties a link whose payloads were in a process that has ended. Neither the writer nor the reader may be
+/// active. Sample numbers and counts continue.
 template <template <class> class Atomic>
 void drop_samples(const BasicLink<Atomic>& link) noexcept {
   constexpr auto order = std::memory_order_seq_cst;
@@ -336,8 +350,8 @@ void drop_samples(const BasicLink<Atomic>& link) noexcept {
   link.block().newest_ns.store(0, order);
 }
 
-/// When a writer or reader object takes over its side of a link: in its constructor, or later in attach()
-/// because another object uses the side until then.
+/// States when a writer or reader object takes over its side of a link: `now`, in its constructor, or
+/// `later`, in attach(), because another object still uses that side.
 enum class Attach { now, later };
 
 /// Writes samples into a link. A link has only one writer, and only one thread at a time may use it. A
@@ -349,7 +363,8 @@ class BasicLinkWriter {
   explicit BasicLinkWriter(BasicLink<Atomic> link, Attach when = Attach::now) noexcept : link_(link) {
     if (when == Attach::now) attach();
   }
-  /// Continues where the former writer stopped. That writer must not be active.
+  /// Takes over the writer's side of the link and continues after the last sample of the former writer. The
+  /// former writer must not be active.
   void attach() noexcept {
     const LinkPlace found = find_writer(link_);
     private_ = found.buffer;
@@ -368,9 +383,9 @@ class BasicLinkWriter {
   /// The number of the next sample.
   [[nodiscard]] std::uint64_t next() const noexcept { return sequence_; }
 
-  /// Passes the buffer with its sample to the reader, which may take it from `valid_ns` on (monotonic; 0: at
-  /// once). `size`: bytes of the payload. If the link is full, the sample overwrites the oldest one.
-  /// Wait-free.
+  /// Passes the buffer with its sample to the reader, which may take the sample from `valid_ns` on
+  /// (monotonic; 0: at once). `size`: bytes of the payload. If the link is full, the sample overwrites the
+  /// oldest one. Wait-free.
   void publish(std::uint32_t size, std::int64_t stamp_ns, std::int64_t valid_ns = 0) noexcept {
     auto& block = link_.block();
     constexpr auto relaxed = std::memory_order_relaxed;
@@ -382,14 +397,14 @@ class BasicLinkWriter {
     auto& slot = link_.slot(place_);
     const std::uint64_t mine = SlotWord::make(true, sequence_, private_);
     std::uint64_t old = slot.load(std::memory_order_acquire);
-    // This loop runs at most twice: meanwhile the reader may empty a full slot, but it never changes an empty
-    // one.
+    // This loop runs at most twice: the reader may empty a full slot between load and exchange, but the
+    // reader never changes an empty slot.
     do {
-      if (!link_.has_buffer(SlotWord::index(old))) return;  // a program wrote out of bounds
+      if (!link_.has_buffer(SlotWord::index(old))) return;  // a process wrote out of bounds
       block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
                                std::memory_order_release);
     } while (!slot.compare_exchange_strong(old, mine, std::memory_order_seq_cst, std::memory_order_acquire));
-    // SYNC: hands over. The writer now has the buffer of `old`, and the reader may take the sample.
+    // From now on, the writer has the buffer of `old`, and the reader may take the sample.
     private_ = SlotWord::index(old);
     block.writer_has.store(private_, std::memory_order_release);
     if (SlotWord::full(old)) block.overwritten.store(block.overwritten.load(relaxed) + 1, relaxed);
@@ -415,7 +430,8 @@ class BasicLinkReader {
   explicit BasicLinkReader(BasicLink<Atomic> link, Attach when = Attach::now) noexcept : link_(link) {
     if (when == Attach::now) attach();
   }
-  /// Continues after the last sample that the former reader took. That reader must not be active.
+  /// Takes over the reader's side of the link and continues after the last sample that the former reader
+  /// took. The former reader must not be active.
   void attach() noexcept {
     const LinkPlace found = find_reader(link_);
     private_ = found.buffer;
@@ -429,7 +445,7 @@ class BasicLinkReader {
   [[nodiscard]] const BasicLink<Atomic>& link() const noexcept { return link_; }
   /// The buffer of the sample that was taken last. Its content does not change until the next take().
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
-  /// The info of the sample that was taken last; `sequence` is 0 before the first.
+  /// The info of the sample that was taken last; `sequence` is 0 before the first sample.
   [[nodiscard]] SampleInfo info() const noexcept {
     const auto& head = link_.head(private_);
     return {head.sequence.load(std::memory_order_relaxed), head.stamp_ns, std::min(head.size, link_.stride()),
@@ -437,7 +453,7 @@ class BasicLinkReader {
   }
 
   /// The monotonic time in ns from which take() finds a sample: 0 for at once, kNever if there is no sample.
-  /// Threads other than the reader's may call it too; the answer can then be a moment old.
+  /// Threads other than the reader's may also call this, but their result may already be out of date.
   [[nodiscard]] std::int64_t news_at() const noexcept {
     const std::uint64_t word = link_.slot(place()).load(std::memory_order_seq_cst);
     if (!SlotWord::full(word) || !link_.has_buffer(SlotWord::index(word))) return kNever;
@@ -445,22 +461,23 @@ class BasicLinkReader {
   }
   [[nodiscard]] bool has_news() const noexcept { return news_at() != kNever; }
 
-  /// Takes the next sample: the oldest that was not overwritten, if it is valid at `now_ns` (monotonic).
-  /// Returns false if there is none. Lock-free: take() starts again only if the writer overwrote the sample
-  /// that take() was about to take.
+  /// Takes the next sample: the oldest one that was not overwritten, if it is valid at `now_ns` (monotonic).
+  /// Returns false if there is no such sample. Lock-free: take() starts again only if the writer overwrote
+  /// the sample that take() was about to take.
   bool take(std::int64_t now_ns = kNever) noexcept {
     auto& block = link_.block();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       auto& slot = link_.slot(place());
       std::uint64_t word = slot.load(std::memory_order_acquire);
       if (!SlotWord::full(word)) return false;
-      if (SlotWord::sequence(word) != next_) {  // the writer has overtaken: find the oldest sample
+      if (SlotWord::sequence(word) != next_) {  // the writer has overtaken the reader, so continue with the
+                                                // oldest sample
         go_to(SlotWord::sequence(word) - link_.depth() + 1);
         if (link_.depth() > 1) continue;
       }
       if (!link_.has_buffer(SlotWord::index(word))) return false;
-      // If the writer replaces the sample now, this may be the time of another sample. The slot's word has
-      // then changed, and the code below tries again.
+      // If the writer replaces the sample now, the loaded `valid_ns` may belong to the new sample. In this
+      // case, the slot's word has changed, and the loop tries again.
       if (link_.head(SlotWord::index(word)).valid_ns.load(std::memory_order_acquire) > now_ns) {
         if (slot.load(std::memory_order_acquire) == word) return false;
         continue;
@@ -471,7 +488,7 @@ class BasicLinkReader {
                                         std::memory_order_seq_cst, std::memory_order_acquire)) {
         continue;
       }
-      // SYNC: hands over. The reader now has the sample, and the writer may take the reader's former buffer.
+      // From now on, the reader has the sample, and the writer may take the reader's former buffer.
       private_ = SlotWord::index(word);
       block.reader_has.store(takes, std::memory_order_release);
       block.taken.store(block.taken.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
@@ -485,7 +502,7 @@ class BasicLinkReader {
  private:
   static constexpr int kAttempts = 64;
 
-  // The access is atomic, because other threads call news_at().
+  // Reads `place_` atomically, because other threads read it in news_at().
   [[nodiscard]] std::uint32_t place() const noexcept {
     return std::atomic_ref{place_}.load(std::memory_order_relaxed);
   }

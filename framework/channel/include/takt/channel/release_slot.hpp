@@ -1,73 +1,99 @@
 // The release slot of a process module: the shared memory through which the scheduler releases the module's
-// program, and through which the program answers. Each program has its own slot, so a program that writes out
-// of bounds harms no other. A release is one store by the scheduler. The end of a body is one store by the
-// program.
+// program, and through which the program answers. Each program has its own slot, and can write only its
+// answers. So a program that writes out of bounds harms neither another program nor the scheduler. A release
+// is one store by the scheduler. The end of a body is one store by the program.
 //
-// A program that does not find the expected release sleeps on the wake word. All programs of the device share
-// this word, each with its own bit, so the scheduler needs one wake-up call per cycle, however many programs
-// sleep.
+// A program that does not find the expected release sleeps on the wake word. All process modules of the
+// device share this word, each with its own bit, so the scheduler needs one wake-up call per cycle, however
+// many programs sleep.
 //
-// A sporadic program with immediate dispatch releases itself when an event has arrived: it writes to its own
-// slot what the scheduler writes to the slots of other programs. So "released and not done" always means "in
-// its body", and no row finds a program in between.
+// A sporadic process module with immediate dispatch releases itself when an event has arrived: it writes the
+// same words to its own slot that the scheduler writes to the slots of other programs. So a program that is
+// released and not done is always in its body, and a row never finds the program in an intermediate state.
 #pragma once
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 
 #include <takt/channel/layout.hpp>
+#include <takt/channel/log_ring.hpp>
 #include <takt/channel/saved_state.hpp>
+#include <takt/channel/turn.hpp>
 #include <takt/core/statistics.hpp>
 
 namespace takt::channel {
 
-/// The word on which all sleepers of a device wait: a futex with bit sets. To wake sleepers, a thread
-/// increments `rings` and wakes the futex with their bits.
-struct WakeWord {
-  std::atomic<std::uint32_t> rings;
-  /// Bits to wake at the end of the cycle, because a sample was written for a sleeper. The writer takes them
-  /// with take_pending() at the end of its cycle, and wakes these sleepers. SYNC: pending
+/// Separates memory that a program may only read from memory that it may write, because only whole pages can
+/// be protected. No supported machine has larger pages.
+using PageGap = std::array<std::byte, 64 * 1024>;
+
+/// Collects which sleeping readers to wake at the end of a cycle. Compiled components access the members
+/// directly, so they depend on this layout.
+struct WakeBits {
+  std::uint32_t unused;
+  /// The bits to wake at the end of the cycle, because a sample was written for a sleeping reader. The thread
+  /// that wrote the sample takes the bits with take_pending() at the end of its cycle, and wakes their
+  /// readers.
   std::atomic<std::uint32_t> pending;
-  /// One bit for each gateway (there is one per DDS domain) that sleeps or is about to. A sample for a
-  /// gateway needs a wake-up only if the bit is set. SYNC: gateway sleeps
+  /// One bit for each gateway (there is one per DDS domain) that sleeps or is about to sleep. A sample for a
+  /// gateway needs a wake-up only if the gateway's bit is set. The gateway sets its bit before it checks for
+  /// samples a last time.
   std::atomic<std::uint32_t> gateway_sleeps;
 
   /// Adds the wake bits of a link to `pending`. Call it after publishing a sample on that link. A real-time
   /// thread may call it.
-  void note(std::uint32_t wake_bits) noexcept;
-  /// Returns the pending bits and clears them. Costs one load if there are none. A real-time thread may call
+  void note(std::uint32_t wake_bits) noexcept {
+    if (const std::uint32_t needed = without_awake_gateways(wake_bits); needed != 0)
+      pending.fetch_or(needed, std::memory_order_seq_cst);
+  }
+  /// Returns the bits without that of the gateways if no gateway sleeps. A real-time thread may call it.
+  [[nodiscard]] std::uint32_t without_awake_gateways(std::uint32_t wake_bits) const noexcept;
+  /// Returns the pending bits and clears them. Costs one load if no bit is set. A real-time thread may call
   /// it.
   std::uint32_t take_pending() noexcept {
     return pending.load(std::memory_order_seq_cst) == 0 ? 0 : pending.exchange(0, std::memory_order_seq_cst);
   }
 };
 
+/// The word on which all sleeping threads of a device wait: a futex with bit sets. To wake some of the
+/// threads, another thread rings the wake word: it increments `rings` and wakes the futex with their bits.
+struct WakeWord : WakeBits {
+  PageGap gap;
+  /// Programs can write only this member. Every value of it is valid.
+  std::atomic<std::uint32_t> rings;
+
+  /// The size of the first part, which programs can only read.
+  static constexpr std::size_t kReadOnly = sizeof(WakeBits) + sizeof(PageGap);
+};
+
 /// The bits of the wake word: one for the threads of sporadic modules, one for the gateways, one for the
-/// threads that handle requests. Programs share the other 29 bits in turn.
+/// threads that handle requests. Process modules share the other 29 bits: the slot with index n has bit n
+/// modulo 29.
 inline constexpr std::uint32_t kSporadicBit = 1U << 31;
 inline constexpr std::uint32_t kGatewayBit = 1U << 30;
 inline constexpr std::uint32_t kServiceBit = 1U << 29;
 constexpr std::uint32_t wake_bit(std::size_t slot) { return 1U << (slot % 29); }
 
-inline void WakeWord::note(std::uint32_t wake_bits) noexcept {
-  if ((wake_bits & kGatewayBit) != 0 && gateway_sleeps.load(std::memory_order_seq_cst) == 0)
-    wake_bits &= ~kGatewayBit;
-  if (wake_bits != 0) pending.fetch_or(wake_bits, std::memory_order_seq_cst);
+inline std::uint32_t WakeBits::without_awake_gateways(std::uint32_t wake_bits) const noexcept {
+  const bool awake = (wake_bits & kGatewayBit) != 0 && gateway_sleeps.load(std::memory_order_seq_cst) == 0;
+  return awake ? wake_bits & ~kGatewayBit : wake_bits;
 }
 
-/// No program can have this many pending releases.
+/// An upper limit for the number of pending releases. If the computed number is larger, the difference of the
+/// counters was negative and has wrapped around.
 inline constexpr std::uint32_t kMaxPending = 1U << 16;
 
 enum class ReleaseSlotKind : std::uint32_t { periodic, sporadic, unscheduled };
 enum class ReleaseSlotPhase : std::uint32_t {
-  empty,     ///< no program, or it has not called initPeriodExe() or initSporadicExe() yet
+  empty,     ///< no program runs, or it has not yet called initPeriodExe() or initSporadicExe()
   attached,  ///< the program has called initPeriodExe() or initSporadicExe()
   ready,     ///< the program has reached its first waitPeriod() or waitSporadic()
 };
 
 struct alignas(64) ReleaseSlot {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0006;  // layout 6
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0008;  // layout 8
 
   // The node writes these fields before the program starts.
   std::uint64_t magic;
@@ -76,45 +102,60 @@ struct alignas(64) ReleaseSlot {
   std::uint32_t wake_bit;
   std::int64_t period_ns;      ///< time between two releases
   std::int64_t offset_ns;      ///< time from T0 to the first release
-  std::int64_t margin_cap_ns;  ///< the longest time that the program may spin before a release
+  std::int64_t margin_cap_ns;  ///< the longest time that the program may spin before, and again after, the
+                               ///< expected release
   std::uint32_t lock_memory;
-  std::int64_t deadline_ns;  ///< for a sporadic program: the time allowed from its release to its next wait;
+  std::int64_t deadline_ns;  ///< for a sporadic module: the longest time from its release to its next wait;
                              ///< 0: no deadline
   std::uint32_t immediate;   ///< 1: the program releases itself with begin(); 0: the scheduler releases it
-  std::int64_t interarrival_ns;  ///< for a program with `immediate`: the shortest time between two releases
-  std::uint32_t logical;   ///< 1: timing="let": the program reads inputs as of its release, and its outputs
-                           ///< become valid at the period's end
-  std::uint32_t catch_up;  ///< how many releases may be pending while the program is in its body
+  std::int64_t interarrival_ns;  ///< with `immediate`: the shortest time between two releases
+  std::uint32_t logical;   ///< 1: timing="let": the program reads its inputs as they were at its release, and
+                           ///< its outputs become valid at the end of the period
+  std::uint32_t catch_up;  ///< the number of releases that may be pending while the program is in its body
+
+  // The node writes these fields at any time.
+  std::atomic<std::uint32_t> end;   ///< 1: the program must end
+  std::atomic<std::uint32_t> open;  ///< 1 while the module is in the tables, so that the program may release
+                                    ///< itself
+  std::atomic<std::int64_t> t0_ns;  ///< T0 of the rows
+  PageGap gap_before_releases;
 
   // The scheduler writes these fields, or the program if it releases itself.
-  alignas(64) std::atomic<std::uint32_t> released;  ///< number of releases so far. SYNC: released, publishes
-                                                    ///< `cycles` and `release_ns`
+  alignas(64) std::atomic<std::uint32_t> released;  ///< number of releases so far; stored after `cycles`,
+                                                    ///< `release_ns` and the ticket
+  std::atomic<std::uint32_t> ticket_of;             ///< the number of the release to which the ticket belongs
   /// The cycle numbers of the last two releases. Release number n is at index n modulo 2, so a new release
   /// does not overwrite the number that the program is reading.
   std::array<std::atomic<std::uint64_t>, 2> cycles;
   std::atomic<std::int64_t> release_ns;  ///< instant of the last release
-  std::atomic<std::uint32_t> end;        ///< written by the node: the program must end
-  std::atomic<std::uint32_t> open;       ///< written by the node: the module is in the tables, so the program
-                                         ///< may release itself. SYNC: open
-  std::atomic<std::int64_t> t0_ns;       ///< written by the node: T0 of the rows
+  std::atomic<std::uint32_t> ticket;
+  std::atomic<std::uint32_t> ticket_after;
+  PageGap gap_before_answers;
 
   // The program writes these fields.
-  alignas(64) std::atomic<std::uint32_t> done;  ///< number of the last finished release. SYNC: done
-  std::atomic<std::uint32_t> sleeping;          ///< the program sleeps or is about to. SYNC: sleeping
+  alignas(64) std::atomic<std::uint32_t> done;  ///< number of the last finished release
+  std::atomic<std::uint32_t> sleeping;          ///< 1: the program sleeps or is about to sleep
   std::atomic<ReleaseSlotPhase> phase;
   std::atomic<std::int32_t> thread;
   std::atomic<std::int64_t> body_began_ns;  ///< when the last ended body began; written before `done`
   std::atomic<std::int64_t> body_ended_ns;
   std::atomic<std::int64_t> margin_ns;
   std::atomic<std::uint64_t>
-      late;  ///< number of bodies that ended after the deadline. SYNC: late, publishes late_by_ns
+      late;  ///< number of bodies that ended after the deadline; stored after late_by_ns
   std::atomic<std::int64_t> late_by_ns;  ///< how long after its deadline the last late body ended
   std::atomic<std::uint64_t> begun;      ///< number of bodies for which the program released itself
-  Statistics jitter;                     ///< Eq. (1), P_n - T_n, with T_n measured by the program
+  Statistics jitter;                     ///< P_n - T_n of the paper's Eq. (1), with T_n measured by the
+                                         ///< program
   Statistics run;
-  SavedState saved;  ///< the program writes it after each body, the node while there is no program
+  SavedState saved;  ///< the program writes it after each body; the node writes it while no program runs
+  LogRing log;
 
-  /// Whether the program was released and has not finished this release.
+  /// Returns the size of the first part of the slot, which the program can only read. For a program with
+  /// immediate dispatch this part is smaller, because this program also writes its releases.
+  [[nodiscard]] std::size_t read_only_size() const noexcept {
+    return immediate != 0 ? offsetof(ReleaseSlot, released) : offsetof(ReleaseSlot, done);
+  }
+  /// True if the program was released and has not finished this release.
   [[nodiscard]] bool in_body() const noexcept {
     return done.load(std::memory_order_acquire) != released.load(std::memory_order_seq_cst);
   }
@@ -122,7 +163,7 @@ struct alignas(64) ReleaseSlot {
   [[nodiscard]] std::uint64_t cycle(std::uint32_t count) const noexcept {
     return cycles[count % 2].load(std::memory_order_acquire);
   }
-  /// Whether the program has reached its first wait and is not in its body.
+  /// True if the program has called its wait function and is not in its body.
   [[nodiscard]] bool waiting() const noexcept {
     return phase.load(std::memory_order_acquire) == ReleaseSlotPhase::ready && !in_body();
   }
@@ -136,15 +177,19 @@ enum class Release {
             ///< catch_up the oldest pending one
 };
 
-/// Releases the program. The scheduler calls it. It takes no lock and makes no system call, so it is safe in
-/// a real-time thread.
-inline Release release(ReleaseSlot& slot, std::uint64_t cycle, std::int64_t release_ns) noexcept {
+/// Releases the program. If the program waits, the release gets `*ticket` (see turn.hpp), and `*ticket`
+/// becomes the ticket of the next release in the row. A pending release gets no ticket, because its body
+/// begins directly after the program's current body. The scheduler calls release(). The function takes no
+/// lock and makes no system call, so a real-time thread may call it.
+inline Release release(ReleaseSlot& slot, std::uint64_t cycle, std::int64_t release_ns,
+                       Ticket* ticket = nullptr) noexcept {
   const std::uint32_t count = slot.released.load(std::memory_order_relaxed) + 1;
   if (!slot.waiting()) {
     if (slot.catch_up == 0 || slot.phase.load(std::memory_order_acquire) != ReleaseSlotPhase::ready)
       return Release::busy;
     const std::uint32_t pending = count - 2 - slot.done.load(std::memory_order_acquire);
-    // If the body ends meanwhile, the program still serves the newest releases, including this one.
+    // If the body ends before the store below, the program still serves the newest releases, including this
+    // one.
     if (pending >= slot.catch_up && pending < kMaxPending) {
       slot.cycles[(count - 1) % 2].store(cycle, std::memory_order_relaxed);
       return Release::busy;
@@ -156,9 +201,15 @@ inline Release release(ReleaseSlot& slot, std::uint64_t cycle, std::int64_t rele
   }
   slot.cycles[count % 2].store(cycle, std::memory_order_relaxed);
   slot.release_ns.store(release_ns, std::memory_order_relaxed);
-  // SYNC: released and sleeping. The scheduler and the program each store their own word and then load the
-  // word of the other, in one total order. So either the scheduler sees that the program sleeps, or the
-  // program sees the release before it sleeps.
+  if (ticket != nullptr) {
+    slot.ticket_of.store(count, std::memory_order_relaxed);
+    slot.ticket.store(ticket->number, std::memory_order_relaxed);
+    slot.ticket_after.store(ticket->after, std::memory_order_relaxed);
+    *ticket = ticket->next();
+  }
+  // The scheduler stores `released` and then loads `sleeping`; the program stores `sleeping` and then loads
+  // `released`. All four accesses have one total order. So either the scheduler sees that the program sleeps,
+  // or the program sees the release before it sleeps.
   slot.released.store(count, std::memory_order_seq_cst);
   return slot.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::given;
 }
@@ -170,15 +221,24 @@ struct Taken {
   std::int64_t release_ns = 0;
 };
 
+/// Returns the ticket of a release that the program took. The ticket is still valid, because the scheduler
+/// writes the next ticket only after the program has finished this release. The program calls this function.
+/// A real-time thread may call it.
+inline Ticket ticket_of(const ReleaseSlot& slot, const Taken& taken) noexcept {
+  if (slot.ticket_of.load(std::memory_order_relaxed) != taken.count) return {};
+  return {.number = slot.ticket.load(std::memory_order_relaxed),
+          .after = slot.ticket_after.load(std::memory_order_relaxed)};
+}
+
 /// Returns the next release after `done`; there must be one. Releases that became pending during the body are
 /// returned one by one, the oldest first. Their cycle numbers are consecutive and end with that of the newest
 /// release. The program calls this function. A real-time thread may call it.
 inline Taken take(const ReleaseSlot& slot, std::uint32_t done) noexcept {
   while (true) {
-    const std::uint32_t count = slot.released.load(std::memory_order_acquire);  // SYNC: released
+    const std::uint32_t count = slot.released.load(std::memory_order_acquire);  // see release()
     const std::uint64_t newest = slot.cycle(count);
     const std::int64_t release_ns = slot.release_ns.load(std::memory_order_acquire);
-    const std::uint64_t later = count - done - 1;  // number of releases after the taken one
+    const std::uint64_t later = count - done - 1;  // number of releases after the one that is taken
     if (slot.released.load(std::memory_order_relaxed) != count)
       continue;  // another release arrived: try again
     if (slot.catch_up == 0) return {count, newest, release_ns};
@@ -189,9 +249,9 @@ inline Taken take(const ReleaseSlot& slot, std::uint32_t done) noexcept {
   }
 }
 
-/// Releases the calling program at `now_ns`. A program with immediate dispatch calls it when an event has
-/// arrived and the program's interarrival time has passed. Returns false, without a release, if the module is
-/// not in the tables. A real-time thread may call it.
+/// Releases the calling program at `now_ns`. A program with immediate dispatch calls begin() when an event
+/// has arrived and the interarrival time has passed. Returns false, without a release, if the module is not
+/// in the tables. A real-time thread may call it.
 inline bool begin(ReleaseSlot& slot, std::int64_t now_ns) noexcept {
   constexpr auto relaxed = std::memory_order_relaxed;
   if (slot.open.load(relaxed) == 0) return false;
@@ -202,10 +262,10 @@ inline bool begin(ReleaseSlot& slot, std::int64_t now_ns) noexcept {
   const std::uint32_t mine = slot.released.load(relaxed) + 1;
   slot.cycles[mine % 2].store(static_cast<std::uint64_t>(row), relaxed);
   slot.release_ns.store(now_ns, relaxed);
-  // SYNC: open. The program announces that it is in its body, and then checks whether the slot is still open.
-  // A node that removes the module closes the slot, and then checks whether the program waits. These steps
-  // have one total order, so the program sees that the slot is closed, or the node sees that the program is
-  // in its body.
+  // The program announces that it is in its body, and then checks whether the slot is still open. A node that
+  // removes the module closes the slot, and then checks whether the program waits. These four steps have one
+  // total order. So either the program sees that the slot is closed, or the node sees that the program is in
+  // its body.
   slot.released.store(mine, std::memory_order_seq_cst);
   if (slot.open.load(std::memory_order_seq_cst) == 0) {
     slot.done.store(mine, std::memory_order_release);
@@ -228,6 +288,7 @@ inline void clear_for_new_program(ReleaseSlot& slot) noexcept {
   slot.phase.store(ReleaseSlotPhase::empty, std::memory_order_relaxed);
   slot.sleeping.store(0, std::memory_order_relaxed);
   slot.released.store(0, std::memory_order_relaxed);
+  slot.ticket_of.store(0, std::memory_order_relaxed);
   slot.done.store(0, std::memory_order_relaxed);
   slot.end.store(0, std::memory_order_relaxed);
   slot.body_ended_ns.store(0, std::memory_order_relaxed);

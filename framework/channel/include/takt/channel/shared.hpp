@@ -11,12 +11,12 @@
 namespace takt::channel {
 
 /// Holds objects of a type that is valid when all its bytes are 0. The memory lives as long as this object,
-/// across restarts of the processes that use it.
+/// even if the processes that use the memory restart.
 template <class T>
 class Shared {
  public:
   Shared() = default;
-  /// `name` only identifies the memory in /proc/PID/maps, for people.
+  /// Creates memory for `count` objects. People see `name` in /proc/PID/maps; it has no other use.
   static Result<Shared> create(const std::string& name, std::size_t count = 1) {
     auto memory = os::SharedMemory::create(name, count * sizeof(T));
     if (!memory) return memory.problems();
@@ -26,9 +26,9 @@ class Shared {
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return memory_.data() != nullptr; }
-  /// Requires that this object has memory and that `index` is below the count.
+  /// Returns one object of the array. Requires that create() succeeded and that `index` is below its `count`.
   [[nodiscard]] T& operator[](std::size_t index) const noexcept { return data()[index]; }
-  /// Returns null if this object has no memory.
+  /// Returns the first object of the array; null if create() was not called.
   [[nodiscard]] T* data() const noexcept {
     std::byte* const bytes = memory_.data();
     return bytes == nullptr ? nullptr : std::launder(reinterpret_cast<T*>(bytes));

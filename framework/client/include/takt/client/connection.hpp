@@ -1,4 +1,4 @@
-// Connects a program to the nodes of a domain, so that it can observe and command them.
+// Connects a program to the nodes of a domain, so that the program can observe and command them.
 #pragma once
 
 #include <memory>
@@ -14,12 +14,12 @@ namespace takt::client {
 struct Connection {
   std::shared_ptr<dds::Participant> participant;
   std::unique_ptr<Observer> observer;
-  std::unique_ptr<Operator> asker;
+  std::unique_ptr<Operator> sender;
   int domain = 0;
 };
 
-/// Connects to the domain. `cell` is the descriptor that the caller works with, or null. If `network` sets no
-/// domain or discovery, those of `cell` are used.
+/// Connects to a domain. `cell` is the descriptor with which the caller works, or null. If `network` sets no
+/// domain or no discovery, the function uses the domain or discovery of `cell`.
 Result<Connection> connect(const Network& network, const model::Cell* cell = nullptr,
                            Observer::Options options = {});
 

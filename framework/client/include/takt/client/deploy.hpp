@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,29 +20,31 @@ namespace takt::client {
 /// The answer of one device to the command to end its deployment.
 struct Undeployed {
   std::string device;
-  Problems problems{};                  ///< why the deployment could not be ended; empty if it has ended
-  nlohmann::ordered_json report{};      ///< the device's object in the status JSON; null if the device sent
+  Problems problems{};                  ///< the reasons why the deployment could not be ended; empty if it
+                                        ///< has ended
+  nlohmann::ordered_json report{};      ///< the device's last status as JSON; null if the device sent
                                         ///< none
-  std::vector<std::string> failures{};  ///< why the device or its modules failed
+  std::vector<std::string> failures{};  ///< the reasons why the device or its modules failed
 };
 
 struct DeployOptions {
-  /// How long to search for the devices.
+  /// The longest time that deploy() searches for the devices.
   Nanoseconds discovery = std::chrono::seconds{5};
-  /// The time between the moment when all devices are ready and T0, the instant at which they start.
+  /// The time from the moment when all devices are ready until T0, the instant at which the devices start.
   Nanoseconds lead = std::chrono::milliseconds{1000};
-  /// Each device must confirm T0 at least this long before T0. If a device does not, the remaining time is
-  /// used to undo the deployment on all devices.
+  /// Each device must confirm T0 at least this time before T0. If a device does not confirm in time, deploy()
+  /// uses the remaining time to undo the deployment on all devices.
   Nanoseconds margin = std::chrono::milliseconds{200};
   bool require_real_time = false;
-  /// The process id of the node for each device whose node takt run started. No other node may answer for
-  /// such a device.
+  /// For each device whose node `takt run` started: the process id of this node. deploy() accepts no other
+  /// node for the device.
   std::map<std::string, std::int32_t> process_ids;
-  /// Called with one line for the user, which says what deploy() is doing.
+  /// deploy() calls this function with a line of text that tells the user what deploy() is doing.
   std::function<void(const std::string&)> progress;
-  /// Called repeatedly until deploy() is done. If it returns true, deploy() undoes the deployment.
+  /// deploy() calls this function repeatedly. If it returns true, deploy() undoes the deployment.
   std::function<bool()> cancelled;
-  /// If not null, receives the answer of each device when deploy() has undone a failed deployment.
+  /// If not null: deploy() stores the answers of the devices here when it has undone a failed deployment. An
+  /// answer with problems means that the state of this device is not known.
   std::vector<Undeployed>* undone = nullptr;
 };
 
@@ -50,32 +53,41 @@ struct Deployed {
   std::int64_t t0_ns = 0;  ///< T0, at which the devices start; wall clock, in ns since 1970
 };
 
-/// Finds the devices, prepares all of them in parallel, and starts all of them at the same instant. If a
-/// device fails, undoes the deployment and returns the problems of all devices. `text` is the descriptor that
-/// `cell` was read from.
-Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
+/// Finds the devices, prepares all of them in parallel, starts all of them at the same instant, and waits
+/// until each device has heard that all others run. If a device fails, undoes the deployment on all devices
+/// and returns the problems of all devices. `text` is the descriptor from which `cell` was read.
+Result<Deployed> deploy(Operator& sender, const model::Cell& cell, const std::string& text,
                         const DeployOptions& options);
 
 /// The devices on which to end a deployment, and which deployment to end.
 struct Devices {
   std::vector<std::string> names;
   std::map<std::string, std::int32_t> process_ids{};  ///< see DeployOptions
-  std::string deployment{};                           ///< id of the deployment to end; empty for any
+  std::string deployment{};                           ///< id of the deployment to end; empty: any
                                                       ///< deployment
 };
-/// Ends the deployment on all these devices in parallel. Waits until each device has answered or is lost.
-/// Calls `meanwhile` repeatedly during this wait.
-std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
+/// Ends the deployment on all these devices in parallel. Waits until each device has answered or is lost, and
+/// calls `meanwhile` repeatedly during this wait. Returns one entry for each device.
+std::vector<Undeployed> undeploy(Operator& sender, const Devices& devices,
                                  const std::function<void()>& meanwhile = {});
 
-/// The devices of a cell, as devices_of() finds them.
+/// The devices of a deployed cell.
 struct CellDevices {
-  std::vector<std::string> names{};  ///< live devices that run the cell, or have run it and are not
-                                     ///< undeployed
-  std::vector<std::string> lost{};   ///< devices of the cell that other devices have lost
+  std::string deployment{};            ///< id of the deployment
+  std::vector<std::string> names{};    ///< live devices that have the deployment, even if it has ended there
+  std::vector<std::string> waiting{};  ///< live devices of the cell that have no deployment
+  std::vector<std::string> lost{};     ///< devices of the cell that this program does not reach
 };
-/// Finds the devices of a cell. Fails if no live device has the cell; the problem then lists the cells of the
-/// domain.
-Result<CellDevices> devices_of(Operator& asker, const std::string& cell);
+/// Finds the devices of a cell. `cell` is its name or the id of its deployment. Fails if no device has it, or
+/// if several deployments have this name.
+Result<CellDevices> devices_of(Operator& sender, const std::string& cell);
+
+/// Parts of devices_of() that need no network.
+/// Returns the live devices of each deployment of the cell, by the id of the deployment.
+std::map<std::string, std::vector<std::string>> deployments_of(const std::vector<wire::ObservedDevice>& seen,
+                                                               const std::string& cell);
+/// Sorts all devices of a cell. A device with another deployment has left the cell, and is not in the result.
+CellDevices sort_devices(const std::vector<wire::ObservedDevice>& seen, const std::string& deployment,
+                         const std::set<std::string>& whole);
 
 }  // namespace takt::client

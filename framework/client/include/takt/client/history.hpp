@@ -1,8 +1,8 @@
 // Records the jitter and run time of each module of a domain in the last ten minutes, one entry per second.
 //
-// The statistics that a node publishes cover the time since the module was loaded, so after an hour one bad
-// second hardly shows. From two successive statistics, History computes the mean over the time between them.
-// Quantiles over this time cannot be computed.
+// The statistics that a node publishes cover the time since the module was loaded. So after an hour, one bad
+// second hardly changes them. From two successive statistics of a module, History computes the mean over the
+// time between the two. It cannot compute quantiles over this time.
 #pragma once
 
 #include <cstddef>
@@ -18,31 +18,31 @@ namespace takt::client {
 /// The entries of one module, oldest first. All vectors have the same length. A second without statistics has
 /// no entry.
 struct Series {
-  std::vector<std::int64_t> times_ms;  ///< since 1970
-  // The next four cover the time since the module was loaded.
+  std::vector<std::int64_t> times_ms;  ///< time of each entry, in ms since 1970
+  // The next four vectors cover the time since the module was loaded.
   std::vector<double> jitter_p50_us;
   std::vector<double> jitter_p99_us;
   std::vector<double> run_p50_us;
   std::vector<double> run_p99_us;
-  // The next two cover the time since the previous entry. NaN if the module did not run or if there is no
-  // previous entry.
-  std::vector<double> jitter_us;  ///< root mean square
-  std::vector<double> run_us;     ///< the mean
+  // The next two vectors cover the time since the previous entry. A value is NaN if the module did not run or
+  // if there is no previous entry.
+  std::vector<double> jitter_us;  ///< root mean square of the jitter
+  std::vector<double> run_us;     ///< mean of the run time
 };
 
 /// Holds the entries of all modules: at most kSeconds entries for each of at most kModules modules. Forgets a
-/// module that has disappeared. Not thread-safe: only one thread at a time may call it. Uses neither a clock
-/// nor the network.
+/// module that has disappeared. Not thread-safe: only one thread at a time may call its functions. Uses
+/// neither a clock nor the network.
 class History {
  public:
   static constexpr std::size_t kSeconds = 600;
   static constexpr std::size_t kModules = 10000;
 
-  /// Adds the latest statistics of the devices. Call this several times a second. For each module it adds
-  /// about one entry per second and ignores statistics that it already has.
-  void hear(const std::vector<wire::ObservedDevice>& devices);
+  /// Adds the latest statistics of the devices. Call this function several times a second. For each module,
+  /// the function adds about one entry per second and ignores all other statistics.
+  void add(const std::vector<wire::ObservedDevice>& devices);
 
-  /// Returns at most `seconds` entries, the newest ones, of `module`, which is "DEVICE.MODULE". Empty if the
+  /// Returns the newest entries, at most `seconds`, of `module`, which is "DEVICE.MODULE". Empty if the
   /// module is unknown.
   [[nodiscard]] Series of(const std::string& module, std::size_t seconds = kSeconds) const;
 
@@ -53,7 +53,7 @@ class History {
   };
   struct Module {
     std::vector<Entry> entries;  // used as a ring buffer once it has kSeconds entries
-    std::size_t next = 0;        // once full: index of the oldest entry, which is overwritten next
+    std::size_t next = 0;        // in a full ring: index of the oldest entry, which is overwritten next
     ModuleStatistics last;
     bool seen = false;
   };

@@ -15,9 +15,9 @@ namespace takt::client {
 /// why earlier operators were skipped. Returns "" if `network` does not enable DDS Security.
 Result<std::string> identity_of(const Network& network);
 
-/// Fails if the participant has the identity of an observer. The message then says that an observer may not
-/// do `what`, for example "call". Call this before creating a writer, because DDS would reject the topic
-/// without a helpful reason.
+/// Checks that the program may write samples. Fails if the participant has the identity of an observer. The
+/// problem then states that an observer may not do `what`, for example "call". Call this function before you
+/// create a writer, because DDS would reject the writer without a helpful reason.
 Result<void> may_write(const dds::Participant& participant, const std::string& what);
 
 }  // namespace takt::client

@@ -10,31 +10,32 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
-#include <takt/wire/cell_state.hpp>
 #include <takt/dds/participant.hpp>
+#include <takt/wire/cell_state.hpp>
 
 namespace takt::client {
 
-/// If no new node is discovered for this time, discovery is usually complete. This also holds for nodes that
+/// If this program discovers no new node for this time, it has usually discovered all nodes, even nodes that
 /// no other node names in its report.
 inline constexpr std::chrono::milliseconds kQuiet{600};
 
 /// Holds the latest status of every discovered device and its modules. The observer receives a node's present
-/// state as soon as it has discovered the node. Any thread may call it.
+/// state as soon as it has discovered the node. Any thread may call the observer's functions.
 class Observer {
  public:
-  /// The callbacks. Fast DDS calls them on its own threads, never two at the same time. They must be short
-  /// and must not call the observer.
+  /// The callbacks. Fast DDS calls them on its own threads, never two at the same time. The callbacks must be
+  /// short and must not call the observer.
   struct News {
-    /// Called with a module's present state when its node is discovered, then with each new state in order.
+    /// Called with a module's present state when the module's node is discovered, then with each new state in
+    /// order.
     std::function<void(const LifecycleStatus&)> module{};
-    /// Called when a device is found, is lost, comes back or changes its status. A change of only the
-    /// sequence number and time does not count.
+    /// Called when a device is found, is lost, comes back or changes its status. Not called if only the
+    /// sequence number and the time of the status change.
     std::function<void(const wire::ObservedDevice&)> device{};
   };
   struct Options {
     News news{};
-    bool statistics = false;  ///< whether to observe also the statistics of modules and executors, and the
+    bool statistics = false;  ///< true: also observe the statistics of modules and executors, and the
                               ///< status of ports
   };
   static Result<std::unique_ptr<Observer>> create(std::shared_ptr<dds::Participant> participant,
@@ -48,18 +49,19 @@ class Observer {
   [[nodiscard]] std::vector<wire::ObservedDevice> devices() const;
   [[nodiscard]] std::vector<wire::ObservedDevice> devices(const std::string& name) const;
 
-  /// Waits at most `limit` until `condition` returns true for the devices. Returns whether it has returned
-  /// true. Calls `condition` at every change and every few milliseconds; it may call the observer.
+  /// Waits until `condition` returns true for the devices, but at most for `limit`. Returns true if
+  /// `condition` has returned true. Calls `condition` at every change and at least every 20 ms. `condition`
+  /// may call the observer.
   bool wait(const std::function<bool(const std::vector<wire::ObservedDevice>&)>& condition,
             Nanoseconds limit) const;
-  /// Waits until no new node has been discovered for kQuiet, so that discovery should be complete. Waits at
-  /// most `limit`.
+  /// Waits until the observer has discovered no new node for kQuiet, because discovery is then probably
+  /// complete. Waits at most for `limit`.
   void settle(Nanoseconds limit) const;
 
  private:
   struct Readers;
   explicit Observer(Options options);
-  void heard(const DeviceStatus& status, wire::WriterId writer);
+  void receive(const DeviceStatus& status, wire::WriterId writer);
   void changed(const std::function<void(wire::CellState&)>& change);
 
   Options options_;

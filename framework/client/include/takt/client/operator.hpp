@@ -1,4 +1,4 @@
-// Sends commands and questions to nodes, and waits for their answers.
+// Sends commands to nodes, and waits for their answers.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,13 @@
 
 namespace takt::client {
 
-struct Question {
+/// The longest time that send() waits for the answer to a command without a time limit of its own. A node
+/// limits the duration of each hook and each step of a deployment. So a device that has not answered after
+/// this time will not answer at all.
+inline constexpr Nanoseconds kLongestCommand = std::chrono::minutes{2};
+
+/// A command to a node, and the time limit for the node's answer.
+struct CommandRequest {
   CommandKind kind = COMMAND_REPORT;
   std::string device;
   std::string module{};  ///< empty if the command concerns the whole device
@@ -23,44 +29,61 @@ struct Question {
   std::string value{};
   std::string data{};
   std::int64_t time_ns = 0;
-  /// How long to wait for the answer once the device is found. The search for the device also takes at most
-  /// this time, and never longer than Operator::search_limit(). The default is 5 s, because a lost discovery
-  /// message can delay the answer by 2.4 s. Without a value, ask() waits until the device answers or is lost.
-  /// This is for commands that may take long, for example because a component initialises.
+  /// The longest time that send() waits for the answer after it has found the device. The search for the
+  /// device takes at most this time, too, and never longer than Operator::search_limit(). The default is 5 s,
+  /// because a lost discovery message can delay the answer by 2.4 s. Without a value, send() waits
+  /// kLongestCommand; use no value for commands that may take long, for example because a component
+  /// initialises.
   std::optional<Nanoseconds> limit = std::chrono::seconds{5};
-  std::int32_t process_id = 0;  ///< send only to the node with this process id; 0 for any node of the device
+  std::int32_t process_id = 0;  ///< send only to the node with this process id; 0: to any node of the device
+  std::string node{};           ///< send only to the node with this id; empty: to any node of the device
 };
 
-/// Sends questions and commands to nodes. Any thread may call it.
+/// Fails if the request cannot be sent as it is: a name is not valid, or a name or the value is longer than
+/// takt::Command allows. Operator::send() rejects such a request.
+Result<void> check(const CommandRequest& request);
+
+/// Sends commands to nodes. Any thread may call its functions.
 class Operator {
  public:
-  /// Creates an operator. The observer must outlive it. `domain` is used only in error messages.
+  /// Creates an operator. The observer must outlive the operator. `domain`, and `node_options` with which a
+  /// node is found, are used only in error messages.
   static Result<std::unique_ptr<Operator>> create(std::shared_ptr<dds::Participant> participant,
-                                                  const Observer& observer, int domain);
+                                                  const Observer& observer, int domain,
+                                                  std::string node_options);
   ~Operator();
 
-  /// Sends a question and returns the node's answer. An answer with an error code, such as REPLY_REFUSED, is
-  /// returned, too. Fails if the device is not found, if two nodes have its name, if it is lost, or if it
-  /// does not answer in time.
-  Result<wire::WholeReply> ask(const Question& question);
-  /// Sends all questions in parallel and returns the answers in the order of the questions. Calls `give_up`
-  /// repeatedly; when it returns true, ends the wait for the remaining answers.
-  std::vector<Result<wire::WholeReply>> ask(const std::vector<Question>& questions,
-                                           const std::function<bool()>& give_up = {});
+  /// Sends a command and returns the node's answer, even if the answer has an error code, such as
+  /// REPLY_REFUSED. Fails if the device is not found, is lost or does not answer in time, or if two nodes
+  /// have the device's name and the request selects neither.
+  Result<wire::WholeReply> send(const CommandRequest& request);
+  /// Sends all commands in parallel and returns the answers in the order of the requests. Calls `give_up`
+  /// repeatedly. When `give_up` returns true, stops waiting, and returns a problem for each missing answer.
+  std::vector<Result<wire::WholeReply>> send(const std::vector<CommandRequest>& requests,
+                                             const std::function<bool()>& give_up = {});
+
+  /// Returns the problem that a device was not found within this time.
+  [[nodiscard]] Problem not_found(const std::string& device, Nanoseconds within) const;
 
   [[nodiscard]] const Observer& observer() const noexcept { return observer_; }
   [[nodiscard]] int domain() const noexcept { return domain_; }
-  /// How long to search for a node. This is 3 s, or 10 s with DDS Security, because a busy machine takes
+  /// The command that starts the node of a device so that this operator finds it.
+  [[nodiscard]] std::string node_command(const std::string& device) const {
+    return "takt-node --device " + device + " " + node_options_;
+  }
+  /// The longest time of the search for a node: 3 s, or 10 s with DDS Security, because a busy machine takes
   /// several seconds to authenticate a participant.
   [[nodiscard]] Nanoseconds search_limit() const noexcept { return search_limit_; }
 
  private:
   struct Inside;
-  Operator(std::unique_ptr<Inside> inside, const Observer& observer, int domain, Nanoseconds search_limit);
+  Operator(std::unique_ptr<Inside> inside, const Observer& observer, int domain, std::string node_options,
+           Nanoseconds search_limit);
 
   std::unique_ptr<Inside> inside_;
   const Observer& observer_;
   int domain_;
+  std::string node_options_;
   Nanoseconds search_limit_;
 };
 
@@ -68,8 +91,8 @@ class Operator {
 /// the only problem.
 Problems problems_of(const wire::WholeReply& reply);
 
-/// Returns the answer if its code is REPLY_OK. Otherwise returns the problems of the answer, or the reason
-/// why there is no answer.
+/// Returns the answer if its code is REPLY_OK. Otherwise fails with the problems of the answer or, if there
+/// is no answer, with the reason why there is none.
 Result<wire::WholeReply> accepted(Result<wire::WholeReply> answer);
 
 }  // namespace takt::client

@@ -1,5 +1,5 @@
-// Parses port names and matches them with patterns. In a pattern, * stands for any number of any characters:
-// "line.*", "*.command".
+// Parses port names and matches them with patterns. In a pattern, * stands for any number of characters,
+// including none: "line.*", "*.command".
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace takt::client {
 
 inline bool is_pattern(std::string_view name) { return name.find('*') != std::string_view::npos; }
 
-/// Returns whether `name` matches `pattern`. Each * matches any number of characters, including none.
+/// Returns true if `name` matches `pattern`. Each * matches any number of characters, including none.
 bool matches(std::string_view pattern, std::string_view name);
 
-/// Returns whether the name of a port of this device could match `pattern`.
+/// Returns true if `pattern` could match the name of a port of this device.
 bool may_match(std::string_view pattern, std::string_view device);
 
 struct PortName {
@@ -26,8 +26,8 @@ struct PortName {
 /// Parses "device.module.port".
 Result<PortName> parse_port(const std::string& name);
 
-/// Fails if `names` is empty or contains a name that is neither a port name nor a pattern. Reports a problem
-/// for each such name.
+/// Checks port names and patterns. Fails if `names` is empty, and with one problem for each name that is
+/// neither a port name nor a pattern.
 Result<void> check_ports(const std::vector<std::string>& names);
 
 }  // namespace takt::client

@@ -1,23 +1,53 @@
-// Asks a device to publish the samples of a port for an observer.
+// Asks a device to publish the samples of a port for an observer, or to open a service for a caller.
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <takt/client/operator.hpp>
+#include <takt/client/port_names.hpp>
 #include <takt/core/result.hpp>
+#include <takt/core/time.hpp>
 #include <takt/dds/gateway.hpp>
+#include <takt/model/ports.hpp>
+#include <takt/model/type.hpp>
 
 namespace takt::client {
 
-/// How long a device publishes the samples of a port after each request.
+/// The time for which a device publishes the samples of a port after each request.
 inline constexpr std::chrono::seconds kTapped{30};
-/// How often to repeat the request, so that the device does not stop publishing.
+/// The time after which the program repeats the request, so that the device does not stop publishing.
 inline constexpr std::chrono::seconds kAskAgain{10};
 
-/// Asks the device of `port`, "device.module.port", to publish this port. Returns the topic and type of the
-/// samples. Fails if the port does not exist or is a service: the requests and replies of a service are
-/// published as ports of its client.
-Result<dds::Flow> tapped(Operator& asker, const std::string& port);
+/// Asks the device of `port`, "device.module.port", to publish the samples of this port. Returns the topic
+/// and type of the samples. Fails if the port does not exist or belongs to a service. To observe a service,
+/// use the ports of its client.
+Result<dds::Flow> tapped(Operator& sender, const std::string& port);
+
+/// Returns the topic and type that the node's answer `data` names. Fails if `data` is not such an answer,
+/// which any program on the network may have sent, or if the port belongs to a service.
+Result<dds::Flow> flow_in(const std::string& data, const std::string& port);
+
+/// The request topic and the reply topic of a service, with their types.
+struct ServiceTopics {
+  std::string request_topic;
+  std::string reply_topic;
+  model::Type request;
+  model::Type reply;
+};
+
+/// Asks the device of a service to open the service for this time to programs outside the cell. If the module
+/// has no such service, the problem says whether a port has this name, and lists the module's services.
+Result<ServiceTopics> opened_service(Operator& sender, const PortName& name, Nanoseconds open_for);
+
+/// Parts of opened_service() that need no network.
+/// Returns the topics and types that the node's answer `data` names; none if the name is a port. Fails if
+/// `data` is not such an answer.
+Result<std::optional<ServiceTopics>> service_in(const std::string& data, const PortName& name);
+/// Returns the problem that the name is a port, or that the module has no port or service of this name; none
+/// if the name is a service or a client.
+std::optional<Problem> not_a_service(const PortName& name, const std::vector<model::Port>& ports);
 
 }  // namespace takt::client

@@ -13,23 +13,26 @@
 namespace takt::client {
 
 struct UpdateOptions {
-  /// Called with one line for the user, which says what update() is doing.
+  /// update() calls this function with a line of text that tells the user what update() is doing.
   std::function<void(const std::string&)> progress;
-  /// Called with the differences, one per line, before anything is changed. Not called if there are none.
+  /// Before update() changes anything, it calls this function with the differences, one per string. Not
+  /// called if there are no differences.
   std::function<void(const std::vector<std::string>&)> differs;
-  /// Called repeatedly until update() is done. If it returns true, update() undoes all changes.
+  /// update() calls this function repeatedly. If it returns true, update() undoes all changes.
   std::function<bool()> cancelled;
 };
 
 struct Updated {
-  Problems problems{};  ///< why the cell was not updated; empty if it now matches the new descriptor
+  Problems problems{};  ///< the reasons why the cell was not updated; empty if the cell now matches the new
+                        ///< descriptor
   std::string outcome;  ///< a sentence about the present state of the cell
 };
 
-/// Asks each device what differs and whether it can make the change. Then all devices make their changes in
-/// parallel, and then make them permanent. If a device cannot make its change, all devices undo theirs.
-/// `text` is the descriptor that `cell` was read from. If no cell with this name runs, reports a problem.
-Updated update(Operator& asker, const model::Cell& cell, const std::string& text,
+/// Updates a running cell. Each device first reports the differences, and whether it can make the changes.
+/// Then all devices make their changes in parallel, and finally make the changes permanent. If a device
+/// cannot make its changes, all devices undo their changes. `text` is the descriptor from which `cell` was
+/// read. If no cell with this name runs, reports a problem.
+Updated update(Operator& sender, const model::Cell& cell, const std::string& text,
                const UpdateOptions& options);
 
 }  // namespace takt::client

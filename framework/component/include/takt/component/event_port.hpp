@@ -8,22 +8,25 @@
 
 namespace takt {
 
-/// An event input. While it has an unread event, the default condition() of the module is true. run() may
-/// read one event, or all: `while (alarm.read()) ...`. The thread rules of InPort apply.
+/// An event input. While the port has an unread event, the default condition() of the module is true. run()
+/// may read one event, or all events: `while (alarm.read()) ...`. The thread rules of InPort apply.
 template <class T>
 class EventPort : public InPort<T> {
  public:
   /// The options of the input.
   using Options = PortOptions;
 
-  /// Constructs an event input as a member of a component. It allocates memory, so real-time threads must not
-  /// call it.
-  EventPort(Component& owner, std::string name, Options options = {})
-      : InPort<T>(&owner, std::move(name), PortDirection::event, std::move(options)) {}
-  /// Constructs an event input of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). It allocates memory.
+  /// Constructs an event input as a member of a component. Allocates memory, so not for real-time threads.
+  EventPort(detail::Owner owner, std::string name, Options options = {})
+      : InPort<T>(owner.component(), std::move(name), PortDirection::event, std::move(options)) {}
+  /// Constructs an event input in a process module. The event input must be a global variable, or must be
+  /// constructed before initPeriodExe() or initSporadicExe() is called. Allocates memory.
   explicit EventPort(std::string name, Options options = {})
-      : InPort<T>(nullptr, std::move(name), PortDirection::event, std::move(options)) {}
+      : InPort<T>(nullptr, std::move(name), PortDirection::event, std::move(options)) {
+    static_assert(detail::InProgram<T>,
+                  "pass *this as the first argument: takt::EventPort<T> in{*this, \"in\"}; only a program, "
+                  "which includes <takt/process.hpp>, omits it");
+  }
 };
 
 }  // namespace takt

@@ -1,13 +1,14 @@
 // takt::InPort: an input of a component. The connection determines whether the port holds the latest value or
-// a queue; reading is the same:
+// a queue. The code that reads the port is the same in both cases:
 //
 //   takt::InPort<motion::JointState> measured{*this, "measured"};
 //   ...
 //   if (measured.read()) ...              takes the next sample, if one has arrived
 //   use(measured.value().position());     the sample that was read last
 //
-// A module that is loaded again after a crash or a reset gets back the value() that it read last, if the
-// samples come from another process or if the executor has its own host. read() continues after that sample.
+// A module that is loaded again after a crash or a reset gets back the value() that it read last, and read()
+// continues after that sample. This works if the samples come from another process, or if the executor has
+// its own host, because these samples are stored as bytes and not as C++ objects in the host.
 //
 // If the connected output has a safe value, this value arrives like a sample as soon as the last sample is no
 // longer trusted: the writing module does not execute, its device is lost, or the sample is older than the
@@ -27,11 +28,12 @@
 #include <utility>
 #include <vector>
 
+#include <takt/component/owner.hpp>
 #include <takt/component/port.hpp>
 
 namespace takt {
 
-/// The part of InPort that does not depend on the type.
+/// The part of InPort that does not depend on the type of the samples.
 class InPortBase : public PortBase {
  public:
   [[nodiscard]] bool connected() const noexcept override { return !sources_.empty() || !aside_.empty(); }
@@ -43,22 +45,23 @@ class InPortBase : public PortBase {
     return watched_.is_withheld() ? channel::kNever : first;
   }
 
-  /// Whether a sample or the safe value was ever read; value() is the one that was read last. A real-time
-  /// thread may call it.
+  /// True if read() has ever taken a sample or the safe value. value() returns the one that was read last. A
+  /// real-time thread may call it.
   [[nodiscard]] bool has_value() const noexcept { return sequence_ != 0 || is_safe_; }
-  /// Whether the last read() found a sample, or replaced the last sample by the safe value. A real-time
+  /// True if the last read() took a new sample or replaced the last sample by the safe value. A real-time
   /// thread may call it.
   [[nodiscard]] bool is_new() const noexcept { return is_new_; }
-  /// Whether value() is the safe value of the connected output. sequence() and age() then belong to the last
+  /// True if value() is the safe value of the connected output. sequence() and age() then belong to the last
   /// sample that arrived. A real-time thread may call it.
   [[nodiscard]] bool is_safe() const noexcept { return is_safe_; }
-  /// The number of the last sample that was read. Its writer counts from 1, and each connection to the port
-  /// has its own count. A gap means that samples were dropped. 0 before the first sample. A real-time thread
-  /// may call it.
+  /// Returns the sequence number of the last sample that was read; 0 before the first sample. The writer
+  /// numbers its samples from 1, separately for each connection. A gap means that the port has not read some
+  /// samples. A real-time thread may call it.
   [[nodiscard]] std::uint64_t sequence() const noexcept { return sequence_; }
-  /// The age of the last sample that was read: from the start of the run() that wrote it to the start of this
-  /// run(). Never negative. Nanoseconds::max() before the first sample. If the sample comes from another
-  /// device, the age includes the transfer. A real-time thread may call it.
+  /// Returns the age of the last sample that was read: the time from the start of the run() that wrote it to
+  /// the start of this run(). Never negative; Nanoseconds::max() before the first sample. If the sample comes
+  /// from another device, the age includes the transfer, and is never less than the true age while the clock
+  /// of that device is known. A real-time thread may call it.
   [[nodiscard]] Nanoseconds age() const noexcept {
     if (!has_value()) return Nanoseconds::max();
     return Nanoseconds{std::max<std::int64_t>(context().start_ns - stamp_ns_, 0)};
@@ -70,15 +73,16 @@ class InPortBase : public PortBase {
   /// One connection to the input.
   struct Source {
     channel::LinkReader reader;
-    const void* values = nullptr;  ///< the link's values; null: the link carries bytes
-    bool latest = false;           ///< only the newest valid sample counts, though the link has several slots
+    const void* values = nullptr;  ///< the C++ objects of the link; null: the link carries bytes
+    bool latest = false;           ///< true: read() takes only the newest valid sample of several slots
   };
-  /// How many invalid samples one read() skips at most.
+  /// The maximum number of invalid samples that one read() skips.
   static constexpr int kMostRefused = 16;
 
-  /// Adds a connection. Returns it if a former instance of the module read its last value from it and that
-  /// value still exists; else returns null. A value in bytes outlives its process, an object does not. Events
-  /// and samples of a queue must not arrive twice, so for them the function returns null.
+  /// Adds a connection. Returns the connection if a former instance of the module read its last value from
+  /// this connection and the value still exists; otherwise returns null. A value that is stored as bytes
+  /// outlives the process; a C++ object does not. Always returns null for events and queues, because their
+  /// samples must not arrive twice.
   const Source* add(channel::Link link, const void* values) {
     const bool newest = link.block().is_queue == 0;
     const Source source{channel::LinkReader{link, attach()}, values, newest && link.depth() > 1};
@@ -96,7 +100,8 @@ class InPortBase : public PortBase {
     sequence_ = info.sequence;
     stamp_ns_ = info.stamp_ns;
   }
-  /// Takes over everything from `before` except the value.
+  /// Takes over the connections and the state of `before`, the same port of the former instance, but not its
+  /// value.
   void follow(InPortBase& before) noexcept {
     before.sources_.swap(before.aside_);
     if (sources_.empty()) sources_.swap(aside_);
@@ -108,35 +113,37 @@ class InPortBase : public PortBase {
     is_safe_ = before.is_safe_;
     is_new_ = false;
   }
-  /// Whether value() is in the memory of the link, where both instances find it.
+  /// True if value() refers to a C++ object of the link. Both the former and the new instance can use this
+  /// object.
   [[nodiscard]] bool value_is_shared() const noexcept {
     return sequence_ != 0 && !is_safe_ && sources_[taken_from_].values != nullptr;
   }
   /// The link whose samples may be replaced by a safe value; empty if no connected output has a safe value.
   [[nodiscard]] const channel::Link& watched() const noexcept { return watched_; }
-  /// Decides whether the safe value, which must be known, replaces the newest sample from now on. Call it
-  /// after take(); `found`: whether take() found a sample.
+  /// Decides whether the safe value replaces the newest sample from now on. Call this after take(), and only
+  /// if the safe value is known. `found`: true if take() found a sample.
   void settle(bool found) noexcept {
     const bool was_safe = is_safe_;
     is_safe_ = distrusted() || (was_safe && !found);
     is_new_ = is_safe_ ? !was_safe : found;
   }
 
-  /// Takes the next sample and returns its connection, or null if there is no sample. It asks the connections
-  /// in turn.
+  /// Takes the next sample and returns its connection, or null if there is no sample. Starts with the
+  /// connection after the one that had the last sample, so that all connections are read in turn.
   Source* take() noexcept {
     for (std::size_t n = sources_.size(); n > 0; --n) {
       Source& source = sources_[turn_];
       if (++turn_ == sources_.size()) turn_ = 0;
       if (!source.reader.take(context().start_ns)) continue;
-      // A link of a latest value has several slots if the writer's samples become valid later.
+      // A link that holds only the latest value has several slots if its writer uses timing="let".
       while (source.latest && source.reader.take(context().start_ns)) continue;
       taken_from_ = static_cast<std::size_t>(&source - sources_.data());
       return &source;
     }
     return nullptr;
   }
-  /// The index of the connection that take() returned last, in the order of connecting.
+  /// The index of the connection that take() returned last. Connections are numbered in the order of their
+  /// creation.
   [[nodiscard]] std::size_t taken_from() const noexcept { return taken_from_; }
   void begin_read() noexcept { is_new_ = false; }
   void accept(const channel::SampleInfo& info) noexcept {
@@ -145,29 +152,29 @@ class InPortBase : public PortBase {
     stamp_ns_ = info.stamp_ns;
     if (direction() == PortDirection::event) record(channel::FlightKind::event);
   }
-  /// Counts the sample that was taken last as too late to be of use.
+  /// Counts one late sample on the connection of the sample that was taken last.
   void count_late() noexcept {
     if (sources_.empty()) return;
     auto& late = sources_[taken_from_].reader.link().block().late;
     late.store(late.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
-  /// Counts an invalid sample.
+  /// Counts an invalid sample of this connection.
   static void refuse(Source& source) noexcept {
     auto& refused = source.reader.link().block().refused;
     refused.store(refused.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
 
  private:
-  /// Whether the last sample must not be used: the writing module did not execute when it wrote the sample or
-  /// does not execute now, the sample is too old, or there was no sample yet.
+  /// True if the last sample must not be used. This is so if its writer did not execute when it wrote the
+  /// sample or does not execute now, if the sample is too old, or if no sample was read yet.
   [[nodiscard]] bool distrusted() const noexcept {
-    if (sequence_ < watched_.trusted_from()) return true;  // SYNC: trusted
+    if (sequence_ < watched_.trusted_from()) return true;
     const std::int64_t deadline = watched_.block().deadline_ns;
     return deadline > 0 && context().start_ns - stamp_ns_ > deadline;
   }
 
   std::vector<Source> sources_;
-  std::vector<Source> aside_;  // used instead of sources_ while the port stands by
+  std::vector<Source> aside_;  // the connections while the port is standing by; sources_ is then empty
   channel::Link watched_;
   bool is_safe_ = false;
   std::size_t turn_ = 0;
@@ -184,14 +191,17 @@ class InPort : public InPortBase {
   /// The options of the input.
   using Options = PortOptions;
 
-  /// Constructs an input as a member of a component. It allocates memory, so real-time threads must not call
-  /// it.
-  InPort(Component& owner, std::string name, Options options = {})
-      : InPort(&owner, std::move(name), PortDirection::in, std::move(options)) {}
-  /// Constructs an input of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). It allocates memory.
+  /// Constructs an input as a member of a component. Allocates memory, so not for real-time threads.
+  InPort(detail::Owner owner, std::string name, Options options = {})
+      : InPort(owner.component(), std::move(name), PortDirection::in, std::move(options)) {}
+  /// Constructs an input in a process module. The input must be a global variable, or must be constructed
+  /// before initPeriodExe() or initSporadicExe() is called. Allocates memory.
   explicit InPort(std::string name, Options options = {})
-      : InPort(nullptr, std::move(name), PortDirection::in, std::move(options)) {}
+      : InPort(nullptr, std::move(name), PortDirection::in, std::move(options)) {
+    static_assert(detail::InProgram<T>,
+                  "pass *this as the first argument: takt::InPort<T> in{*this, \"in\"}; only a program, "
+                  "which includes <takt/process.hpp>, omits it");
+  }
 
   /// Takes the next sample: the newest if the connection holds the latest value, the oldest if it is a queue.
   /// Returns false if no sample has arrived since the last read(); value() then stays unchanged. The safe
@@ -204,7 +214,8 @@ class InPort : public InPortBase {
     return is_new();
   }
 
-  /// The sample that was read last, or the safe value; T{} before the first. The reference is valid until the
+  /// Returns the value of the last read(): the newest sample, or the safe value if the sample is too old and
+  /// the connection has a safe value. Returns T{} before the first sample. The reference is valid until the
   /// next read(). A real-time thread may call it.
   [[nodiscard]] const T& value() const noexcept { return *value_; }
 
@@ -228,7 +239,7 @@ class InPort : public InPortBase {
     } else if (value_is_shared()) {
       value_ = other.value_;
     } else {
-      own_[0] = other.value();  // does not allocate: own_ has reserved room for every value of the type
+      own_[0] = other.value();  // does not allocate, because own_ has room for every value of the type
       value_ = own_.data();
     }
   }
@@ -259,15 +270,16 @@ class InPort : public InPortBase {
     return false;
   }
   bool decode(const Source& source) noexcept {
-    T& other = value_ == own_.data() ? own_[1] : own_[0];  // an invalid sample must not damage the last one
+    T& other = value_ == own_.data() ? own_[1] : own_[0];  // so an invalid sample does not change the last
+                                                           // one
     const channel::LinkReader& reader = source.reader;
     if (!PortType<T>::decode(reader.link().payload(reader.buffer()), reader.info().size, other)) return false;
     value_ = &other;
     return true;
   }
 
-  /// Decodes the safe value when it is needed for the first time. The safe value of another device arrives
-  /// only when the cell starts.
+  /// Decodes the safe value when it first becomes available. Returns true if the safe value is known. The
+  /// safe value of an output on another device arrives only when the cell starts.
   bool know_safe() noexcept {
     if (safe_known_) return true;
     const auto bytes = watched().safe();
@@ -276,7 +288,7 @@ class InPort : public InPortBase {
     return safe_known_;
   }
 
-  std::array<T, 2> own_{};   // samples are decoded into these two in turn
+  std::array<T, 2> own_{};   // two buffers, into which samples are decoded in turn
   std::unique_ptr<T> safe_;  // null if no output with a safe value is connected
   bool safe_known_ = false;
   const T* value_ = own_.data();

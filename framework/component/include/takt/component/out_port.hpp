@@ -4,13 +4,13 @@
 //   ...
 //   effort.write(value);
 //
-// An output can have a safe value. Readers get it while this module does not execute, or if the last sample
-// is too old:
+// An output can have a safe value. Readers get the safe value while this module does not execute, or if the
+// last sample is too old:
 //
 //   takt::OutPort<motion::JointEffort> effort{*this, "effort", {.safe = motion::JointEffort{}}};
 //
-// write() sends to every connected reader, and does nothing if there is none. It never waits: a slow reader
-// loses its oldest samples, and the connection counts them.
+// write() sends the sample to every connected reader; without a reader, it does nothing. write() never waits:
+// a slow reader loses its oldest samples, and the connection counts the lost samples.
 #pragma once
 
 #include <algorithm>
@@ -23,6 +23,7 @@
 #include <utility>
 #include <vector>
 
+#include <takt/component/owner.hpp>
 #include <takt/component/port.hpp>
 #include <takt/core/check.hpp>
 
@@ -30,7 +31,7 @@ namespace takt {
 
 /// The result of OutPort::write().
 enum class Written {
-  yes,    ///< the value was sent to every connected reader; also if no reader is connected
+  yes,    ///< the value was sent to every connected reader, or no reader is connected
   unfit,  ///< the value was sent to no reader, and counted, because a string or sequence exceeds its bound or
           ///< an enumerator is invalid
 };
@@ -40,11 +41,11 @@ template <class T>
 struct OutPortOptions {
   std::string text{};  ///< one sentence for `takt describe`
   /// The safe value: what readers of the latest value get if the last sample is not trusted. A descriptor may
-  /// change it.
+  /// set a different safe value.
   std::optional<T> safe{};
 };
 
-/// The part of OutPort that does not depend on the type.
+/// The part of OutPort that does not depend on the type of the samples.
 class OutPortBase : public PortBase {
  public:
   [[nodiscard]] bool connected() const noexcept override {
@@ -64,7 +65,7 @@ class OutPortBase : public PortBase {
 
   struct Sink {
     channel::LinkWriter writer;
-    void* values = nullptr;  ///< the link's values; null: the link carries bytes
+    void* values = nullptr;  ///< the C++ objects of the link; null: the link carries bytes
     [[nodiscard]] bool enabled() const noexcept {
       return writer.link().block().enabled.load(std::memory_order_relaxed) != 0;
     }
@@ -83,8 +84,8 @@ class OutPortBase : public PortBase {
     if (wake_bits != 0 && context().wake_word != nullptr) context().wake_word->note(wake_bits);
   }
 
-  /// Writes the value into every enabled link. `encode` encodes the value once, and the bytes are copied into
-  /// every link that carries bytes. `assign` copies the value into a link that carries values.
+  /// Writes the value into every enabled link. `encode` is called once, and its bytes are copied into every
+  /// link that carries bytes. `assign` copies the value into a link that carries C++ objects.
   template <class Encode, class Assign>
   Written write_all(const Encode& encode, const Assign& assign) noexcept {
     const std::byte* bytes = nullptr;
@@ -101,13 +102,14 @@ class OutPortBase : public PortBase {
         if (size == 0) return refuse();
         bytes = sink.payload();
       } else {
-        std::memcpy(sink.payload(), bytes, size);  // safe, because only this side writes into buffers
+        std::memcpy(sink.payload(), bytes, size);  // readers do not change the buffer to which `bytes` points
       }
       publish(sink, size);
     }
     return Written::yes;
   }
-  /// Writes into one link; `index` in the order of connecting. Does nothing if the link has no reader.
+  /// Writes the value into one link. Does nothing if the link has no reader. `index`: links are numbered from
+  /// 0, in the order in which they were connected.
   template <class Encode, class Assign>
   Written write_one(std::size_t index, const Encode& encode, const Assign& assign) noexcept {
     if (index >= sinks_.size() || !sinks_[index].enabled()) return Written::yes;
@@ -131,7 +133,7 @@ class OutPortBase : public PortBase {
 
  private:
   std::vector<Sink> sinks_;
-  std::vector<Sink> aside_;  // used instead of sinks_ while the port stands by
+  std::vector<Sink> aside_;  // the links while the port is standing by; sinks_ is then empty
   std::vector<std::byte> safe_;
 };
 
@@ -142,15 +144,20 @@ class OutPort : public OutPortBase {
   /// The options of the output.
   using Options = OutPortOptions<T>;
 
-  /// Constructs an output as a member of a component. It allocates memory, so real-time threads must not call
-  /// it. Throws std::invalid_argument if the safe value does not fit its type: a string or sequence exceeds
-  /// its bound, or an enumerator is invalid.
-  OutPort(Component& owner, std::string name, Options options = {})
-      : OutPort(&owner, std::move(name), std::move(options)) {}
-  /// Constructs an output of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). It allocates memory. Throws like the other constructor.
+  /// Constructs an output as a member of a component. Allocates memory, so not for real-time threads. Throws
+  /// std::invalid_argument if the safe value does not fit its type: a string or sequence exceeds its bound,
+  /// or an enumerator is invalid.
+  OutPort(detail::Owner owner, std::string name, Options options = {})
+      : OutPort(owner.component(), std::move(name), std::move(options)) {}
+  /// Constructs an output in a process module. The output must be a global variable, or must be constructed
+  /// before initPeriodExe() or initSporadicExe() is called. Allocates memory. Throws std::invalid_argument if
+  /// the safe value does not fit its type.
   explicit OutPort(std::string name, Options options = {})
-      : OutPort(nullptr, std::move(name), std::move(options)) {}
+      : OutPort(nullptr, std::move(name), std::move(options)) {
+    static_assert(detail::InProgram<T>,
+                  "pass *this as the first argument: takt::OutPort<T> out{*this, \"out\"}; only a program, "
+                  "which includes <takt/process.hpp>, omits it");
+  }
 
   /// Sends a value to all connected readers. The stamp of the sample is the start of the current run(). Every
   /// hook may call it. A real-time thread may call it, but only one thread at a time.
@@ -181,7 +188,7 @@ class OutPort : public OutPortBase {
           ": a string or sequence is longer than its bound, or an enumerator is invalid");
     set_safe(std::move(bytes));
   }
-  /// Sends a value to one connected reader.
+  /// Sends a value to one connected reader. `index`: readers are numbered from 0, in the order of connection.
   Written write_to(std::size_t index, const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();
     return write_one(index, encoding(value), assigning(value));

@@ -1,5 +1,5 @@
-// PortBase: the part of a port that does not depend on its type. The host connects it to links, and `takt
-// describe` shows it. Authors use InPort, EventPort and OutPort.
+// PortBase: the part of a port that does not depend on its type. The host or libtakt_process connects a port
+// to links, and `takt describe` shows it. Authors use InPort, EventPort and OutPort.
 #pragma once
 
 #include <cstddef>
@@ -23,43 +23,44 @@ enum class PortDirection {
   event,  ///< an input whose samples make a sporadic module ready to run
   out     ///< an output
 };
-/// "in", "event", "out"
+/// Returns "in", "event" or "out".
 const char* to_text(PortDirection direction) noexcept;
 
 /// The purpose of a port: plain samples, or one of the two ports of a service or client.
 enum class PortRole {
   plain,    ///< samples
   service,  ///< the module answers requests in run()
-  handler,  ///< the module answers requests in a handler, on a thread of its own
+  handler,  ///< the module answers requests in a handler, on a separate thread
   client,   ///< the module sends requests
 };
-/// "port", "service", "handler", "client"
+/// Returns "port", "service", "handler" or "client".
 const char* to_text(PortRole role) noexcept;
 
 /// The suffixes of the two ports of a service or client NAME: NAME/request and NAME/reply.
 inline constexpr const char* kRequestPort = "/request";
 inline constexpr const char* kReplyPort = "/reply";
 
-/// The options of ports and services. OutPort has more, see OutPortOptions.
+/// The options of ports and services. Outputs have more options, see OutPortOptions.
 struct PortOptions {
   std::string text{};  ///< one sentence for `takt describe`
 };
 
-/// What the code that runs a module passes to all ports of the module.
+/// The data that the host or libtakt_process passes to all ports of a module that it runs.
 struct PortContext {
   /// Monotonic time in ns at which the current run() began: the stamp of written samples, and the time at
   /// which ages are measured.
   std::int64_t start_ns = 0;
-  channel::WakeWord* wake_word = nullptr;  ///< wakes the sleeping readers of links
-  /// Monotonic time in ns from which written samples may be read. With timing="let" it is the end of the
-  /// period. 0 means at once.
+  channel::WakeBits* wake_word = nullptr;  ///< used to wake the sleeping readers of links
+  /// Monotonic time in ns from which written samples may be read. With timing="let", this is the end of the
+  /// writer's period. 0: at once.
   std::int64_t valid_ns = 0;
-  /// Where samples are recorded while run() is called; null: nowhere.
+  /// The flight record, in which the ports record the events that run() reads and the samples that it writes;
+  /// null: none.
   channel::FlightWriter* flight = nullptr;
   std::uint32_t module = 0;  ///< index of the module on its device, for `flight`
 };
 
-/// The base of every port. Registers itself with its component or program.
+/// The base of every port. Registers itself with its component or process module.
 class PortBase {
  public:
   PortBase(const PortBase&) = delete;
@@ -77,36 +78,37 @@ class PortBase {
   /// The description for `takt describe`; may be empty.
   [[nodiscard]] const std::string& text() const noexcept { return options_.text; }
 
-  /// Whether another port is connected: for an input an output, for an output at least one reader. A
-  /// real-time thread may call it.
+  /// True if an output is connected to this input, or at least one reader to this output. A real-time thread
+  /// may call it.
   [[nodiscard]] virtual bool connected() const noexcept = 0;
-  /// Whether read() would find a sample. A real-time thread may call it.
+  /// True if read() would take a sample or the safe value. A real-time thread may call it.
   [[nodiscard]] bool has_news() const noexcept { return news_at() <= context().start_ns; }
   /// The monotonic time in ns from which read() finds a sample: 0 for at once, channel::kNever if there is no
-  /// sample. Threads other than the reading one may call it too, and so may a real-time thread.
+  /// sample. Any thread may call it, including real-time threads and threads that do not read the port.
   [[nodiscard]] virtual std::int64_t news_at() const noexcept { return channel::kNever; }
 
   // Only the code that runs the module calls the following functions, and only while the module is not
   // running.
 
-  /// Sets the context, which must outlive the use of the port. `place`: index of the port in its module.
+  /// Sets the context of the port. The context must exist as long as the port is used. `place`: index of the
+  /// port in its module.
   void serve(const PortContext& context, std::uint32_t place = 0) noexcept {
     context_ = &context;
     place_ = place;
   }
-  /// Connects the port to a link, in addition to the links that it has. `values` is null if the link carries
-  /// bytes. Otherwise the link itself holds no payloads, and `values` holds one value of the port's type for
-  /// each buffer. make_values() of either connected port has created these values.
+  /// Connects the port to one more link. `values` is null if the link carries bytes. Otherwise the link
+  /// itself holds no payloads, and `values` holds one value of the port's type for each buffer. make_values()
+  /// of one of the two connected ports created these values.
   virtual void connect(channel::Link link, void* values) = 0;
-  /// Links that are connected from now on stay unused until take_over(), because the port of another instance
-  /// uses them until then.
+  /// Makes the port stand by: until take_over() is called, it does not use the links that are connected from
+  /// now on, because the same port of another instance of the module uses them.
   void stand_by() noexcept { attach_ = channel::Attach::later; }
-  /// Takes over the links of `before`, which is the same port of another instance of the module. `before`
-  /// stops using the links. A real-time thread may call it.
+  /// Takes over the links of `before`, the same port of another instance of the module. `before` stops using
+  /// the links. A real-time thread may call it.
   virtual void take_over(PortBase& before) noexcept = 0;
   /// Creates `number` values, each with memory for the largest sequences, and returns the first. They are
-  /// never freed, because the connected port may still read one. Returns null if the port's values are not
-  /// C++ objects. It allocates memory.
+  /// never freed, because the connected port may still read one. Returns null for a port in C form, whose
+  /// values are not C++ objects. Allocates memory.
   [[nodiscard]] virtual void* make_values(std::uint32_t number) const = 0;
   /// The size of one value in bytes. It is the same for two ports that may share values.
   [[nodiscard]] virtual std::size_t value_size() const noexcept = 0;
@@ -114,13 +116,13 @@ class PortBase {
   [[nodiscard]] virtual const std::vector<std::byte>& safe() const noexcept { return kNoSafe; }
 
  protected:
-  /// `owner`: the component; null in a program, or in a module in C form that is being loaded.
+  /// `owner`: the component; null in a process module, or in a module in C form that is being loaded.
   PortBase(Component* owner, std::string name, PortDirection direction, const TypeInfo& type,
            PortOptions options);
   void set_role(PortRole role) noexcept { role_ = role; }
   [[nodiscard]] const PortContext& context() const noexcept { return *context_; }
   [[nodiscard]] channel::Attach attach() const noexcept { return attach_; }
-  /// Records in the flight record that run() read or wrote a sample.
+  /// Adds an entry to the flight record: run() has read an event or written a sample.
   void record(channel::FlightKind kind) const noexcept {
     const PortContext& context = *context_;
     if (context.flight != nullptr) context.flight->add(kind, context.start_ns, context.module, place_);
@@ -141,8 +143,9 @@ class PortBase {
   channel::Attach attach_ = channel::Attach::now;
 };
 
-/// The ports without a component: those of this program, or of the module in C form that this thread has
-/// loaded since the last call. A port that is destroyed before the call is not in the list.
+/// Returns the ports that belong to no component: in a process module, all its ports; in a host, those of the
+/// module in C form that this thread has loaded since the last call. Ports that were destroyed before the
+/// call are not in the list.
 std::vector<PortBase*> take_loose_ports();
 
 namespace detail {

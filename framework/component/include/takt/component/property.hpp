@@ -1,16 +1,18 @@
 // takt::Property: a named value that the descriptor sets, and that an operator can change while the component
-// runs. It is a member of a component. In a program, or in a module in the C form, it is a global variable:
+// runs. It is a member of a component. In a process module it is a global variable:
 //
 //   takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Belt speed."}};
 //
-// A program gets the values of its descriptor as arguments, and each property takes its value when it is
-// constructed. So the value is valid from the first line of main() on. initPeriodExe() or initSporadicExe()
-// rejects invalid values, and arguments that name no property.
+// A process module gets the values of its descriptor as arguments, and each property takes its value from the
+// arguments when the property is constructed. So the value is valid from the first line of main() on.
+// initPeriodExe() or initSporadicExe() rejects invalid values, and arguments that name no property. The name
+// `log-level` is reserved: this property of every module sets the level of its log, and the module does not
+// receive it.
 //
 // Two threads use a property: the thread that sets it, and the thread that calls the component's hooks. Each
-// has its own copy of the value, and a third copy is passed between them. The caller synchronises the
-// exchange with one word (see LiveProperties in framework/host). So run() reads a plain value that no other
-// thread changes, and neither waits nor frees the former value.
+// thread has its own copy of the value, and the threads pass a third copy to each other. The host
+// synchronises this exchange with one atomic word (see LiveProperties in framework/host). So run() reads a
+// plain value that no other thread changes, and neither waits nor frees the former value.
 #pragma once
 
 #include <cmath>
@@ -25,6 +27,7 @@
 #include <utility>
 #include <vector>
 
+#include <takt/component/owner.hpp>
 #include <takt/core/result.hpp>
 
 namespace takt {
@@ -38,7 +41,7 @@ enum class PropertyType {
   number,   ///< float or double
   text      ///< std::string
 };
-/// "bool", "integer", "double", "string", as in `takt describe` and in messages.
+/// Returns "bool", "integer", "double" or "string", as in `takt describe` and in messages.
 const char* to_text(PropertyType type) noexcept;
 
 /// The part of a property that does not depend on its C++ type.
@@ -56,36 +59,39 @@ class PropertyBase {
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
   /// The kind of value.
   [[nodiscard]] virtual PropertyType type() const noexcept = 0;
-  /// The value that was set last. Only the setting thread may call it. It allocates memory.
+  /// The value that was set last. Only the setting thread may call it. Allocates memory.
   [[nodiscard]] virtual std::string value_text() const = 0;
-  /// The default: the value until another one is set. It allocates memory.
+  /// The default value of the property. Allocates memory.
   [[nodiscard]] virtual std::string default_text() const = 0;
-  /// The smallest accepted value; empty without a lower bound. It allocates memory.
+  /// The smallest accepted value; empty without a lower bound. Allocates memory.
   [[nodiscard]] virtual std::string min_text() const = 0;
-  /// The largest accepted value; empty without an upper bound. It allocates memory.
+  /// The largest accepted value; empty without an upper bound. Allocates memory.
   [[nodiscard]] virtual std::string max_text() const = 0;
-  /// "0 to 10", "at least 0", "fast or slow"; empty without bounds. It allocates memory.
+  /// The accepted values as text: "0 to 10", "at least 0", "fast or slow"; empty without bounds. Allocates
+  /// memory.
   [[nodiscard]] virtual std::string range_text() const = 0;
 
-  /// Whether the property accepts this text. If not, the problem states what the property accepts. Real-time
-  /// threads must not call it.
+  /// Checks whether the property accepts this text. If not, the problem states what the property accepts. Not
+  /// for real-time threads.
   [[nodiscard]] virtual Result<void> check(std::string_view text) const = 0;
   /// Sets the property from the descriptor's text, while no hook is called. On failure the value does not
-  /// change, and the problem states what the property accepts. Real-time threads must not call it.
+  /// change, and the problem states what the property accepts. Not for real-time threads.
   virtual Result<void> assign(std::string_view text) = 0;
-  /// Like assign(), but also allowed while hooks are called. The hooks see the value after take_over().
-  /// propose() must not be called while take_over() is in progress. Only the setting thread may call it.
-  /// Real-time threads must not call it.
+  /// Like assign(), but also allowed while other threads call hooks. The hooks see the new value only after
+  /// take_over(). propose() must not be called while take_over() is in progress. Only the setting thread may
+  /// call propose(). Not for real-time threads.
   virtual Result<void> propose(std::string_view text) = 0;
-  /// Makes the proposed value the current one. The thread that calls the hooks calls it between two hooks,
-  /// once after one or more proposals. A real-time thread may call it, because it only swaps two values.
+  /// Makes the proposed value the current one. The thread that calls the hooks calls take_over() between two
+  /// hooks, once after one or more proposals. A real-time thread may call it, because it only swaps two
+  /// values.
   virtual void take_over() noexcept = 0;
 
  protected:
-  /// `owner`: the component; null in a program, or in a module in C form that is being loaded. In these cases
-  /// the constructor of the derived class registers the property with detail::add_loose_property().
+  /// `owner`: the component; null in a process module, or in a module in C form that is being loaded. In
+  /// these cases the constructor of the derived class registers the property with
+  /// detail::add_loose_property().
   PropertyBase(Component* owner, std::string name, std::string unit, std::string text);
-  /// The problem for a rejected text; states what the property accepts.
+  /// Returns the problem for a rejected text; the problem states what the property accepts.
   [[nodiscard]] Problem refusal(std::string_view given) const;
 
  private:
@@ -95,13 +101,13 @@ class PropertyBase {
   bool owned_;
 };
 
-/// The properties without a component, in the order of construction: those of this program, or of the module
-/// in C form that this thread has loaded since the last call. A property that is destroyed before the call is
-/// not in the list.
+/// Returns the properties that belong to no component, in the order of construction: in a process module, all
+/// its properties; in a host, those of the module in C form that this thread has loaded since the last call.
+/// Properties that were destroyed before the call are not in the list.
 std::vector<PropertyBase*> take_loose_properties();
 
-/// Reports duplicate names and defaults out of range among the properties of one owner. `owner`: its name in
-/// the messages. Real-time threads must not call it.
+/// Reports duplicate names and defaults out of range among the properties of one component. `owner`: the name
+/// of the component in the messages. Not for real-time threads.
 Problems check_declared(const std::vector<PropertyBase*>& properties, const std::string& owner);
 
 /// The words that a text property accepts: {"fast", "slow"}.
@@ -111,11 +117,11 @@ class Choices {
   Choices() noexcept = default;
   /// Accepts only these words.
   Choices(std::initializer_list<std::string> words) : words_(words) {}
-  /// Whether there are no words, so that any text is accepted.
+  /// True if there are no words, so that any text is accepted.
   [[nodiscard]] bool empty() const noexcept { return words_.empty(); }
-  /// Whether `word` is one of the words. The comparison is exact.
+  /// True if `word` is one of the words. The comparison is exact.
   [[nodiscard]] bool contain(std::string_view word) const noexcept;
-  /// "fast, medium or slow"
+  /// The words as text: "fast, medium or slow".
   [[nodiscard]] std::string text() const;
 
  private:
@@ -123,15 +129,16 @@ class Choices {
 };
 
 namespace detail {
-/// Registers a property without a component. In a program, the property takes its value from the arguments.
+/// Registers a property without a component. In a process module, the property takes its value from the
+/// arguments.
 void add_loose_property(PropertyBase& property);
 void remove_loose_property(PropertyBase& property) noexcept;
 
 std::optional<bool> parse_bool(std::string_view text) noexcept;
 std::optional<std::int64_t> parse_integer(std::string_view text) noexcept;
 std::optional<double> parse_number(std::string_view text) noexcept;
-/// The shortest text that reads back as the same value. The text of a float is shorter than that of the same
-/// double.
+/// Returns the shortest text that reads back as the same value. The text of a float can be shorter than the
+/// text of the same number as a double: 0.1F becomes "0.1".
 std::string number_text(double value);
 std::string number_text(float value);
 }  // namespace detail
@@ -141,12 +148,17 @@ template <class T>
 concept PropertyValueType = std::same_as<T, bool> || std::same_as<T, std::string> || std::same_as<T, float> ||
     std::same_as<T, double> || std::signed_integral<T>;
 
-/// A property of type bool, signed integer, float, double or std::string. Every hook may read it, including
-/// on the real-time thread. A service handler must not read it. If the value is set while the component runs,
-/// the next call of a hook reads the new value. Takt does not call initialize() again, so values computed
-/// there stay.
-template <PropertyValueType T>
+/// A property of type bool, signed integer, float, double or std::string. Every hook may read the property,
+/// including on the real-time thread. A service handler must not read it. If the value is set while the
+/// component runs, the next call of a hook reads the new value. Takt does not call initialize() again, so
+/// values computed in initialize() do not change.
+template <class T>
 class Property : public PropertyBase {
+  static_assert(
+      PropertyValueType<T>,
+      "the type of a property is bool, a signed integer, float, double or std::string; for a text, write "
+      "takt::Property<std::string>");
+
  public:
   /// The options of the property.
   struct Options {
@@ -157,14 +169,16 @@ class Property : public PropertyBase {
     Choices choices{};       ///< the accepted words; text properties only; empty: any text
   };
 
-  /// Constructs a property of a component, as a member. `value`: the default. It allocates memory, so
-  /// real-time threads must not call it.
-  Property(Component& owner, std::string name, T value, Options options = {})
-      : Property(&owner, std::move(name), std::move(value), std::move(options)) {}
-  /// Constructs a property of a program, or of a module in the C form, as a global variable. Not for a
-  /// component. It allocates memory.
+  /// Constructs a property of a component, as a member. `value`: the default. Allocates memory, so not for
+  /// real-time threads.
+  Property(detail::Owner owner, std::string name, T value, Options options = {})
+      : Property(owner.component(), std::move(name), std::move(value), std::move(options)) {}
+  /// Constructs a property of a process module, as a global variable. Allocates memory.
   Property(std::string name, T value, Options options = {})
       : Property(nullptr, std::move(name), std::move(value), std::move(options)) {
+    static_assert(detail::InProgram<T>,
+                  "pass *this as the first argument: takt::Property<double> gain{*this, \"gain\", 1.0}; "
+                  "only a program, which includes <takt/process.hpp>, omits it");
     detail::add_loose_property(*this);
   }
 
@@ -198,10 +212,10 @@ class Property : public PropertyBase {
     return narrowed_.empty() ? range : range + " " + narrowed_;
   }
 
-  /// Narrows the declared range for this module, for example because of its period. Call it in initialize().
-  /// It never widens the range. `why` follows the range in messages: "at a period of 1 ms". Fails if the
-  /// current value is out of the new range; values that are set later are checked against it. Real-time
-  /// threads must not call it.
+  /// Narrows the declared range for this module, for example because of its period. Call narrow() in
+  /// initialize(). It never widens the range. `why` follows the range in messages: "at a period of 1 ms".
+  /// Fails if the current value is out of the new range; values that are set later are checked against the
+  /// new range. Not for real-time threads.
   Result<void> narrow(std::optional<T> min, std::optional<T> max,
                       std::string why) requires std::is_arithmetic_v<T> {
     if (min && (!min_ || *min > *min_)) min_ = min;
@@ -245,14 +259,16 @@ class Property : public PropertyBase {
       return std::to_string(value);
     else if constexpr (std::is_floating_point_v<T>)
       return detail::number_text(value);
-    else
+    else if constexpr (std::is_same_v<T, std::string>)
       return value;
+    else
+      return {};  // the assertion above has failed; this branch prevents further errors
   }
 
   std::optional<T> accepted(std::string_view text) const {
     std::optional<T> value = parse(text);
     if constexpr (std::is_arithmetic_v<T>) {
-      // Written so that a bound rejects NaN.
+      // The negated comparisons are true for NaN, so a bound rejects NaN.
       if (value && ((min_ && !(*value >= *min_)) || (max_ && !(*value <= *max_)))) value.reset();
     }
     if constexpr (std::is_same_v<T, std::string>) {
@@ -269,12 +285,14 @@ class Property : public PropertyBase {
       return value && std::in_range<T>(*value) ? std::optional<T>(static_cast<T>(*value)) : std::nullopt;
     } else if constexpr (std::is_floating_point_v<T>) {
       const auto value = detail::parse_number(text);
-      // A float rejects a value that only a double can hold.
+      // A float property rejects a value that is too large for a float.
       return value && std::abs(*value) <= static_cast<double>(std::numeric_limits<T>::max())
                  ? std::optional<T>(static_cast<T>(*value))
                  : std::nullopt;
-    } else {
+    } else if constexpr (std::is_same_v<T, std::string>) {
       return std::string{text};
+    } else {
+      return std::nullopt;
     }
   }
 

@@ -1,4 +1,5 @@
-// takt::Saved: the state of a module that survives the death of its process, so that outputs do not jump.
+// takt::Saved: the state of a module that survives the death of the module's process, so that outputs do not
+// jump.
 //
 //   struct Kept { double sum = 0; std::uint64_t pieces = 0; };
 //   takt::Saved<Kept> kept{*this, 1};      1 is the version of Kept: increase it when its meaning changes
@@ -6,12 +7,13 @@
 //   kept->sum += error * cycle.seconds();  in run()
 //
 // After each run() that did not fail, Takt copies the value into memory that outlives the process. After a
-// crash, the new instance has the saved value from start() on; initialize() is called before that, as always.
-// With <retain>true</retain> in the descriptor the value is also written to disk and survives power-off.
+// crash, the new instance has the saved value from start() on; initialize() is called before the value is
+// restored. With <retain>true</retain> in the descriptor the value is also written to disk and survives
+// power-off.
 //
-// In a program, `kept` is a global variable and is constructed with kept{1}. Each waitPeriod() or
-// waitSporadic() except the first copies the value. After a crash, the program has the saved value again when
-// initPeriodExe() or initSporadicExe() returns.
+// In a process module, `kept` is a global variable and is constructed with kept{1}. Each waitPeriod() or
+// waitSporadic() except the first copies the value. After a crash, the restarted program has the saved value
+// when initPeriodExe() or initSporadicExe() returns.
 #pragma once
 
 #include <cstdint>
@@ -20,32 +22,33 @@
 #include <vector>
 
 #include <takt/channel/saved_state.hpp>
+#include <takt/component/owner.hpp>
 
 namespace takt {
 
 class Component;
 
-/// The part of Saved that does not depend on the type.
+/// The part of Saved that does not depend on the type of the value.
 class SavedBase {
  public:
   SavedBase(const SavedBase&) = delete;
   SavedBase& operator=(const SavedBase&) = delete;
 
-  /// The version of the value's meaning.
+  /// The version of the value's meaning, which the author increases when the meaning changes.
   [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
   /// The address of the value.
   [[nodiscard]] void* data() const noexcept { return data_; }
   /// The size of the value in bytes.
   [[nodiscard]] std::uint32_t size() const noexcept { return size_; }
-  /// Whether the value is the one that a former instance saved last. Valid from start() on; in a program from
-  /// initPeriodExe() or initSporadicExe() on. A real-time thread may call it.
+  /// True if this object has the value that a former instance of the module saved last. Valid from start()
+  /// on; in a process module, after initPeriodExe() or initSporadicExe(). A real-time thread may call it.
   [[nodiscard]] bool restored() const noexcept { return restored_; }
 
-  /// Sets the result of restored(). Only the code that runs the module calls it.
+  /// Sets the result of restored(). Only the code that runs the module calls this function.
   void set_restored(bool restored) noexcept { restored_ = restored; }
 
  protected:
-  /// `owner` is null in a program.
+  /// `owner` is null in a process module.
   SavedBase(Component* owner, void* data, std::uint32_t size, std::uint32_t version);
   ~SavedBase();
 
@@ -57,8 +60,8 @@ class SavedBase {
   bool restored_ = false;
 };
 
-/// The Saved objects without a component: those of this program, or of the module in C form that this thread
-/// has loaded since the last call.
+/// Returns the Saved objects that belong to no component: in a process module, all its Saved objects; in a
+/// host, those of the module in C form that this thread has loaded since the last call.
 std::vector<SavedBase*> take_loose_saved();
 
 namespace detail {
@@ -66,10 +69,10 @@ void add_loose_saved(SavedBase& saved);
 void remove_loose_saved(SavedBase& saved) noexcept;
 }  // namespace detail
 
-/// The saved state: a member of a component, or a global variable of a program. A component or program has at
-/// most one Saved. T is copied byte by byte into another process, so T must not contain pointers or
-/// containers, and it has at most 4096 bytes. Every hook may use the value, including run() on the real-time
-/// thread.
+/// The saved state of a module: a member of a component, or a global variable of a process module. A
+/// component or process module has at most one Saved. T is copied byte by byte into another process, so T
+/// must not contain pointers or containers, and it has at most 4096 bytes. Every hook may use the value,
+/// including run() on the real-time thread.
 template <class T>
 class Saved : public SavedBase {
   static_assert(std::is_trivially_copyable_v<T>,
@@ -77,14 +80,18 @@ class Saved : public SavedBase {
   static_assert(sizeof(T) <= channel::kMostSaved, "T is too large; at most 4096 bytes are saved");
 
  public:
-  /// Constructs the saved state of a component, as a member. `version`: increase it whenever the meaning of T
-  /// changes. `initial`: the value of a new instance.
-  Saved(Component& owner, std::uint32_t version, T initial = T{})
-      : SavedBase(&owner, &value_, sizeof(T), version), value_(std::move(initial)) {}
-  /// Constructs the saved state of a program, as a global variable. `version` and `initial` have the same
-  /// meaning as for a component.
+  /// Constructs the saved state of a component, as a member. Increase `version` whenever the meaning of T
+  /// changes. `initial` is the value of a new instance.
+  Saved(detail::Owner owner, std::uint32_t version, T initial = T{})
+      : SavedBase(owner.component(), &value_, sizeof(T), version), value_(std::move(initial)) {}
+  /// Constructs the saved state of a process module, as a global variable. `version` and `initial` have the
+  /// same meaning as for a component.
   explicit Saved(std::uint32_t version, T initial = T{})
-      : SavedBase(nullptr, &value_, sizeof(T), version), value_(std::move(initial)) {}
+      : SavedBase(nullptr, &value_, sizeof(T), version), value_(std::move(initial)) {
+    static_assert(detail::InProgram<T>,
+                  "pass *this as the first argument: takt::Saved<T> kept{*this, 1}; only a program, which "
+                  "includes <takt/process.hpp>, omits it");
+  }
   /// Returns the value. A real-time thread may call it.
   T* operator->() noexcept { return &value_; }
   /// Returns the value. A real-time thread may call it.
@@ -100,7 +107,7 @@ class Saved : public SavedBase {
 
 /// The value that a former instance saved with another version or size, see Component::restore().
 struct SavedBefore {
-  std::uint32_t version;  ///< the version with which it was saved
+  std::uint32_t version;  ///< the version with which the value was saved
   const void* data;       ///< the saved bytes; valid only during restore()
   std::uint32_t size;     ///< number of bytes
 };

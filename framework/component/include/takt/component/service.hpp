@@ -13,7 +13,8 @@
 //   ...
 //   if (reset.take()) reset.reply(do_it(reset.request()));
 //
-// A client. run() makes both calls, and they return at once:
+// A client. run() sends a request with call() and asks for the reply with poll(), in this cycle or a later
+// one. Both functions return at once:
 //
 //   takt::Client<line::Reset, line::Throughput> reset{*this, "reset"};
 //   ...
@@ -35,6 +36,7 @@
 
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
+#include <takt/component/owner.hpp>
 #include <takt/component/service_type.hpp>
 #include <takt/core/result.hpp>
 
@@ -42,21 +44,23 @@ namespace takt {
 
 namespace detail {
 
-/// Returns the failure that this thread reported with fail() or takt_fail(), or null, and forgets it.
+/// Returns the failure that this thread reported with fail() or takt_fail(), and clears it. Returns null if
+/// there is none.
 const char* take_reported_failure() noexcept;
 
 template <class T>
 class RequestIn final : public InPort<ServiceRequest<T>> {
  public:
   RequestIn(Component* owner, const std::string& name, PortRole role, PortOptions options)
-      // run() does not read the requests of a handler, so they must not wake a sporadic module.
+      // run() does not read the requests that a handler answers, so these requests must not wake a sporadic
+      // module.
       : InPort<ServiceRequest<T>>(owner, name + kRequestPort,
                                   role == PortRole::handler ? PortDirection::in : PortDirection::event,
                                   std::move(options)) {
     this->set_role(role);
   }
   using InPort<ServiceRequest<T>>::taken_from;
-  /// Whether the client no longer waits for the reply to this request.
+  /// True if the client no longer waits for the reply to the last request that was read.
   [[nodiscard]] bool is_expired() const noexcept {
     return this->age() > Nanoseconds{this->value().timeout_ns};
   }
@@ -80,7 +84,7 @@ class RequestOut final : public OutPort<ServiceRequest<T>> {
       : OutPort<ServiceRequest<T>>(owner, name + kRequestPort, {.text = std::move(options.text)}) {
     this->set_role(PortRole::client);
   }
-  /// The start of the current run(), in ns of the monotonic clock.
+  /// Returns the start of the current run(), in ns of the monotonic clock.
   [[nodiscard]] std::int64_t now_ns() const noexcept { return this->context().start_ns; }
 };
 
@@ -96,23 +100,23 @@ class ReplyIn final : public InPort<ServiceReply<T>> {
 
 }  // namespace detail
 
-/// The part of a service that does not depend on its types, for the code that runs the module.
+/// The part of a service that does not depend on the types of request and reply. The host uses it.
 class ServiceBase {
  public:
   ServiceBase(const ServiceBase&) = delete;
   ServiceBase& operator=(const ServiceBase&) = delete;
   virtual ~ServiceBase() = default;
 
-  /// Whether a request waits. Only the thread that calls handle() may call it.
+  /// True if an unread request has arrived. Only the thread that calls handle() may call it.
   [[nodiscard]] virtual bool has_request() const noexcept = 0;
-  /// Takes one request and answers it: with the handler, or, if `refusal` is not null, by rejecting it with
-  /// that reason. Returns false if there was no request. Real-time threads must not call it. Only one thread
-  /// at a time may call it. It may run at the same time as run().
+  /// Takes one request and answers it with the handler. If `refusal` is not null, rejects the request with
+  /// this reason instead. Returns false if there was no request. Not for real-time threads. Only one thread
+  /// at a time may call handle(), which may run at the same time as the module's run().
   virtual bool handle(const char* refusal) = 0;
 
  protected:
   ServiceBase() = default;
-  /// Registers the service with its component, so that Takt calls its handle().
+  /// Registers the service with its component, so that Takt calls handle().
   void enlist(Component& owner);
 };
 
@@ -121,8 +125,8 @@ class ServiceBase {
 /// With a handler: the handler runs on a thread of the module that is not real-time, while the module is
 /// EXECUTING. The handler may run at the same time as run() and condition(), but never at the same time as
 /// another hook. It may share only atomic variables with run(), and must not use properties or ports. It may
-/// allocate and wait, but after 5 s it counts as hung, like a hook. If it throws, or fails with fail(), the
-/// client's call is rejected with that reason. While the module is not EXECUTING, requests are rejected.
+/// allocate and wait, but after 5 s it counts as hung, as a hook does. If it throws, or fails with fail(),
+/// the client's call is rejected with that reason. While the module is not EXECUTING, requests are rejected.
 ///
 /// Without a handler: run() takes requests and replies on the real-time thread. run() may call every function
 /// of Service except the constructor; these functions neither wait nor allocate. While the module is not
@@ -134,29 +138,34 @@ class Service final : public ServiceBase {
  public:
   /// The options of the service.
   using Options = PortOptions;
-  /// Returns the reply, or takt::fail("why not").
+  /// A function that answers a request: it returns the reply, or takt::fail("why not").
   using Handler = std::function<Result<Reply>(const Request&)>;
 
-  /// Constructs a service of a component, as a member, with a handler. This is a template, so that options in
-  /// braces are not mistaken for a handler. It allocates memory, so real-time threads must not call it.
+  /// Constructs a service of a component, as a member, with a handler. The constructor is a template, so that
+  /// the compiler does not take options in braces for a handler. Allocates memory, so not for real-time
+  /// threads.
   template <std::convertible_to<Handler> Callable>
-  Service(Component& owner, const std::string& name, Callable handler, const Options& options = {})
-      : Service(&owner, name, PortRole::handler, options) {
+  Service(detail::Owner owner, const std::string& name, Callable handler, const Options& options = {})
+      : Service(owner.component(), name, PortRole::handler, options) {
     handler_ = std::move(handler);
-    enlist(owner);
+    enlist(*owner.component());
   }
-  /// Constructs a service of a component, as a member, without a handler. It allocates memory, so real-time
-  /// threads must not call it.
-  Service(Component& owner, const std::string& name, const Options& options = {})
-      : Service(&owner, name, PortRole::service, options) {}
-  /// Constructs a service of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). It allocates memory.
+  /// Constructs a service of a component, as a member, without a handler. Allocates memory, so not for
+  /// real-time threads.
+  Service(detail::Owner owner, const std::string& name, const Options& options = {})
+      : Service(owner.component(), name, PortRole::service, options) {}
+  /// Constructs a service in a process module. The service must be a global variable, or must be constructed
+  /// before initPeriodExe() or initSporadicExe() is called. Allocates memory.
   explicit Service(const std::string& name, const Options& options = {})
-      : Service(nullptr, name, PortRole::service, options) {}
+      : Service(nullptr, name, PortRole::service, options) {
+    static_assert(detail::InProgram<Request>,
+                  "pass *this as the first argument: takt::Service<Request, Reply> service{*this, "
+                  "\"service\"}; only a program, which includes <takt/process.hpp>, omits it");
+  }
 
-  /// Takes the next request; request() returns it. Returns false if no request waits. A request that was
-  /// taken before and not answered is dropped. Rejects requests whose time-out has passed. A real-time thread
-  /// may call it.
+  /// Takes the next request, which request() then returns. Returns false if no request has arrived. Drops a
+  /// request that was taken before and not answered. Rejects requests whose time-out has passed. A real-time
+  /// thread may call it.
   bool take() noexcept {
     busy_ = false;
     while (in_.read()) {
@@ -171,10 +180,10 @@ class Service final : public ServiceBase {
     }
     return false;
   }
-  /// Whether a request was taken and not yet answered. A real-time thread may call it.
+  /// True if a request was taken and not yet answered. A real-time thread may call it.
   [[nodiscard]] bool busy() const noexcept { return busy_; }
-  /// The request that was taken last; Request{} before the first. Valid until the next take(). A real-time
-  /// thread may call it.
+  /// The request that was taken last; Request{} before the first request. Valid until the next take(). A
+  /// real-time thread may call it.
   [[nodiscard]] const Request& request() const noexcept { return in_.value().request; }
   /// Answers the request that was taken. Does nothing if it was answered already. If the reply does not fit
   /// its type (a string or sequence exceeds its bound, or an enumerator is invalid), the request is rejected
@@ -228,10 +237,11 @@ class Service final : public ServiceBase {
     busy_ = false;
     answer_.code = code;
     const std::size_t length = std::min(reason.size(), kReasonLength);
-    std::copy_n(reason.begin(), length, answer_.reason.begin());  // not memcpy: it may be null
+    // This code does not use memcpy(), because reason.data() may be null.
+    std::copy_n(reason.begin(), length, answer_.reason.begin());
     answer_.reason[length] = '\0';
-    // The index of the request's connection is also that of the client's reply connection, because both are
-    // made in the same order.
+    // The connection for the client's replies has the same index as the connection of the request, because
+    // both connections are made in the same order.
     out_.write_to(from_, answer_);
   }
 
@@ -252,36 +262,41 @@ enum class CallStatus {
   timed_out,  ///< no answer within the time-out; the service may or may not have acted
   nobody,     ///< no service: no `<service>` names the client, or the other device is lost
 };
-/// "idle", "pending", ...
+/// Returns the name of the status: "idle", "pending", ...
 const char* to_text(CallStatus status) noexcept;
 
 /// Calls a service. Request and Reply are structs of IDL files (see takt_add_idl()).
 ///
-/// Every hook, above all run(), may call every function except the constructor; they neither wait nor
-/// allocate. Only one thread at a time may use a client. A client has one call at a time, and a new call
-/// abandons the previous one. The time-out counts from the start of the run() that called to the start of the
-/// run() that polls. In a sporadic module an answer is an event: it makes the module ready to run, and run()
-/// must poll(). A time-out is not an event.
+/// Every hook, in particular run(), may call every function except the constructor; these functions neither
+/// wait nor allocate. Only one thread at a time may use a client. A client has one call at a time, and a new
+/// call abandons the previous one. The time-out is measured from the start of the run() that calls call() to
+/// the start of the run() that calls poll(). In a sporadic module an answer is an event: it makes the module
+/// ready to run, and run() must poll(). A time-out is not an event.
 template <class Request, class Reply>
 class Client {
  public:
   /// The options of the client.
   using Options = PortOptions;
 
-  /// Constructs a client of a component, as a member. It allocates memory, so real-time threads must not call
-  /// it.
-  Client(Component& owner, const std::string& name, const Options& options = {})
-      : Client(&owner, name, options) {}
-  /// Constructs a client of a program: a global variable, or a variable that is constructed before
-  /// initPeriodExe() or initSporadicExe(). It allocates memory.
-  explicit Client(const std::string& name, const Options& options = {}) : Client(nullptr, name, options) {}
+  /// Constructs a client of a component, as a member. Allocates memory, so not for real-time threads.
+  Client(detail::Owner owner, const std::string& name, const Options& options = {})
+      : Client(owner.component(), name, options) {}
+  /// Constructs a client in a process module. The client must be a global variable, or must be constructed
+  /// before initPeriodExe() or initSporadicExe() is called. Allocates memory.
+  explicit Client(const std::string& name, const Options& options = {}) : Client(nullptr, name, options) {
+    static_assert(detail::InProgram<Request>,
+                  "pass *this as the first argument: takt::Client<Request, Reply> client{*this, "
+                  "\"client\"}; only a program, which includes <takt/process.hpp>, omits it");
+  }
 
-  /// Sends a request once, and abandons the previous call. `timeout`: how long poll() accepts the answer.
-  /// Returns `pending`, or `nobody` if there is no service, or `refused` if the request does not fit its type
-  /// (a string or sequence exceeds its bound, or an enumerator is invalid). A real-time thread may call it.
+  /// Sends a request once, and abandons the previous call. `timeout`: the time for which poll() accepts the
+  /// answer after this call. Returns `pending`, or `nobody` if there is no service, or `refused` if the
+  /// request does not fit its type (a string or sequence exceeds its bound, or an enumerator is invalid). A
+  /// real-time thread may call it.
   CallStatus call(const Request& request, Nanoseconds timeout) noexcept {
     const std::int64_t now = out_.now_ns();
-    // A restarted module counts from 1 again. The client number keeps replies to its former instance apart.
+    // A restarted module numbers its requests from 1 again. Its new client number distinguishes the replies
+    // to its requests from the replies to the former instance.
     if (question_.client == 0) question_.client = static_cast<std::uint64_t>(now);
     ++question_.number;
     reason_ = "";
@@ -299,8 +314,8 @@ class Client {
     return status_ = CallStatus::pending;
   }
 
-  /// Looks for the answer. A status other than `pending` stays until the next call(). A real-time thread may
-  /// call it.
+  /// Reads the answer if it has arrived, and returns the status of the call. A status other than `pending`
+  /// stays until the next call(). A real-time thread may call it.
   CallStatus poll() noexcept {
     while (in_.read()) {
       const ServiceReply<Reply>& answer = in_.value();
@@ -322,15 +337,15 @@ class Client {
     if (status_ == CallStatus::pending && out_.now_ns() >= until_ns_) status_ = CallStatus::timed_out;
     return status_;
   }
-  /// The result of the last call() or poll(). A real-time thread may call it.
+  /// The status that the last call() or poll() returned. A real-time thread may call it.
   [[nodiscard]] CallStatus status() const noexcept { return status_; }
-  /// The last reply that arrived; Reply{} before the first. A real-time thread may call it.
+  /// The last reply that arrived; Reply{} before the first reply. A real-time thread may call it.
   [[nodiscard]] const Reply& reply() const noexcept { return reply_; }
   /// Why the call was rejected; empty in other cases. A real-time thread may call it.
   [[nodiscard]] const char* reason() const noexcept { return reason_; }
   /// Number of answers that arrived too late and were dropped. A real-time thread may call it.
   [[nodiscard]] std::uint64_t late() const noexcept { return late_; }
-  /// Whether a service is connected. A real-time thread may call it.
+  /// True if a service is connected. A real-time thread may call it.
   [[nodiscard]] bool connected() const noexcept { return out_.connected(); }
 
  private:

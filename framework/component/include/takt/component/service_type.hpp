@@ -1,5 +1,6 @@
-// The types on the links of a service: a request together with its client and number, and the reply. Both are
-// ordinary port types. A program of any DDS can use them with this IDL:
+// The types on the links of a service: a request or a reply, together with the numbers of the client and of
+// the request. Both are ordinary port types. A program that uses any DDS can send and receive them with this
+// IDL:
 //
 //   @final struct NAME_Request { unsigned long long client; unsigned long long number; long long timeout_ns;
 //                                NAME request; };
@@ -27,8 +28,8 @@ enum class ServiceCode : std::uint32_t {
   refused   ///< the request was rejected; `reason` states why
 };
 
-/// A request. Each client chooses its own `client` number, and counts its requests in `number`. The reply
-/// returns both.
+/// A request. Each client chooses its own `client` number, and numbers its requests in `number`. The reply
+/// contains both numbers of its request.
 template <class T>
 struct ServiceRequest {
   std::uint64_t client = 0;
@@ -50,7 +51,7 @@ struct ServiceReply {
 
 namespace detail {
 
-/// Text that is built at compile time.
+/// Text that joined() builds at compile time.
 template <std::size_t Size>
 struct StaticText {
   std::array<char, Size + 1> characters{};
@@ -64,14 +65,15 @@ constexpr StaticText<Size> joined(Parts... parts) {
   return text;
 }
 
-/// The part of `{"name":"X","fields":[...]}` after `"fields":`, without the last brace.
+/// Returns the part of `{"name":"X","fields":[...]}` after `"fields":`, without the last brace.
 constexpr std::string_view fields_of(std::string_view description) {
   constexpr std::string_view kFields = R"("fields":)";
   const std::size_t at = description.find(kFields) + kFields.size();
   return description.substr(at, description.size() - at - 1);
 }
 
-/// The name and description of a struct that wraps another one.
+/// The name and description of the struct ServiceRequest<T> or ServiceReply<T>, made from the name and
+/// description of T.
 template <class T, class Around>
 struct WrappedType {
   static constexpr std::string_view kInner = PortType<T>::info.name;
@@ -111,7 +113,8 @@ struct AroundReply {
 template <class T>
 struct PortType<ServiceRequest<T>> {
   using Wrapped = detail::WrappedType<T, detail::AroundRequest>;
-  // The members before the inner sample do not change its alignment.
+  // The members before the inner sample have a size that is a multiple of 8, so they do not change the inner
+  // sample's alignment.
   static constexpr TypeInfo info{Wrapped::name.characters.data(), Wrapped::description.characters.data(),
                                  3 * 8 + PortType<T>::info.max_size};
 

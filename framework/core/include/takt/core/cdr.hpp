@@ -1,8 +1,9 @@
-// Writes and reads samples of port types as bytes in the format of DDS: XCDR1 with 4 bytes of encapsulation.
+// Writes and reads samples of port types as bytes in the format of DDS: XCDR1 after an encapsulation header
+// of 4 bytes.
 //
-// Real-time threads cannot use Fast CDR, because it throws an exception at the end of the bytes, and
-// exceptions allocate memory and lock. Here the first invalid value makes the whole sample fail, and the
-// caller checks for a failure only once, at the end.
+// Real-time threads cannot use Fast CDR, because it throws an exception if there are too few bytes, and
+// exceptions allocate memory and lock. In this code, the first invalid value makes the whole sample invalid,
+// and the caller checks this only once, after the last value.
 #pragma once
 
 #include <algorithm>
@@ -19,16 +20,16 @@ namespace takt {
 static_assert(std::endian::native == std::endian::little,
               "this code requires a little-endian machine, because it copies values without conversion");
 
-/// The size of the encapsulation at the start of each sample: two bytes for the representation (CDR and its
-/// byte order), and two bytes for options.
+/// The size of the encapsulation header at the start of each sample: two bytes for the representation (CDR
+/// and its byte order), and two bytes for options.
 inline constexpr std::size_t kEncapsulation = 4;
 
-/// The number of bytes that a sample of this size takes on the network. RTPS sends whole words of 4 bytes, so
-/// up to 3 bytes of padding may follow the sample.
+/// Returns the number of bytes that a sample of `bytes` bytes takes on the network. RTPS sends whole words of
+/// 4 bytes, so up to 3 bytes of padding follow the sample.
 constexpr std::size_t padded_sample(std::size_t bytes) noexcept { return (bytes + 3) / 4 * 4; }
 
-/// The number of padding bytes before a value with this alignment. `position` counts from the end of the
-/// encapsulation.
+/// Returns the number of padding bytes before a value with this alignment. `position` counts from the end of
+/// the encapsulation header.
 constexpr std::size_t cdr_padding(std::size_t position, std::size_t alignment) noexcept {
   return (alignment - position % alignment) % alignment;
 }
@@ -52,21 +53,21 @@ class CdrWriter {
   template <class T>
   void put_array(const T* values, std::size_t n) noexcept {
     static_assert(std::is_arithmetic_v<T>);
-    if (n == 0) return;  // an empty array is written without padding
+    if (n == 0) return;  // no padding is written before an empty array
     if (std::byte* at = room(sizeof(T), n * sizeof(T))) std::memcpy(at, values, n * sizeof(T));
   }
-  /// Fails if the value is not below `count`, the number of enumerators.
+  /// Writes an enumerator. Fails if `value` is not below `count`, the number of enumerators.
   void put_enumerator(std::uint32_t value, std::uint32_t count) noexcept {
     if (value >= count) return fail();
     put(value);
   }
-  /// Writes the length of a sequence, which comes before its elements. Fails if it exceeds the bound.
+  /// Writes the length of a sequence, which comes before the elements. Fails if the length exceeds `bound`.
   void put_length(std::size_t length, std::size_t bound) noexcept {
     if (length > bound) return fail();
     put(static_cast<std::uint32_t>(length));
   }
-  /// Writes a text that ends at a zero byte, or after `limit` bytes if there is none. Fails if the text is
-  /// longer than `bound` bytes.
+  /// Writes a text that ends at the first zero byte, or after `limit` bytes if these bytes contain no zero
+  /// byte. Fails if the text is longer than `bound` bytes.
   void put_text(const char* text, std::size_t limit, std::size_t bound) noexcept {
     const std::size_t length = ::strnlen(text, limit);
     put_length(length + 1, bound + 1);
@@ -77,8 +78,8 @@ class CdrWriter {
   }
 
   void fail() noexcept { ok_ = false; }
-  /// The size of the sample in bytes, including the encapsulation; 0 if a value was invalid or there was not
-  /// enough space.
+  /// Returns the size of the sample in bytes, including the encapsulation header; 0 if a value was invalid or
+  /// the sample did not fit.
   [[nodiscard]] std::uint32_t size() const noexcept {
     return ok_ ? static_cast<std::uint32_t>(kEncapsulation + position_) : 0;
   }
@@ -96,14 +97,14 @@ class CdrWriter {
     return at + padding;
   }
 
-  std::byte* body_;  // begins after the encapsulation; alignment is relative to this address
+  std::byte* body_;  // the bytes after the encapsulation header; values are aligned relative to this address
   std::size_t size_;
   std::size_t position_ = 0;
   bool ok_;
 };
 
-/// Reads a sample in either byte order. Safe for any bytes: after the first error, every value is zero and
-/// every length is 0. For real-time threads.
+/// Reads a sample in either byte order. Safe for any bytes: after the first error, all values that are read
+/// are zero. For real-time threads.
 class CdrReader {
  public:
   CdrReader(const std::byte* from, std::size_t size) noexcept
@@ -132,29 +133,30 @@ class CdrReader {
       if (swap_) std::for_each(values, values + n, [](T& value) { value = swapped(value); });
     }
   }
-  /// Fails if the byte is neither 0 nor 1.
+  /// Reads a boolean. Fails if its byte is neither 0 nor 1.
   [[nodiscard]] bool get_boolean() noexcept {
     const auto value = get<std::uint8_t>();
     if (value > 1) fail();
     return value == 1;
   }
-  /// Fails if the value is not below `count`, the number of enumerators.
+  /// Reads an enumerator. Fails if its value is not below `count`, the number of enumerators.
   [[nodiscard]] std::uint32_t get_enumerator(std::uint32_t count) noexcept {
     const auto value = get<std::uint32_t>();
     if (value < count) return value;
     fail();
     return 0;
   }
-  /// Reads the length of a sequence, which comes before its elements. Fails if it exceeds the bound or the
-  /// number of remaining bytes.
+  /// Reads the length of a sequence, which comes before the elements. Fails if the length exceeds `bound` or
+  /// the number of remaining bytes.
   [[nodiscard]] std::size_t get_length(std::size_t bound) noexcept {
     const std::size_t length = get<std::uint32_t>();
-    // Each element takes at least one byte, so a longer length cannot be valid.
+    // Each element takes at least one byte, so a length above the number of remaining bytes is invalid.
     if (length <= bound && length <= size_ - position_) return length;
     fail();
     return 0;
   }
-  /// Reads a text. A zero byte follows it in the sample, so the data of the returned view is zero-terminated.
+  /// Reads a text of at most `bound` bytes. A zero byte follows the text in the sample, so the data of the
+  /// returned view is zero-terminated.
   [[nodiscard]] std::string_view get_text(std::size_t bound) noexcept {
     const std::size_t length = get_length(bound + 1);
     const std::byte* at = take_array(1, length);
@@ -168,8 +170,8 @@ class CdrReader {
     const std::string_view view = get_text(bound);
     std::memcpy(text, view.data(), view.size() + 1);
   }
-  /// Returns the bytes of n values in the byte order of the sample. Returns null if n is 0 or if fewer values
-  /// remain.
+  /// Reads an array and returns its bytes, which are in the byte order of the sample. Returns null if `n` is
+  /// 0, if fewer than `n` values remain in the sample, or after an error.
   [[nodiscard]] const std::byte* take_array(std::size_t element_size, std::size_t n) noexcept {
     if (n == 0 || !ok_) return nullptr;
     const std::size_t padding = cdr_padding(position_, element_size);

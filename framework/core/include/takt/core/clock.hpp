@@ -1,4 +1,4 @@
-// A clock interface for code that must also run on virtual time.
+// A clock interface for code that runs on real time or, in tests and simulations, on virtual time.
 #pragma once
 
 #include <takt/core/time.hpp>
@@ -9,8 +9,8 @@ namespace takt {
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// The current time. Real-time threads call this, so an implementation must not lock, allocate memory or
-  /// make a system call.
+  /// Returns the current time. Real-time threads call this function, so an implementation must not lock,
+  /// allocate memory or make a system call.
   virtual Instant now() noexcept = 0;
 };
 

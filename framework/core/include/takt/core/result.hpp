@@ -1,8 +1,10 @@
-// The result of a call that may fail for a reason outside the program: a value or a list of problems. It is a
-// list because a descriptor may have a hundred mistakes, and its author wants to see all of them at once.
+// The result of a call that may fail for a reason outside Takt's code: a value or a list of problems.
+// Problems form a list, because a descriptor may have a hundred mistakes, and its author wants to see all of
+// them at once.
 #pragma once
 
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -18,18 +20,19 @@ struct Problem {
   std::string what;   ///< what is wrong
   std::string fix;    ///< what to do; may be empty
 
-  /// Compares all three texts.
+  /// True if the texts `where`, `what` and `fix` of both problems are equal.
   bool operator==(const Problem&) const = default;
 };
 
 /// A list of problems.
 using Problems = std::vector<Problem>;
 
-/// The problem as one line without a line feed: "WHERE: error: WHAT; FIX". Empty parts are omitted.
+/// Returns the problem as one line without a line feed: "WHERE: error: WHAT; FIX". Empty parts are omitted.
 std::string to_text(const Problem& problem);
-/// The problems as text, one line for each problem.
+/// Returns the problems as text, one line for each problem.
 std::string to_text(const Problems& problems);
-/// The problems for use within a sentence, all on one line: "WHERE: WHAT; FIX", separated by ". ".
+/// Returns all problems on one line, for use within a sentence. Each problem is "WHERE: WHAT; FIX", and ". "
+/// separates two problems.
 std::string in_words(const Problems& problems);
 
 /// A value or a list of problems. Not for real-time threads, because problems allocate memory.
@@ -50,17 +53,17 @@ class [[nodiscard]] Result {
   /// Same as ok().
   explicit operator bool() const noexcept { return ok(); }
 
-  /// Returns the value. If there is none, ends the process.
+  /// Returns the value. Aborts the process if there is no value.
   T& value() & {
     TAKT_CHECK(ok());
     return std::get<0>(outcome_);
   }
-  /// Returns the value. If there is none, ends the process.
+  /// Returns the value. Aborts the process if there is no value.
   const T& value() const& {
     TAKT_CHECK(ok());
     return std::get<0>(outcome_);
   }
-  /// Returns the value. If there is none, ends the process.
+  /// Returns the value. Aborts the process if there is no value.
   T&& value() && {
     TAKT_CHECK(ok());
     return std::get<0>(std::move(outcome_));
@@ -74,7 +77,7 @@ class [[nodiscard]] Result {
   /// Returns the address of value().
   const T* operator->() const { return &value(); }
 
-  /// Returns the problems, at least one. May be called only if ok() is false.
+  /// Returns the problems, at least one. Call this function only if ok() is false.
   [[nodiscard]] const Problems& problems() const { return std::get<1>(outcome_); }
 
  private:
@@ -91,6 +94,15 @@ class [[nodiscard]] Result<void> {
   Result(Problems problems) : problems_(std::move(problems)) { TAKT_CHECK(!problems_.empty()); }  // NOLINT
   /// Creates a failure with one problem.
   Result(Problem problem) : problems_{std::move(problem)} {}  // NOLINT
+  /// Makes the compiler reject `return false;`, or the return of a number or a text, with a message that
+  /// states what to return instead.
+  template <class T,
+            class = std::enable_if_t<std::is_arithmetic_v<T> || std::is_convertible_v<T, std::string>>>
+  Result(T /*value*/) {  // NOLINT
+    static_assert(
+        std::is_void_v<T>,
+        "for success, return {}; for a failure, return takt::fail(\"what is wrong\", \"what to do\")");
+  }
 
   /// Returns true if the call succeeded.
   [[nodiscard]] bool ok() const noexcept { return problems_.empty(); }
@@ -103,9 +115,9 @@ class [[nodiscard]] Result<void> {
   Problems problems_;
 };
 
-/// Creates a problem in one line: `return fail("the sensor does not answer", "switch it on");`. `what` states
-/// what is wrong; `fix` states what to do, and may be omitted. Not for real-time threads, because it
-/// allocates memory.
+/// Creates a problem, for a return statement: `return fail("the sensor does not answer", "switch it on");`.
+/// `what` states what is wrong; `fix` states what to do, and may be omitted. Not for real-time threads,
+/// because this function allocates memory.
 [[nodiscard("return it; otherwise the failure is lost")]] inline Problem fail(std::string what,
                                                                               std::string fix = {}) {
   return {{}, std::move(what), std::move(fix)};

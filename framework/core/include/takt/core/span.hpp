@@ -1,4 +1,4 @@
-// Computes the duration between two arbitrary times without overflow.
+// Computes the duration between two times, without overflow for any two numbers.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace takt {
 
-/// Returns the duration from `from_ns` to `to_ns`. Any two numbers are allowed, for example numbers that come
-/// from the network: if the duration is too large, the result is the longest duration with the same sign. The
-/// result can always be negated.
+/// Returns the duration from `from_ns` to `to_ns`. Any two numbers are allowed, even numbers from an
+/// untrusted source. If the duration does not fit into Nanoseconds, the result is the longest duration with
+/// the same sign. The result can always be negated without overflow.
 constexpr Nanoseconds span(std::int64_t from_ns, std::int64_t to_ns) {
   constexpr std::int64_t kLongest = std::numeric_limits<std::int64_t>::max();
   std::int64_t ns = 0;

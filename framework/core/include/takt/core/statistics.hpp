@@ -1,8 +1,8 @@
-// Mean, variance and histogram of durations, recorded by one thread while others read them.
+// Mean, variance and histogram of durations, which one thread records while other threads read them.
 //
 // A real-time thread must record durations without locking, and an operator must be able to read consistent
 // values from another process at any time. So the values are in one record of fixed size with a single
-// writer. A sequence number shows a reader whether the record changed while it was read.
+// writer. A sequence number shows a reader whether the record changed during the read.
 #pragma once
 
 #include <array>
@@ -12,29 +12,30 @@
 
 namespace takt {
 
-/// The buckets of a histogram. Each value up to 31 ns has its own bucket. Above, each octave has 16 buckets
-/// (at most 6 % wide), up to 2^40 ns.
+/// The buckets of a histogram. Each value up to 31 ns has its own bucket. Above 31 ns, each octave has 16
+/// buckets (at most 6 % wide), up to 2^40 ns.
 struct HistogramScale {
   static constexpr std::size_t kBuckets = 32 + 16 * 35;
 
-  /// The bucket of a value in ns. Negative values count as 0. Values beyond the end of the scale count in the
-  /// last bucket.
+  /// Returns the bucket of a value in ns. Negative values count as 0. Values beyond the end of the scale
+  /// count in the last bucket.
   static std::size_t bucket(std::int64_t value) noexcept;
-  /// The smallest value in ns of a bucket. lower(kBuckets) is the end of the scale.
+  /// Returns the smallest value of a bucket, in ns. lower(kBuckets) is the end of the scale.
   static std::int64_t lower(std::size_t bucket) noexcept;
 };
 
 /// A consistent copy of the statistics. Times are in ns.
 struct StatisticsSnapshot {
   std::uint64_t count = 0;
-  double mean = 0;       ///< mean of the signed values
-  double variance = 0;   ///< variance of the signed values, in ns^2
-  std::int64_t min = 0;  ///< minimum of the absolute values; all members below also count absolute values
+  double mean = 0;      ///< mean of the signed values
+  double variance = 0;  ///< variance of the signed values, in ns^2
+  // min, max and buckets refer to the absolute values.
+  std::int64_t min = 0;
   std::int64_t max = 0;
   std::array<std::uint64_t, HistogramScale::kBuckets> buckets{};
 
-  /// The value in ns below which a share `q` (0 to 1) of the absolute values lies, for example the median for
-  /// 0.5. Interpolates linearly within a bucket. Returns 0 if there are no values.
+  /// Returns the value in ns below which a share `q` (0 to 1) of the absolute values lies; for example, 0.5
+  /// gives the median. Interpolates linearly within a bucket. Returns 0 if there are no values.
   [[nodiscard]] double quantile(double q) const noexcept;
 };
 
@@ -44,15 +45,16 @@ struct StatisticsSnapshot {
 class Statistics {
  public:
   /// Adds one duration. Does not lock, allocate memory or make system calls, so real-time threads may call
-  /// it. Only one thread at a time may call it.
+  /// this function. Only one thread at a time may call record().
   void record(std::int64_t value_ns) noexcept;
 
-  /// Returns a copy of the statistics. Any thread of any process may call this. If the writer writes
-  /// meanwhile, reads again. If 1000 tries fail, the writer has died during an update, and the result may be
-  /// wrong by one value.
+  /// Returns a copy of the statistics. Any thread of any process may call this. If the values change during
+  /// the copy, the function copies them again. After 1000 failed attempts, the writer has probably died
+  /// during an update; then the result may lack a part of the last value.
   [[nodiscard]] StatisticsSnapshot read() const noexcept;
 
-  /// Removes all values. Only the writer may call this or, after the writer has ended, any thread.
+  /// Removes all values. Only the writing thread may call clear(). After that thread has ended, any thread
+  /// may call it.
   void clear() noexcept;
 
  private:
@@ -83,8 +85,8 @@ inline void Statistics::record(std::int64_t value_ns) noexcept {
 
   const std::int64_t size = value_ns < 0 ? -value_ns : value_ns;
   const std::uint64_t sequence = sequence_.load(relaxed);
-  // SYNC: statistics. All stores below are release stores, so a reader that sees one of their values also
-  // sees the odd sequence number.
+  // All stores below are release stores, and read() uses acquire loads. So a reader that sees one of the new
+  // values also sees the odd sequence number.
   sequence_.store(sequence + 1, relaxed);
   const std::uint64_t count = count_.load(relaxed);
   count_.store(count + 1, release);

@@ -1,4 +1,4 @@
-// Types for times and durations, and durations as text. This header reads no clock: callers pass the time.
+// Types for times and durations, and durations as text. The functions read no clock.
 #pragma once
 
 #include <chrono>
@@ -14,13 +14,13 @@ using Nanoseconds = std::chrono::nanoseconds;
 /// set.
 using Instant = std::chrono::time_point<std::chrono::steady_clock, Nanoseconds>;
 
-/// Converts a time to the nanoseconds since the epoch of the monotonic clock, for uses that require a number.
+/// Returns the nanoseconds from the epoch of the monotonic clock to `instant`.
 constexpr std::int64_t to_ns(Instant instant) { return instant.time_since_epoch().count(); }
-/// The time `ns` nanoseconds after the epoch of the monotonic clock.
+/// Returns the time `ns` nanoseconds after the epoch of the monotonic clock.
 constexpr Instant from_ns(std::int64_t ns) { return Instant{Nanoseconds{ns}}; }
 
-/// The duration as text in the largest unit that shows it exactly with at most three decimals, for example
-/// "100 us", "1.5 ms" or "2 s". Allocates memory.
+/// Returns the duration as text in the largest unit that shows it exactly with at most three decimals, for
+/// example "100 us", "1.5 ms" or "2 s". Allocates memory.
 std::string to_text(Nanoseconds duration);
 
 }  // namespace takt

@@ -26,7 +26,7 @@ struct Quality {
   std::uint32_t depth = 1;
   std::optional<Nanoseconds> deadline;
   std::optional<Nanoseconds> lifespan;
-  /// Whether readers that join later also get the last `depth` samples.
+  /// True if readers that join later get the last `depth` samples.
   bool kept = false;
 };
 
@@ -38,12 +38,13 @@ struct Flow {
 
 /// Moves the samples of all flows that are added to it. For outgoing samples, one thread that is not
 /// real-time sleeps on the wake word, reads the links and writes to DDS. For incoming samples, the receive
-/// threads of Fast DDS write to the links and ring the wake word.
+/// threads of Fast DDS write to the links and wake the readers through the wake word.
 class Gateway {
  public:
   using FlowId = std::size_t;
 
-  /// Creates a gateway. If several gateways share the wake word, each needs another `place`, from 0 to 31.
+  /// Creates a gateway. `place` is the number of its bit in WakeWord::gateway_sleeps, from 0 to 31. Gateways
+  /// that share a wake word need different places.
   static Result<std::unique_ptr<Gateway>> create(std::shared_ptr<Participant> participant,
                                                  channel::WakeWord& wake_word, std::uint32_t place = 0);
   virtual ~Gateway() = default;
@@ -52,10 +53,11 @@ class Gateway {
   virtual Result<FlowId> add_outgoing(const Flow& flow, channel::Link from) = 0;
   /// Adds a flow from DDS to links. The gateway becomes the writer of all links in `to`.
   virtual Result<FlowId> add_incoming(const Flow& flow, std::vector<channel::Link> to) = 0;
-  /// Removes a flow. Afterwards the gateway does not access the memory of the flow's links any more. Other
-  /// flows continue.
-  virtual void remove(FlowId flow) = 0;
-  /// Returns the counters of a flow; all are 0 if the flow was removed.
+  /// Removes a flow. When remove() has returned true, the gateway no longer accesses the memory of the flow's
+  /// links. Other flows continue. Returns false if a sample of the flow is just being written to DDS; then
+  /// the flow continues, and the caller must call remove() again later. Does not wait for the write.
+  [[nodiscard]] virtual bool remove(FlowId flow) = 0;
+  /// Returns the counters of a flow; all are 0 if the flow was removed. Does not wait for a write to DDS.
   [[nodiscard]] virtual wire::FlowHealth health(FlowId flow) const = 0;
 
  protected:

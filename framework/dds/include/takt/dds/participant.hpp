@@ -1,4 +1,4 @@
-// The DDS participant of a process. It communicates only over UDPv4.
+// The DDS participant of a process. The participant communicates only over UDPv4.
 #pragma once
 
 #include <functional>
@@ -16,18 +16,19 @@ namespace takt::dds {
 struct ParticipantOptions {
   std::string name;                     ///< name for diagnostics; other participants see it
   int domain = 0;                       ///< 0 to 232
-  model::Discovery discovery;           ///< multicast by default
+  model::Discovery discovery;           ///< how participants find each other; by default with multicast
   std::vector<std::string> interfaces;  ///< IPv4 addresses of the interfaces to use; empty for all
   std::string security{};               ///< an identity folder; if empty, DDS Security is off
-  /// Called with a sentence about each rejected participant or packet: only once with the same sentence, and
-  /// at most ten times per minute. Threads of Fast DDS call it, so it must return quickly. It may be empty.
+  /// Called with a sentence about each rejected participant or packet: the same sentence only once, and at
+  /// most ten sentences per minute. Threads of Fast DDS call this function, so it must return quickly. The
+  /// function may be empty.
   std::function<void(const std::string&)> refused{};
 };
 
 /// All topics of a process belong to one participant, because several participants in one process can
 /// deadlock in Fast DDS 2.9.1. The participant's threads inherit the scheduling policy and CPUs of the thread
-/// that creates it. The last owner of the participant must release it before main() returns; this also
-/// deletes all of its DDS objects.
+/// that creates the participant. The last owner of the participant must release it before main() returns. The
+/// destructor also deletes all DDS objects of the participant.
 class Participant {
  public:
   /// Creates the participant. Fails if the domain or an address cannot be used, if the process already has a
@@ -37,16 +38,16 @@ class Participant {
   static Result<std::shared_ptr<Participant>> create(const ParticipantOptions& options);
   virtual ~Participant() = default;
 
-  /// Starts to use network interfaces that have come up since the last call. The call is cheap; repeat it
-  /// every few seconds. If only the loopback interface was up before, as on a machine that is starting, this
-  /// recreates every reader and writer. Programs on this machine then lose the connection to them for a
-  /// moment. Otherwise only new readers and writers use the new interfaces; existing connections keep their
-  /// addresses.
+  /// Starts to use network interfaces that have come up since the last call. A call is cheap; repeat it every
+  /// few seconds. If only the loopback interface was up before, as on a machine that is starting, the call
+  /// recreates every reader and writer. Processes on this machine then lose the connection to these readers
+  /// and writers for a moment. Otherwise only new readers and writers use the new interfaces; existing
+  /// connections keep their addresses.
   virtual void rescan_interfaces() = 0;
 
   /// Returns the identity of this process; empty if DDS Security is off.
   [[nodiscard]] virtual const std::optional<security::Identity>& identity() const noexcept = 0;
-  /// Returns how many packets the filter dropped, so that Fast DDS did not read them.
+  /// Returns the number of packets that the filter dropped, so that Fast DDS did not read them.
   [[nodiscard]] virtual std::uint64_t refused() const noexcept = 0;
 
  protected:

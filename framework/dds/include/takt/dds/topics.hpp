@@ -1,5 +1,5 @@
-// The typed topics on which nodes publish their state. T is one of these types from idl/takt.idl. Writer<T>
-// and Reader<T> use the QoS that is listed below for the kind of topic.
+// The typed topics on which nodes publish their state. T is one of the types below, from idl/takt.idl.
+// Writer<T> and Reader<T> use the QoS that is listed below for the kind of topic.
 //
 //   LifecycleStatus      takt/lifecycle    state
 //   DeviceStatus         takt/device       state
@@ -25,7 +25,7 @@
 
 namespace takt::dds {
 
-/// Publishes on the topic of T. Real-time threads must not call it. Only one thread at a time may call it.
+/// Publishes on the topic of T. Not for real-time threads. Only one thread at a time may use a writer.
 template <class T>
 class Writer {
  public:
@@ -34,16 +34,18 @@ class Writer {
   Writer& operator=(Writer&&) noexcept;
   ~Writer();
 
-  /// Writes a sample. Returns false if Fast DDS rejects it; failures() counts such samples.
+  /// Writes a sample. Returns false if Fast DDS rejects the sample; failures() counts such samples.
   bool write(const T& sample);
   /// Disposes of the sample with this key. DDS notifies the present readers, and does not send the sample to
   /// readers that join later.
   void dispose(const T& sample);
-  /// For a topic of states: asserts that this writer is alive. write() does this, too.
+  /// Asserts to the readers that this writer is alive, as each write() also does. Only the topics of kind
+  /// state need this.
   void assert_liveliness();
-  /// Waits until every reliable reader has acknowledged all written samples, at most for `limit`. A reader of
-  /// Takt acknowledges within about 5 ms. Call this between two samples of one key, because the second would
-  /// overwrite a first that is not acknowledged. Returns false if `limit` has passed.
+  /// Waits until every reliable reader has acknowledged all written samples, but at most for `limit`. A
+  /// reader of Takt acknowledges within about 5 ms. Call this function between two samples of one key.
+  /// Otherwise the second sample would overwrite the first one before all readers have received the first
+  /// one. Returns false if `limit` has passed.
   bool wait_acknowledged(std::chrono::milliseconds limit);
   [[nodiscard]] std::uint64_t failures() const noexcept;
 
@@ -53,31 +55,31 @@ class Writer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// The callbacks of a reader. Threads of Fast DDS call them, for each reader never two at the same time. A
-/// callback must return quickly, must not call DDS, and must not take a lock that another thread holds while
-/// it calls DDS.
+/// The callbacks of a reader. Threads of Fast DDS call them, but for each reader never two at the same time.
+/// A callback must return quickly, must not call DDS, and must not take a lock that another thread holds
+/// while this other thread calls DDS.
 template <class T>
-struct Heard {
+struct Callbacks {
   std::function<void(const T&, wire::WriterId)> sample;
   /// Called when the writer has disposed of the sample with this key. Only the key fields are set.
   std::function<void(const T&, wire::WriterId)> disposed{};
   /// Called once when a live writer is lost, because its lease has expired or it has left.
   std::function<void(wire::WriterId)> lost{};
-  /// Called before the first sample of a writer, and when a lost writer is alive again. The samples that such
-  /// a writer sent before are not delivered again.
+  /// Called before the first sample of a writer, and when a lost writer is alive again. The samples that the
+  /// writer sent before its loss are not delivered again.
   std::function<void(wire::WriterId)> alive{};
 };
 
 template <class T>
 class Reader {
  public:
-  static Result<Reader> create(std::shared_ptr<Participant> participant, Heard<T> heard);
+  static Result<Reader> create(std::shared_ptr<Participant> participant, Callbacks<T> callbacks);
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
   ~Reader();
-  /// Returns how many writers currently match this reader.
+  /// Returns the number of writers that currently match this reader.
   [[nodiscard]] int matched() const noexcept;
-  /// Returns how many samples this reader has dropped because they were invalid.
+  /// Returns the number of samples that this reader has dropped because they were invalid.
   [[nodiscard]] std::uint64_t refused() const noexcept;
 
  private:

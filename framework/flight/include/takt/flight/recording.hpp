@@ -1,4 +1,5 @@
-// A recording of the last few seconds of a device: what its executors did, and what happened around them.
+// A recording of the last few seconds of a device: the actions of its executors, and the kernel's counters
+// for their threads.
 #pragma once
 
 #include <array>
@@ -17,11 +18,11 @@ namespace takt::flight {
 struct Module {
   std::string name;
   bool process = false;
-  Nanoseconds budget{};              ///< budget of one run(); 0 for none
-  std::vector<std::string> ports{};  ///< names of the ports, in order; empty if unknown
+  Nanoseconds budget{};              ///< the maximum duration of one run(); 0: no budget
+  std::vector<std::string> ports{};  ///< names of the module's ports, in order; empty if unknown
 };
 
-/// What a thread was doing when the recording was made, or when its host died.
+/// The activity of a thread at one instant: when the recording was made, or when the thread's host died.
 struct Open {
   std::uint32_t module = 0;
   channel::Doing doing = channel::Doing::nothing;
@@ -33,7 +34,9 @@ struct Open {
 /// One thread of an executor. It runs either the rows or the sporadic modules.
 struct Thread {
   channel::FlightCopy copy{};
-  std::vector<Open> open{};  ///< one for each host that died in this thread, and one for the present activity
+  /// One entry for each host that died while this thread was busy, and one for the activity at the time of
+  /// the recording.
+  std::vector<Open> open{};
 };
 
 struct Executor {
@@ -42,7 +45,7 @@ struct Executor {
   std::array<Thread, 2> threads{};  ///< the thread for rows and the thread for sporadic modules
 };
 
-/// A lifecycle step of a module.
+/// A lifecycle transition of a module.
 struct Change {
   std::int64_t time_ns = 0;
   std::uint32_t module = 0;
@@ -52,12 +55,12 @@ struct Change {
   std::string text{};  ///< the reason; may be empty
 };
 
-/// The kernel's counters at one instant.
+/// The kernel's counters at one instant. The node reads them about every 50 ms.
 struct Sample {
   std::int64_t time_ns = 0;
-  /// The counters of the two threads of each executor.
+  /// For each executor, the counters of its thread for rows and of its sporadic thread.
   std::vector<std::array<std::optional<os::ThreadUse>, 2>> threads{};
-  std::vector<Nanoseconds> stolen{};  ///< the time stolen from each CPU
+  std::vector<Nanoseconds> stolen{};  ///< for each CPU: the time that the hypervisor has taken from it
 };
 
 struct Recording {
@@ -65,15 +68,16 @@ struct Recording {
   std::string device{};
   std::string machine{};
   std::string kernel{};
-  std::string why{};          ///< the reason for the recording
+  Nanoseconds minor_fault{};  ///< duration of a page fault on this machine that does not read from a disk
+  std::string why{};          ///< the event or command that caused the recording
   std::int64_t taken_ns = 0;  ///< time of the recording, monotonic
-  std::int64_t wall_ns = 0;   ///< the same instant since 1970
-  Nanoseconds last{};         ///< how much of the recording to show
+  std::int64_t wall_ns = 0;   ///< the same instant as taken_ns, since 1970
+  Nanoseconds last{};         ///< only the last part of the recording, of this duration, is shown
   std::int64_t t0_ns = 0;     ///< T0 of the rows, monotonic; 0 if not yet known
   std::vector<Module> modules{};
   std::vector<Executor> executors{};
   std::vector<Change> changes{};
-  std::vector<Sample> samples{};  ///< samples, the oldest first
+  std::vector<Sample> samples{};  ///< the oldest sample is first
 };
 
 }  // namespace takt::flight

@@ -9,15 +9,15 @@
 
 namespace takt::flight {
 
-/// The time that the record covers.
+/// The time that the flight record of a device should cover.
 inline constexpr Nanoseconds kKept = std::chrono::seconds{5};
-/// The largest number of bytes for all rings of a device.
+/// The maximum size of all rings of a device together, in bytes.
 inline constexpr std::uint64_t kMostBytes = 16 * 1024 * 1024;
 
-/// Returns the number of entries of each ring (channel::FlightRecord) for this time, as powers of two. It
-/// assumes two entries per row, and four entries per run for the run and the samples that it writes. It
-/// assumes that a sporadic module runs once per row. If the device needs more than kMostBytes, all rings are
-/// reduced by the same factor.
+/// Returns the number of entries that each ring (channel::FlightRecord) needs to cover the time `kept`,
+/// rounded up to a power of two. Assumes two entries for each row, four entries for each run (the run itself
+/// and the samples that it writes), and one run of each sporadic module in each row. If the device needs more
+/// than kMostBytes, all rings become smaller by the same factor.
 std::vector<std::uint64_t> entries_for(const schedule::DevicePlan& plan, Nanoseconds kept = kKept);
 
 }  // namespace takt::flight

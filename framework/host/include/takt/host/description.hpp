@@ -1,4 +1,4 @@
-// The description of a component as data: what `takt describe` shows.
+// The description of a component as data, which `takt describe` shows.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct PropertyDescription {
   std::string name{};
   std::string type{};  ///< "bool", "integer", "double", "string"
   std::string default_value{};
-  std::string range{};  ///< "0 to 10", "fast or slow"; may be empty, like all members below
+  std::string range{};  ///< for example "0 to 10" or "fast or slow"; this and all members below may be empty
   std::string min{};    ///< only for numbers
   std::string max{};
   std::string unit{};
@@ -24,7 +24,7 @@ struct PropertyDescription {
   bool operator==(const PropertyDescription&) const = default;
 };
 
-/// The state that a component keeps across a crash, see takt::Saved.
+/// The state that a component saves, so that it survives a crash; see takt::Saved.
 struct SavedDescription {
   std::uint32_t version = 0;
   std::uint32_t bytes = 0;
@@ -33,14 +33,17 @@ struct SavedDescription {
 };
 
 struct Description {
-  std::string name{};        ///< the class name; for a C module or a program, the file's stem
+  std::string name{};        ///< the name of the class; for a C module or a program, the file's stem
   std::string text{};        ///< one sentence about what the component does; may be empty
+  std::string version{};     ///< the text of TAKT_COMPONENT_VERSION(); may be empty
   std::string interface {};  ///< "c++", "c" or "process"
   /// Only for programs: "periodic" or "sporadic", depending on the init function that the program calls;
-  /// "non-real" if the program is not linked with libtakt_process; empty if the program did not report.
+  /// "non-real" if the program is not linked with libtakt_process; empty if the program did not describe
+  /// itself.
   std::string operation{};
   std::vector<std::string> hooks{};  ///< only for C modules
-  /// A C module or a program that declares no properties accepts any, and interprets them itself.
+  /// If a C module or a program declares no properties, it accepts any property and interprets the property's
+  /// value itself.
   std::vector<PropertyDescription> properties{};
   std::vector<model::Port> ports{};
   std::optional<SavedDescription> saved{};
@@ -48,8 +51,8 @@ struct Description {
   [[nodiscard]] bool takes_any_property() const { return interface != "c++" && properties.empty(); }
 };
 
-/// Returns one object, {"name", "text", "interface", "operation", "hooks", "properties", "ports", "saved"}.
-/// See docs/describe.md.
+/// Returns the description as a JSON object, {"name", "text", "version", "interface", "operation", "hooks",
+/// "properties", "ports", "saved"}. See docs/describe.md.
 std::string to_json(const Description& description);
 
 /// Parses a program's or loaded component's report of its properties: [{"name", "type", "default", "range",

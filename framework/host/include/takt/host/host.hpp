@@ -1,11 +1,13 @@
-// The real-time process of one device: its executors and thread modules. It carries out the requests of its
-// node, publishes through the channel, and ends when its node is gone.
+// takt-host, the real-time process: it runs executors and thread modules of one device. It carries out the
+// requests of its node, reports through the channel (the shared memory of the device), and ends when its node
+// has ended.
 #pragma once
 
 namespace takt::host {
 
-/// Runs the program takt-host. The file descriptors of its socket and of the channel are in the environment
-/// variables TAKT_NODE_FD and TAKT_CHANNEL_FD. Returns the exit status.
+/// Runs the program takt-host. The environment variables TAKT_NODE_FD, TAKT_CHANNEL_FD and TAKT_FLIGHT_FD
+/// give the file descriptors of the socket to the node, of the channel and of the flight record. Returns the
+/// exit status.
 int run_host();
 
 }  // namespace takt::host

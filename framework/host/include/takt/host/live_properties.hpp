@@ -1,9 +1,9 @@
-// Sets properties of a component while it runs, between two of its calls.
+// Sets properties of a component while it runs, between two calls of its functions.
 //
-// The setting thread checks the texts and stores the new values separately. The thread that makes the next
-// call of the component first takes over all waiting values together, so no value changes during a call. A
-// module that is not running takes the values over at its next call, too. The real-time thread reads one
-// word; if values are waiting, it swaps them in. The setting thread frees the old values.
+// The setting thread checks the texts and stores the new values separately. The thread that next calls the
+// component first takes over all waiting values together, so no value changes during a call. A module that is
+// not running takes over the values in the same way, at its next call. The real-time thread reads one word;
+// if values are waiting, it swaps them in. The setting thread frees the old values.
 #pragma once
 
 #include <atomic>
@@ -20,15 +20,17 @@ class LiveProperties {
  public:
   using Values = std::vector<std::pair<std::string, std::string>>;
 
-  /// Serves the properties of the component `name` from now on; an empty list ends that. Call serve() before
-  /// the other functions, and while no hook is being called.
+  /// From now on, set() and get() refer to these properties of the component `name`. With an empty list, the
+  /// component has no properties any more. Call serve() before the other functions, and while no hook is
+  /// being called.
   void serve(std::vector<PropertyBase*> properties, std::string name);
 
   /// Sets all these properties or none. Fails with one problem for each property that the component does not
-  /// have or whose value it does not accept. The values take effect at the component's next call. Only one
-  /// thread at a time may call set(); it may wait for a take_over() in progress.
+  /// have, and for each value that its property does not accept. The values take effect when the component is
+  /// called next. Only one thread at a time may call set(). If another thread is in take_over(), set() waits
+  /// for that thread.
   Result<void> set(const Values& values);
-  /// Returns the value that was set last. Only the setting thread may call it.
+  /// Returns the value that was set last. Only the setting thread may call get().
   [[nodiscard]] Result<std::string> get(const std::string& name) const;
 
   /// Takes over the waiting values. Only the thread that is about to call the component may call this, one
@@ -46,9 +48,10 @@ class LiveProperties {
 
   std::vector<PropertyBase*> properties_;
   std::string name_;
-  std::vector<PropertyBase*> waiting_;  // owned by the setting thread, except while waiting or taken over
-  // SYNC: values wait. The setting thread changes none to waiting, and may change waiting back to none. The
-  // calling thread changes waiting to taken_over, and then to none.
+  std::vector<PropertyBase*> waiting_;  // owned by the setting thread, except while the state is `waiting` or
+                                        // `taken_over`
+  // The setting thread changes `none` to `waiting`, and may change `waiting` back to `none`. The calling
+  // thread changes `waiting` to `taken_over`, and then to `none`.
   std::atomic<State> state_{State::none};
 };
 

@@ -1,5 +1,5 @@
-// The messages between a node and its host: JSON texts over a message socket. None of this is on a real-time
-// path.
+// The messages between a node and its host: JSON texts over a message socket. No real-time thread uses these
+// messages.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,19 @@
 
 namespace takt::host {
 
-/// One end of a link, at a thread module. A link between two modules of the host has two PortLinks, with the
-/// same file descriptor.
+/// One end of a link (the memory of a connection) at a thread module. A link between two modules of this host
+/// has two PortLinks with the same file descriptor.
 struct PortLink {
   std::uint32_t module = 0;
   std::string port;
   int fd = -1;
-  bool typed = false;  ///< the link's payloads are values in the host's memory
+  bool typed = false;  ///< true: the samples are C++ values in the host's memory; false: encoded bytes
   bool stale_is_error =
       false;  ///< for an input: run() is not called while the newest value is older than the deadline
 };
 
-/// What a host needs to know about its device. The node has chosen the CPUs; an empty list means any CPU.
+/// The data that a host needs about its device. The node has chosen the CPUs. An empty list of CPUs means any
+/// CPU.
 struct Setup {
   model::Device device;
   std::size_t share = 0;                        ///< index of this host in model::hosts_of(device)
@@ -33,7 +34,7 @@ struct Setup {
   std::vector<int> slot_fds;  ///< file descriptor of each module's release slot; -1 if the module has none or
                               ///< is not in this host
   int wake_word_fd = -1;
-  int saved_fd = -1;  ///< memory that contains a channel::SavedState for each module
+  int saved_fd = -1;  ///< file descriptor of the memory with a channel::SavedState for each module
   std::vector<PortLink> links{};
 };
 
@@ -42,7 +43,7 @@ struct Request {
   enum class Do {
     call,          ///< call a hook of `module`, or load it; answered
     get,           ///< get the value of a property of `module`; answered
-    set,           ///< set a property of `module`, whether it runs or not; answered
+    set,           ///< set a property of `module`, even while the module runs; answered
     swap,          ///< replace `module` by a new instance from the file `value`; answered
     give_up_swap,  ///< abandon the swap of `module`: a hook of the new instance never returns
     begin,         ///< start the executors on the grid that begins at t0_ns of the host's block; answered
@@ -64,16 +65,17 @@ struct Request {
 struct Answer {
   Request request;
   bool ok = true;
-  /// The reason if `ok` is false. Otherwise the value for get, what was restored for a call of initialize(),
-  /// and the first row of the new instance for swap.
+  /// If `ok` is false, the reason. Otherwise: for get, the value; for a call of initialize(), a sentence
+  /// about the restored state; for swap, the first row of the new instance.
   std::string text;
-  std::vector<std::string> warnings;  ///< for begin: one sentence for each thing that the system denied
+  std::vector<std::string> warnings;  ///< for begin: rights that the system denied, such as a priority or a
+                                      ///< CPU
 };
 
 std::string encode(const Setup& setup);
 std::string encode(const Request& request);
 std::string encode(const Answer& answer);
-/// The decode functions fail if the text is not an encoded message of their kind.
+/// These functions decode a message. They fail if the text is not an encoded message of their kind.
 Result<Setup> decode_setup(const std::string& text);
 Result<Request> decode_request(const std::string& text);
 Result<Answer> decode_answer(const std::string& text);

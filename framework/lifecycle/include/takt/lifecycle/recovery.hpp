@@ -1,4 +1,4 @@
-// Decides when Takt makes another attempt to recover a module in RECOVER, and when it gives the module up.
+// Decides when Takt makes the next attempt to recover a module in RECOVER, and when Takt gives the module up.
 //
 // Recovery attempts are counted. If every successful attempt cleared the count, Takt would try for ever to
 // recover a module that fails right after each recovery. If no success cleared the count, Takt would give up
@@ -24,14 +24,15 @@ class Recovery {
 
   explicit Recovery(RecoveryPolicy policy) : policy_(policy) {}
 
-  /// Records that the module went to RECOVER at `now`. `since` is the time at which the error began, if it
-  /// was detected later, as for a module that hangs. The time from `since` to `now` does not count as time
-  /// without an error.
+  /// Records that the module went to RECOVER at `now`. If the error was detected late, as for a module that
+  /// hangs, `since` is the time at which the error began. The time from `since` to `now` does not count as
+  /// time without an error.
   void failed(Instant now, std::optional<Instant> since = std::nullopt) noexcept;
-  /// Records that an attempt ended. `recovered` is true if the module is in EXECUTING or START again, and
-  /// false if it is still in RECOVER.
+  /// Records that an attempt ended. `recovered` is true if the module has left RECOVER (for EXECUTING or
+  /// START), and false if it is still in RECOVER.
   void attempted(Instant now, bool recovered) noexcept;
-  /// Decides what to do now with a module in RECOVER. If the result is `attempt`, it counts as one attempt.
+  /// Decides what to do now with a module in RECOVER. Each time the result is `attempt`, it counts as one
+  /// attempt.
   Step next(Instant now) noexcept;
 
   /// Allows the next attempt to begin at once, without waiting for the back-off time.

@@ -9,10 +9,10 @@
 namespace takt::lifecycle {
 
 enum class State : std::uint8_t {
-  idle,        ///< loaded, but none of its hooks has run
+  idle,        ///< the module is loaded, but none of its hooks has run
   initialize,  ///< initialize(property) succeeded
-  start,       ///< start() succeeded; ready, but not released
-  executing,   ///< the scheduler calls or releases it
+  start,       ///< start() succeeded; the module is ready, but does not run yet
+  executing,   ///< Takt calls or releases the module, or its non-real-time program runs
   recover,     ///< an error removed the module from the tables; Takt calls recover()
   destruct,    ///< destruct() was called; the module can run again only after a reset
 };
@@ -40,7 +40,7 @@ const char* to_text(State state) noexcept;
 /// The event as text, for example "initialize" or "give up".
 const char* to_text(Event event) noexcept;
 
-/// Returns the state to which `event` leads from `state`; none if the event is not allowed in `state`.
+/// Returns the state to which `event` leads from `state`; empty if the event is not allowed in `state`.
 /// `before_error` is the state in which the last error occurred; only `recover` uses it. Pure function; any
 /// thread may call it.
 std::optional<State> next(State state, Event event, State before_error) noexcept;

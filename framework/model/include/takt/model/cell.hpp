@@ -1,5 +1,5 @@
-// A cell as plain data: the content of a descriptor. `descriptor` reads a cell from XML, and `schedule`
-// decides when its modules run.
+// A cell as plain data: the content of a descriptor. The room `descriptor` reads a cell from XML, and the
+// room `schedule` decides when its modules run.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ enum class Offsets { given, automatic };
 enum class Timing { direct, let };
 enum class Carries { samples, requests, replies };
 
-/// Each value as it is written in descriptors and reports, for example "thread", "non-real" or "stop-device".
+/// The to_text() functions return a value as it is written in descriptors and reports, for example "thread",
+/// "non-real" or "stop-device".
 const char* to_text(ModuleType type);
 const char* to_text(Operation operation);
 const char* to_text(Wakeup wakeup);
@@ -48,37 +49,39 @@ struct PropertyValue {
   Line line{};
 };
 
-/// The value that readers of an output receive while the output's module does not execute, or when its
-/// samples are too old. The fields given here replace fields of the safe value that the component defines. If
-/// the component defines none, all other fields are zero.
+/// The safe value of an output, as the descriptor sets it. Readers receive the safe value while the output's
+/// module does not execute, or when the samples of the output are too old. The fields given here replace
+/// fields of the safe value that the component defines. If the component defines none, all other fields are
+/// zero.
 struct SafeValue {
-  std::string name;                   ///< name of the port
-  std::vector<PropertyValue> fields;  ///< name as in "torque" or "pose.x", value as in JSON
+  std::string name;  ///< name of the output
+  /// Name of the field, as in "torque" or "pose.x", and its value, as in JSON.
+  std::vector<PropertyValue> fields;
   Line line{};
 };
 
 /// How Takt recovers a module that is in RECOVER.
 struct Recovery {
   int attempts = 3;                                      ///< maximum number of attempts; 0 to 1000
-  Nanoseconds backoff = std::chrono::milliseconds{100};  ///< wait before each attempt; 0 to 1 h
+  Nanoseconds backoff = std::chrono::milliseconds{100};  ///< time to wait before each attempt; 0 to 1 h
   GiveUp then = GiveUp::destruct;
 };
 
-/// What to do about a release that was not served in time: either its row was missed, or the module's
-/// previous run had not finished yet.
+/// What to do if a release of a periodic module was not served in time, because its row was missed or the
+/// module's previous run had not ended yet.
 struct OverrunContract {
   Overrun what = Overrun::skip;
-  int limit = 1;  ///< for catch_up: how many missed releases may be made up, newest first; 1 to 1000
+  int limit = 1;  ///< for catch_up: at most this many of the newest missed releases are made up; 1 to 1000
 };
 
 /// Decides when a run() that exceeds its budget is an error. If neither member is set, every run over budget
 /// is an error.
 struct BudgetTolerance {
-  std::optional<int> times;     ///< a run is an error if it takes longer than this many budgets; 1 to 1000
-  std::optional<int> in_a_row;  ///< this many consecutive runs over budget are an error; 1 to 1000
+  std::optional<int> times;     ///< a run that takes longer than `times` budgets is an error; 1 to 1000
+  std::optional<int> in_a_row;  ///< `in_a_row` consecutive runs over budget are an error; 1 to 1000
 };
 
-/// The source lines of a module's elements. A missing element has no line.
+/// The lines of a module's elements in the source texts. An element that the descriptor omits has no line.
 struct ModuleLines {
   Line name{};
   Line filename{};
@@ -91,54 +94,67 @@ struct ModuleLines {
   Line dispatch{};
   Line interarrival{};
   Line retain{};
+  Line arguments{};
 };
 
-/// A module of a device. Here and in the structs below, `line` is the source line of the element.
+/// A module of a device. Here and in the structs below, `line` is the line of the element in the source
+/// texts.
 struct Module {
-  std::string name;      ///< unique on the module's device
-  std::string filename;  ///< as written in the descriptor; Takt searches for a relative path beside the
-                         ///< descriptor, then on the component path
+  std::string name;  ///< unique on the module's device
+  /// The file as written in the descriptor. Takt searches for a relative path in the folder of the
+  /// descriptor, then on the component path.
+  std::string filename;
   ModuleType type = ModuleType::thread;
   Operation operation = Operation::periodic;
-  std::optional<Nanoseconds> period;    ///< periodic module: > 0. non-real thread module: optional. Other
-                                        ///< modules: none.
-  std::optional<Nanoseconds> offset;    ///< periodic module: time of its first release after T0; at least 0,
-                                        ///< less than the period
-  std::optional<Nanoseconds> deadline;  ///< sporadic module: time from its release, > 0. Other modules: none.
-  Miss miss = Miss::count;              ///< whether a missed deadline is only counted, or is also an error
-  Dispatch dispatch = Dispatch::row;  ///< sporadic module: whether it runs after the next row, or as soon as
-                                      ///< a sample arrives
-  std::optional<Nanoseconds> interarrival;  ///< sporadic module: the minimum time between two releases, > 0
-  int priority = 0;                         ///< the lowest number is the highest priority
-  std::string executor;  ///< periodic or sporadic module: a name in Device::executors. non-real module:
-                         ///< empty.
-  std::optional<Nanoseconds> budget;  ///< budget of one run(), > 0
+  /// For a periodic module: > 0. For a non-real thread module: optional. For other modules: none.
+  std::optional<Nanoseconds> period;
+  /// For a periodic module: the time from T0 to its first release; at least 0, and less than the period.
+  std::optional<Nanoseconds> offset;
+  /// For a sporadic module: the time from its release to its deadline, > 0. For other modules: none.
+  std::optional<Nanoseconds> deadline;
+  /// For a sporadic module. count: a missed deadline is only counted. error: it is counted and is an error.
+  Miss miss = Miss::count;
+  /// For a sporadic module. row: it runs after the next row. immediate: it runs as soon as a sample arrives.
+  Dispatch dispatch = Dispatch::row;
+  /// For a sporadic module: the minimum time between two releases, > 0.
+  std::optional<Nanoseconds> interarrival;
+  int priority = 0;  ///< among the modules of its executor; the lowest number is the highest priority
+  /// For a periodic or sporadic module: the name of one of Device::executors. For a non-real module: empty.
+  std::string executor;
+  std::optional<Nanoseconds> budget;  ///< the maximum duration of one run(), > 0; none: no limit
   BudgetTolerance tolerance;
-  std::optional<OverrunContract> overrun;  ///< periodic module; none: its executor's contract applies
+  std::optional<Nanoseconds> hang;  ///< a run() that takes this long hangs; none: see hang_limit()
+  /// Only for a periodic module. If it is empty, the contract of the module's executor applies.
+  std::optional<OverrunContract> overrun;
   Recovery recovery;
-  bool retain = false;  ///< saves the module's state on disk; not for a non-real process
-  std::vector<PropertyValue> properties;
-  std::vector<SafeValue> safe;  ///< the safe values of its outputs, at most one for each
+  bool retain = false;  ///< true: the module's state is also saved on disk; not for a non-real process
+  /// Arguments of a process module's program. Takt appends the arguments for the module's properties.
+  std::vector<std::string> arguments;
+  std::vector<PropertyValue> properties;  ///< may contain kLogLevelProperty
+  std::vector<SafeValue> safe;            ///< the safe values of its outputs, at most one for each output
   Line line{};
   ModuleLines lines{};
 };
 
 struct Executor {
   std::string name = "main";
-  std::optional<int> cpu;       ///< none: the node chooses the CPU
-  int priority = 80;            ///< priority for SCHED_FIFO, 2 to 98; sporadic modules run one priority lower
-  bool rate_monotonic = false;  ///< derive the priority from the basic period: a shorter period gives a
-                                ///< higher priority
+  std::optional<int> cpu;  ///< the CPU on which the executor runs; none: the node chooses the CPU
+  int priority = 80;       ///< priority for SCHED_FIFO, 2 to 98; see schedule/levels.hpp
+  /// True: the priority is derived from the basic period, so that a shorter period gives a higher priority.
+  bool rate_monotonic = false;
   Wakeup wakeup = Wakeup::hybrid;
-  double spin_share = 0.4;  ///< share of the basic period for which a wake-up may spin, 0 to 0.9; at most 100
-                            ///< us in any case
-  OverrunContract overrun;  ///< applies to its modules without a contract of their own
-  Offsets offsets = Offsets::given;  ///< automatic: Takt chooses the offsets that are not given, to spread
-                                     ///< the load over the rows
-  Timing timing = Timing::direct;    ///< let (logical execution time): inputs are read as of the release,
-                                     ///< outputs become visible at the end of the period
-  bool own_host = false;  ///< whether the executor runs in its own real-time process, so that a crash of its
-                          ///< modules stops no other executor
+  /// The longest time for which the executor's thread spins before a release, as a share (0 to 0.9) of the
+  /// basic period. The thread never spins longer than 100 us.
+  double spin_share = 0.4;
+  OverrunContract overrun;  ///< applies to the executor's modules that have no contract of their own
+  /// automatic: Takt chooses the offsets that are not given, to spread the load over the rows.
+  Offsets offsets = Offsets::given;
+  /// let (logical execution time): run() reads the inputs as they were at the release, and its outputs become
+  /// visible at the end of the period.
+  Timing timing = Timing::direct;
+  /// True: the executor runs in its own real-time process, so that a crash of its modules stops no other
+  /// executor.
+  bool own_host = false;
   Line line{};
 };
 
@@ -146,31 +162,34 @@ struct Endpoint {
   std::string device;
   std::string module;
   std::string port;
-  /// False if the descriptor gives no end: the other side is then a program outside Takt.
+  /// Returns false if the descriptor omits this end. Then the other end of the connection is in a program
+  /// outside Takt.
   [[nodiscard]] bool given() const noexcept { return !device.empty(); }
   bool operator==(const Endpoint&) const = default;
 };
 
-/// Connects one port to another. A connection with a topic and only one end connects a port to programs
+/// Connects one port to another. A connection that has a topic and only one end connects a port to programs
 /// outside Takt.
 struct Connection {
   Endpoint from;
   Endpoint to;
   ConnectionKind kind = ConnectionKind::latest;
-  int depth = 1;                                       ///< maximum number of samples in a queue
-  Reliability reliability = Reliability::best_effort;  ///< in a descriptor, a queue is reliable by default
-  std::optional<Nanoseconds> deadline;                 ///< a value older than this is stale
-  std::optional<Nanoseconds> lifespan;                 ///< a value older than this is not delivered
+  int depth = 1;             ///< maximum number of samples in a queue; 1 for kind latest
+  bool depth_given = false;  ///< true: the descriptor states the depth
+  /// The descriptor reader makes queues reliable unless the descriptor says otherwise.
+  Reliability reliability = Reliability::best_effort;
+  std::optional<Nanoseconds> deadline;  ///< a value older than this is stale; none: values never become stale
+  std::optional<Nanoseconds> lifespan;  ///< a value older than this is not delivered
   Stale stale = Stale::hold;
-  std::string topic;          ///< empty: the default name, takt/<cell>/<device>/<module>/<port> of the writer
+  std::string topic;  ///< name of the topic; empty: takt/<cell>/<device>/<module>/<port> of the writer
   std::optional<int> domain;  ///< DDS domain of the topic; none: the cell's domain
-  /// True for a ROS 2 topic: its name begins with kRos2Topics, and its type is a ROS 2 message.
+  /// True if the topic is a ROS 2 topic: its name begins with kRos2Topics, and its type is a ROS 2 message.
   bool ros2 = false;
   Carries carries = Carries::samples;
   Line line{};
 };
 
-/// Connects a client to a service. `Endpoint::port` holds the name of the client or service.
+/// Connects a client to a service. `port` of each endpoint is the name of the client or of the service.
 struct Service {
   Endpoint client;
   Endpoint server;
@@ -183,7 +202,8 @@ struct Discovery {
   Kind kind = Kind::multicast;
   std::vector<std::string> peers;  ///< for Kind::peers: IPv4 addresses or host names
   std::string server;              ///< for Kind::server: "host:port"
-  bool serve = false;  ///< true if this participant is the discovery server; not part of a descriptor
+  bool serve = false;  ///< true if this participant is the discovery server; a descriptor does not contain
+                       ///< this value
 };
 const char* to_text(Discovery::Kind kind);
 
@@ -196,7 +216,8 @@ struct Device {
 
 struct Cell {
   std::string name;
-  std::string file;  ///< the path of the descriptor as the user gave it, for messages; empty if there is none
+  /// The path of the descriptor as the user gave it, for messages; empty if there is no file.
+  std::string file;
   std::vector<Insertion> insertions;  ///< the includes and template uses in the descriptor
   int domain = 0;                     ///< DDS domain, 0 to 232
   bool domain_given = false;
@@ -204,9 +225,9 @@ struct Cell {
   std::vector<Connection> connections;
   std::vector<Service> services;
   Discovery discovery;
-  std::string server_device;  ///< the device whose node starts the discovery server; empty: the server runs
-                              ///< elsewhere
-  bool security_required = false;  ///< if true, a node without DDS Security rejects the cell
+  /// The device whose node starts the discovery server; empty: the server runs elsewhere.
+  std::string server_device;
+  bool security_required = false;  ///< true: a node without DDS Security rejects the cell
   Line line{};
 
   [[nodiscard]] Texts texts() const { return {file, insertions}; }
@@ -218,34 +239,45 @@ inline constexpr const char* kOwnTopics = "takt/";
 /// A service or client called NAME consists of two ports: NAME/request and NAME/reply.
 inline constexpr const char* kRequestPort = "/request";
 inline constexpr const char* kReplyPort = "/reply";
-/// For each client of a service, at most this many requests may wait.
+/// The maximum number of requests of one client that may wait for a service.
 inline constexpr int kServiceDepth = 8;
 /// Adds two adjacent connections for each service of a cell: one for the requests and one for the replies.
-/// Call this only once.
+/// Call this only once for a cell.
 void connect_services(Cell& cell);
 
 /// The prefix that ROS 2 topics have on DDS (see the ROS 2 design article "Topic and Service name mapping to
 /// DDS").
 inline constexpr const char* kRos2Topics = "rt/";
 
-/// The endpoint as text, for example "robot.servo.setpoint". Missing parts are omitted together with their
-/// dots.
+/// Returns the endpoint as text, for example "robot.servo.setpoint". Missing parts at its end are omitted
+/// together with their dots.
 std::string to_text(const Endpoint& end);
-/// The name of a connection's topic on DDS: the topic that the descriptor gives, otherwise
-/// takt/<cell>/<device>/<module>/<port> of the writer. A connection for replies uses the reader's names
-/// instead, so that each client has its own topic.
+/// Returns the name of a connection's topic on DDS: the topic that the descriptor gives, otherwise
+/// takt/<cell>/<device>/<module>/<port> of the writer. For the replies of a service, this name is built from
+/// the reader's names, so that each client has its own topic.
 std::string topic_of(const Cell& cell, const Connection& connection);
-/// The module's own overrun contract if it has one, otherwise the contract of its executor.
+/// Returns the module's own overrun contract if it has one, otherwise the contract of its executor.
 OverrunContract contract_of(const Device& device, const Module& module);
+/// Returns the time after which a run() of the module, or the body of a process module, counts as hanging. It
+/// is `hang` if the descriptor gives it. For a thread module with a budget, it is 10 budgets, or as many as
+/// the budget's tolerance allows, and at least 20 ms. For other modules, it is 1 s plus 10 periods or
+/// deadlines, at most 61 s.
+Nanoseconds hang_limit(const Module& module);
 /// Returns true if a fault of one of the device's modules can stop the whole cell, because the <recovery> or
 /// the overrun contract of the module is stop-cell.
 bool stops_cell(const Device& device);
-/// The timing of a periodic module is that of its executor; all other modules have direct timing.
+/// Returns the timing of a periodic module, which is the timing of its executor. All other modules have
+/// direct timing.
 Timing timing_of(const Device& device, const Module& module);
-/// The value that the descriptor sets for a property of a module. Fails if the descriptor does not set the
-/// property.
+/// Returns true if the module has a log, and so the property kLogLevelProperty. All modules have one, except
+/// a non-real process module.
+bool has_log(const Module& module);
+/// Returns the arguments in one line. An argument that is empty or contains a space is in quotes.
+std::string in_one_line(const std::vector<std::string>& arguments);
+/// Returns the value that the descriptor sets for a property of a module. Fails if the descriptor does not
+/// set the property.
 Result<std::string> given_property(const Module& module, const std::string& name);
-/// Sets the value of a module's property; adds the property if the module does not have it yet.
+/// Sets the value of a module's property. Adds the property if the module does not have it yet.
 void give_property(Module& module, const std::string& name, const std::string& value);
 
 }  // namespace takt::model

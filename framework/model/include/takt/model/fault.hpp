@@ -29,6 +29,8 @@ enum class FaultKind : std::uint32_t {
   connection_back,
   device_lost,
   device_back,
+  clocks_differ,
+  clocks_agree,
   host_restart,
   program_restart,
   node_start,
@@ -43,35 +45,44 @@ enum class FaultKind : std::uint32_t {
   refused_packet,
   refused_authentication,
   not_real_time,
+  dropped_samples,
+  log_error,
+  log_warning,
+  log_info,
+  log_debug,
 };
-inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::not_real_time) + 1;
-/// The kind as text, for example "missed-rows"; "?" for an invalid value.
+inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::log_debug) + 1;
+/// Returns the word for a kind, for example "missed-rows"; "?" for an invalid value.
 const char* to_text(FaultKind kind) noexcept;
-/// The texts of all kinds, as to_text() returns them.
+/// Returns the words of all kinds.
 std::vector<std::string_view> fault_words();
 std::optional<FaultKind> fault_kind(std::string_view word) noexcept;
 
 enum class Severity : std::uint32_t { note, warning, error };
 const char* to_text(Severity severity) noexcept;
 Severity severity_of(FaultKind kind) noexcept;
+/// True if events of this kind are log lines of modules.
+bool is_log_line(FaultKind kind) noexcept;
 
 struct Fault {
   std::uint64_t sequence = 0;  ///< number of the event on the device, from 1; the fault record assigns it
-  std::int64_t time_ns = 0;    ///< nanoseconds since 1970 (UTC)
+  std::int64_t time_ns = 0;    ///< time of the event, in nanoseconds since 1970 (UTC)
   std::string cell{};          ///< name of the cell; "-" if the device had no deployment
   std::string device{};
   std::string module{};  ///< name of the module; empty if the event concerns the whole device
   FaultKind kind = FaultKind::error;
-  std::string error{};       ///< the kind of an error, for example "crash" or "budget"; otherwise empty
-  std::string cause{};       ///< readable text
-  std::string attachment{};  ///< path of a file with details on the device's machine; empty if there is none
-  std::uint64_t count = 1;   ///< number of occurrences since the previous event of this kind
-  std::uint64_t cycle = 0;   ///< the module's cycle; 0 if unknown
+  std::string error{};       ///< for an error: its kind, for example "crash" or "budget"; otherwise empty
+  std::string cause{};       ///< readable text that explains the event
+  std::string attachment{};  ///< path of a file on the device's machine with details; empty if there is none
+  std::uint64_t count = 1;   ///< number of occurrences that this event stands for
+  /// For a log line: the number of the release in which the module logged it (Cycle::number). For any other
+  /// event of a module: how many cycles the module had executed. 0 if there is none.
+  std::uint64_t cycle = 0;
   bool operator==(const Fault&) const = default;
 };
 
 nlohmann::ordered_json to_json(const Fault& fault);
-/// Reads an event from JSON. Returns none if the value is not an event.
+/// Converts JSON to an event. Returns none if the value is not an event.
 std::optional<Fault> fault_from(const nlohmann::ordered_json& value);
 
 /// Selects events by device, module, kind, number and time.
@@ -83,18 +94,18 @@ struct FaultFilter {
   std::int64_t since_ns = 0;          ///< only events from this time on, in ns since 1970 (UTC)
   std::optional<std::size_t> last{};  ///< only the last N matching events; none: all of them
 
-  /// Returns true if the event matches; ignores `last`.
+  /// Returns true if the event matches this filter. Ignores `last`.
   [[nodiscard]] bool takes(const Fault& fault) const;
-  /// Returns the matching events in their original order.
+  /// Returns the events that match, in the same order, and only the last `last` of them.
   [[nodiscard]] std::vector<Fault> of(const std::vector<Fault>& faults) const;
 };
 nlohmann::ordered_json to_json(const FaultFilter& filter);
-/// Reads a filter from JSON. An empty text is a filter that matches every event. If the text has a mistake,
-/// fails with a problem that names the mistake.
+/// Converts JSON to a filter. An empty text becomes a filter that matches every event. Fails if the text is
+/// not a filter; the problem names the mistake.
 Result<FaultFilter> filter_from(std::string_view json);
 
-/// Reads kinds from a list such as "error,overrun". If a word is unknown, fails with a problem that names the
-/// word and the possible kinds.
+/// Converts a list such as "error,overrun" to kinds. Fails if a word is unknown; the problem names this word
+/// and possible kinds.
 Result<std::vector<FaultKind>> kinds_from(std::string_view list);
 
 }  // namespace takt::model

@@ -17,19 +17,20 @@ inline constexpr const char* kNameRule =
 
 class Findings {
  public:
-  /// The cell must outlive this object.
+  /// `cell` must outlive this object.
   explicit Findings(const Cell& cell) : cell_(cell) {}
 
   /// Adds a problem. Does nothing if full() is true.
   void add(Line line, std::string what, std::string fix);
-  /// True after kMaxProblems problems. The rules then stop, because further checks only cost time, above all
-  /// the search for similar names.
+  /// Returns true after kMaxProblems problems. The rules then stop, because further checks (above all the
+  /// search for similar names) only cost time.
   [[nodiscard]] bool full() const;
   /// Returns the problems sorted by line, and empties the list.
   Problems take();
   /// Returns the problems with their lines, in the order in which they were found, and empties the list.
   std::vector<std::pair<Line, Problem>> take_lines() { return std::exchange(problems_, {}); }
-  /// The line of another element as text, for example "on line 12", for use in the fix of a problem.
+  /// Returns the line of an element as text, for example "on line 12", for the fix of a problem that refers
+  /// to this element.
   [[nodiscard]] std::string whereabouts(Line line) const { return model::whereabouts(cell_.texts(), line); }
 
  private:

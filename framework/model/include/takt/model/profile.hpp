@@ -9,7 +9,8 @@
 
 namespace takt::model {
 
-/// The run times of one module: of its run(), or of the body of its program.
+/// The run times of one module: of its run() or, for a process module, of its body (the work for one
+/// release).
 struct RunTimes {
   std::uint64_t runs = 0;  ///< number of measured runs; 0 if none was measured
   Nanoseconds min{};
@@ -21,7 +22,7 @@ struct RunTimes {
 
 struct Profile {
   std::string cell;
-  std::map<std::string, RunTimes> modules;  ///< by "device.module"
+  std::map<std::string, RunTimes> modules;  ///< by "DEVICE.MODULE"
 };
 
 }  // namespace takt::model

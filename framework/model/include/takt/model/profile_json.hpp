@@ -11,14 +11,14 @@
 
 namespace takt::model {
 
-/// `{"cell": str, "machine": {str: str}, "modules": {"device.module": {"runs": n, "min_ns": n, "p50_ns": n,
-/// "p99_ns": n, "p999_ns": n, "max_ns": n}}}`, indented for people. `machine` describes the measured machine
-/// in free text. Ends with a line feed.
+/// Returns the text of a profile: `{"cell": str, "machine": {str: str}, "modules": {"device.module": {"runs":
+/// n, "min_ns": n, "p50_ns": n, "p99_ns": n, "p999_ns": n, "max_ns": n}}}`, indented for people. `machine`
+/// describes the machine that ran the modules, in free text. Ends with a line feed.
 std::string profile_json(const Profile& profile, const std::map<std::string, std::string>& machine);
 
-/// Reads a profile. Fails if the text is not JSON, if members are missing or unknown, if a time is not a
-/// whole number of at least 0, or if the times are not in ascending order. Reports all mistakes at once, each
-/// at `FILE:LINE`. `file` is used only in messages.
+/// Converts the text of a profile. Fails if the text is not JSON, if members are missing or unknown, if a
+/// time is not a whole number of at least 0, or if the times are not in ascending order. Reports all mistakes
+/// at once, each at `FILE:LINE`. `file` is used only in messages.
 Result<Profile> parse_profile(std::string_view text, std::string_view file);
 
 }  // namespace takt::model

@@ -1,6 +1,6 @@
-// The type of a port as data, read from its IDL. Programs that were not compiled with the type use it to
-// check and print samples. Port types are final structs without keys, and all their strings and sequences
-// have bounds.
+// The type of a port as data, read from the description of its IDL. Programs that were not compiled with the
+// type use it to check, print and build samples. Port types are final structs without keys, and all their
+// strings and sequences have bounds.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 namespace takt::model {
 
 /// The limits of port types. The IDL compiler (cmake/takt_idl.py) has the same limits.
-inline constexpr std::size_t kMaxSampleSize = 64 * 1024 * 1024;  ///< bytes
-inline constexpr std::size_t kMaxFields = 4096;  ///< total number of fields, including the fields of nested
-                                                 ///< structs each time they are used
-inline constexpr std::size_t kMaxNesting = 16;   ///< maximum nesting depth of structs
+inline constexpr std::size_t kMaxSampleSize = 64 * 1024 * 1024;  ///< in bytes
+/// Maximum number of fields. The fields of a nested struct count each time that the struct is used.
+inline constexpr std::size_t kMaxFields = 4096;
+inline constexpr std::size_t kMaxNesting = 16;  ///< maximum nesting depth of structs
 inline constexpr std::size_t kMaxTypeName = 255;
-inline constexpr std::size_t kMaxDescription = 1024 * 1024;  ///< maximum length in bytes of a text for
-                                                             ///< parse_type()
+/// Maximum length in bytes of a text for parse_type().
+inline constexpr std::size_t kMaxDescription = 1024 * 1024;
 
 enum class Scalar {
   boolean,
@@ -38,7 +38,7 @@ enum class Scalar {
   enumeration,
   structure
 };
-/// The scalar as its IDL keyword, for example "boolean", "unsigned long", "string", "enum" or "struct".
+/// Returns the IDL keyword of a scalar, for example "boolean", "unsigned long", "string", "enum" or "struct".
 const char* to_text(Scalar scalar);
 
 /// One field of a struct: a single value, an array, a sequence, or an array of sequences. The elements of a
@@ -49,9 +49,10 @@ struct Field {
   std::size_t bound = 0;                  ///< maximum number of characters of a string
   std::vector<std::size_t> dimensions{};  ///< dimensions of an array; empty: not an array
   std::size_t sequence = 0;  ///< maximum number of elements of a sequence; 0 if the field is not a sequence
-  std::vector<std::size_t> elements{};  ///< dimensions of the array that each element of a sequence is;
-                                        ///< empty: each element is a single value
-  std::string type_name{};              ///< name of the enumeration or structure, for example "motion::Mode"
+  /// If each element of the sequence is an array: the dimensions of this array. Empty: each element is a
+  /// single value.
+  std::vector<std::size_t> elements{};
+  std::string type_name{};  ///< name of the enumeration or structure, for example "motion::Mode"
   std::vector<std::string> enumerators{};
   std::vector<Field> fields{};  ///< fields of the structure
   bool operator==(const Field&) const = default;
@@ -60,7 +61,7 @@ struct Field {
 struct Type {
   std::string name;  ///< name of the type on DDS, for example "motion::JointState"
   std::vector<Field> fields;
-  /// Equality of types. Two ports can be connected only if their types are equal.
+  /// Two ports can be connected only if their types are equal.
   bool operator==(const Type&) const = default;
 };
 
@@ -75,19 +76,19 @@ struct Type {
 /// without a bound, a sequence within a sequence or a key, or exceeds a limit above. Each problem names its
 /// field.
 Result<Type> parse_type(const std::string& text);
-/// Converts a type to JSON. The result equals, byte for byte, the text from which parse_type() read the type.
+/// Converts a type to JSON. If parse_type() read the type, the result equals its text, byte for byte.
 std::string to_text(const Type& type);
 
-/// The maximum size in bytes of a sample in XCDR1. The size includes the 4 bytes of encapsulation and is a
-/// multiple of 4, because RTPS sends whole words. If a sample can exceed kMaxSampleSize, the result is any
-/// number larger than kMaxSampleSize.
+/// Returns the maximum size in bytes of a sample in XCDR1. The size includes the 4 bytes of encapsulation,
+/// and is a multiple of 4, because RTPS sends whole words of 4 bytes. If a sample can exceed kMaxSampleSize,
+/// the result is any number larger than kMaxSampleSize.
 std::size_t max_size(const Type& type);
 
-/// Returns true if the bytes are one complete sample of the type and all its bounds are kept. Checks the
+/// Returns true if the bytes are one complete sample of the type, and keep all bounds of the type. Checks the
 /// encapsulation (XCDR1, either byte order), lengths, booleans, enumerators and the ends of strings. Padding
 /// after the last field is allowed. Returns true for exactly the samples that PortType::decode() accepts.
-/// Real-time threads may call this for a type that parse_type() returned: it neither allocates nor throws,
-/// whatever the bytes are.
+/// Real-time threads may call this for a type that parse_type() returned: is_sample() neither allocates
+/// memory nor throws, whatever the bytes are.
 bool is_sample(const Type& type, const std::byte* bytes, std::size_t size) noexcept;
 
 /// Returns the sample as one line of JSON with all fields, for example {"position": [0, 1], "mode": "ON"}.
@@ -95,8 +96,8 @@ bool is_sample(const Type& type, const std::byte* bytes, std::size_t size) noexc
 /// "-Infinity". Bytes of a string that are not UTF-8 are replaced.
 std::string sample_json(const Type& type, const std::byte* bytes, std::size_t size);
 
-/// Converts JSON as sample_json() writes it to the bytes of a sample, in little endian. Missing fields become
-/// zero. If a value is not valid for its field, fails with the name of the field.
+/// Converts JSON, in the form that sample_json() writes, to the bytes of a sample, in little endian. Missing
+/// fields become zero. Fails if a value is not valid for its field; the problem names the field.
 Result<std::vector<std::byte>> sample_bytes(const Type& type, const std::string& json);
 
 }  // namespace takt::model

@@ -1,8 +1,9 @@
-// Moves samples to and from programs on another DDS domain.
+// A bridge: moves samples between the links of a device and another DDS domain.
 //
 // Each domain needs its own participant, and several participants in one process deadlock in this version of
-// Fast DDS. So each other domain has its own process, which is takt-node started with TAKT_GATEWAY_FD. This
-// process shares the memory of the links, and is restarted when it ends.
+// Fast DDS. So each other domain has its own bridge process, which is takt-node started with TAKT_GATEWAY_FD.
+// The bridge process shares the memory of the links with the node. If the bridge process ends, the node
+// restarts it.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@
 
 namespace takt::node {
 
-/// A flow of the bridge, and the memory of its links.
+/// A flow that the bridge moves, and the memory of the flow's links.
 struct BridgedFlow {
   dds::Flow flow;
   bool outgoing = true;
@@ -31,25 +32,28 @@ struct BridgedFlow {
 class Bridge {
  public:
   struct Options {
-    std::string device;  ///< for messages
+    std::string device;  ///< the device's name, for messages
     int domain = 0;
-    std::vector<std::string> peers;  ///< addresses for the discovery of peers; empty for multicast
+    std::vector<std::string> peers;  ///< addresses at which the bridge searches for participants; empty for
+                                     ///< multicast
     const os::SharedMemory* wake_word = nullptr;
-    std::uint32_t place = 1;  ///< the bridge's number among the gateways that share the wake word, 1 to 31
+    std::uint32_t place = 1;  ///< the number of the bridge's bit in WakeWord::gateway_sleeps, 1 to 31
     std::vector<BridgedFlow> flows;
   };
 
-  /// Starts the bridge's process. The memory that the options point to must outlive the bridge.
+  /// Starts the bridge process. The memory that `options` points to must outlive the bridge.
   static Result<std::unique_ptr<Bridge>> start(Options options);
   ~Bridge();
 
-  /// Whether the flows could be opened. Empty until this is known. Does not wait.
+  /// Returns success if the bridge process has opened all flows, and problems if it could not open them.
+  /// Empty while this is not known. Does not wait.
   [[nodiscard]] const std::optional<Result<void>>& opened() const noexcept { return opened_; }
-  /// The health of the flow with this index in the options, at most a quarter of a second old.
+  /// Returns the health of the flow with this index in the options. The bridge reported it at most 250 ms
+  /// ago.
   [[nodiscard]] const wire::FlowHealth& health(std::size_t flow) const { return health_.at(flow); }
   [[nodiscard]] int domain() const noexcept { return options_.domain; }
 
-  /// Reads messages of the bridge's process, and restarts the process if it has ended. Does not wait.
+  /// Reads the messages of the bridge process, and restarts the process if it has ended. Does not wait.
   void step(Instant now);
 
  private:
@@ -66,8 +70,8 @@ class Bridge {
 };
 
 inline constexpr const char* kGatewayFd = "TAKT_GATEWAY_FD";
-/// The main function of the bridge process. Moves samples until its node has ended, and returns the exit
-/// status. For `interfaces` see dds::ParticipantOptions.
+/// The main function of the bridge process. Moves samples until the node that started the process has ended.
+/// Returns the exit status. For `interfaces`, see dds::ParticipantOptions.
 int run_bridge(const std::vector<std::string>& interfaces);
 
 }  // namespace takt::node

@@ -1,4 +1,4 @@
-// The platform of a node's supervision: processes of this machine, and flows over DDS.
+// The platform on which a node supervises a device: processes of this machine, and flows over DDS.
 #pragma once
 
 #include <memory>
@@ -24,12 +24,15 @@ class ProgramProcess;
 class DevicePlatform final : public supervision::Platform {
  public:
   struct Options {
-    bool require_real_time = false;  ///< whether to fail if the machine does not allow real time
-    bool check_real_time = false;    ///< whether to detect real-time violations of modules
-    os::WakeUps wake_ups{};          ///< measured on this machine; not measured if the count is 0
-    std::string state_folder{};      ///< folder for the state that modules retain; empty to save nothing
-    std::string traces{};            ///< beginning of the paths of fault traces; empty to write no traces
-    std::shared_ptr<dds::Participant> participant{};  ///< connects to other devices; null for no DDS
+    bool require_real_time = false;  ///< true: fail if the machine does not allow real time
+    bool check_real_time = false;    ///< true: detect real-time violations of modules
+    os::WakeUps wake_ups{};  ///< delays with which this machine wakes threads; count is 0 if they were not
+                             ///< measured
+    /// The folder for the state that modules retain. If it is empty, this state is not saved.
+    std::string state_folder{};
+    std::string traces{};  ///< beginning of the paths of fault traces; if empty, no traces are written
+    std::shared_ptr<dds::Participant> participant{};  ///< connects to other devices; if null, the platform
+                                                      ///< opens no flows
   };
 
   explicit DevicePlatform(Options options);
@@ -42,8 +45,11 @@ class DevicePlatform final : public supervision::Platform {
   std::unique_ptr<supervision::Program> make_program(std::uint32_t module) override;
   Result<std::unique_ptr<supervision::Flows>> open_flows() override;
   void wake(std::uint32_t bits) override;
+  [[nodiscard]] std::optional<Nanoseconds> ran_if_ready(std::int32_t thread) const override;
   void step(Instant now) override;
   std::vector<supervision::Detection> detections() override;
+  void forget(std::uint32_t module) override;
+  std::optional<Result<void>> forgotten(std::uint32_t module) override;
   bool finish() override;
   Problems final_problems() override;
   void add_to(nlohmann::ordered_json& report) const override;
@@ -56,25 +62,25 @@ class DevicePlatform final : public supervision::Platform {
   void trace(Nanoseconds last, std::size_t most,
              std::function<void(const Result<std::string>&)> done) override;
 
-  /// The descriptors that become readable when a host or program reports something.
+  /// Returns the file descriptors that become readable when a host or a process module reports something.
   [[nodiscard]] std::vector<const os::Fd*> wait_on() const;
 
  private:
   Result<void> start_record();
   Result<void> retain();
-  void watch_gaps(std::vector<supervision::Detection>& detections);
+  void check_gaps(std::vector<supervision::Detection>& detections);
 
   const Options options_;
   supervision::Parts* parts_ = nullptr;  // null before begin()
   std::optional<os::Throttling> throttling_;
   os::KernelNews kernel_news_;
-  std::vector<std::int64_t> seen_latest_ns_;  // for each executor, the latest_ns that was read last
-  std::vector<bool> throttled_;               // for each executor, whether throttling was reported
-  std::optional<Violations> violations_;      // empty without check_real_time
+  std::vector<std::int64_t> seen_latest_ns_;  // by executor: the last value of latest_ns that was read
+  std::vector<bool> throttled_;               // by executor: true if throttling was reported
+  std::optional<Violations> violations_;      // empty if check_real_time is false
   std::unique_ptr<FlightRecorder> flight_;
   std::unique_ptr<Retained> retained_;
-  std::vector<HostProcess*> hosts_;        // the supervision owns them
-  std::vector<ProgramProcess*> programs_;  // the supervision owns these, too
+  std::vector<HostProcess*> hosts_;        // the Supervisor owns these objects
+  std::vector<ProgramProcess*> programs_;  // the Supervisor owns these objects
 };
 
 }  // namespace takt::node

@@ -1,6 +1,6 @@
-// Judges whether a machine is fit for real time: which properties spoil real-time behaviour, why, and what
-// cures them. These functions read nothing from the machine; the caller passes its properties and the results
-// of trials.
+// Judges whether a machine is fit for real time: which properties of the machine spoil real-time behaviour,
+// why, and what to do about them. These functions read nothing from the machine. The caller passes the
+// machine's properties and the results of trials.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace takt::node {
 
 enum class Severity {
   good,
-  note,    ///< costs some jitter, always or under the conditions that the text names
+  note,    ///< adds some jitter, always or under the conditions that the text names
   spoils,  ///< control loops will miss their releases
 };
 const char* to_text(Severity severity) noexcept;
@@ -22,12 +22,12 @@ struct Finding {
   std::string name;  ///< name of the check, such as "preemption"
   Severity severity = Severity::good;
   std::string found;
-  std::string why;        ///< why it matters
-  std::string cure{};     ///< what to do, such as a command; empty if nothing needs to be done
+  std::string why;        ///< why this property of the machine matters
+  std::string cure{};     ///< what to do, for example a command; empty if nothing needs to be done
   std::string mend_on{};  ///< where to apply the cure; empty for this machine or container
 };
 
-/// Returns one finding for each check, including good findings, in a fixed order.
+/// Returns one finding for each check, in a fixed order. Good results are included.
 std::vector<Finding> diagnose(const os::Machine& machine, const os::Trial& trial);
 
 }  // namespace takt::node

@@ -1,11 +1,11 @@
-// The fault record of a device: its last few thousand events, in a file that survives its node, however the
+// The fault record of a device: the last few thousand events, in a file that outlives the node, however the
 // node ends.
 //
-// The file is a ring of slots of fixed size, with one event in each slot. It has its full size from the
-// beginning. An event is written by one write of one slot, with its number and a checksum. If a node dies
-// during the write, one slot is invalid; it is skipped and counted. Numbers continue across restarts, so that
-// a gap is visible. The events are also in memory. If the file fails, the node continues with the record in
-// memory only.
+// The file is a ring of slots of fixed size, with one event in each slot. The file has its full size from the
+// beginning. The node writes an event, with a number and a checksum, by one write of one slot. If the node
+// dies during this write, the slot is invalid; readers skip and count it. The numbers continue when the node
+// starts again, so that a missing event is visible. The node also keeps the events in memory. If writing the
+// file fails, the node continues with the record in memory only.
 #pragma once
 
 #include <cstddef>
@@ -23,22 +23,21 @@
 
 namespace takt::node {
 
-/// The content of a fault record.
+/// The content of a fault record, as read from its file.
 struct Recorded {
   std::vector<model::Fault> events;  ///< in the order of their numbers
-  std::uint64_t overwritten = 0;     ///< number of older events that newer ones have replaced
+  std::uint64_t overwritten = 0;     ///< number of older events whose slots newer events have reused
   std::uint64_t damaged = 0;         ///< number of slots that do not hold a valid event
 };
 
-/// The size of a slot.
+/// The size of a slot, in bytes.
 inline constexpr std::size_t kSlotBytes = 1024;
 /// Encodes an event as the bytes of a slot. Cuts off texts that are too long.
 std::string encode_slot(const model::Fault& fault);
-/// Decodes the bytes of a slot. Returns nothing if the slot was written only in part, is damaged, or was
-/// never written.
+/// Decodes the bytes of a slot. Returns nothing if the slot was never written, is incomplete, or is damaged.
 std::optional<model::Fault> decode_slot(std::string_view slot);
 
-/// Reads the content of a record's file. Fails if it is not a fault record of this version.
+/// Reads a fault record from the content of its file. Fails if it is not a fault record of this version.
 Result<Recorded> read_record(std::string_view content);
 /// Reads a fault record from the file with this path.
 Result<Recorded> read_record_file(const std::string& path);
@@ -46,21 +45,22 @@ Result<Recorded> read_record_file(const std::string& path);
 class FaultRecord final : public agent::FaultMemory {
  public:
   static constexpr std::size_t kSlots = 4096;
-  /// The path of a device's fault record, FOLDER/DEVICE.DOMAIN.faults.
+  /// Returns the path of a device's fault record, FOLDER/DEVICE.DOMAIN.faults.
   static std::string path(const std::string& folder, const std::string& device, int domain);
 
-  /// Creates a record in memory only.
+  /// Creates an empty record in memory only.
   explicit FaultRecord(std::size_t slots = kSlots);
-  /// Continues the record in the file, or creates the file. Renames a file that is not a record of this
-  /// version to PATH.damaged. Always returns a record. problems() says why it is only in memory, or which
-  /// file was renamed.
+  /// Opens the record in this file and continues it, or creates the file. Renames a file that is not a record
+  /// of this version to PATH.damaged. Always returns a record. problems() states why the record is only in
+  /// memory, or which file was renamed.
   static FaultRecord open(const std::string& path, std::size_t slots = kSlots);
 
-  /// Writes the event to the file, without waiting for the disk.
+  /// Gives the event the next number, and adds it to the record in memory and to the file. Does not wait for
+  /// the disk.
   void append(model::Fault& fault) override;
-  /// Tries the file again after open() or a write has failed. Returns true if the file is in use again and
-  /// contains all events that are in memory. An event in memory gets a new number if another event in the
-  /// file already has its number.
+  /// If the file could not be opened or written, opens it again. Returns true if the file is now in use and
+  /// contains all events that are in memory. If another event in the file already has the number of an event
+  /// in memory, the event in memory gets a new number.
   bool reopen() override;
   void sync() const override;
   [[nodiscard]] const std::vector<model::Fault>& events() const noexcept override { return recorded_.events; }
@@ -68,8 +68,8 @@ class FaultRecord final : public agent::FaultMemory {
   [[nodiscard]] std::uint64_t damaged() const noexcept override { return recorded_.damaged; }
   [[nodiscard]] const Problems& problems() const noexcept override { return problems_; }
   [[nodiscard]] const std::string& file() const noexcept override { return path_; }
-  /// The file, for a thread that may wait for the disk; its sync() writes the appended events to disk. Null
-  /// if the record is only in memory.
+  /// Returns the file, for a thread that may wait for the disk; sync() of the file writes the appended events
+  /// to disk. Null if the record is only in memory.
   [[nodiscard]] std::shared_ptr<const os::FixedFile> disk() const noexcept { return file_; }
 
  private:
@@ -80,7 +80,7 @@ class FaultRecord final : public agent::FaultMemory {
   Recorded recorded_;
   std::shared_ptr<os::FixedFile> file_;
   std::string path_;
-  std::string wanted_;  // the path given to open(); empty for a record in memory only
+  std::string wanted_;  // the path given to open(); empty for a record that was created in memory only
   Problems problems_;
 };
 

@@ -1,8 +1,8 @@
-// Keeps a device's flight record, which is the memory where executors record their runs, and collects what
-// else happened at the same time. Writes traces of both.
+// Keeps a device's flight record (the memory in which executors record their runs), and collects the
+// lifecycle transitions and the kernel's counters of the same period. Writes all of these data into traces.
 //
-// A trace that covers several seconds takes a tenth of a second to write, and the node's thread must never
-// wait. So the node's thread only gathers the data, and a worker thread does the rest.
+// Writing a trace of several seconds takes a tenth of a second, and the node's main thread must never wait.
+// So the main thread only gathers the data, and a worker thread writes the trace.
 #pragma once
 
 #include <atomic>
@@ -32,44 +32,47 @@ class FlightRecorder {
     std::string device;
     std::vector<flight::Module> modules;
     std::vector<std::string> executors;
-    std::string files;  ///< beginning of the paths of fault traces; empty to write no traces
+    std::string files;  ///< beginning of the paths of fault traces; if empty, no traces are written
   };
 
   static Result<std::unique_ptr<FlightRecorder>> create(Options options, const schedule::DevicePlan& plan,
                                                         const channel::Channel& channel);
-  /// Writes the trace of a fault if it is still pending.
+  /// Writes the trace of the last fault, if it is not yet written, and waits for the worker thread.
   ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
-  /// The descriptor of the record's memory, for the host.
+  /// Returns the file descriptor of the record's memory, for the host.
   [[nodiscard]] const os::Fd& fd() const noexcept { return record_.fd(); }
 
-  /// Records a module's lifecycle step.
+  /// Records a lifecycle transition of a module.
   void changed(flight::Change change);
-  /// Notes what the threads of this executor were doing when their host died. Call this before the channel is
-  /// cleared, because the channel still shows it.
+  /// Notes what the threads of this executor were doing when their host died. This information comes from the
+  /// channel, so call host_died() before the channel is cleared.
   void host_died(std::size_t executor);
-  /// Requests a trace file of a fault. The file is written soon, but at most one file every kTraceEvery.
+  /// Requests a trace file of a fault. The recorder writes the file 200 ms later, but at most one file in
+  /// each interval of kTraceEvery.
   void fault(const std::string& why);
-  /// Makes a trace of the time from `last` ago until now, as JSON of at most `most` bytes. step() calls
-  /// `done` with the result.
+  /// Makes a trace of the time from `last` before now until now, as JSON of at most `most` bytes. A later
+  /// step() calls `done` with the trace.
   void trace(Nanoseconds last, std::size_t most, std::function<void(const Result<std::string>&)> done);
 
-  /// Samples the executors' threads from time to time, and calls `done` for finished traces.
+  /// Reads the kernel's counters of the executors' threads every 50 ms, and calls `done` for each finished
+  /// trace. The node's main thread calls this in each iteration of its loop.
   void step(Instant now);
-  /// Stops recording, without waiting. Call this repeatedly until it returns true, which may take a second.
-  /// Then the last file is written, and the destructor does not block.
+  /// Stops recording, without waiting. Call finish() repeatedly until it returns true; this may take a
+  /// second. When it has returned true, the last file is written, and the destructor does not block.
   [[nodiscard]] bool finish();
-  /// Returns the messages since the last call, which report each trace file that was written or could not be
-  /// written.
+  /// Returns the messages since the last call. Each message reports a trace file that was written or could
+  /// not be written.
   std::vector<std::string> messages();
 
  private:
   struct Job {
     flight::Recording recording;
     std::size_t most = 0;
-    std::function<void(const Result<std::string>&)> done{};  ///< empty if the trace goes into a file
+    /// Receives the trace; empty if the trace goes into a file.
+    std::function<void(const Result<std::string>&)> done{};
   };
   struct Done {
     std::function<void(const Result<std::string>&)> done;
@@ -78,7 +81,7 @@ class FlightRecorder {
 
   FlightRecorder(Options options, const schedule::DevicePlan& plan, const channel::Channel& channel);
   void sample(Instant now);
-  void watch_missed();
+  void check_missed();
   [[nodiscard]] flight::Recording gather(const std::string& why, Nanoseconds last) const;
   void enqueue(Job job);
   void write_fault();
@@ -91,12 +94,14 @@ class FlightRecorder {
   std::vector<Nanoseconds> basic_periods_;
   std::string machine_;
   std::string kernel_;
+  Nanoseconds minor_fault_{};
 
   std::deque<flight::Sample> samples_;
   std::deque<flight::Change> changes_;
-  std::vector<std::vector<flight::Open>> died_;  // for each ring, what was running when its host died
+  // For each ring, the activities of its thread at the times when a host died.
+  std::vector<std::vector<flight::Open>> died_;
   Instant sampled_at_{};
-  std::string fault_;  // the fault whose trace is pending; empty if there is none
+  std::string fault_;  // the reason for a fault whose trace is not yet written; empty if there is none
   std::uint32_t faults_ = 0;
   Instant fault_at_{};
   std::optional<Instant> written_at_;
@@ -110,7 +115,7 @@ class FlightRecorder {
   std::vector<std::string> messages_;
   bool end_ = false;
   std::atomic<bool> finished_{false};
-  bool write_failed_ = false;  // whether the worker failed to write the last file and reported it
+  bool write_failed_ = false;  // true if the worker could not write the last file and has reported this
   std::thread worker_;
 };
 

@@ -1,4 +1,4 @@
-// Opens a deployment's flows on DDS and closes them at the end of the deployment. A flow moves samples to or
+// Opens a deployment's flows on DDS, and closes them at the end of the deployment. A flow moves samples to or
 // from other devices.
 #pragma once
 
@@ -21,8 +21,8 @@ namespace takt::node {
 
 class FlowManager final : public supervision::Flows {
  public:
-  /// Opens the flows of all connections. Flows on other domains open later, see opened(). The wiring and the
-  /// wake word must outlive the flow manager. Fails if DDS rejects a flow; the problem names the flow's
+  /// Opens the flows of all connections. The flows on other domains open later; see opened(). `wiring` and
+  /// `wake_word` must outlive the flow manager. Fails if DDS rejects a flow; the problem names the flow's
   /// topic.
   static Result<std::unique_ptr<FlowManager>> open(std::shared_ptr<dds::Participant> participant,
                                                    const os::SharedMemory& wake_word,
@@ -30,16 +30,18 @@ class FlowManager final : public supervision::Flows {
                                                    const std::string& device);
 
   [[nodiscard]] std::optional<Result<void>> opened() const override;
-  /// Closes expired taps and supervises the bridges to other domains.
+  /// Closes the flows whose time has expired, and supervises the bridges to other domains.
   void step(Instant now) override;
-  [[nodiscard]] std::optional<wire::FlowHealth> health(std::size_t wire) const override;
+  [[nodiscard]] std::optional<wire::FlowHealth> health(std::size_t link) const override;
   Result<void> tap(std::uint32_t module, const std::string& port, Instant until) override;
   Result<void> open_service(std::uint32_t module, const std::string& service, Instant until) override;
 
  private:
   struct Open {
-    dds::Gateway::FlowId id;         ///< id in the gateway, or index in the bridge
-    std::optional<Instant> until{};  ///< when a tap ends; empty for a flow of the whole deployment
+    /// The flow's id in the gateway (on the cell's domain) or its index in the bridge (on other domains).
+    dds::Gateway::FlowId id;
+    /// The time at which the flow closes; empty for a flow of the whole deployment.
+    std::optional<Instant> until{};
     const Bridge* bridge = nullptr;  ///< null for a flow on the cell's domain
   };
 

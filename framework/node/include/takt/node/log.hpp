@@ -1,4 +1,4 @@
-// Prints the node's events for the user at the terminal, one per line, on standard error.
+// Prints the node's events on standard error, one per line, for the user at the terminal.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@ namespace takt::node {
 /// Prints "14:03:07.250 DEVICE.MODULE: TEXT"; `module` may be empty. Real-time threads must not call this.
 void log(std::string_view device, std::string_view module, std::string_view text);
 
-/// Makes log() print nothing in this process, for --quiet. Functions still return their errors to the caller.
+/// From now on, log() prints nothing in this process (`--quiet`). Functions still return their errors to
+/// their callers.
 void log_nothing();
 
 }  // namespace takt::node

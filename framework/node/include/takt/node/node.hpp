@@ -1,4 +1,4 @@
-// The program takt-node, which is the agent of one device on the network.
+// The program takt-node, which manages one device of a cell.
 #pragma once
 
 #include <optional>
@@ -9,27 +9,30 @@
 
 namespace takt::node {
 
-/// The environment variable with the file descriptor that takt run keeps open for the nodes that it started.
-/// When the descriptor closes, the nodes shut down.
+/// The environment variable with a file descriptor that `takt run` keeps open as long as it runs. When the
+/// descriptor closes, the nodes that `takt run` started shut down.
 inline constexpr const char* kLifetimeFd = "TAKT_LIFETIME_FD";
 
 struct NodeOptions {
   std::string device;
   int domain = 0;
   model::Discovery discovery;
-  std::vector<std::string> interfaces;  ///< IPv4 addresses of the interfaces to use; empty for all
-  std::string security;                 ///< folder of the device's identity; empty for no DDS Security
-  std::string signed_by;                ///< a certificate; only components signed with its key are used
-  std::string state_folder;             ///< empty to save nothing
-  bool state_folder_given = false;      ///< if false, a node that takt run started records faults in memory
+  /// IPv4 addresses of the network interfaces to use; empty for all interfaces.
+  std::vector<std::string> interfaces;
+  std::string security;  ///< folder of the device's identity; empty for no DDS Security
+  /// A certificate; the node uses only components signed with its key. Empty: no signature is needed.
+  std::string signed_by;
+  std::string state_folder;  ///< folder for files that outlive the node; empty to save nothing
+  /// If false, a node that `takt run` started keeps its fault record only in memory.
+  bool state_folder_given = false;
   bool resume = false;
   bool require_real_time = false;
-  bool check_real_time = false;  ///< whether to detect and report real-time violations of modules
+  bool check_real_time = false;  ///< true: detect and report real-time violations of modules
   bool quiet = false;
 };
 
-/// Runs the node. It waits for deployments and serves one at a time, until SIGTERM, SIGINT or SIGHUP, or
-/// until the `takt run` that started the node ends. Returns the exit status.
+/// Runs the node: waits for deployments and runs one at a time. Returns the exit status after SIGTERM, SIGINT
+/// or SIGHUP, or after the `takt run` that started the node has ended.
 int run_node(const NodeOptions& options);
 
 }  // namespace takt::node

@@ -1,4 +1,4 @@
-// Reads the real-time violations of modules that libtakt_check recorded.
+// Reads the real-time violations of modules, which libtakt_check has recorded in shared memory.
 #pragma once
 
 #include <cstdint>
@@ -17,34 +17,36 @@
 
 namespace takt::node {
 
-/// One violation, described in text.
+/// One real-time violation, as text.
 struct SeenViolation {
   std::uint32_t module = 0;  ///< index of the module, or of the executor if channel::kOfExecutor is set
-  std::string hook;          ///< such as "run()"; empty between modules
+  std::string hook;          ///< the function of the module that was running, such as "run()"; empty between
+                             ///< modules
   std::string kind;          ///< such as "allocation"
   std::string what;          ///< the called function, such as "malloc"; empty for a page fault
-  std::vector<std::string> calls{};  ///< the calls, innermost first; empty if the place is not known
+  /// The calls that led to the violation, innermost first; empty if they are not known.
+  std::vector<std::string> calls{};
 };
 
 class Violations {
  public:
-  /// Fails if libtakt_check.so is not in the folder of takt-host. Ignores entries whose module or executor
-  /// number is not below `modules` or `executors`, because foreign code can write to the memory of the
-  /// entries.
+  /// Creates the memory in which libtakt_check records violations. Fails if libtakt_check.so is not in the
+  /// folder of takt-host. Entries whose module or executor number is not below `modules` or `executors` are
+  /// ignored, because foreign code can write to this memory.
   static Result<Violations> create(std::size_t modules, std::size_t executors);
 
-  /// Returns the environment variables for a checked program, and adds the descriptor of the memory to
-  /// `inherit`. The descriptor is valid as long as this object exists.
+  /// Returns the environment variables that switch on the check of a child process, and adds the file
+  /// descriptor of the memory to `inherit`. The descriptor is valid as long as this object exists.
   std::vector<std::pair<std::string, std::string>> environment(std::vector<const os::Fd*>& inherit) const;
 
-  /// Returns the violations that occurred for the first time since the last call. `paths` are the paths of
-  /// the modules' components.
+  /// Returns the violations that were first recorded since the last call. `paths` are the paths of the
+  /// modules' components.
   std::vector<SeenViolation> news(const std::vector<std::string>& paths);
-  /// Returns sentences about what cannot be detected on this machine, each sentence once.
+  /// Returns sentences about violations that cannot be detected on this machine, each sentence once.
   std::vector<std::string> limitations();
-  /// The number of violations of each module and executor, by ascending module number.
+  /// Returns the number of violations of each module and executor, in the order of SeenViolation::module.
   [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint64_t>> counts() const;
-  /// The list `realtime_violations` of a device's report, with objects {module, hook, kind, what, count,
+  /// Returns the list `realtime_violations` of a device's report: objects {module, hook, kind, what, count,
   /// backtrace} in the order of their first occurrence. For an executor, `module` is empty and `executor` is
   /// its name.
   [[nodiscard]] nlohmann::ordered_json report(const model::Device& device) const;
@@ -52,7 +54,7 @@ class Violations {
  private:
   struct Seen {
     SeenViolation words;
-    std::size_t entry;  ///< its index in the violation log
+    std::size_t entry;  ///< index of the violation's entry in the violation log
   };
 
   [[nodiscard]] const channel::ViolationLog& log() const noexcept;
@@ -64,13 +66,13 @@ class Violations {
   std::string library_;
   Symbols symbols_;
   std::vector<Seen> seen_;
-  std::vector<bool> reported_;  ///< for each entry of the log, whether news() returned it
+  std::vector<bool> reported_;  ///< for each entry of the violation log, true if news() has read it
   std::uint32_t blind_reported_ = 0;
   bool dropped_reported_ = false;
 };
 
 /// Describes a violation, such as "malloc, an allocation, in fill() at x.cpp:3 in x.so, called by ...". Names
-/// the innermost calls, without those in the C and C++ libraries.
+/// the innermost calls outside the C and C++ libraries.
 std::string sentence_of(const SeenViolation& violation);
 
 }  // namespace takt::node

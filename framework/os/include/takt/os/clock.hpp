@@ -9,25 +9,32 @@
 
 namespace takt::os {
 
-/// The time of CLOCK_MONOTONIC, read through the vDSO. If the clock source is the TSC, this takes about 20 ns
-/// and no system call. Any thread may call it.
+/// Returns the time of CLOCK_MONOTONIC. If the clock source is the TSC, this takes about 20 ns and no system
+/// call, because the time is read through the vDSO. Any thread may call this, even a real-time thread.
 inline Instant now() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_MONOTONIC, &t);
   return from_ns(static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec);
 }
 
-/// The wall clock as nanoseconds since 1970 (UTC). The wall clock may be set.
+/// Returns the time of CLOCK_BOOTTIME, which also counts while the machine is suspended.
+inline Instant boot_time() noexcept {
+  timespec t{};
+  ::clock_gettime(CLOCK_BOOTTIME, &t);
+  return from_ns(static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec);
+}
+
+/// Returns the wall clock in nanoseconds since 1970 (UTC). The wall clock may jump, because it can be set.
 std::int64_t wall_ns() noexcept;
-/// The monotonic time at which the wall clock will show this time, provided that nobody sets the wall clock
-/// meanwhile. Accurate to about a microsecond, even on a busy machine.
+/// Returns the monotonic time at which the wall clock will show `wall_ns`, unless somebody sets the wall
+/// clock before then. Accurate to about a microsecond, even on a busy machine.
 Instant instant_of_wall(std::int64_t wall_ns) noexcept;
 
-/// Sleeps until an absolute time; signals do not end the sleep. Returns at once if the time has passed. One
+/// Sleeps until this time; signals do not end the sleep. Returns at once if the time has passed. Makes one
 /// system call.
 void sleep_until(Instant instant) noexcept;
 
-/// The real clock of an executor. Simulations and tests use other clocks.
+/// The machine's clock, as executors use it. Simulations and tests use other clocks.
 class MonotonicClock final : public Clock {
  public:
   Instant now() noexcept override { return os::now(); }

@@ -6,16 +6,17 @@
 
 namespace takt::os {
 
-/// Returns a glob() pattern that matches the core dumps of a process. `pattern` has the format of
-/// /proc/sys/kernel/core_pattern. Parts of it whose value is not known here become "*".
+/// Returns a glob() pattern that matches the core dumps of process `pid`, which `signal` has killed.
+/// `pattern` has the format of /proc/sys/kernel/core_pattern. Each part of the pattern whose value this
+/// function does not know becomes "*".
 std::string core_glob(std::string_view pattern, int pid, int signal);
 
 struct CoreDump {
   std::string file;  ///< path of the core dump; empty if none was found
-  std::string why;   ///< why none was found, for example "RLIMIT_CORE is 0"
+  std::string why;   ///< why there is no core dump, for example "RLIMIT_CORE is 0"
 };
-/// Finds the core dump of a child process that this signal has just killed. The child must have had the same
-/// resource limits and working folder as this process.
+/// Finds the core dump of the child process `pid`, which `signal` has just killed. The child must have had
+/// the same resource limits and working folder as this process.
 CoreDump find_core_dump(int pid, int signal);
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
-// The environment of a program: variables, arguments, inherited descriptors and resource limits, and the name
-// of its machine.
+// The environment of this process: variables, arguments, inherited file descriptors and resource limits, and
+// the name of its machine.
 #pragma once
 
 #include <cstddef>
@@ -11,41 +11,40 @@
 
 namespace takt::os {
 
-/// Takes over the descriptor whose number is in an environment variable. Removes the variable and marks the
-/// descriptor close-on-exec, so that programs that this program starts do not inherit it. The result is empty
-/// if there is no such descriptor.
+/// Takes over the file descriptor whose number is in an environment variable. Removes the variable, and marks
+/// the descriptor close-on-exec, so that child processes do not inherit it. The result is empty if there is
+/// no such variable or descriptor.
 Fd take_fd_from_environment(const char* name);
 
-/// Takes over a descriptor with a known number and marks it close-on-exec. The result is empty if no
-/// descriptor has this number.
+/// Takes over the file descriptor with this number, and marks it close-on-exec. The result is empty if no
+/// open descriptor has this number.
 Fd adopt_fd(int number);
 
-/// Returns and removes an environment variable; empty if it is not set.
+/// Returns the value of an environment variable, and removes the variable; empty if it is not set.
 std::string take_from_environment(const char* name);
 
-/// The value of an environment variable; empty if it is not set.
+/// Returns the value of an environment variable; empty if it is not set.
 std::string environment(const char* name);
-/// Sets an environment variable for this program and for programs that it starts. May be called only while
-/// this program has a single thread.
+/// Sets an environment variable for this process and for its later child processes. Call it only while this
+/// process has a single thread.
 void set_environment(const char* name, const std::string& value);
 
-/// The arguments of this program, without the program's name. May be called only after the C library has been
-/// initialized.
+/// Returns the arguments of this program, without the program's name.
 std::vector<std::string> program_arguments();
 
-/// The name of this machine.
+/// Returns the name of this machine; "localhost" if it cannot be read.
 std::string host_name();
 int process_id();
 /// Returns true if this program runs as root.
 bool is_root();
 
-/// Raises the limit of this process on open descriptors to the hard limit.
+/// Raises this process's limit on open file descriptors as far as the system allows (to the hard limit).
 void raise_descriptor_limit();
-/// Checks that this process can open this many additional descriptors, and fails if it cannot.
+/// Fails if this process cannot open this many file descriptors in addition to those that are open.
 Result<void> can_open(std::size_t descriptors);
 
-/// Identifies the time since this machine was booted; the id changes at each boot. CLOCK_MONOTONIC values are
-/// comparable only within one boot. Empty if the system does not provide the id.
+/// Returns an id that is different after each boot of this machine; empty if the system does not provide it.
+/// Times of CLOCK_MONOTONIC are comparable only if they have the same boot id.
 std::string boot_id();
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
 // Fibers: functions with their own stacks that take turns on one thread. A fiber runs until it hands over to
-// another fiber. So fibers never run in parallel, and the program decides which of them runs next.
+// another fiber. So fibers never run in parallel, and the code decides which fiber runs next.
 #pragma once
 
 #include <cstddef>
@@ -8,25 +8,24 @@
 
 namespace takt::os {
 
-/// A fiber. Fibers that hand over to each other must all belong to the same thread. Each switch of stacks is
-/// announced to the sanitizers.
+/// A fiber. Fibers that hand over to each other must belong to the same thread. If a sanitizer is active,
+/// each switch of stacks is reported to the sanitizer.
 class Fiber {
  public:
-  /// Creates a fiber for the code that the calling thread runs now, so that other fibers can hand over to
-  /// this code.
+  /// Makes the code that calls this constructor a fiber, so that other fibers can hand over to it.
   Fiber();
-  /// Creates a fiber that runs `body` when another fiber first hands over to it. `body` must not return and
-  /// must not throw; a fiber ends when no other fiber hands over to it again. The stack has at least
+  /// Creates a fiber, which begins to run `body` when another fiber first hands over to it. `body` must not
+  /// return and must not throw. To end the fiber, no longer hand over to it. The fiber's stack has at least
   /// `stack_bytes` bytes and a guard page at its end. Ends the process if there is no memory for the stack.
   Fiber(std::size_t stack_bytes, std::function<void()> body);
-  /// The fiber must not be running. The destructors of objects on its stack are not called.
+  /// Frees the stack, without calling the destructors of objects on it. The fiber must not be running.
   ~Fiber();
   Fiber(const Fiber&) = delete;
   Fiber& operator=(const Fiber&) = delete;
 
-  /// Stops this fiber and continues the other one where it stopped. This fiber continues when another fiber
-  /// hands over to it. Only this fiber itself may call this, while it runs, and not while it handles an
-  /// exception.
+  /// Stops this fiber, and continues `other` at the point where `other` stopped. This fiber continues when
+  /// another fiber hands over to it. Call this only from the code of this fiber, and not while this code
+  /// handles an exception.
   void hand_over_to(Fiber& other);
 
  private:

@@ -1,8 +1,8 @@
 // A file of fixed size whose parts are written in place. All its space is allocated in advance, so that a
 // later write cannot fail because the disk is full.
 //
-// The file is written with system calls and not through a memory mapping. So a disk error or a truncated file
-// makes a call fail and does not raise SIGBUS.
+// The file is written with system calls, not through a memory mapping. So after a disk error, or if the file
+// was truncated, a call fails; the process does not get SIGBUS.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@ namespace takt::os {
 
 class FixedFile {
  public:
-  /// Opens and locks the file. Creates the file and its folder if they do not exist. Fails while another
-  /// process has the file open through this function.
+  /// Opens the file, and locks it until this object is destroyed. Creates the file and its folder if they do
+  /// not exist. Fails while another process has the file open with this function.
   static Result<FixedFile> open(const std::string& path);
-  /// Allocates space for a file of this many bytes; new bytes are zero. Fails if the disk is full; then the
-  /// size of the file does not change.
+  /// Allocates disk space for a file of this many bytes. New bytes are zero. Fails if the disk is full, and
+  /// then leaves the size of the file unchanged.
   Result<void> reserve(std::size_t bytes);
   /// Reads the whole file. Fails if it has more than `most` bytes.
   [[nodiscard]] Result<std::string> read(std::size_t most) const;
-  /// Writes the bytes at this position. If the process is killed during the call, only the first part of them
-  /// may be written. After sync() has returned, the bytes survive a loss of power.
+  /// Writes `bytes` at position `at`. If the process is killed during the call, the file may contain only the
+  /// first part of `bytes`. After sync() has returned, the bytes survive a loss of power.
   Result<void> write(std::size_t at, std::string_view bytes);
-  /// Waits until everything that was written is stored on the disk.
+  /// Waits until all written bytes are stored on the disk.
   void sync() const noexcept;
-  /// Renames the file. Replaces an existing file with the new name.
+  /// Renames the file. A file that already has the new name is replaced.
   Result<void> rename(const std::string& path);
 
  private:

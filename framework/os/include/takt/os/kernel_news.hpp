@@ -8,14 +8,14 @@
 
 namespace takt::os {
 
-/// Returns the kernel's new log messages one by one.
+/// Returns new log messages of the kernel, one by one.
 class KernelNews {
  public:
-  /// Begins with the next message that the kernel logs. If this user may not read the log, next() never
+  /// Skips all messages that the kernel has already logged. If this user may not read the log, next() never
   /// returns a message.
   KernelNews();
 
-  /// Returns the next message, or none if there is no new one. Does not wait.
+  /// Returns the next message; none if the kernel has logged no new one. Does not wait.
   std::optional<std::string> next();
 
  private:

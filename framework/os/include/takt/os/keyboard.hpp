@@ -15,7 +15,7 @@ namespace takt::os {
 /// key at once instead of whole lines, and passes Ctrl-Z as a key. The destructor restores the terminal.
 class Keyboard {
  public:
-  // Keys that are not characters. Their values are larger than the value of any byte.
+  // The keys that next() returns and that are not characters. Their values are larger than any byte.
   static constexpr int kUp = 256;
   static constexpr int kDown = 257;
   static constexpr int kPageUp = 258;
@@ -35,12 +35,12 @@ class Keyboard {
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  /// Returns true if standard input and standard output are a terminal.
+  /// Returns true if both standard input and standard output are a terminal.
   static bool is_terminal();
 
-  /// Returns the next key: a byte of a character, or one of the keys above; none if no key was pressed. Skips
-  /// other special keys. Does not wait. Returns an escape only if no other byte follows it for a short time,
-  /// because most special keys begin with an escape.
+  /// Returns the next key: a byte of a character, or one of the constants above; none if no key was pressed.
+  /// Skips special keys without a constant. Does not wait. Most special keys begin with the byte ESC; so
+  /// kEscape is returned only if no other byte has followed it for 60 ms.
   std::optional<int> next();
   [[nodiscard]] Size size() const;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
@@ -53,12 +53,12 @@ class Keyboard {
   Instant typed_at_{};
 };
 
-/// Removes the first key from the typed bytes and returns it. Returns none if there are no bytes, or only the
-/// beginning of a key. If `whole` is true, no more bytes will follow, so an escape is a key by itself.
+/// Removes the first key from the bytes in `typed`, and returns it. Returns none if `typed` contains no key,
+/// or only the beginning of one. If `whole` is true, no more bytes will follow, so a single escape is a key.
 std::optional<int> take_key(std::string& typed, bool whole);
 
-/// The width in columns of the terminal on standard error; 0 if standard error is not a terminal, 80 if the
-/// width is not known.
+/// Returns the width in columns of the terminal on standard error; 0 if standard error is not a terminal, 80
+/// if the width is not known.
 std::size_t error_columns();
 
 }  // namespace takt::os

@@ -1,6 +1,7 @@
 // Loads shared objects at run time.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ class Library {
  public:
   enum class Globals {
     shared,  ///< loading the same file again gives the same object in memory
-    own,     ///< each load gets its own copy of all global variables
+    own,     ///< each load gives a new object with its own copy of all global variables
   };
 
   Library() = default;
@@ -24,29 +25,34 @@ class Library {
   /// Unloads the object, and runs the destructors of its global variables.
   ~Library();
 
-  /// Loads an object. If this fails, the problem contains the loader's reason. With `own`, also fails if the
-  /// object has symbols that the loader would share between copies (STB_GNU_UNIQUE, from inline variables and
-  /// templates of C++).
-  static Result<Library> open(const std::string& path, Globals globals);
+  /// Loads a shared object: the file at `path`, or, if given, the sealed copy of this file. If this fails,
+  /// the problem contains the loader's reason. With Globals::own, also fails if the object has symbols that
+  /// the loader would share between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
+  static Result<Library> open(const std::string& path, Globals globals, Fd copy = {});
 
-  /// Returns true if a file with this path, or the same file under another path, is already loaded. In that
-  /// case, open() with `shared` returns the loaded object, even if the path now names another file.
-  static bool is_loaded(const std::string& path) noexcept;
+  /// Returns true if the file at this path is already loaded, possibly under another path. Then open() with
+  /// Globals::shared returns the loaded object, even if a new file has replaced the one at this path.
+  static bool is_loaded(const std::string& path);
 
-  /// The address of a function or variable that this object itself defines; null if it does not define it.
-  /// Symbols of the libraries that the object is linked with are ignored. For example, the C library also
-  /// defines a function `error`.
+  /// Returns the address of a function or variable that this object itself defines; null if the object
+  /// defines none with this name. Ignores symbols of the libraries that the object is linked with; for
+  /// example, the C library also defines a function `error`.
   [[nodiscard]] void* own_symbol(const char* name) const noexcept;
 
-  /// Keeps the object loaded forever, because a thread may still run its code.
+  /// Prevents the destructor from unloading the object. Used if a thread may still run the object's code.
   void abandon() noexcept { handle_ = nullptr; }
 
  private:
+  std::shared_ptr<Fd> copy_;  // stays open, because its path is the name of the object
   void* handle_ = nullptr;
 };
 
-/// The address of a function with this name in any object that is loaded globally in this process; null if
-/// there is none.
+/// Returns the address of a function with this name in any object that is loaded globally in this process;
+/// null if there is none.
 void* loaded_function(const char* name) noexcept;
+/// Returns the address of the next function with this name in the search order of the loader, after the
+/// calling program or library; null if there is none. In this way, a library that replaces a function of
+/// another library finds the original function.
+void* next_function(const char* name) noexcept;
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
-// A connection between a program and the program that started it. It delivers whole messages in order, and
-// detects when the other end has been closed.
+// A connection between a process and its parent process. It delivers whole messages in order, and detects
+// when the other end has been closed.
 #pragma once
 
 #include <optional>
@@ -19,15 +19,16 @@ class MessageSocket {
   /// Creates two ends that are connected to each other.
   static Result<std::pair<MessageSocket, MessageSocket>> pair();
 
-  /// Sends as many bytes as the other end accepts now, and keeps the rest for flush(). Never waits. Returns
-  /// false if the other end is closed.
+  /// Sends as many bytes of the message as the other end accepts now, and keeps the rest for flush(). Never
+  /// waits. Returns false if the other end is closed.
   bool send(const std::string& message);
   /// Continues to send the bytes that send() kept. Returns false if the other end is closed.
   bool flush();
-  /// Like send(), but waits until the other end has accepted all bytes.
+  /// Sends the message, and waits until the other end has accepted all bytes. Returns false if the other end
+  /// is closed.
   bool send_wait(const std::string& message);
-  /// Returns the next message if it has arrived completely, otherwise none. Does not wait. Sets closed() if
-  /// the other end is closed.
+  /// Returns the next message if it has arrived completely, otherwise none. Does not wait. If the other end
+  /// is closed, closed() returns true after this call.
   std::optional<std::string> receive();
   /// Waits for the next message. Returns none if the other end is closed.
   std::optional<std::string> receive_wait();

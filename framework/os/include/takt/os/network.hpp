@@ -8,9 +8,9 @@
 
 namespace takt::os {
 
-/// The IPv4 addresses of the network interfaces that are up and connected, in the system's order, for example
-/// "127.0.0.1" and "10.0.0.7". Fails if a system call fails, for example because this process cannot open
-/// another descriptor.
+/// Returns the IPv4 addresses of the network interfaces that are up and connected, in the system's order, for
+/// example "127.0.0.1" and "10.0.0.7". Fails if a system call fails, for example because this process cannot
+/// open another file descriptor.
 Result<std::vector<std::string>> ipv4_addresses();
 
 /// Converts a host name or an address to an IPv4 address. May wait for the name service. Fails if the host

@@ -1,4 +1,4 @@
-// Starts, watches and ends other programs.
+// Starts, watches and ends child processes.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ namespace takt::os {
 /// How a process ended.
 struct ProcessEnd {
   bool signalled = false;
-  int code = 0;  ///< number of the signal, or exit status
+  int code = 0;  ///< number of the signal if `signalled`, otherwise the exit status
 
   /// Describes the end, for example "ended with status 3" or "was killed by SIGSEGV (Segmentation fault)".
   [[nodiscard]] std::string text() const;
@@ -25,23 +25,35 @@ struct ProcessEnd {
 /// Describes a signal, for example "SIGSEGV (Segmentation fault)".
 std::string signal_text(int signal);
 
-/// SIGTERM and SIGKILL, for code that may not include Linux headers.
+/// The numbers of SIGTERM and SIGKILL, for code that may not include Linux headers.
 extern const int kTerminate;
 extern const int kKill;
 
 struct SpawnOptions {
-  std::string program{};                 ///< path of the program; PATH is not searched
+  std::string program{};  ///< path of the program; PATH is not searched
+  /// A file to execute instead of the file `program`; null: none. The new program still gets `program` as its
+  /// name (argv[0]). If the file is a script, its interpreter inherits this descriptor and reads the script
+  /// from it.
+  const Fd* copy = nullptr;
   std::vector<std::string> arguments{};  ///< arguments, without the program's name
-  std::vector<std::pair<std::string, std::string>> environment{};  ///< variables that are added to the
-                                                                   ///< environment of this process
-  std::vector<const Fd*> inherit{};  ///< descriptors that the program inherits, with the same numbers
-  bool capture_output = false;       ///< if true, standard output and error can be read through pipes
-  bool new_group = true;             ///< if true, Ctrl-C in the terminal does not reach the program
-  bool dies_with_parent = true;  ///< if true, the kernel kills the program when the thread that started it
-                                 ///< ends
+  /// Variables that the program gets in addition to those of this process.
+  std::vector<std::pair<std::string, std::string>> environment{};
+  /// The only file descriptors, besides standard input, output and error, that the program inherits. They
+  /// keep their numbers.
+  std::vector<const Fd*> inherit{};
+  /// True: the parent reads the program's output from Child::output and Child::error.
+  bool capture_output = false;
+  bool new_group = true;  ///< true: Ctrl-C in the terminal does not reach the program
+  /// True: the kernel kills the program when the thread that started it ends.
+  bool dies_with_parent = true;
 };
 
-/// A child process. If the child still runs, the destructor kills it and waits for its end.
+/// A child process. If it still runs, the destructor kills it and waits for its end.
+///
+/// poll() reports the end of a child before it reaps the child, because reaping can take seconds: the kernel
+/// waits in a busy loop if the last thread of the child has not quite ended and has no CPU. A later call of
+/// poll() or the destructor reaps the child, even if another child was assigned to this object in the
+/// meantime.
 class Child {
  public:
   Child() = default;
@@ -51,41 +63,48 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child();
 
-  /// Starts a program. Fails with the reason if the program cannot be executed; then no process remains. The
-  /// other threads of the caller must not hold locks.
+  /// Starts a program as a child process. Fails with the reason if the program cannot be executed; then no
+  /// process remains. Other threads of this process may run during the call.
   static Result<Child> spawn(const SpawnOptions& options);
 
   [[nodiscard]] int pid() const noexcept { return pid_; }
   [[nodiscard]] bool running() const noexcept { return pid_ > 0; }
-  /// Returns how the child ended; none while it still runs. Returns the end only once, because this call
-  /// reaps the child.
+  /// Returns how the child ended; none while it still runs. Returns the end only once, and none after that.
   std::optional<ProcessEnd> poll() noexcept;
   /// Waits until the child has ended, and returns how it ended.
   ProcessEnd wait() noexcept;
   /// Sends a signal to the child. Does nothing if the child has ended.
   void signal(int number) const noexcept;
+  /// Sends a signal to one thread of the child. Does nothing if the child or the thread has ended.
+  void signal_thread(int thread, int number) const noexcept;
 
-  Fd output;  ///< the child's standard output, non-blocking; only with capture_output
+  Fd output;  ///< the child's standard output, which is read without waiting; only with capture_output
   Fd error;
 
  private:
+  void reap() noexcept;
+
   int pid_ = 0;
+  int zombie_ = 0;  // PID of a child that has ended but is not reaped yet
+  Instant reap_at_{};
 };
 
-/// Reads the bytes that are available, without waiting; empty if there are none. Sets `end` to true if no
+/// Returns the bytes that have arrived, without waiting; empty if there are none. Sets `end` to true if no
 /// more bytes will follow.
 std::string read_available(const Fd& fd, bool* end);
 
-/// Runs `work` in a child process and returns its result, so that a crash or a hang of foreign code affects
-/// only the child. If this fails, the message begins with `what`. The caller must have only one thread.
+/// Runs `work` in a child process and returns the result of `work`. So a crash or a hang of foreign code
+/// affects only the child. Fails if the child crashes or does not end within `limit`; the message begins with
+/// `what`. The calling process must have only one thread.
 Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work,
                              Nanoseconds limit);
 
-/// The folder that contains this program's file.
+/// Returns the folder that contains the file of the running program.
 std::string program_directory();
 
-/// The folder of Takt's internal files (takt-host, libtakt_check.so). In an installation it is the folder
-/// that was configured at build time, relative to this program. Otherwise it is the folder of this program.
+/// Returns the folder of Takt's internal files (takt-host, libtakt_check.so). In an installation, the path
+/// from program_directory() to this folder was set at build time. Otherwise this folder is
+/// program_directory().
 std::string private_directory();
 
 }  // namespace takt::os

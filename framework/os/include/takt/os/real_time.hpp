@@ -12,7 +12,7 @@
 
 namespace takt::os {
 
-/// The CPUs on which this process may run, in ascending order.
+/// Returns the CPUs on which the calling thread may run, in ascending order.
 std::vector<int> allowed_cpus();
 
 /// Returns true if the calling thread has priority over all ordinary threads (SCHED_FIFO, SCHED_RR or
@@ -31,8 +31,8 @@ Result<void> pin(int tid, const std::vector<int>& cpus);
 /// Locks all present and future memory of this process in RAM, and makes the heap keep freed pages.
 Result<void> lock_memory();
 
-/// Keeps the CPUs out of deep idle states while this object exists, by holding /dev/cpu_dma_latency at 0.
-/// held() is false if that device does not exist or cannot be opened.
+/// Keeps the CPUs out of deep idle states while this object exists, by holding /dev/cpu_dma_latency open with
+/// the value 0. held() is false if this device file cannot be opened.
 class NoDeepIdle {
  public:
   NoDeepIdle();
@@ -42,25 +42,27 @@ class NoDeepIdle {
   Fd fd_;
 };
 
-/// Succeeds if a thread of this process may have SCHED_FIFO. Tries it on a new thread.
+/// Succeeds if a thread of this process may have SCHED_FIFO. Starts a thread to try it.
 Result<void> may_have_priority();
-/// Succeeds if this process may lock all memory that it will ever have. A limit above its present memory is
-/// not enough.
+/// Succeeds if this process may lock all its present and future memory. A memlock limit does not suffice for
+/// this, even if it is above the present memory of the process.
 Result<void> may_lock_memory();
-/// Checks both of the above. If this fails, the problems state the reasons and what to do.
+/// Succeeds if may_have_priority() and may_lock_memory() succeed. Otherwise, the problems state the reasons
+/// and what to do.
 Result<void> may_be_real_time();
 
-/// The kernel's id of the calling thread.
+/// Returns the kernel's id of the calling thread.
 int thread_id() noexcept;
 
 /// A thread with a stack of fixed size, whose pages are in memory before the thread's body runs.
 class Thread {
  public:
   struct Options {
-    std::string name;               ///< name of the thread; Linux shows at most 15 bytes of it
-    std::optional<int> priority{};  ///< priority for SCHED_FIFO; none: the policy of the thread that creates
-                                    ///< it
-    std::vector<int> cpus{};        ///< empty: the CPUs of the thread that creates it
+    std::string name;  ///< name of the thread; Linux shows at most 15 bytes of it
+    /// The priority for SCHED_FIFO. If it is absent, the thread has the policy of its creating thread.
+    std::optional<int> priority{};
+    /// The CPUs on which the thread may run. If the list is empty, these are the CPUs of its creating thread.
+    std::vector<int> cpus{};
     std::size_t stack_bytes = 512 * 1024;
   };
 
@@ -72,12 +74,13 @@ class Thread {
   /// Waits until the thread has ended.
   ~Thread();
 
-  /// Runs `body` in a new thread. If the system denies the priority or the CPU, the thread runs without it,
-  /// and the reason is added to `refused`. Fails only if the thread cannot be created.
+  /// Starts a thread that runs `body`. If the system denies the priority or the CPU, the thread runs without
+  /// it, and the reason is added to `*refused` (`refused` may be null). Fails only if the thread cannot be
+  /// created.
   static Result<Thread> start(const Options& options, std::function<void()> body, Problems* refused);
 
   void join();
-  /// Detaches a thread that never ends, so that the destructor does not wait for it.
+  /// Detaches a thread that may never end, so that the destructor does not wait for it.
   void detach();
   [[nodiscard]] bool running() const noexcept { return started_; }
 

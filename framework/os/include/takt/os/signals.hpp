@@ -1,4 +1,4 @@
-// Receives signals through a descriptor, and handles crashes of threads.
+// Receives signals through a file descriptor, and handles crashes of threads.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace takt::os {
 
-/// A queue of the signals that ask a program to end (SIGINT, SIGTERM, SIGHUP). These signals are blocked for
-/// this thread and for threads that it starts later.
+/// A queue of the signals that ask a process to end (SIGINT, SIGTERM, SIGHUP). Creating the queue blocks
+/// these signals for the calling thread and for threads that this thread starts later.
 class SignalQueue {
  public:
   static Result<SignalQueue> of_requests_to_end();
-  /// Returns the next signal, or none if no signal has arrived. Does not wait.
+  /// Returns the next signal; none if no further signal has arrived. Does not wait.
   std::optional<int> next() const;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
 
@@ -24,33 +24,40 @@ class SignalQueue {
   Fd fd_;
 };
 
-/// After this call, a write to a pipe without a reader fails and no longer ends this program. Programs that
-/// this program starts keep the default behaviour.
+/// After this call, a write to a pipe without a reader fails, and no longer ends this process. Child
+/// processes keep the default behaviour.
 void survive_broken_pipes();
 
-/// Waits up to `limit_ms` until one of the descriptors can be read or its other end has been closed. Returns
-/// false if the time runs out first.
+/// Waits until one of the file descriptors can be read or its other end has been closed, but at most
+/// `limit_ms` ms. Returns false if this limit has passed.
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
 
-/// A function that is called when a thread crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT). It runs in the
-/// crashed thread, on a separate stack. After it, the process ends by the same signal. `at` is the address of
-/// the crash. The function must be async-signal-safe. If it crashes itself, it is called again, but only once
-/// for each signal.
-using CrashHandler = void (*)(int signal, std::uintptr_t at) noexcept;
-/// Installs the handler. Allocates memory, because it loads the library that walk_stack() needs.
+/// The signal that a supervisor sends to a thread that hangs. The thread calls the CrashHandler, and the
+/// process then ends without a core dump. Nothing else sends this signal.
+extern const int kHangSignal;
+
+/// A function that is called on a thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT) or that gets
+/// kHangSignal. See prepare_crash_stack() for its stack. When the function returns, the process ends by the
+/// same signal. `at` is the address of the code that crashed. The function must be async-signal-safe. If the
+/// function itself crashes, it is called again, but only once for each of the signals. If an exception ends
+/// the process (see std::terminate()), the function is called with SIGABRT and the text of the exception, and
+/// then again with SIGABRT. In all other calls, `exception` is null.
+using CrashHandler = void (*)(int signal, std::uintptr_t at, const char* exception) noexcept;
+/// Sets the function that is called at a crash. Not for real-time threads: on_crash() allocates memory,
+/// because it loads the library that walk_stack() needs.
 void on_crash(CrashHandler handler);
 
-/// An address in the code of a loaded file.
+/// An address in the code of the program or of a shared object.
 struct CodeAt {
-  std::uintptr_t address;  ///< relative to the start of the file
-  const char* object;      ///< path of the file; empty for the program itself
+  std::uintptr_t address;  ///< relative to the load address of `object`
+  const char* object;      ///< path of the shared object; empty for the program itself
 };
-/// For a CrashHandler: passes the addresses of the calls that led to the crash to `found`, innermost call
-/// first, at most `most` of them. If the stack is corrupt, this may cause another crash.
+/// Calls `found` with the code address of each call that led to the crash, innermost call first, for at most
+/// `most` calls. Only a CrashHandler may use this. If the stack is corrupt, this may cause another crash.
 void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept;
 
-/// Gives the calling thread a separate stack for the handler, so that a stack overflow can be handled, too.
-/// The separate stack exists until the thread ends.
+/// Gives the calling thread a separate stack for the CrashHandler, so that the handler can also run after a
+/// stack overflow. The separate stack exists until the thread ends.
 void prepare_crash_stack();
 
 }  // namespace takt::os

@@ -1,5 +1,5 @@
-// Checks whether the system allows a program what it needs for real time, and measures how late the system
-// wakes a thread.
+// Tests whether the system gives a program the rights that it needs for real time, and measures how late the
+// system wakes a thread.
 #pragma once
 
 #include <cstddef>
@@ -18,29 +18,29 @@ struct WakeUps {
   Nanoseconds p99{};
   Nanoseconds max{};
 };
-/// Computes the statistics of the given delays. Pure function.
+/// Computes the statistics of these delays.
 WakeUps wake_ups_of(std::vector<Nanoseconds> delays);
 
-/// Measures the delays of a new thread that sleeps `count` times for `pause` each. The thread runs on the
-/// highest CPU that this process may use. If the system allows it, the thread has SCHED_FIFO, and the CPUs
-/// are kept out of deep idle states. Takes a little longer than count x pause.
+/// Starts a thread that sleeps `count` times for `pause` each, and measures how late it wakes up. The thread
+/// runs on the CPU with the highest number that this process may use. If the system allows it, the thread has
+/// SCHED_FIFO, and the CPUs are kept out of deep idle states. Takes a little longer than count x pause.
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause);
 
 struct Trial {
-  Result<void> priority;   ///< SCHED_FIFO
-  Result<void> locking;    ///< whether mlockall() can lock present and future memory
-  Result<void> idle_held;  ///< /dev/cpu_dma_latency
+  Result<void> priority;   ///< success if SCHED_FIFO is granted
+  Result<void> locking;    ///< success if mlockall() can lock present and future memory
+  Result<void> idle_held;  ///< success if /dev/cpu_dma_latency can be opened
   Nanoseconds timer_resolution{};
   WakeUps wake_ups;
-  std::optional<double> stolen_share{};  ///< share of the CPU time that the host of this virtual machine took
-                                         ///< during the trial, 0 to 1
+  std::optional<double> stolen_share{};  ///< share of the CPU time that the hypervisor of this virtual
+                                         ///< machine took during the trial, 0 to 1
 };
-/// Runs all trials. Each one runs in its own thread or process, which ends with the trial. Most of the time,
-/// which is about `moment`, is spent on the wake-ups. The caller must have only one thread.
+/// Runs all trials. Each trial runs in its own thread or process, which ends with the trial. All trials
+/// together take about `moment`, mostly for the wake-ups. The calling process must have only one thread.
 Trial try_machine(Nanoseconds moment);
 
-/// The resolution of timers: 1 ns for high-resolution timers, otherwise one tick of the kernel, which is
-/// several milliseconds long. Any thread may call this.
+/// Returns the resolution of timers: 1 ns for high-resolution timers, otherwise one tick of the kernel, which
+/// lasts several milliseconds. Any thread may call this.
 Nanoseconds timer_resolution() noexcept;
 
 }  // namespace takt::os

@@ -1,7 +1,7 @@
 // Lets a thread wait until a given time. The delay of a wake-up from sleep is the largest timing error of a
-// control loop: tens of microseconds in a virtual machine, several on bare metal. So the thread sleeps until
-// shortly before that time, and then spins. The time between the end of the sleep and the given time is
-// called the margin.
+// control loop: tens of microseconds in a virtual machine, a few microseconds on a physical machine. So the
+// thread sleeps until shortly before the given time, and then spins. The time from the planned end of the
+// sleep to the given time is called the margin.
 #pragma once
 
 #include <atomic>
@@ -12,13 +12,13 @@
 
 namespace takt::os {
 
-/// Chooses the margin. It follows the 99th percentile of the observed wake-up delays. Reads no clock.
+/// Chooses the margin. The margin follows the 99th percentile of the observed wake-up delays. Reads no clock.
 class WakeMargin {
  public:
-  /// The margin begins at its maximum `cap`, so that the first wake-ups are early rather than late.
+  /// The margin begins at its maximum `cap`, so that the first waits end in time.
   explicit WakeMargin(Nanoseconds cap) noexcept : cap_ns_(cap.count()), margin_ns_(cap.count()) {}
 
-  /// Records the delay between the requested and the actual end of a sleep.
+  /// Records how much later than planned a sleep ended.
   void observe(Nanoseconds delay) noexcept;
   [[nodiscard]] Nanoseconds value() const noexcept { return Nanoseconds{margin_ns_}; }
 
@@ -27,27 +27,27 @@ class WakeMargin {
   std::int64_t margin_ns_;
 };
 
-/// The maximum margin for a period: the given share of the period (0 to 1), but at most 100 us.
+/// Returns the maximum margin for a period: `share` (0 to 1) of the period, but at most 100 us.
 Nanoseconds margin_cap(Nanoseconds period, double share) noexcept;
 
 /// Waits for releases with one of three strategies:
 /// - `sleep` sleeps until the release,
 /// - `hybrid` sleeps until shortly before the release, then spins,
-/// - `spin` never sleeps and uses a whole CPU; unless it is off, the kernel's throttling interrupts it.
+/// - `spin` never sleeps and uses a whole CPU; the kernel's throttling, if it is on, interrupts the thread.
 class Waker {
  public:
-  /// If `stop` becomes non-zero, a wait ends early. The thread that sets `stop` must then call futex_wake().
-  /// `cap` is the maximum margin, see margin_cap(); the strategy `sleep` does not use it.
+  /// If another thread sets `stop` to a value other than 0 and then calls futex_wake() on it, a wait ends
+  /// early. `cap` is the maximum margin, see margin_cap(); the strategy `sleep` does not use it.
   Waker(model::Wakeup strategy, Nanoseconds cap, const std::atomic<std::uint32_t>& stop) noexcept
       : strategy_(strategy), stop_(stop), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : cap) {}
 
-  /// Waits until `release`, or until `stop` ends the wait. Returns at once if `release` has passed. Returns
-  /// the time at which the wait ended. Makes at most one system call, for the sleep; real-time threads may
-  /// call this.
+  /// Waits until `release`, or until `stop` ends the wait. Returns the time at which the wait ended. Returns
+  /// at once if `release` has passed. Real-time threads may call this; it makes at most one system call, for
+  /// the sleep.
   Instant wait_until(Instant release) noexcept;
 
-  /// The current margin; 0 for `sleep`, and without meaning for `spin`. Only the waiting thread may call
-  /// this.
+  /// Returns the present margin. It is 0 for `sleep`, and has no meaning for `spin`. Only the waiting thread
+  /// may call this function.
   [[nodiscard]] Nanoseconds margin() const noexcept { return margin_.value(); }
 
  private:

@@ -12,7 +12,8 @@
 
 namespace takt::recording {
 
-/// The value of one column in one sample. The value is missing if the sequence in the sample is too short.
+/// The value of one column in one sample. The value is missing if the sequence in the sample has too few
+/// elements.
 struct Value {
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> is{};
   /// The number of an enumerator; `is` holds its name.
@@ -43,9 +44,10 @@ class Columns {
 
   [[nodiscard]] const std::vector<Column>& all() const { return columns_; }
   [[nodiscard]] bool cut() const { return cut_; }
-  /// Whether every sample has values for all columns. This is so if the type has no sequence.
+  /// True if every sample has values for all columns, because the type contains no sequence.
   [[nodiscard]] bool fixed() const { return fixed_; }
-  /// The columns of the field with this name, with its subfields and elements; all columns for an empty name.
+  /// Returns the indices of the columns of this field, of its subfields and of its elements. If `name` is
+  /// empty, returns the indices of all columns.
   [[nodiscard]] std::vector<std::size_t> named(const std::string& name) const;
   /// All field names that named() accepts.
   [[nodiscard]] std::vector<std::string> fields() const;

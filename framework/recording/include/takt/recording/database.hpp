@@ -17,7 +17,8 @@ namespace takt::recording {
 
 enum class Access { read, append, create };
 
-/// One open file. One thread at a time may use it. Every error names the file and says what to do.
+/// One open SQLite file. Only one thread at a time may use this object. Every error names the file and states
+/// what to do.
 class Database {
  public:
   /// Opens a file. With Access::create the file must not exist; with other kinds of access it must exist.
@@ -47,17 +48,17 @@ class Database {
   std::unique_ptr<sqlite3, Close> open_;
 };
 
-/// A prepared statement. The database must outlive it.
+/// A prepared statement. The database must outlive the statement.
 class Statement {
  public:
   static Result<Statement> prepare(Database& database, const std::string& sql);
 
-  /// Binds a parameter until reset(). The first parameter has place 1. Text and bytes must exist until
-  /// reset().
+  /// Sets a parameter of the statement. The first parameter has place 1. Text and bytes must stay in memory
+  /// until reset().
   void bind(int place, std::int64_t value);
   void bind(int place, std::string_view text);
   void bind(int place, const std::byte* bytes, std::size_t size);
-  /// Goes to the next row. Returns false if there is none.
+  /// Runs the statement up to its next row. Returns false if there is no further row.
   Result<bool> step();
   void reset();
 

@@ -1,4 +1,4 @@
-// Reads a recording, even if its recorder was killed or is still writing it.
+// Reads a recording, even if its recorder was killed or is still writing the recording.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +19,13 @@ namespace takt::recording {
 struct PortOfRecording : RecordedPort {
   std::int64_t id = 0;
   std::uint64_t samples = 0;
-  std::int64_t first_ns = 0;  ///< time of the port's first sample, since 1970; 0 if there is none
+  std::int64_t first_ns = 0;  ///< time of the port's first sample, in ns since 1970; 0 if there is none
   std::int64_t last_ns = 0;
 };
 
 struct RecordedSample {
   const PortOfRecording* port = nullptr;
-  std::int64_t time_ns = 0;  ///< since 1970
+  std::int64_t time_ns = 0;  ///< time of the sample, in ns since 1970
   const std::byte* bytes = nullptr;
   std::size_t size = 0;
 };
@@ -37,7 +37,7 @@ struct Selection {
   std::int64_t to_ns = std::numeric_limits<std::int64_t>::max();
 };
 
-/// An open recording. One thread at a time may use it.
+/// An open recording. Only one thread at a time may use this object.
 class Recording {
  public:
   /// Opens a recording. Fails if the file is not a recording, or if its ports cannot be read.

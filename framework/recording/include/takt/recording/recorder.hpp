@@ -12,19 +12,21 @@
 namespace takt::recording {
 
 struct RecordOptions {
-  std::string who = "takt record";  ///< the beginning of each line on standard error
-  std::vector<std::string> ports;   ///< names DEVICE.MODULE.PORT, in which * stands for any characters
+  std::string who = "takt record";  ///< text at the beginning of each line on standard error
+  std::vector<std::string> ports;   ///< names of the form DEVICE.MODULE.PORT, in which * stands for any
+                                    ///< characters
   RecordingOptions recording;
-  std::optional<double> seconds;  ///< how long to record; without a value, until SIGINT or SIGTERM
+  std::optional<double> seconds;  ///< duration of the recording, in s; without a value, record() ends at
+                                  ///< SIGINT or SIGTERM
   client::Network network;
-  /// Receives the progress once a second, and an empty text before any other output. An empty function is
-  /// allowed.
+  /// Called once a second with a text about the progress, and with an empty text before any other output.
+  /// This function may be empty.
   std::function<void(const std::string&)> progress{};
 };
 
-/// Records ports. Reports on standard error which ports it records and for which ports it waits. At the end
-/// it reports the content of the file. Returns the exit status, which is 1 if the file cannot be created, if
-/// not all samples could be written, or if no port ever appeared.
+/// Records ports. Reports on standard error which ports it records, and for which ports it waits. At the end,
+/// reports the content of the file. Returns the exit status, which is 1 if the file cannot be created, if not
+/// all samples could be written, or if no port was recorded.
 int record(const RecordOptions& options);
 
 }  // namespace takt::recording

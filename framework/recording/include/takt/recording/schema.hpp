@@ -7,14 +7,14 @@
 
 namespace takt::recording {
 
-/// The value of PRAGMA application_id, which is "TAKT", and of PRAGMA user_version, the version of these
-/// tables.
+/// The values of PRAGMA application_id ("TAKT" in ASCII) and of PRAGMA user_version (the version of these
+/// tables).
 inline constexpr int kRecordingId = 0x54414B54;
 inline constexpr int kRecordingVersion = 1;
 
 /// The tables. Samples are numbered without gaps in the order in which they arrived; the oldest samples may
-/// have been dropped. There is no index on the time of samples, because samples arrive nearly in this order
-/// and an index takes a third of the space.
+/// have been dropped. There is no index on the time of samples: samples arrive nearly in the order of their
+/// times, and the index would take a third of the space.
 inline constexpr const char* kSchema = R"(
 CREATE TABLE meta(name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE port(
@@ -31,7 +31,7 @@ CREATE TABLE sample(
   bytes BLOB NOT NULL);        -- XCDR1 with its encapsulation
 )";
 
-/// A recorded port. If its type changes, it counts as another port.
+/// A recorded port. If the topic, the reliability or the type of a port changes, it counts as another port.
 struct RecordedPort {
   std::string path;
   std::string topic;

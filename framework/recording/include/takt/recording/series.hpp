@@ -1,8 +1,8 @@
 // Reduces any number of samples to a curve with no more points than a picture can show.
 //
-// Omitting samples would lose peaks, and mean values would show values that never occurred. So for each
-// column of pixels, the first, last, least and largest values are kept. A line through these values covers
-// the same pixels as a line through all samples.
+// To omit samples would lose peaks, and mean values would show values that never occurred. So for each column
+// of pixels, the first, last, least and largest values are kept. A line through these values covers the same
+// pixels as a line through all samples.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct SeriesPoint {
   bool operator==(const SeriesPoint&) const = default;
 };
 
-/// Returns the longest time between two samples that does not count as a gap. It is ten times the median time
+/// Returns the longest time between two samples that does not count as a gap: ten times the median time
 /// between samples, but at least `least`.
 std::int64_t longest_pause(std::vector<std::int64_t> times_ns, std::int64_t least);
 
@@ -28,11 +28,11 @@ class Series {
     std::int64_t first_ns = 0;
     std::int64_t last_ns = 0;
   };
-  /// A pause longer than `longest_pause_ns` begins a new curve.
+  /// Begins a new curve after each pause between samples that is longer than `longest_pause_ns`.
   Series(Range range, std::size_t columns, std::int64_t longest_pause_ns);
 
   /// Adds a sample. Samples must be added in the order of their times: a sample that is earlier than the
-  /// previous sample is ignored, and so is a value that is not finite.
+  /// previous sample is ignored. A value that is not finite is also ignored.
   void add(std::int64_t time_ns, double value);
 
   /// The connected parts of the curve, each with at most four points per column.
@@ -45,7 +45,7 @@ class Series {
  private:
   struct Bucket {
     std::size_t column = 0;
-    bool begins = false;  ///< whether a new curve begins here
+    bool begins = false;  ///< true if a new curve begins with this bucket
     SeriesPoint first, last, low, high;
   };
 

@@ -1,5 +1,5 @@
 // Writes samples to a recording. Threads that receive samples must not wait for the disk, so the samples go
-// through a bounded queue to the writer's own thread. The size of the file is limited too.
+// through a bounded queue to the writer's own thread. RecordingOptions limit the size of the file.
 #pragma once
 
 #include <condition_variable>
@@ -29,21 +29,24 @@ inline constexpr std::uint64_t kLeastRecording = 1'000'000;  ///< the smallest s
 
 struct RecordingOptions {
   std::string file;
-  bool append = false;                      ///< append to an existing recording
-  /// Limit of the space on the disk, including SQLite's auxiliary files; 0 for no limit.
+  bool append = false;  ///< true: add the samples to the recording if the file exists
+  /// Limit of the disk space, including that of SQLite's auxiliary files; 0 for no limit.
   std::uint64_t max_bytes = 1'000'000'000;
   Full full = Full::stop;
-  Nanoseconds flush = std::chrono::milliseconds{500};       ///< the longest wait of a sample in the queue
-  std::size_t queue_bytes = std::size_t{64} * 1024 * 1024;  ///< limit of the memory for waiting samples
+  Nanoseconds flush = std::chrono::milliseconds{500};       ///< the longest time that a sample waits in the
+                                                            ///< queue
+  std::size_t queue_bytes = std::size_t{64} * 1024 * 1024;  ///< limit of the memory for samples in the queue
 };
 
 struct RecordingHealth {
   std::uint64_t samples = 0;         ///< number of written samples
-  std::uint64_t lost = 0;            ///< samples lost because the queue was full or the disk failed
-  std::uint64_t dropped = 0;         ///< oldest samples deleted so that new ones fit below the limit
+  std::uint64_t lost = 0;            ///< number of samples lost because the queue was full or the disk failed
+  std::uint64_t dropped = 0;         ///< number of old samples deleted so that new ones fit below the limit
   std::uint64_t bytes = 0;           ///< space used on the disk
-  bool full = false;                 ///< the file has reached its limit, and nothing more is written
-  std::optional<Problem> trouble{};  ///< why the writer cannot write at present; empty if it can
+  bool full = false;                 ///< true if the file has reached its limit; then the writer writes no
+                                     ///< more samples
+  std::optional<Problem> trouble{};  ///< the reason why the writer cannot write at present; empty if it can
+                                     ///< write
 };
 
 class RecordingWriter {
@@ -56,26 +59,26 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// Adds a port and returns its number for add(). Adding the same port again returns the same number. `cell`
-  /// becomes the recording's cell if the recording has none yet. Any thread may call this.
+  /// Adds a port and returns its number for add(). If the same port is added again, returns the same number.
+  /// `cell` becomes the recording's cell if the recording has none yet. Any thread may call add_port().
   std::int64_t add_port(const RecordedPort& port, const std::string& cell = {});
-  /// Adds a copy of the sample to the queue; never waits for the disk. Any thread may call this, also threads
-  /// of Fast DDS.
+  /// Adds a copy of the sample to the queue; never waits for the disk. Any thread may call add(), including
+  /// threads of Fast DDS.
   void add(std::int64_t port, std::int64_t time_ns, const std::byte* bytes, std::size_t size);
 
   [[nodiscard]] RecordingHealth health() const;
   /// The number of written samples of each port.
   [[nodiscard]] std::map<std::int64_t, std::uint64_t> counts() const;
 
-  /// Writes the waiting samples, and removes SQLite's auxiliary files. Afterwards no samples are accepted.
-  /// Fails if not all samples could be written.
+  /// Writes the waiting samples, and removes SQLite's auxiliary files. After this call, the writer accepts no
+  /// samples. Fails if not all samples could be written.
   Result<void> finish();
 
  private:
   struct Waiting {
     std::int64_t port;
     std::int64_t time_ns;
-    std::size_t size;  ///< number of bytes; the bytes of all samples are in Batch::bytes
+    std::size_t size;  ///< number of bytes; Batch::bytes contains the bytes of all samples
   };
   struct NewPort {
     std::int64_t id;
@@ -97,8 +100,8 @@ class RecordingWriter {
   Result<void> write(Batch& batch);
   Result<void> write_ports(const Batch& batch);
   Result<std::size_t> write_samples(const Batch& batch, std::size_t first, std::size_t offset);
-  /// Ensures that `bytes` more fit below the size limit, and deletes the oldest samples if necessary and
-  /// allowed. Returns false if the file is full.
+  /// Makes sure that `bytes` more bytes fit below the size limit. If necessary and allowed, deletes the
+  /// oldest samples for this. Returns false if the file is full.
   Result<bool> make_room(std::uint64_t bytes);
   Result<std::uint64_t> used();
   Result<void> checkpoint();

@@ -14,19 +14,19 @@ namespace takt::schedule {
 /// The plan of one executor. Modules are given as indices into model::Device::modules.
 struct ExecutorPlan {
   std::uint32_t executor = 0;  ///< index into model::Device::executors
-  Nanoseconds basic_period{};  ///< 0 if the executor has no modules; if it has only sporadic modules, see
-                               ///< rows()
+  Nanoseconds basic_period{};  ///< 0 if the executor has no modules; see rows() if it has only sporadic
+                               ///< modules
   Nanoseconds macro_period{};
   Table table;                          ///< rows of indices into `periodic`
   std::vector<std::uint32_t> periodic;  ///< the periodic modules, in the order of the descriptor
-  std::vector<Nanoseconds> offsets;     ///< the first release of each periodic module, as time from T0
+  std::vector<Nanoseconds> offsets;     ///< the first release of each periodic module, counted from T0
   std::vector<std::uint32_t> sporadic;  ///< the sporadic modules, by priority, then in the order of the
                                         ///< descriptor
   int priority = 80;                    ///< priority for SCHED_FIFO, 2 to 98
 
   /// The number of rows of one macro period. An executor with only sporadic modules has one empty row, which
-  /// lasts half of the shortest deadline, but at least 1 ns. So it checks each condition at least twice
-  /// within its deadline.
+  /// lasts half of the shortest deadline, but at least 1 ns. So the executor checks each condition at least
+  /// twice within its deadline.
   [[nodiscard]] std::size_t rows() const noexcept;
   /// The modules of a row, in the order in which they run. `row` must be less than rows(). Allocates memory.
   [[nodiscard]] std::vector<std::uint32_t> row(std::size_t row) const;
@@ -49,12 +49,12 @@ struct DevicePlan {
 };
 
 /// The highest priority of an executor with priority="auto". The executor with the shortest basic period gets
-/// this priority. Longer periods follow in steps of four, because the sporadic modules and programs of an
-/// executor run one to three priorities below it. Executors with equal periods get equal priorities. If there
-/// are more periods than steps, the remaining executors share the lowest step.
+/// this priority. Longer periods follow in steps of ten, because the process modules and sporadic modules of
+/// an executor run one to nine priorities below their executor (levels.hpp). Executors with equal periods get
+/// equal priorities. If there are more periods than steps, the remaining executors share the lowest step.
 inline constexpr int kHighestAuto = 80;
 
-/// Plans a device. Fails with one problem for each of these, at the line of a module:
+/// Plans a device. Fails with one problem for each of these mistakes, at the line of a module:
 /// - an executor whose table exceeds the limits,
 /// - an executor with rows whose budgets exceed the basic period; the problem names the fullest row and gives
 ///   the number of such rows,

@@ -13,22 +13,22 @@ namespace takt::schedule {
 
 /// The maximum number of entries. A table has one entry for each run of each module in a macro period.
 inline constexpr std::size_t kMaxEntries = 1'000'000;
-/// The maximum number of rows. In a table with more rows, most of the rows would be empty.
+/// The maximum number of rows. In a table with even more rows, most rows would be empty.
 inline constexpr std::size_t kMaxRows = 10'000'000;
 
 struct Task {
   Nanoseconds period{};
   int priority = 0;  ///< the task with the lowest number runs first; tasks with equal numbers run in the
                      ///< order of the input
-  std::string_view name{};  ///< only for messages, which call a task without a name by its index
-  Nanoseconds offset{};     ///< time from the first row to its first release; at least 0 and less than its
-                            ///< period
+  std::string_view name{};  ///< only for messages, which use the task's index if it has no name
+  Nanoseconds offset{};     ///< time from the first row to the task's first release; at least 0 and less than
+                            ///< the period
 };
 
-/// The two tasks that make a table long: the pair of different periods with the largest least common
+/// The two tasks that make a table long: the pair of different periods that has the largest least common
 /// multiple. If there are several such pairs, this is the pair with the shortest period. If several tasks
-/// have the same period, this is the first of them. Both members are 0 if all periods are equal. All periods
-/// must be positive.
+/// have one of these periods, this is the first of them. Both members are 0 if all periods are equal. All
+/// periods must be positive.
 struct PeriodPair {
   std::uint32_t shorter = 0;
   std::uint32_t longer = 0;
@@ -42,10 +42,10 @@ class Table {
   using Index = std::uint32_t;
 
   /// Builds the table of the tasks. Fails with one problem for each period that is not positive, and for each
-  /// offset that is negative or not less than its period. Also fails if the table would exceed the limits
-  /// above, or if its macro period in ns would not fit in 63 bits; then the problem names the two periods
-  /// that cause this. If there are no tasks, returns an empty table with periods of 0. Allocates memory, and
-  /// takes time proportional to the number of entries plus rows.
+  /// offset that is negative or not less than its period. Also fails if the table would exceed kMaxEntries or
+  /// kMaxRows, or if its macro period in ns would not fit in 63 bits; then the problem names the two periods
+  /// that cause this. If there are no tasks, returns an empty table with periods of 0. Allocates memory. The
+  /// running time is proportional to the number of entries plus rows.
   static Result<Table> build(std::span<const Task> tasks);
 
   /// The greatest common divisor of the periods and offsets.

@@ -1,4 +1,4 @@
-// Derives from the connections of a cell which topics each participant may write and read. These functions
+// Derives, from the connections of a cell, which topics each participant may write and read. These functions
 // access no files and no network.
 #pragma once
 
@@ -33,8 +33,8 @@ struct Subject {
 };
 /// Returns the subject in the form of RFC 2253, which permissions require: "CN=robot,OU=device,O=cell".
 std::string to_text(const Subject& subject);
-/// Parses the text that to_text() returns. Returns std::nullopt if the text does not have this form, or if a
-/// name in it is not valid.
+/// Parses a text in the form that to_text() returns. Returns std::nullopt if the text does not have this
+/// form, or if a name in it is not valid.
 std::optional<Subject> subject_from(std::string_view text);
 
 /// The topics that a participant may write and read on one domain. A `*` in a topic matches any text.
@@ -44,8 +44,8 @@ struct Access {
   std::vector<std::string> reads;
 };
 
-/// The topic on which observers send commands. It works like takt/command, but nodes accept on it only
-/// commands that change no module.
+/// The topic on which observers send commands. Nodes handle this topic like takt/command, but accept on it
+/// only commands that change no module.
 inline constexpr const char* kQuestionTopic = "takt/question";
 
 /// Returns the topics that the subject may use on the cell's own domain, `domain`, and on other domains of
@@ -66,9 +66,9 @@ struct Validity {
   std::int64_t until = 0;
 };
 
-/// Return the two documents of DDS Security (sections 9.4.1.2 and 9.4.1.3). With these documents, DDS
-/// encrypts all traffic on the domains, rejects participants without an identity, and requires a permission
-/// for each topic.
+/// These functions return the two documents of DDS Security (sections 9.4.1.2 and 9.4.1.3). With these
+/// documents, DDS encrypts all traffic on the domains, rejects participants without an identity, and requires
+/// a permission for each topic.
 std::string governance_xml(const std::vector<int>& domains);
 std::string permissions_xml(const Subject& subject, const std::vector<Access>& access, Validity validity);
 

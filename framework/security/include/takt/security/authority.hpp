@@ -1,5 +1,5 @@
-// The authority of a secured cell. It issues identities with permissions, and revokes them. It consists of a
-// folder, DIR, of which `authority` must never leave its machine.
+// The authority of a secured cell. The authority issues identities with permissions, and revokes them. It
+// consists of a folder, DIR, whose subfolder `authority` must never leave its machine.
 //
 //   DIR/authority/               its two keys, the list of revoked identities, and the cell
 //   DIR/devices/NAME/            one folder for each participant, as security::read_identity() needs it;
@@ -7,9 +7,9 @@
 //   DIR/observers/NAME/
 //   DIR/programs/NAME/
 //
-// One key signs identities, the other key signs documents. With one key for both, the owner of any identity
-// could sign permissions for this identity: Fast DDS accepts a document if its signer has a certificate from
-// the authority for documents.
+// One key signs identities, the other key signs documents. Fast DDS accepts a document if the authority for
+// documents has issued the certificate of the document's signer. So if one key did both, the owner of any
+// identity could sign permissions for this identity.
 #pragma once
 
 #include <cstdint>
@@ -35,13 +35,13 @@ struct Member {
   std::string folder;
   std::int64_t until = 0;  ///< end of validity, in seconds since 1970
   bool revoked = false;
-  Problems problems{};  ///< the problems of the files in its folder
+  Problems problems{};  ///< the problems of the files in `folder`
 };
 
 class Authority {
  public:
   /// Creates an authority for cells with the name `cell`. Fails if the folder already contains an authority.
-  /// Here and below, `now` is in seconds since 1970.
+  /// In all functions of this class, `now` is in seconds since 1970.
   static Result<Authority> create(const std::string& folder, const std::string& cell, std::int64_t now);
   static Result<Authority> open(const std::string& folder);
   Authority(Authority&&) noexcept;
@@ -55,20 +55,20 @@ class Authority {
   Result<void> keep(const std::string& descriptor, int domain);
 
   /// Issues an identity: creates a folder with a key, a certificate and the documents. The certificate is
-  /// valid for `days`, from 1 to 3650, but at most as long as the authority. If the identity already exists,
-  /// replaces it if `again` is true; otherwise fails.
+  /// valid for `days`, from 1 to 3650, but at most as long as the authority's own certificate. If the
+  /// identity already exists, issue() replaces it if `again` is true, and otherwise fails.
   Result<void> issue(const Subject& subject, const Plan& plan, int days, std::int64_t now,
                      bool again = false);
   /// Writes new governance and permissions documents for all identities.
   Result<void> document(const Plan& plan, std::int64_t now);
-  /// Revokes an identity and writes the new crl.pem into every folder. A machine rejects the identity only
-  /// after the new crl.pem has been copied to this machine and a process has read it.
+  /// Revokes an identity and writes the new crl.pem into every folder. A process rejects the revoked identity
+  /// only after reading the new crl.pem, which must first be copied to the machine of this process.
   Result<void> revoke(const Subject& subject, std::int64_t now);
   /// Signs each file with the authority's key for components, and writes the signature to FILE.sig. The first
-  /// call creates this key. Returns the path of the certificate for this key, with which nodes check the
-  /// signatures.
+  /// call creates this key. Returns the path of the certificate for this key. Nodes check the signatures with
+  /// this certificate.
   Result<std::string> sign_components(const std::vector<std::string>& files, std::int64_t now);
-  /// Returns all identities that have a folder, sorted by role and name.
+  /// Returns all identities that have a folder below DIR, sorted by role and name.
   [[nodiscard]] std::vector<Member> members(std::int64_t now) const;
   /// Returns the identities with this name, at most one for each role.
   [[nodiscard]] std::vector<Subject> named(const std::string& name) const;

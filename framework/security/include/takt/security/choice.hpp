@@ -11,12 +11,13 @@ namespace takt::security {
 
 struct Chosen {
   std::string folder;
-  Problems passed_over{};  ///< the problems that ruled out the identities tried before
+  Problems passed_over{};  ///< the problems of the identities that were rejected before this one
 };
 
-/// If `takt secure init` created `folder`, returns the folder of an identity of this role in it: the first
-/// one, in order of names, that is valid at the time `now` (in seconds since 1970), or the very first one if
-/// none is valid. Otherwise returns `folder` itself.
+/// Returns the folder of one identity. If `takt secure init` created `folder`, chooses an identity with this
+/// role: the first one, in the order of names, that is valid at the time `now` (in seconds since 1970), or
+/// simply the first one if none is valid. If `folder` contains no identity of this role, returns `folder`
+/// itself.
 Chosen first_of(const std::string& folder, Role role, std::int64_t now);
 
 }  // namespace takt::security

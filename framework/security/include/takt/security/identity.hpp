@@ -17,16 +17,17 @@
 namespace takt::security {
 
 /// The files in an identity folder.
-inline constexpr const char* kIdentityAuthority = "ca.cert.pem";  ///< certificate that issues identities
+inline constexpr const char* kIdentityAuthority = "ca.cert.pem";  ///< certificate of the authority's key for
+                                                                  ///< identities
 inline constexpr const char* kAccessAuthority =
-    "permissions.cert.pem";  ///< certificate that signs the documents
+    "permissions.cert.pem";  ///< certificate of the authority's key for documents
 inline constexpr const char* kCertificate = "identity.cert.pem";
 inline constexpr const char* kPrivateKey = "identity.key.pem";
 inline constexpr const char* kGovernance = "governance.smime";
 inline constexpr const char* kPermissions = "permissions.smime";
 inline constexpr const char* kRevoked = "crl.pem";
-/// If this certificate exists, a node loads a component only if it is signed with the key of this
-/// certificate.
+/// The certificate of the key that signs components. If this file exists, a node loads only components that
+/// are signed with this key.
 inline constexpr const char* kComponents = "components.cert.pem";
 
 /// Takt warns if a certificate expires in less than this time.
@@ -36,8 +37,8 @@ struct Identity {
   Subject subject;
   std::string authority;     ///< name of the authority, as participants announce it
   std::string folder;        ///< an absolute path
-  std::int64_t until = 0;    ///< when its certificate expires, in seconds since 1970
-  std::vector<int> domains;  ///< the domains for which it has permissions
+  std::int64_t until = 0;    ///< end of the validity of the identity's certificate, in seconds since 1970
+  std::vector<int> domains;  ///< the domains for which the identity has permissions
 };
 
 /// Reads and checks every file of the folder. Fails with one problem for each of these errors; each problem
@@ -49,13 +50,13 @@ struct Identity {
 /// - a document is not signed, or belongs to another subject.
 Result<Identity> read_identity(const std::string& folder, std::int64_t now);
 
-/// If `takt secure init` created `folder`, returns the folder of the identity with this role and name in it.
-/// If `name` is empty, returns the folder that first_of() chooses at the current time. Otherwise returns
-/// `folder` itself.
+/// Returns the folder of the identity with this role and name, if `takt secure init` created `folder`;
+/// otherwise `folder` itself. If `name` is empty, returns the folder that first_of() chooses at the current
+/// time.
 std::string folder_of(const std::string& folder, Role role, const std::string& name = {});
 
-/// Returns whether the bytes are a PEM certificate with a subject. A certificate without a subject would
-/// crash Fast DDS 2.9.1, even before Fast DDS checks the issuer. Any thread may call this.
+/// Returns true if the bytes are a PEM certificate with a subject. A certificate without a subject would
+/// crash Fast DDS 2.9.1, even before Fast DDS checks the issuer. Any thread may call this function.
 bool names_somebody(std::span<const std::uint8_t> certificate) noexcept;
 
 /// Returns a text such as "it expires in 12 days"; empty if at least 30 days are left.

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include <takt/core/result.hpp>
+#include <takt/os/fd.hpp>
 
 namespace takt::security {
 
@@ -15,13 +17,18 @@ inline constexpr std::size_t kMostSigned = std::size_t{1} << 30;
 /// Signs `file` and writes the signature to FILE.sig. `key` is a private key as PEM text.
 Result<void> sign_file(const std::string& file, const std::string& key);
 
-/// Fails if the file `certificate` is not a certificate or has expired at the time `now` (in seconds since
-/// 1970).
+/// Checks that the file `certificate` is a certificate that has not expired at the time `now` (in seconds
+/// since 1970).
 Result<void> check_signer(const std::string& certificate, std::int64_t now);
 
-/// Checks the signature of `file` in FILE.sig. `certificate` is the path of a certificate. Fails if FILE.sig
-/// does not exist, if it is not the signature of this file with the key of the certificate, or if the
-/// certificate has expired at the time `now` (in seconds since 1970).
-Result<void> check_signature(const std::string& file, const std::string& certificate, std::int64_t now);
+/// Checks the signature of `file` in FILE.sig. `copy` is a copy of the file that nobody can change.
+/// `certificate` is the path of a certificate. Fails if FILE.sig does not exist, if it is not the signature
+/// of the copy with the key of the certificate, or if the certificate has expired at the time `now` (in
+/// seconds since 1970).
+Result<void> check_signature(const std::string& file, const os::Fd& copy, const std::string& certificate,
+                             std::int64_t now);
+/// Returns a function that calls check_signature() with this certificate and the present time.
+std::function<Result<void>(const std::string& file, const os::Fd& copy)> signature_check(
+    std::string certificate);
 
 }  // namespace takt::security

@@ -1,5 +1,6 @@
-// Random numbers for the simulation, from one seed. Each user has its own stream, so an additional draw in
-// one place changes nothing in another. The numbers are the same with every C++ library.
+// Random numbers for the simulation, derived from one seed. Each source of randomness has its own stream, so
+// an additional draw from one source does not change the others. The numbers are the same with every C++
+// library.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +12,13 @@ namespace takt::simulation {
 
 class Draws {
  public:
-  /// `whose` distinguishes streams that have the same seed.
+  /// Begins a stream of random numbers. `whose` names the source. Streams with the same seed and different
+  /// names differ.
   Draws(std::uint64_t seed, std::string_view whose) noexcept : state_(seed * 0x9e37'79b9'7f4a'7c15U) {
     for (const char c : whose) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x0000'0100'0000'01b3U;
   }
 
-  /// SplitMix64.
+  /// Returns the next 64 random bits, by the algorithm SplitMix64.
   std::uint64_t next() noexcept {
     state_ += 0x9e37'79b9'7f4a'7c15U;
     std::uint64_t z = state_;
@@ -24,11 +26,11 @@ class Draws {
     z = (z ^ (z >> 27)) * 0x94d0'49bb'1331'11ebU;
     return z ^ (z >> 31);
   }
-  /// In [0, 1).
+  /// Returns a random number in [0, 1).
   double share() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }
-  /// In [0, end); `end` is above 0.
+  /// Returns a random number in [0, end); `end` must be above 0.
   std::uint64_t below(std::uint64_t end) noexcept { return next() % end; }
-  /// In [low, high].
+  /// Returns a random number in [low, high].
   std::int64_t between(std::int64_t low, std::int64_t high) noexcept {
     return low + static_cast<std::int64_t>(below(static_cast<std::uint64_t>(high - low) + 1));
   }

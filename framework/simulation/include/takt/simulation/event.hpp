@@ -1,4 +1,5 @@
-// The events of a simulated cell, in order. The trace is written from them, and the invariants check them.
+// The events of a simulated cell, in order. The trace consists of these events, and the invariants check
+// them.
 #pragma once
 
 #include <cstdint>
@@ -15,32 +16,32 @@ namespace takt::simulation {
 
 enum class What : std::uint8_t {
   // Events of an executor
-  woke,    ///< it woke for the row that is due next: `number`, `release`
-  walked,  ///< it ran row `number`, which was due at `release`; it had missed `count` rows before
-  joined,  ///< it joined its grid: the next row is `number`; it had missed `count` rows before
+  woke,    ///< the executor woke for row `number`, which is due at `release`
+  walked,  ///< the executor ran row `number`, which was due at `release`, after `count` missed rows
+  joined,  ///< the executor joined its grid: its next row is `number`, after `count` missed rows
   // Events of a module
-  put_in,     ///< it was put into the tables
-  taken_out,  ///< it was taken out of the tables
+  put_in,     ///< the module was put into the tables
+  taken_out,  ///< the module was taken out of the tables
   ready,      ///< the condition of a sporadic module was true; the module must run by `until`
-  run,        ///< run() begins: `number`, `release`
-  ran,        ///< run() ended after `took`; `error` is the error that the executor will raise
-  released,   ///< a program was released: `number`, `release`
-  busy,       ///< a program was still in its body when its row came
-  body,       ///< a program begins the body of `number`, `release`
-  done,       ///< a program returned to its wait after `took`
+  run,        ///< run() begins, in cycle `number`, for the release at `release`
+  ran,        ///< run() ended after `took`; `error` is the error that the executor will raise next
+  released,   ///< a process module got release `number`, which is due at `release`
+  busy,       ///< `count` releases came while a process module was in its body
+  body,       ///< a process module began its body for release `number`, which was due at `release`
+  done,       ///< a process module returned to its wait function after `took`
   step,       ///< a lifecycle transition
   recovery,   ///< recovery attempt `number` of `count`
-  answered,   ///< an operator's command was carried out or rejected; the text says which
+  answered,   ///< an operator's command was carried out or rejected, as `text` states
   // Events of a connection
   wrote,    ///< sample `number` was written
-  read,     ///< sample `number` was read; `count` is not 0 if its bytes differ from what was written
+  read,     ///< sample `number` was read; `count` is not 0 if its bytes differ from the written ones
   arrived,  ///< sample `number` arrived at the reader's device
   lost,     ///< sample `number` was lost on the way
-  safe,     ///< its reader gets the safe value from now on if `count` is 1, and samples again if it is 0
+  safe,     ///< from now on the reader gets the safe value (`count` is 1) or samples (`count` is 0)
   // Events of a host
-  host_ended,  ///< it crashed or was ended, and everything in it stopped
+  host_ended,  ///< the host crashed or was ended, and all its threads stopped
   host_began,
-  halted,  ///< all its executors halted
+  halted,  ///< all executors of the host halted
   // Events of a device
   fault,  ///< a fault was injected
 };
@@ -53,8 +54,8 @@ struct Event {
   std::uint32_t device = kNone;
   std::uint32_t executor = kNone;
   std::uint32_t module = kNone;
-  std::uint32_t connection = kNone;  ///< its index in the cell
-  std::uint32_t host = kNone;        ///< its index in model::hosts_of(device)
+  std::uint32_t connection = kNone;  ///< index of the connection in the cell
+  std::uint32_t host = kNone;        ///< index of the host in model::hosts_of(device)
   std::uint64_t number = 0;
   std::uint64_t count = 0;
   Instant release{};
@@ -71,8 +72,8 @@ class Listener {
   virtual void on_event(const Event& event) = 0;
 };
 
-/// "+0.001000412 robot.servo ran 10.6 us": the time since T0 in seconds, the subject and the event. Without a
-/// line feed.
+/// Returns a line such as "+0.001000412 robot.servo ran 10600 ns": the time since T0 in seconds, the subject
+/// and the event. The line has no line feed.
 std::string to_text(const Event& event, const model::Cell& cell, Instant t0);
 
 }  // namespace takt::simulation

@@ -13,8 +13,8 @@ struct RandomCell {
   Options options;  ///< options for simulate(), with the seed
 };
 
-/// Makes one to three devices with a few modules each, their connections and some faults; the same seed gives
-/// the same cell. model::validate() and schedule::plan() accept it. Allocates.
+/// Makes a cell of one to three devices with a few modules each, their connections and some faults. The same
+/// seed gives the same cell. model::validate() and schedule::plan() accept the cell. Allocates memory.
 RandomCell random_cell(std::uint64_t seed);
 
 }  // namespace takt::simulation

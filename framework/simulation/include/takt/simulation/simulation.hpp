@@ -16,19 +16,21 @@
 #include <takt/model/profile.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/simulation/event.hpp>
-#include <takt/simulation/fault.hpp>
+#include <takt/simulation/injection.hpp>
 
 namespace takt::simulation {
 
 struct Options {
   std::uint64_t seed = 1;
-  Nanoseconds length = std::chrono::seconds{1};  ///< from T0 to the end
-  std::vector<Fault> faults{};                   ///< from a script
+  Nanoseconds length = std::chrono::seconds{1};  ///< time from T0 until the cell is stopped
+  std::vector<Injection> injections{};           ///< faults and commands from a script
   double faults_per_second = 0;                  ///< additional faults, drawn from the seed
-  model::Profile profile{};                      ///< measured run times; other modules use their budgets
-  int cpus = 0;                  ///< CPUs per device for executors that name no CPU; 0 for one per executor
+  model::Profile profile{};                      ///< measured run times; a module that is not in the profile
+                                                 ///< uses its budget
+  int cpus = 0;                  ///< CPUs per device for executors that name no CPU; if 0, each of these
+                                 ///< executors has its own CPU
   Listener* listener = nullptr;  ///< receives every event; may be null
-  /// Called a few hundred times with the part of `length` that has passed; may be empty.
+  /// Called a few hundred times during the simulation, with the simulated time since T0; may be empty.
   std::function<void(Nanoseconds)> progress{};
 };
 
@@ -38,12 +40,12 @@ inline constexpr Instant kT0 = from_ns(1'000'000'000);
 /// The result of a simulation.
 struct Course {
   nlohmann::ordered_json report;        ///< the same report as from `takt run`
-  Problems failures;                    ///< modules that were given up, devices that ended
-  std::vector<std::string> violations;  ///< violated invariants; empty unless Takt has an error
+  Problems failures;                    ///< modules that were given up, and devices that failed
+  std::vector<std::string> violations;  ///< violated invariants; empty unless Takt itself has an error
 };
 
-/// Simulates a cell that model::validate() has accepted, with its plans. `ports` may be empty: then all
-/// inputs of a sporadic module are events. Fails if there is not enough memory. Not for real-time threads.
+/// Simulates a cell that model::validate() has accepted, with its plans. If `ports` is empty, all inputs of a
+/// sporadic module are events. Fails if there is not enough memory. Not for real-time threads.
 Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans,
                         const model::CellPorts& ports, const Options& options);
 

@@ -11,6 +11,7 @@
 #include <takt/channel/release_slot.hpp>
 #include <takt/channel/saved_state.hpp>
 #include <takt/channel/shared.hpp>
+#include <takt/channel/turn.hpp>
 #include <takt/core/result.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/hosts.hpp>
@@ -30,26 +31,27 @@ struct Parts {
   [[nodiscard]] std::size_t executor_of(const model::Module& module) const;
   /// The release slot of a module; null if the module has none.
   [[nodiscard]] channel::ReleaseSlot* slot_of(std::uint32_t module) const { return slots[module].data(); }
-  /// The saved state of a module. It is in the module's slot, or in `saved` if the module has no slot.
+  /// The saved state of a module, from the module's slot or, if the module has no slot, from `saved`.
   [[nodiscard]] channel::SavedState& saved_of(std::uint32_t module) const {
     return slots[module] ? slots[module][0].saved : saved[module];
   }
 
   model::Cell cell;
   std::size_t device = 0;
-  std::vector<std::string> paths;         ///< the component of each module; a swap changes it
-  std::vector<model::ModulePorts> ports;  ///< the ports of each module; none if they are not known
+  std::vector<std::string> paths;         ///< path of each module's component; a swap changes the path
+  std::vector<model::ModulePorts> ports;  ///< the ports of each module; empty if they are not known
 
-  std::vector<model::HostShare> shares{};  ///< model::hosts_of(device)
+  std::vector<model::HostShare> shares{};  ///< the result of model::hosts_of() for the device
   schedule::DevicePlan plan{};
-  schedule::Placement placement{};  ///< chosen by the platform
-  bool real_time = true;            ///< false once the machine has denied it
+  schedule::Placement placement{};  ///< the CPUs that the platform has chosen
+  bool real_time = true;            ///< false once the machine has denied real-time scheduling
 
   channel::Channel channel{};
   channel::Shared<channel::WakeWord> wake_word{};
-  channel::Shared<channel::SavedState> saved{};                ///< for each module
-  std::vector<channel::Shared<channel::ReleaseSlot>> slots{};  ///< for each module; empty if it has no
-                                                               ///< releases
+  std::vector<channel::Shared<channel::Turn>> turns{};         ///< one for each executor
+  channel::Shared<channel::SavedState> saved{};                ///< one for each module
+  std::vector<channel::Shared<channel::ReleaseSlot>> slots{};  ///< one for each module; empty if the module
+                                                               ///< has no releases
   Wiring wiring{};
 };
 

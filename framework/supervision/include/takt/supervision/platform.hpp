@@ -1,5 +1,5 @@
-// The interfaces that the supervision acts on: a clock, hosts, programs and flows. The node implements them
-// with real processes and DDS, the simulation with virtual ones. No function waits.
+// The interfaces that the supervision uses: a clock, hosts, programs and flows. The node implements them with
+// real processes and DDS, and the simulation with virtual ones. No function of these interfaces blocks.
 #pragma once
 
 #include <cstddef>
@@ -27,18 +27,19 @@ struct Parts;
 struct ProcessEnd {
   std::string text;  ///< "ended with status 3", "was killed by SIGSEGV (Segmentation fault)"
   bool signalled = false;
-  int code = 0;           ///< the signal, or the exit status
-  std::string core{};     ///< the file of its core dump; empty if there is none
-  std::string no_core{};  ///< why there is no core dump, if a signal ended the process
+  int code = 0;           ///< number of the signal if `signalled` is true, otherwise the exit status
+  std::string core{};     ///< path of the core dump; empty if there is none
+  std::string no_core{};  ///< the reason why there is no core dump, if a signal ended the process
 };
 
-/// Where a host crashed; both are empty if it left no crash report.
+/// Where a host crashed or hung. Both texts are empty if the host left no crash report.
 struct CrashCalls {
   std::string place;    ///< ", in F at file.cpp:1 in module.so"
   std::string callers;  ///< ", called by ..."; used only in the fault record
 };
 
-/// A process that loads thread modules and runs executors. It can be started again after it has ended.
+/// A process that loads thread modules and runs executors. start() can be called again after the process has
+/// ended.
 class Host {
  public:
   virtual ~Host() = default;
@@ -47,27 +48,32 @@ class Host {
   virtual bool ask(const host::Request& request) = 0;
   /// Returns the next answer that has arrived, or nothing.
   virtual std::optional<host::Answer> answer() = 0;
-  /// Returns how the host ended, once for each end. Returns nothing while the host has not ended.
+  /// Returns how the host ended, once for each end of the host. Otherwise the result is empty.
   virtual std::optional<ProcessEnd> ended() = 0;
   virtual void kill() = 0;
+  /// Makes a thread of the host report its calls as in a crash, and then end the host. Has no effect if the
+  /// thread does not react.
+  virtual void end_by(std::int32_t thread) = 0;
   [[nodiscard]] virtual bool running() const = 0;
   /// The PID of the last process; 0 if there was none.
   [[nodiscard]] virtual int pid() const = 0;
-  /// Returns the calls that led to the crash of a module. Must be called before the crash report is cleared.
+  /// Returns the calls that led to the crash or hang of a module. Must be called before the crash report is
+  /// cleared.
   virtual CrashCalls calls_of_crash(std::uint32_t module) = 0;
 };
 
-/// A program: a process module, or a non-real-time program. It can be started again after it has ended.
+/// The program of a process module, real-time or not. start() can be called again after the program has
+/// ended.
 class Program {
  public:
   virtual ~Program() = default;
   virtual Result<void> start() = 0;
-  /// Returns how the program ended, once for each end. Returns nothing while the program has not ended.
+  /// Returns how the program ended, once for each end of the program. Otherwise the result is empty.
   virtual std::optional<ProcessEnd> ended() = 0;
   /// Asks the program to end, as SIGTERM does.
   virtual void terminate() = 0;
   virtual void kill() = 0;
-  /// Makes the thread that waits for releases real-time.
+  /// Gives a real-time priority to the program's thread that waits for releases.
   virtual Result<void> make_real_time() = 0;
   [[nodiscard]] virtual bool running() const = 0;
   /// The PID of the last process; 0 if there was none.
@@ -80,24 +86,26 @@ class Program {
 class Flows {
  public:
   virtual ~Flows() = default;
-  /// Returns nothing while the flows are being opened, then whether all of them could be opened.
+  /// The result of opening the flows. Empty while they are being opened; a failure if a flow could not be
+  /// opened.
   [[nodiscard]] virtual std::optional<Result<void>> opened() const = 0;
   virtual void step(Instant now) = 0;
-  /// The health of the flow that a wire belongs to; none if the wire has no flow or the flow is not open.
-  [[nodiscard]] virtual std::optional<wire::FlowHealth> health(std::size_t wire) const = 0;
-  /// Opens the flow of an output without connections until `until`, so that observers can read the output.
-  /// Another call extends the time.
+  /// The health of the flow to which a link belongs; empty if the link has no flow or the flow is not open.
+  [[nodiscard]] virtual std::optional<wire::FlowHealth> health(std::size_t link) const = 0;
+  /// Opens the flow of an output without connections until `until`, so that observers can read the output. A
+  /// further call of tap() extends the time.
   virtual Result<void> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
-  /// Opens the flows through which any program may call a service of the module, until `until`. Another call
-  /// extends the time.
+  /// Opens, until `until`, the flows through which any program may call a service of the module. A further
+  /// call of open_service() extends the time.
   virtual Result<void> open_service(std::uint32_t module, const std::string& service, Instant until) = 0;
 };
 
 /// Something that the platform has detected and that the operator must know.
 struct Detection {
-  std::optional<std::uint32_t> module;  ///< none if it concerns the device
-  std::string text;                     ///< for the log
-  std::string cause{};                  ///< for a `not_real_time` entry in the fault record; empty for none
+  std::optional<std::uint32_t> module;  ///< empty if the detection concerns the whole device
+  std::string text;                     ///< text for the log
+  std::string cause{};                  ///< cause of a `not_real_time` entry in the fault record; empty if
+                                        ///< there is no such entry
 };
 
 class Platform {
@@ -109,23 +117,35 @@ class Platform {
   /// (parts.real_time), and loads the state that modules retain. Called once, before anything is started;
   /// `parts` outlives the platform.
   virtual Result<void> begin(Parts& parts) = 0;
-  /// The longest time that a program may spin before each release of a module with this period.
+  /// The longest time for which `module`, a process module with this period, may spin before each of its
+  /// releases.
   [[nodiscard]] virtual Nanoseconds spin_limit(const model::Module& module, Nanoseconds period) const = 0;
   virtual std::unique_ptr<Host> make_host(std::size_t share) = 0;
   virtual std::unique_ptr<Program> make_program(std::uint32_t module) = 0;
-  /// The result is null if the device exchanges no samples with other devices.
+  /// Opens the device's flows. The result is null if the device exchanges no samples with other devices.
   virtual Result<std::unique_ptr<Flows>> open_flows() = 0;
   /// Wakes the threads that sleep on these bits of the wake word.
   virtual void wake(std::uint32_t bits) = 0;
-  /// Passes on what programs printed. Called at the beginning of each step of the supervision.
+  /// Returns the CPU time of a host's thread if the thread is running, or is ready but has no CPU. Returns
+  /// nothing if the thread sleeps or is stopped, or if there is no such thread.
+  [[nodiscard]] virtual std::optional<Nanoseconds> ran_if_ready(std::int32_t thread) const = 0;
+  /// Does the platform's regular work, such as logging the lines that programs printed. The supervision calls
+  /// this function at the beginning of each of its steps.
   virtual void step(Instant now) = 0;
-  /// Returns what was detected since the last call.
+  /// Returns the platform's detections since the last call of detections().
   virtual std::vector<Detection> detections() = 0;
-  /// Writes the last files, without waiting. Returns true once they are written.
+  /// Begins to delete the module's retained state from the disk. Call this after clearing the state in
+  /// memory.
+  virtual void forget(std::uint32_t module) = 0;
+  /// The result of forget(). Empty while the deletion is in progress; success if the disk holds no state of
+  /// the module.
+  [[nodiscard]] virtual std::optional<Result<void>> forgotten(std::uint32_t module) = 0;
+  /// Writes the device's last files (traces and retained state) in the background. Call this repeatedly until
+  /// it returns true; then the files are written.
   virtual bool finish() = 0;
-  /// Failures of the device that are certain only when all its processes have ended.
+  /// Returns the failures of the device that are known only after all its processes have ended.
   virtual Problems final_problems() = 0;
-  /// Adds what only this platform knows to the device's status JSON.
+  /// Adds the values that only this platform knows to the device's status JSON.
   virtual void add_to(nlohmann::ordered_json& report) const = 0;
 
   /// Writes a line to the log; `module` is empty for the device.
@@ -135,12 +155,12 @@ class Platform {
   /// Called when a module was put into the tables or taken out of them.
   virtual void in_tables(std::uint32_t module, bool in) = 0;
   virtual void recovering(std::uint32_t module, int attempt) = 0;
-  /// Called for a fault, so that the platform writes a trace of it.
+  /// Called when a fault occurs, so that the platform writes a trace. `why` is the reason.
   virtual void fault(const std::string& why) = 0;
-  /// Called before the blocks of a host that has ended are cleared.
+  /// Called after a host has ended, before its blocks in shared memory are cleared.
   virtual void host_died(const model::HostShare& share) = 0;
-  /// Makes a trace of the time span `last` until now, as Chrome trace JSON of at most `most` bytes. `done` is
-  /// called from step().
+  /// Makes a trace of the last `last` ns, as Chrome trace JSON of at most `most` bytes. step() calls `done`
+  /// with the trace.
   virtual void trace(Nanoseconds last, std::size_t most,
                      std::function<void(const Result<std::string>&)> done) = 0;
 };

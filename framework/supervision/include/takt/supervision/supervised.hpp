@@ -19,9 +19,9 @@ namespace takt::supervision {
 
 /// A step of a module through its lifecycle.
 struct Step {
-  std::uint32_t module = 0;  ///< its index on the device
+  std::uint32_t module = 0;  ///< index of the module on the device
   lifecycle::Transition transition;
-  ErrorType error = ErrorType::none;  ///< the kind of error, for the event `error`
+  ErrorType error = ErrorType::none;  ///< the kind of error, if the event is `error`
   std::string text{};                 ///< the reason; may be empty
 };
 
@@ -31,8 +31,8 @@ struct Standing {
   int host_pid = 0;
   std::uint32_t host_restarts = 0;
   std::uint32_t executing = 0;  ///< number of modules in EXECUTING
-  std::string faulty;           ///< the first module in RECOVER or given up, with the reason; empty if there
-                                ///< is none
+  std::string faulty;           ///< the first module that is in RECOVER or was given up, with the reason;
+                                ///< empty if there is none
 };
 
 /// The statistics of executors, modules and ports. The publisher fills in sequence numbers and times.
@@ -42,7 +42,7 @@ struct Measures {
   std::vector<PortStatus> ports;
 };
 
-/// The commands of an operator to a module. Each is one or more events of the lifecycle's table.
+/// The commands of an operator to a module. Each command causes one or more events of the lifecycle's table.
 enum class Verb { initialize, start, stop, recover, reset, destruct };
 const char* name_of(Verb verb) noexcept;
 
@@ -50,7 +50,8 @@ const char* name_of(Verb verb) noexcept;
 struct Outcome {
   ReplyCode code = REPLY_OK;
   lifecycle::State state = lifecycle::State::idle;  ///< the module's state after the command
-  std::string text;                                 ///< why it failed, or what is still in progress
+  std::string text;                                 ///< the reason why the command failed, or a text about
+                                                    ///< actions that are still in progress
   std::string value{};                              ///< the value of the requested property
 };
 
@@ -68,19 +69,19 @@ class Supervised {
  public:
   enum class Phase {
     preparing,  ///< modules are being loaded, initialised and started
-    ready,      ///< every module is in START; go() is awaited
+    ready,      ///< every module is in START; the device waits for go()
     running,
     stopping,
     ended,
   };
   virtual ~Supervised() = default;
 
-  /// Starts the hosts and programs, and brings every module to START. Fails if the device cannot be brought
-  /// up at all, and leaves nothing running.
+  /// Starts the hosts and programs. Then step() brings every module to START. If the device cannot start at
+  /// all, prepare() fails and leaves nothing running.
   virtual Result<void> prepare() = 0;
-  /// Starts the executors when every module is in START: the first row runs at T0. If T0 has passed (a
-  /// restored deployment), they begin with the first row of the grid that they can still meet; earlier rows
-  /// do not count as missed.
+  /// Starts the executors of a device in phase `ready`: the first row runs at `t0`. If `t0` has passed, as in
+  /// a restored deployment, the executors begin with the next row of the grid that they can begin on time.
+  /// Earlier rows do not count as missed.
   virtual void go(Instant t0) = 0;
   /// Shuts the device down. Each step has a time limit, after which the step is forced.
   virtual void stop() = 0;
@@ -89,40 +90,43 @@ class Supervised {
   /// Sets the safe values of the cell's outputs, including those of other devices. Must be called before
   /// go().
   virtual void give_safe(const std::vector<model::SafeOutput>& outputs) = 0;
-  /// Reacts to what has happened; never waits. Call it whenever a host or program reports something, and
-  /// every few milliseconds.
+  /// Reacts to all events since the last call; never waits. Call this whenever a host or program reports
+  /// something, and every few milliseconds.
   virtual void step() = 0;
 
-  /// Carries out a command. `done` is called from step(), or at once.
+  /// Carries out an operator's command to a module. `done` receives the outcome, either from step() or from
+  /// this call.
   virtual void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
 
-  /// Publishes the samples of an output on its topic until `until`; opens a service to requests from any
-  /// program.
+  /// Opens a port to the outside until `until`: publishes the samples of an output on its topic, or lets any
+  /// program call a service.
   virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
-  /// Reads a property's value: the present value, or the value that applies from the module's next call on.
-  /// `done` is called as for command().
+  /// Reads a property's value: the present value, or the value that applies when the module is called next.
+  /// `done` receives the value, either from step() or from this call.
   virtual void get(std::uint32_t module, const std::string& property,
                    std::function<void(const Outcome&)> done) = 0;
-  /// Sets a property between two calls of the module; the answer may come before the next call. The value
-  /// lasts until the module is loaded again; then the descriptor's value applies.
+  /// Sets a property between two calls of the module. The answer may come before the next call. The module
+  /// keeps the value, even when it is loaded again, until an update of the cell changes the value.
   virtual void set(std::uint32_t module, const std::string& property, const std::string& value,
                    std::function<void(const Outcome&)> done) = 0;
 
-  /// Fails if this module cannot be swapped now.
+  /// Checks whether the module can be swapped now. Fails with the reason if it cannot.
   [[nodiscard]] virtual Result<void> may_swap(std::uint32_t module) const = 0;
-  /// Replaces the module's instance by a new one from this file, which was inspected before. The module
-  /// misses no release and stays in EXECUTING. If the swap or the first runs fail, the old instance
-  /// continues. `done` is called as for command().
+  /// Replaces the module's instance by a new instance from the component at `path`, which the caller has
+  /// inspected. The module misses no release and stays in EXECUTING. If the swap or one of the new instance's
+  /// first runs fails, the old instance continues. `done` receives the outcome, either from step() or from
+  /// this call.
   virtual void swap(std::uint32_t module, const std::string& path,
                     std::function<void(const Outcome&)> done) = 0;
 
-  /// Makes a trace of the time span `last` until now, as Chrome trace JSON of at most `most` bytes. `done` is
-  /// called from step().
+  /// Makes a trace of the last `last` ns, as Chrome trace JSON of at most `most` bytes. step() calls `done`
+  /// with the trace.
   virtual void trace(Nanoseconds last, std::size_t most,
                      std::function<void(const Result<std::string>&)> done) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
-  /// Why the device failed as a whole, and which modules were given up; empty if there were no failures.
+  /// The reasons why the device failed as a whole, and the modules that were given up; empty if nothing
+  /// failed.
   [[nodiscard]] virtual const Problems& failures() const noexcept = 0;
   /// True if the device failed because of a module whose failure stops the whole cell.
   [[nodiscard]] virtual bool stops_cell() const noexcept = 0;

@@ -1,8 +1,9 @@
-// Brings one device up, keeps it running, and takes it down.
+// Starts one device, keeps it running, and shuts it down.
 //
-// Only the node changes a module's state. It asks the host to call hooks, starts and ends programs, reads
-// what the executors publish, and takes every step through the lifecycle's table. All of this happens on one
-// thread that never waits: each call of step() reacts to what has happened and starts what is due.
+// Only the node changes a module's state. The supervisor asks the host to call hooks, starts and ends
+// programs, reads the data that the executors publish, and takes every step through the lifecycle's table.
+// All of this happens on one thread that never waits: each call of step() reacts to new events and starts
+// actions that are due.
 #pragma once
 
 #include <cstdint>
@@ -31,24 +32,31 @@ namespace takt::supervision {
 class FaultNotes;
 class Health;
 class Properties;
+struct ExecutorWatch;
 struct Hang;
 struct Hosted;
 struct Member;
+class Watch;
 
 class Supervisor final : public Supervised {
  public:
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    std::vector<std::string> paths;              ///< the components of the device's modules
-    std::vector<model::ModulePorts> ports{};     ///< the ports of each module; none if they are not known
-    bool require_real_time = false;              ///< whether to fail if the machine does not allow real time
-    std::function<void(const Step&)> stepped{};  ///< called for every step of a module
-    /// Called for every event of the fault record; `origin` names the port or executor that the event is
-    /// about; empty if it is about neither.
+    std::vector<std::string> paths;              ///< path of the component of each module
+    std::vector<model::ModulePorts> ports{};     ///< the ports of each module; empty if they are not known
+    bool require_real_time = false;              ///< true: the device does not start if the machine denies
+                                                 ///< real time
+    std::function<void(const Step&)> stepped{};  ///< called for every step of a module through its lifecycle
+    /// Called for every event of the fault record. `origin` names the port or executor to which the event
+    /// refers; it is empty if the event refers to neither.
     std::function<void(model::Fault, const std::string& origin)> noted{};
-    /// Whether a module of another device is known to execute. An empty function means that it never is.
+    /// Returns true if a module of another device is known to be in EXECUTING. If this function is empty, the
+    /// supervisor treats every module of another device as not executing.
     std::function<bool(const std::string& device, const std::string& module)> executes{};
+    /// Returns an upper bound of the wall clock of another device minus the monotonic clock of this device;
+    /// nothing if no bound is known. If this function is empty, no bound is known for any device.
+    std::function<std::optional<std::int64_t>(const std::string& device)> latest_clock{};
   };
 
   Supervisor(Options options, std::shared_ptr<Platform> platform);
@@ -78,7 +86,7 @@ class Supervisor final : public Supervised {
   [[nodiscard]] Standing standing() const override;
   [[nodiscard]] nlohmann::ordered_json report() const override;
   [[nodiscard]] Measures measures() const override;
-  /// The lifecycle of a module.
+  /// Returns the lifecycle state of a module, with its history.
   [[nodiscard]] const lifecycle::Machine& machine(std::uint32_t module) const;
 
  private:
@@ -89,13 +97,18 @@ class Supervisor final : public Supervised {
   void answered(Member& member, channel::Doing hook, bool ok, const std::string& text);
   void begin_rows();
   void host_ended(Hosted& host, const ProcessEnd& end);
+  static CrashCalls calls_of(Hosted& host, const Member& culprit);
   void crashed(Member& member, const std::string& text, ErrorType type, std::optional<Instant> since,
                const std::string& callers, const std::string& core);
   void end_commands_of(const Hosted& host, const Member* culprit, const std::string& why);
   void restart_host(Hosted& host);
   void give_up_host(Hosted& host, const std::string& text);
-  void watch_host(Hosted& host, Instant now);
-  std::optional<Hang> never_halts(const Hosted& host) const;
+  void check_host(Hosted& host, Instant now);
+  bool check_run(Hosted& host, const channel::Activity& activity, Watch& watch, Instant now);
+  void check_rows(Hosted& host, Instant now);
+  bool has_long_run(Instant now) const;
+  std::optional<Nanoseconds> ran_if_starved(const Watch& watch, Nanoseconds limit, std::int32_t thread) const;
+  std::optional<Hang> never_halts(const Hosted& host, Instant now) const;
   void bring_back(Member& member);
 
   void report_detections();
@@ -103,8 +116,8 @@ class Supervisor final : public Supervised {
   // Programs (programs.cpp)
   void fill_slot(Member& member);
   Result<void> spawn(Member& member);
-  void watch_process(Member& member, Instant now);
-  void watch_body(Member& member, Instant now);
+  void check_process(Member& member, Instant now);
+  void check_body(Member& member, Instant now);
   void process_ended(Member& member, const ProcessEnd& end);
   void process_ready(Member& member);
   void end_process(Member& member, Instant now);
@@ -113,22 +126,31 @@ class Supervisor final : public Supervised {
   void begin_command(Member& member);
   void step_command(Member& member, Instant now);
   void end_command(Member& member, ReplyCode code, const std::string& text = {});
-  /// Says to which state the recovery of a module in RECOVER leads; empty in any other state.
+  /// Returns a text that names the target state of a recovery; empty if the module is not in RECOVER.
   static std::string what_follows(const Member& member);
 
   // Swaps (swaps.cpp)
   void end_swap(Member& member, ReplyCode code, const std::string& text);
-  void watch_swaps(Hosted& host, Instant now);
-  /// Whether the new instance of a swap, and not the old one, ended the host.
+  void check_swaps(Hosted& host, Instant now);
+  /// True if the new instance of a swap, not the old instance, ended the host.
   static bool by_swap(const Member& member, channel::Doing doing);
 
   // Inputs (inputs.cpp)
-  void watch_inputs(Member& member, Instant now);
+  void check_inputs(Member& member, Instant now);
   static bool has_stale_input(const Member& member, Instant now);
   // Safe values (safe.cpp)
-  /// Lets the module's outputs reach their readers on this device, or withholds them.
+  /// If `trusted` is true, readers on this device get the samples of the module's outputs; otherwise the safe
+  /// values.
   void trust(const Member& member, bool trusted);
-  void watch_writers();
+  void check_writers();
+  void pass_on_clocks();
+  // Log lines (log.cpp)
+  /// Begins to read the log of a module, if it has one, and sets its level as the descriptor says.
+  void begin_log(Member& member, Instant now);
+  void take_lines(Member& member, Instant now);
+  /// Reads the level of a module's log (kLogLevelProperty), or sets it if `value` is not null.
+  void log_level(const Member& member, const std::string* value,
+                 const std::function<void(const Outcome&)>& done);
   // Properties (properties.cpp)
   void ask_property(host::Request request, std::function<void(const Outcome&)> done);
   void property_answered(const host::Answer& answer);
@@ -145,16 +167,20 @@ class Supervisor final : public Supervised {
              const std::string& attachment = {});
   void lose(Member& member, const std::string& text, ErrorType type = ErrorType::failure,
             const std::string& more = {}, const std::string& attachment = {});
+  /// Moves a finished module one step closer to DESTRUCT. step() calls this until the module is there.
+  void finish(Member& member, Instant now);
   void attempt_recovery(Member& member);
   void recovered(Member& member);
   void not_recovered(Member& member, const std::string& text);
   void give_up(Member& member);
   std::uint64_t cycles_of(const Member& member) const;
-  channel::Place place_of(const Member& member) const;
+  Nanoseconds rows_every(const Member& member) const;
+  void check_cycles(Member& member, Instant now);
+  channel::ModuleMemory memory_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
-  /// Whether all runs that began before the module's removal from the tables have ended: rows, sporadic and
-  /// background runs, and the body of its program. Only then may its hooks be called.
+  /// True if all runs that began before the module's removal from the tables have ended: rows, sporadic and
+  /// background runs, and the body of a process module. Only then may the module's hooks be called.
   bool is_out(const Member& member) const;
   void join_grid(Instant t0);
   void prepare_step();
@@ -178,7 +204,7 @@ class Supervisor final : public Supervised {
   bool stops_cell_ = false;
   std::unique_ptr<Flows> flows_;
   std::vector<std::unique_ptr<Member>> members_;
-  std::vector<std::unique_ptr<Hosted>> hosts_;  // in the order of model::hosts_of()
+  std::vector<std::unique_ptr<Hosted>> hosts_;  // the hosts, in the order of model::hosts_of()
   std::unique_ptr<FaultNotes> notes_;
   std::unique_ptr<Health> health_;
   std::unique_ptr<Properties> properties_;
@@ -186,7 +212,10 @@ class Supervisor final : public Supervised {
   bool background_begun_ = false;
   std::uint32_t host_restarts_ = 0;
   std::optional<Instant> t0_;
-  Instant asked_at_{};  // when preparing began, or when the present step of stopping began
+  std::vector<ExecutorWatch> watches_;  // one for each executor
+  Instant stepped_at_{};                // when step() was called last
+  Nanoseconds passed_{};                // time from the previous call of step() to the present one
+  Instant asked_at_{};                  // when preparing began, or when the present step of stopping began
   bool end_asked_ = false;
 };
 

@@ -1,5 +1,5 @@
-// The wiring of a device's ports: its links, the writer and reader of each, and the topics to ports of other
-// devices.
+// The wiring of a device's ports: the links, the writer and the reader of each link, and the topics that
+// connect ports to other devices.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace takt::supervision {
 
 /// A side of a link: a port of one of the device's modules, or the gateway.
 struct LinkEnd {
-  std::optional<std::uint32_t> module;  ///< its index on the device; none for the gateway
+  std::optional<std::uint32_t> module;  ///< index of the module on the device; empty for the gateway
   std::string port{};                   ///< the module's port; empty for the gateway
   bool operator==(const LinkEnd&) const = default;
 };
@@ -29,35 +29,41 @@ struct LinkEnd {
 struct PlannedLink {
   LinkEnd from{};
   LinkEnd to{};
-  /// Whether both ends are C++ modules of the shared host. If so, the samples are values in the host's
+  /// True if both ends are C++ modules of the shared host. Then the samples are C++ objects in the host's
   /// memory; otherwise they are bytes in the link's memory.
   bool typed = false;
   channel::Link::Options options{};
   model::Stale stale =
-      model::Stale::hold;  ///< what the reader does when a value is older than options.deadline_ns
+      model::Stale::hold;  ///< the reaction of the reader to a value that is older than options.deadline_ns
+  /// The other device whose samples the gateway writes to this link; empty if the samples come from this
+  /// device or from outside the cell.
+  std::string sender{};
   /// The output that writes to this link, if the reader gets a safe value while the writing module does not
-  /// execute. Otherwise this is not given.
+  /// execute. Otherwise empty.
   model::Endpoint writer{};
-  std::vector<std::byte> safe{};  ///< the safe value, if known; that of another device's output arrives later
+  std::vector<std::byte> safe{};  ///< the safe value; empty while it is not known, as for an output of
+                                  ///< another device
 };
 
-/// A topic that the gateway moves samples to or from.
+/// A topic to which or from which the gateway moves samples.
 struct PlannedFlow {
   bool outgoing = true;
   std::string topic{};
-  std::optional<int> domain{};  ///< none for the cell's domain
+  std::optional<int> domain{};  ///< empty for the cell's domain
   model::Type type{};
   bool reliable = false;
   std::uint32_t depth = 1;
   std::optional<Nanoseconds> deadline{};
   std::optional<Nanoseconds> lifespan{};
-  /// Requests are sent only while a service can answer. Replies are kept for a client that the service has
-  /// not matched yet, although the client has already matched the service and sent a request.
+  /// The kind of data that the flow carries. Requests are sent only while a service can answer. A client may
+  /// match the service, and send a request, before the service matches the client. So a reply is kept until
+  /// the service has matched the client.
   model::Carries carries = model::Carries::samples;
-  /// Whether a connection uses this flow. An output without a connection also has a flow, for `takt echo`;
-  /// its link is not enabled.
+  /// True if a connection uses this flow. An output without a connection also has a flow, for `takt echo`;
+  /// the link of this flow is not enabled.
   bool connected = false;
-  std::vector<std::size_t> links{};  ///< indices in WiringPlan::links: one outgoing, or all incoming
+  std::vector<std::size_t> links{};  ///< indices in WiringPlan::links: one link if the flow is outgoing, one
+                                     ///< or more if it is incoming
 };
 
 struct WiringPlan {
@@ -65,8 +71,9 @@ struct WiringPlan {
   std::vector<PlannedFlow> flows;
 };
 
-/// Plans the links and flows of a device, without side effects. `ports` are those of the device's modules;
-/// the connections must have been checked against them. A module whose ports are not known gets no links.
+/// Plans the links and flows of a device, without side effects. `ports` are the ports of the device's
+/// modules; the connections must already have been checked against these ports. A module whose ports are not
+/// known gets no links.
 WiringPlan plan_wiring(const model::Cell& cell, std::size_t device,
                        const std::vector<model::ModulePorts>& ports);
 
@@ -75,43 +82,50 @@ std::string port_topic(const std::string& cell, const model::Endpoint& port);
 
 /// The health of a port, for an operator.
 struct PortHealth {
-  std::uint32_t connections = 0;  ///< connections in the descriptor, without observers and calls from outside
-  std::uint32_t matched = 0;      ///< connections whose other end is there
-  std::uint64_t samples = 0;      ///< written (output) or taken (input)
+  std::uint32_t connections = 0;  ///< connections in the descriptor; observers and calls from outside the
+                                  ///< cell do not count
+  std::uint32_t matched = 0;      ///< connections whose other end is available
+  std::uint64_t samples = 0;      ///< samples that the output has written, or that the input has taken
   std::uint64_t lost = 0;         ///< samples lost between devices
   std::uint64_t dropped = 0;      ///< samples dropped from full queues
   std::uint64_t refused = 0;      ///< samples rejected because they do not fit the port's type
-  std::uint64_t late = 0;         ///< how often a value became older than its connection's deadline
-  bool safe = false;              ///< whether the reader of this input gets the safe value now
-  std::int64_t age_ns = -1;       ///< age of the newest value; -1 if there is none
-  std::string incompatible{};     ///< the QoS policy that prevented a match; empty if there is none
+  /// Samples whose time stamp cannot be right, so their age is measured from their arrival.
+  std::uint64_t untimed = 0;
+  std::uint64_t late = 0;      ///< number of times that the newest value became older than its
+                               ///< connection's deadline
+  bool safe = false;           ///< true if the reader of this input gets the safe value now
+  std::int64_t age_ns = -1;    ///< age of the newest value; -1 if there is none
+  std::string incompatible{};  ///< the QoS policy that prevented a match; empty if there is none
 };
 
-/// The links of a device, in shared memory. They live as long as this object, across restarts of the host and
-/// of programs.
+/// The links of a device, in shared memory. The links live as long as this object, even if the host and
+/// programs restart.
 class Wiring {
  public:
-  struct Wire {
+  struct CreatedLink {
     PlannedLink plan;
     channel::Shared<std::byte> memory;
     channel::Link link;
-    bool late = false;      ///< whether its value was older than its deadline at the last check
-    bool connected = true;  ///< whether a connection of the descriptor uses it
+    bool late = false;      ///< whether the newest value was older than the link's deadline at the last check
+    bool connected = true;  ///< whether a connection of the descriptor uses the link
   };
 
   static Result<Wiring> create(WiringPlan plan);
 
-  [[nodiscard]] const std::vector<Wire>& wires() const noexcept { return wires_; }
-  /// The wires that a module reads and that have a deadline.
-  [[nodiscard]] std::vector<Wire*> with_deadline(std::uint32_t module);
+  [[nodiscard]] const std::vector<CreatedLink>& links() const noexcept { return links_; }
+  /// The links that a module reads and that have a deadline.
+  [[nodiscard]] std::vector<CreatedLink*> with_deadline(std::uint32_t module);
   [[nodiscard]] const std::vector<PlannedFlow>& flows() const noexcept { return flows_; }
 
-  /// Sets the safe value of an output of another device.
+  /// Stores the safe value of an output of another device. Readers on this device get this value when the
+  /// output is lost.
   void give_safe(const model::SafeOutput& output);
 
-  /// The health of a port at `now_ns` (monotonic clock), from the links and, for links with a flow, from
-  /// `on_dds`, which receives the index of the wire and returns nothing if the flow is not open.
-  using OnDds = std::function<std::optional<wire::FlowHealth>(std::size_t wire)>;
+  /// A function that returns the health of the flow of the link with this index, or nothing if the flow is
+  /// not open.
+  using OnDds = std::function<std::optional<wire::FlowHealth>(std::size_t link)>;
+  /// Returns the health of a port at `now_ns` (monotonic clock), from its links and, for links with a flow,
+  /// from `on_dds`.
   [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
                                   const OnDds& on_dds) const;
 
@@ -119,7 +133,7 @@ class Wiring {
   [[nodiscard]] const PlannedFlow* flow_of(std::uint32_t module, const std::string& port) const;
 
  private:
-  std::vector<Wire> wires_;
+  std::vector<CreatedLink> links_;
   std::vector<PlannedFlow> flows_;
 };
 

@@ -1,5 +1,5 @@
-// Assembles data that was too long for one sample from its parts. Anyone on the network may send parts, so
-// the memory for incomplete data is limited.
+// Assembles data from parts. The sender splits data that is too long for one sample. Anyone on the network
+// may send parts, so the memory for incomplete data is limited.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,9 @@
 
 namespace takt::wire {
 
-/// The largest number of data bytes in one sample, as in idl/takt.idl.
-inline constexpr std::size_t kPart = 32768;
+/// The largest number of data bytes in one sample, as in idl/takt.idl. A sample fits into one Ethernet packet,
+/// so that one lost packet costs only this sample.
+inline constexpr std::size_t kPart = 1024;
 /// The largest number of data bytes in a whole command or reply.
 inline constexpr std::size_t kMaxData = 16 * 1024 * 1024;
 

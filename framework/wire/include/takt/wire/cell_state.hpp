@@ -1,5 +1,5 @@
 // Combines the samples of all topics into the state of the cell: every known device, alive or lost, and the
-// modules that it runs.
+// modules that the device runs.
 //
 // Each topic reports only a part of this state, and samples of different topics arrive in any order. A
 // module's state may arrive before the status of its device. A device that died reports nothing more. A
@@ -26,7 +26,7 @@ struct ObservedDeployment {
 
 struct ObservedDevice {
   DeviceStatus status;
-  bool alive = true;  ///< false if its node is lost; then the rest is what was last received
+  bool alive = true;  ///< false if the node is lost; then the other members are the last received values
   ObservedDeployment deployment;
 
   [[nodiscard]] std::string name() const { return status.device().to_string(); }
@@ -38,30 +38,33 @@ struct ObservedDevice {
 /// as lost until another node of its device appears.
 class CellState {
  public:
-  void heard(const DeviceStatus& status, WriterId writer);
-  void heard(const LifecycleStatus& status);
-  void heard(const ModuleStatistics& statistics);
-  void heard(const ExecutorStatistics& statistics);
-  void heard(const PortStatus& status);
-  /// Removes the device because its node disposed of the status. Only the key of the sample is set.
-  void gone(const DeviceStatus& key, WriterId writer);
-  void gone(const LifecycleStatus& key);
-  /// Marks the device as lost, because DDS has lost the writer of its status.
+  void receive(const DeviceStatus& status, WriterId writer);
+  void receive(const LifecycleStatus& status);
+  void receive(const ModuleStatistics& statistics);
+  void receive(const ExecutorStatistics& statistics);
+  void receive(const PortStatus& status);
+  /// Removes the device, because its node has disposed of the status. In `key`, only the key of the sample is
+  /// set.
+  void remove(const DeviceStatus& key, WriterId writer);
+  void remove(const LifecycleStatus& key);
+  /// Marks the device as lost, because DDS has lost the writer of the device's status.
   void lost(WriterId writer);
 
-  /// Returns whether the module is in EXECUTING and its device is alive. A device that was lost counts as
+  /// Returns true if the module is in EXECUTING and its device is alive. A device that was lost counts as
   /// alive only when its second status after the loss has arrived, because the new states of its modules may
-  /// arrive after the first.
+  /// arrive after the first status.
   [[nodiscard]] bool executes(const std::string& cell, const std::string& device,
                               const std::string& module) const;
-  /// A device as of_deployment() returns it.
-  struct Heard {
+  /// The last received status of a node.
+  struct LastStatus {
     DeviceStatus status;
     bool alive = true;
   };
-  /// Returns the last received status of each device of a deployment, also of lost devices, except the device
-  /// `but`.
-  [[nodiscard]] std::vector<Heard> of_deployment(const std::string& id, const std::string& but) const;
+  /// Returns the last received status of each device of a deployment, except the device `but`. The result
+  /// includes lost devices.
+  [[nodiscard]] std::vector<LastStatus> of_deployment(const std::string& id, const std::string& but) const;
+  /// Returns the last received status of each node with this device name, also of lost nodes.
+  [[nodiscard]] std::vector<LastStatus> of_device(const std::string& name) const;
 
   /// Returns all devices, sorted by device name, then by node. Two live entries with the same name mean that
   /// two nodes use this device name.
@@ -78,7 +81,7 @@ class CellState {
   };
   [[nodiscard]] ObservedDevice seen(const Node& node) const;
 
-  std::map<std::string, Node> nodes_;                      // by id
+  std::map<std::string, Node> nodes_;                      // by the id of the node
   std::map<std::string, ObservedDeployment> deployments_;  // by CELL/DEVICE
 };
 

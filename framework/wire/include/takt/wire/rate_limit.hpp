@@ -8,9 +8,9 @@
 
 namespace takt::wire {
 
-/// A client that sends commands without pause must not keep a node from its other work, nor block other
-/// clients. So each client has an allowance of commands that refills over time. In addition, all clients
-/// share one common allowance.
+/// Limits the rate of accepted commands, so that a client that sends commands without pause neither keeps a
+/// node from its other work nor blocks other clients. Each client has an allowance of commands that refills
+/// over time. In addition, all clients share one common allowance.
 class RateLimit {
  public:
   using Clock = std::chrono::steady_clock;
@@ -26,7 +26,7 @@ class RateLimit {
 
   explicit RateLimit(Bound each = kEach, Bound all = kAll) : each_(each), all_{all, all.burst, {}} {}
 
-  /// Returns whether the node should accept one more command of this client. A rejected command does not
+  /// Returns true if the node should accept one more command of this client. A rejected command does not
   /// reduce the common allowance.
   bool admit(std::uint64_t client, Clock::time_point now);
 

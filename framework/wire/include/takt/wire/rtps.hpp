@@ -2,10 +2,11 @@
 // Security requires.
 //
 // Fast DDS 2.9.1 trusts the lengths in a message, so some forged messages crash the process. For a DATA_FRAG
-// without content, Fast DDS frees memory that it never allocated (CVE-2023-50716). It aborts if a statistics
-// submessage is malformed. In tokens and authentication messages it copies texts of any claimed length, even
-// beyond the end of its memory. With security it accepts an unencrypted HEARTBEAT from anyone who uses a
-// member's GUID. So Takt checks each message against the specification before Fast DDS reads it.
+// without content, Fast DDS frees memory that it never allocated (CVE-2023-50716). A malformed statistics
+// submessage makes Fast DDS abort. In tokens and authentication messages, Fast DDS copies texts of any
+// claimed length, even beyond the end of its memory. With security, it accepts an unencrypted HEARTBEAT from
+// anyone who uses a member's GUID. So Takt checks each message against the specification before Fast DDS
+// reads it. docs/secure.md lists the known vulnerabilities of Fast DDS 2.9.1.
 #pragma once
 
 #include <array>
@@ -15,21 +16,26 @@
 
 namespace takt::wire {
 
-/// Returns whether the bytes are a certificate that can be used for authentication.
+/// A function that returns true if the bytes are a certificate that can be used for authentication.
 using IsCertificate = bool (*)(std::span<const std::uint8_t>) noexcept;
 
 /// Returns the number of bytes that Fast DDS may read; 0 if the message is not valid. In a valid message,
-/// every submessage contains the fields that its kind requires, within its own length. Its parameter lists
-/// and counted items are complete. This function checks neither the sender nor the meaning of the message.
-/// Fast DDS must not read statistics at the end, so their bytes are not counted. `is_certificate` may be
-/// null. Any thread may call this; only `is_certificate` may allocate.
+/// every submessage contains, within its own length, the fields that its kind requires. The parameter lists
+/// and counted items of the message are complete. This function checks neither the sender nor the meaning of
+/// the message. Fast DDS must not read a statistics submessage at the end of the message, so the bytes of
+/// this submessage are not counted. `is_certificate` may be null. Any thread may call this function; only
+/// `is_certificate` may allocate.
 [[nodiscard]] std::size_t readable_rtps(std::span<const std::uint8_t> message,
                                         IsCertificate is_certificate = nullptr) noexcept;
 
-/// Returns whether a readable message is encrypted where required: as a whole or in each submessage.
-/// Announcements and authentication messages of participants may be unencrypted. Any thread may call this; it
-/// does not allocate.
+/// Returns true if a readable message is encrypted as required: as a whole or in each submessage.
+/// Announcements and authentication messages of participants may be unencrypted. Any thread may call this
+/// function; it does not allocate.
 [[nodiscard]] bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept;
+
+/// Returns true if a readable message announces that a participant exists, has changed or leaves. Any thread
+/// may call this function; it does not allocate.
+[[nodiscard]] bool concerns_participants(std::span<const std::uint8_t> message) noexcept;
 
 /// The GUID prefix of a participant: the first 12 bytes of its GUID and of the GUIDs of its readers and
 /// writers.
@@ -42,9 +48,9 @@ struct Announcement {
   std::uint32_t lease_s = ~0U;  ///< in s; a participant that announces nothing for this time is lost
 };
 
-/// Returns which participant a message announces. Call it only if is_protected_rtps() returned true for the
+/// Returns which participant a message announces. Requires that is_protected_rtps() returned true for the
 /// message. `other` means that the message announces another participant than its sender, or several. Any
-/// thread may call this; it does not allocate.
+/// thread may call this function; it does not allocate.
 [[nodiscard]] Announcement announcement_in(std::span<const std::uint8_t> message) noexcept;
 
 }  // namespace takt::wire

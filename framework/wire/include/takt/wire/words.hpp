@@ -1,4 +1,5 @@
-// Texts for the enumerations of the wire format, and functions that truncate texts to its bounded strings.
+// Texts for the enumerations of the wire format, and functions that shorten a text until it fits into a
+// bounded string of the wire format.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +21,8 @@ const char* to_text(LifecycleError error) noexcept;
 const char* to_text(DeviceState state) noexcept;
 /// The name of a device's health: "ok", "degraded" or "failed".
 const char* to_text(DeviceHealth health) noexcept;
+/// The name of an update's state, such as "kept"; "none" if there was no update.
+const char* to_text(UpdateState state) noexcept;
 /// The name of a command, such as "start" or "undeploy".
 const char* to_text(CommandKind kind) noexcept;
 
@@ -46,5 +49,18 @@ inline constexpr std::string_view kNoCell = "-";
 inline constexpr const char* kRequireRealTime = "require-realtime";
 /// The value of Reply::value after an undone update, if the device is exactly as it was before the update.
 inline constexpr const char* kAsBefore = "as before";
+
+/// The value of Reply::value if an update cannot be undone, because the devices have decided to keep it.
+inline constexpr const char* kKept = "kept";
+
+/// Returns true if the device executes its deployment.
+bool executes(const DeviceStatus& status);
+
+/// The sentence that reports another node with the same device name, for example "another node named line is
+/// on domain 7: process 42 on cell-pc". If that node executes a cell, the sentence also says for how long.
+std::string name_conflict(const DeviceStatus& other, int domain);
+/// The sentence that reports all nodes with one device name, for example "2 nodes on domain 7 have this name:
+/// process 41 on line-pc, process 42 on cell-pc".
+std::string nodes_of_one_name(const std::vector<DeviceStatus>& nodes, int domain);
 
 }  // namespace takt::wire

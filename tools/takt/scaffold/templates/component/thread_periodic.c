@@ -11,7 +11,8 @@ TAKT_NUMBER(gain, 2, -1000, 1000, "", "The factor.");
 /* initialize() may allocate memory and open files. To fail, call takt_fail("what is wrong"). */
 void initialize(void) {}
 
-/* run() runs on the real-time thread: it must not lock, allocate memory, make system calls or log. */
+/* run() runs on the real-time thread: it must not lock, allocate memory, make system calls or print. To log,
+   use takt_log(). */
 void run(void) {
   @name@_types_Sample value;
   if (!takt_read(&in, &value)) return; /* no new sample since the last run() */

@@ -11,7 +11,8 @@ TAKT_NUMBER(gain, 2, -1000, 1000, "", "The factor.");
 /* initialize() may allocate memory and open files. To fail, call takt_fail("what is wrong"). */
 void initialize(void) {}
 
-/* Both functions run on the real-time thread: they must not lock, allocate, make system calls or log. */
+/* Both functions run on the real-time thread: they must not lock, allocate, make system calls or print. To log,
+   use takt_log(). */
 int condition(void) { return takt_has_news(&in) ? TRUE : FALSE; }
 
 void run(void) {

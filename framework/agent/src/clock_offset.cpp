@@ -1,0 +1,43 @@
+#include <takt/agent/clock_offset.hpp>
+
+#include <algorithm>
+
+namespace takt::agent {
+
+namespace {
+
+/// The latest wall clock that is believed, in the year 2116. Sums of times up to this one do not overflow.
+constexpr std::int64_t kLatest = std::int64_t{1} << 62U;
+/// An answer that took longer than this is not used.
+constexpr Nanoseconds kLongest = std::chrono::seconds{60};
+
+bool is_valid(std::int64_t wall_ns) { return wall_ns >= 0 && wall_ns < kLatest; }
+
+}  // namespace
+
+void ClockOffset::heard(std::int64_t wall_ns, Instant arrived) {
+  const auto known = at(arrived);
+  if (is_valid(wall_ns) && known && wall_ns - to_ns(arrived) > known->high_ns) bounds_.reset();
+}
+
+void ClockOffset::answered(std::int64_t wall_ns, Instant sent, Nanoseconds held, Instant arrived) {
+  const std::int64_t earliest = to_ns(arrived) - kLongest.count();
+  if (!is_valid(wall_ns) || to_ns(sent) < earliest || sent > arrived || held < -kLongest || held > kLongest)
+    return;
+  // The other node sent its status after `sent + held` and before `arrived`.
+  const ClockBounds measured{.low_ns = wall_ns - to_ns(arrived), .high_ns = wall_ns - to_ns(sent + held)};
+  if (measured.low_ns > measured.high_ns) return;
+  const ClockBounds known = at(arrived).value_or(measured);
+  const ClockBounds both{.low_ns = std::max(known.low_ns, measured.low_ns),
+                         .high_ns = std::min(known.high_ns, measured.high_ns)};
+  bounds_ = both.low_ns <= both.high_ns ? both : measured;
+  measured_ = arrived;
+}
+
+std::optional<ClockBounds> ClockOffset::at(Instant now) const {
+  if (!bounds_) return std::nullopt;
+  const std::int64_t drift = std::max<std::int64_t>((now - measured_).count(), 0) / kDrift;
+  return ClockBounds{.low_ns = bounds_->low_ns - drift, .high_ns = bounds_->high_ns + drift};
+}
+
+}  // namespace takt::agent

@@ -1,0 +1,149 @@
+#include "discovery_listener.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include <fastrtps/utils/IPLocator.h>
+
+#include <takt/core/words.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+constexpr std::size_t kMostSeen = 4096;
+
+std::string printed_address_of(const rtps::ParticipantProxyData& data) {
+  for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) {
+    if (locator.kind == LOCATOR_KIND_UDPv4) return rtps::IPLocator::toIPv4string(locator);
+  }
+  return {};
+}
+
+wire::ParticipantNumber number_in(const rtps::GuidPrefix_t& prefix) {
+  wire::ParticipantNumber number{};
+  std::copy(std::begin(prefix.value), std::end(prefix.value), number.begin());
+  return number;
+}
+
+}  // namespace
+
+std::optional<security::Subject> announced_subject(std::string_view text) {
+  const auto part = [&text](std::string_view begin) -> std::string_view {
+    const std::size_t at = text.find(begin);
+    if (at == std::string_view::npos) return {};
+    const std::string_view rest = text.substr(at + begin.size());
+    return rest.substr(0, rest.find('/'));
+  };
+  return security::subject_from("CN=" + std::string{part("/CN=")} + ",OU=" + std::string{part("/OU=")} +
+                                ",O=" + std::string{part("/O=")});
+}
+
+bool DiscoveryListener::is_device(const rtps::GUID_t& writer, const std::string& device) {
+  const std::lock_guard lock{mutex_};
+  auto found = prefixes_.find(device);
+  if (found == prefixes_.end()) {
+    if (prefixes_.size() >= kMostSeen) prefixes_.clear();
+    const security::Subject subject{mine_.subject.cell, security::Role::device, device};
+    found = prefixes_.emplace(device, security::prefix_of(subject)).first;
+  }
+  return std::equal(found->second.begin(), found->second.end(), std::begin(writer.guidPrefix.value));
+}
+
+void DiscoveryListener::impostor(const rtps::GUID_t& writer, const std::string& topic,
+                                 const std::string& path) {
+  tell("rejected: " + who(writer.guidPrefix) + " publishes on " + topic + " for " + brief(path) +
+       ", but may publish only for itself");
+}
+
+std::string DiscoveryListener::who(const rtps::GuidPrefix_t& prefix) {
+  const std::lock_guard lock{mutex_};
+  const auto found = seen_.find(prefix);
+  if (found == seen_.end()) return "an unknown participant";
+  const Seen& seen = found->second;
+  const std::string where = seen.address.empty() ? "" : " at " + seen.address;
+  if (const auto subject = announced_subject(seen.subject)) {
+    return std::string{to_text(subject->role)} + " " + subject->name +
+           (subject->cell == mine_.subject.cell ? "" : " of cell " + subject->cell) + where;
+  }
+  return "participant " + in_quotes(seen.name) + where;
+}
+
+void DiscoveryListener::on_participant_discovery(fast::DomainParticipant*,
+                                                 rtps::ParticipantDiscoveryInfo&& info) {
+  using Info = rtps::ParticipantDiscoveryInfo;
+  const rtps::ParticipantProxyData& data = info.info;
+  std::unique_lock lock{mutex_};
+  if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
+    seen_.erase(data.m_guid.guidPrefix);
+    unauthenticated_.left(number_in(data.m_guid.guidPrefix));
+    return;
+  }
+  if (seen_.size() >= kMostSeen) seen_.clear();
+  Seen& seen = seen_[data.m_guid.guidPrefix];
+  seen.name = data.m_participantName.to_string();
+  seen.address = printed_address_of(data);
+  for (const auto& property : data.identity_token_.properties()) {
+    if (property.name() == "dds.cert.sn") seen.subject = property.value();
+    if (property.name() == "dds.ca.sn") seen.authority = property.value();
+  }
+  // Report a participant whose identity another authority has issued. If such a participant starts the
+  // authentication and rejects this process, Fast DDS reports nothing, or reports it only after 14 s.
+  const bool foreign = !seen.authority.empty() && seen.authority != mine_.authority;
+  lock.unlock();
+  if (foreign) report_rejected(data.m_guid.guidPrefix);
+}
+
+void DiscoveryListener::report_rejected(const rtps::GuidPrefix_t& prefix) {
+  Seen seen;
+  {
+    const std::lock_guard lock{mutex_};
+    if (const auto found = seen_.find(prefix); found != seen_.end()) seen = found->second;
+  }
+  tell("rejected: " + who(prefix) +
+       (seen.subject.empty() ? " has no identity of this cell"
+        : seen.authority != mine_.authority
+            ? ": its identity was issued by another authority"
+            : ": its identity was revoked, has expired, or belongs to another participant"));
+}
+
+void DiscoveryListener::onParticipantAuthentication(fast::DomainParticipant*,
+                                                    rtps::ParticipantAuthenticationInfo&& info) {
+  if (info.status == rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT)
+    report_rejected(info.guid.guidPrefix);
+  else
+    unauthenticated_.authenticated(number_in(info.guid.guidPrefix));
+}
+
+bool DiscoveryListener::look(const std::string& message) {
+  // A message has this form: "Error checking create remote writer b5.32.[...]|0.0.1.3 (TOPIC topic not found
+  // in allow rule. [...]"
+  for (const auto& [begin, does] :
+       {std::pair{std::string_view{"Error checking create remote writer "}, "writes"},
+        {"Error checking create remote reader ", "reads"}}) {
+    if (!message.starts_with(begin)) continue;
+    const std::string_view rest = std::string_view{message}.substr(begin.size());
+    const std::string_view guid = rest.substr(0, rest.find('|'));
+    const std::size_t open = rest.find('(');
+    if (open == std::string_view::npos) return false;
+    const std::string_view reason = rest.substr(open + 1);
+    const std::string topic{reason.substr(0, reason.find(' '))};
+    std::optional<rtps::GuidPrefix_t> prefix;
+    {
+      const std::lock_guard lock{mutex_};
+      for (const auto& each : seen_) {
+        std::ostringstream text;
+        text << each.first;
+        if (text.str() == guid) prefix = each.first;
+      }
+    }
+    tell("rejected: " + (prefix ? who(*prefix) : std::string{"an unknown participant"}) + " " + does + " " +
+         brief(topic) + " without permission");
+    return true;
+  }
+  return false;
+}
+
+}  // namespace takt::dds

@@ -1,0 +1,68 @@
+// Observes the participants that join a cell with DDS Security, and reports each rejected participant and the
+// reason. Only the source files of this room include this header.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+
+#include <takt/security/identity.hpp>
+#include <takt/wire/notices.hpp>
+#include <takt/wire/unauthenticated_participants.hpp>
+#include "inside.hpp"
+
+namespace takt::dds {
+
+/// Parses the identity that a participant announces, such as "/O=cell/OU=device/CN=robot". Returns
+/// std::nullopt if the text does not have this form.
+std::optional<security::Subject> announced_subject(std::string_view text);
+
+class DiscoveryListener final : public fast::DomainParticipantListener {
+ public:
+  /// `notices` and `unauthenticated` must outlive this object.
+  DiscoveryListener(security::Identity mine, wire::Notices& notices,
+                    wire::UnauthenticatedParticipants& unauthenticated)
+      : mine_(std::move(mine)), notices_(notices), unauthenticated_(unauthenticated) {}
+
+  [[nodiscard]] const security::Identity& mine() const noexcept { return mine_; }
+
+  /// Returns true if the writer belongs to this device of the cell. The writer's GUID proves this, because
+  /// the GUID contains a hash of the device's identity.
+  bool is_device(const rtps::GUID_t& writer, const std::string& device);
+  /// Reports that a writer published a sample on `topic` about `path` without permission. Makes the same
+  /// report only once.
+  void impostor(const rtps::GUID_t& writer, const std::string& topic, const std::string& path);
+  /// Reads a message from the log of Fast DDS. If the message states that a participant uses a topic without
+  /// permission, reports the participant and returns true. Fast DDS reports such a participant only in its
+  /// log.
+  bool look(const std::string& message);
+  /// Returns a description of a participant, such as "observer eve at 10.77.0.3".
+  [[nodiscard]] std::string who(const rtps::GuidPrefix_t& prefix);
+  void tell(const std::string& text) { notices_.tell(text); }
+
+ private:
+  struct Seen {
+    std::string name;
+    std::string address;
+    std::string subject;  // the identity that the participant announces
+    std::string authority;
+  };
+
+  void report_rejected(const rtps::GuidPrefix_t& prefix);
+  void on_participant_discovery(fast::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) override;
+  void onParticipantAuthentication(fast::DomainParticipant*,
+                                   rtps::ParticipantAuthenticationInfo&& info) override;
+
+  security::Identity mine_;
+  wire::Notices& notices_;
+  wire::UnauthenticatedParticipants& unauthenticated_;
+  std::mutex mutex_;
+  std::map<rtps::GuidPrefix_t, Seen> seen_;
+  std::map<std::string, security::Prefix> prefixes_;  // GUID prefixes of devices, by device name
+};
+
+}  // namespace takt::dds

@@ -1,0 +1,156 @@
+#include "outgoing_flows.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <takt/core/span.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+// The maximum number of samples that are moved from one link before the next link has its turn.
+constexpr int kAtOnce = 16;
+constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
+// The maximum age of a time stamp, in ns.
+constexpr std::int64_t kOldest = std::int64_t{60} * 1'000'000'000;
+
+}  // namespace
+
+Now::Now() : wall_ns(os::wall_ns()), monotonic_ns(to_ns(os::now())) {}
+
+std::optional<std::int64_t> Now::monotonic_of(std::int64_t wall, std::int64_t writer_clock) const {
+  const std::int64_t age =
+      writer_clock == 0 ? wall_ns - wall : span(wall - writer_clock, monotonic_ns).count();
+  return age >= 0 && age < kOldest ? std::optional{monotonic_ns - age} : std::nullopt;
+}
+
+void ring(channel::WakeWord& wake_word, std::uint32_t bits) noexcept {
+  wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(wake_word.rings, bits);
+}
+
+class OutgoingFlows::Outgoing {
+ public:
+  Outgoing(std::unique_ptr<SampleWriter> writer, channel::Link from)
+      : writer_(std::move(writer)), from_(from) {}
+
+  [[nodiscard]] wire::FlowHealth health() const { return writer_->health(); }
+
+  /// Moves up to kAtOnce samples. Returns false if the link had no sample.
+  bool move() {
+    const std::lock_guard lock{moving_};
+    const Now now;
+    if (closed_ || !from_.take(now.monotonic_ns)) return false;
+    int moved = 0;
+    do {
+      const channel::SampleInfo info = from_.info();
+      writer_->write({from_.link().payload(from_.buffer()), info.size}, now.wall_of(info.stamp_ns));
+    } while (++moved < kAtOnce && from_.take(now.monotonic_ns));
+    return true;
+  }
+  /// Returns the time from which the next sample of the link may be read; channel::kNever if there is none.
+  std::int64_t news_at() {
+    const std::lock_guard lock{moving_};
+    return closed_ ? channel::kNever : from_.news_at();
+  }
+  /// Ends the use of the link. Returns false, and does nothing, while the link is in use.
+  bool close() {
+    const std::unique_lock lock{moving_, std::try_to_lock};
+    closed_ = closed_ || lock.owns_lock();
+    return lock.owns_lock();
+  }
+
+ private:
+  std::mutex moving_;  // held during writes, so other threads only try to lock it
+  bool closed_ = false;
+  std::unique_ptr<SampleWriter> writer_;
+  channel::LinkReader from_;
+};
+
+OutgoingFlows::OutgoingFlows(channel::WakeWord& wake_word, std::uint32_t place) noexcept
+    : wake_word_(wake_word), sleeps_(1U << place) {}
+
+OutgoingFlows::~OutgoingFlows() {
+  ending_ = true;
+  ring(wake_word_, channel::kGatewayBit);
+  pump_.join();
+}
+
+Result<void> OutgoingFlows::start() {
+  auto started = os::Thread::start(
+      {.name = "takt-gateway"}, [this] { pump(); }, nullptr);
+  if (!started) return started.problems();
+  pump_ = std::move(*started);
+  return {};
+}
+
+void OutgoingFlows::add(FlowId id, std::unique_ptr<SampleWriter> writer, channel::Link from) {
+  auto made = std::make_shared<Outgoing>(std::move(writer), from);
+  {
+    const std::lock_guard lock{mutex_};
+    flows_[id] = std::move(made);
+    changed_ = true;
+  }
+  ring(wake_word_, channel::kGatewayBit);
+}
+
+bool OutgoingFlows::remove(FlowId id) {
+  {
+    const std::lock_guard lock{mutex_};
+    const auto found = flows_.find(id);
+    if (found == flows_.end()) return true;
+    if (!found->second->close()) return false;
+    removed_.push_back(std::move(found->second));
+    flows_.erase(found);
+    changed_ = true;
+  }
+  ring(wake_word_, channel::kGatewayBit);
+  return true;
+}
+
+std::optional<wire::FlowHealth> OutgoingFlows::health(FlowId id) const {
+  const std::lock_guard lock{mutex_};
+  const auto found = flows_.find(id);
+  return found == flows_.end() ? std::nullopt : std::optional{found->second->health()};
+}
+
+void OutgoingFlows::pump() {
+  Flows flows;
+  while (!ending_.load()) {
+    const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
+    refresh(flows);
+    bool moved = false;
+    for (const auto& flow : flows) moved = flow->move() || moved;
+    if (moved) continue;
+    // This thread sets its bit and then checks for samples. A writer publishes a sample and then reads
+    // gateway_sleeps. So either the writer sees this bit and wakes this thread, or this thread sees the
+    // sample.
+    wake_word_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
+    const Instant now = os::now();
+    std::int64_t news = channel::kNever;
+    for (const auto& flow : flows) news = std::min(news, flow->news_at());
+    if (news > to_ns(now) && !ending_.load()) {
+      // kLongestSleep limits the delay of a sample whose host died after it wrote the sample and before it
+      // woke this thread.
+      const Instant until = std::min(now + kLongestSleep, from_ns(news));
+      os::futex_wait(wake_word_.rings, rings, channel::kGatewayBit, until);
+    }
+    wake_word_.gateway_sleeps.fetch_and(~sleeps_, std::memory_order_seq_cst);
+  }
+}
+
+/// Updates the pump's list of flows, and destroys the removed flows.
+void OutgoingFlows::refresh(Flows& flows) {
+  Flows removed;  // declared before the lock, so that the flows are destroyed after the mutex is unlocked
+  const std::lock_guard lock{mutex_};
+  if (!std::exchange(changed_, false)) return;
+  removed = std::exchange(removed_, {});
+  flows.clear();
+  for (const auto& [id, flow] : flows_) flows.push_back(flow);
+}
+
+}  // namespace takt::dds

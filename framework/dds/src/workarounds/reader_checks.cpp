@@ -1,0 +1,178 @@
+#include "reader_checks.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <mutex>
+
+#include <fastdds/rtps/history/ReaderHistory.h>
+#include <fastdds/rtps/reader/StatefulReader.h>
+#include <fastdds/rtps/reader/StatelessReader.h>
+#include "replaced_function.hpp"
+
+namespace eprosima::fastrtps::rtps {
+
+// What a reader knows about a writer. A "number" in this file is a sequence number. Fast DDS does not install
+// the header of this class; this declaration lists only the functions that this file uses.
+class WriterProxy {
+ public:
+  const SequenceNumber_t available_changes_max() const;    // all numbers up to this one are received or lost
+  std::size_t number_of_changes_from_writer() const;       // how many later numbers the writer has used
+  void loaded_from_storage(const SequenceNumber_t& last);  // sets all numbers of this object to `last`
+  std::int32_t lost_changes_update(const SequenceNumber_t& first);  // numbers before `first` are lost
+  void missing_changes_update(const SequenceNumber_t& last);        // numbers up to `last` exist
+  SequenceNumber_t next_cache_change_to_be_notified();
+};
+
+}  // namespace eprosima::fastrtps::rtps
+
+namespace {
+
+namespace rtps = eprosima::fastrtps::rtps;
+
+// A reader skips lost numbers all at once, except for the last kMostCounted, which it visits one by one.
+// kMostCounted is larger than the number of samples that a reader of Takt keeps.
+constexpr std::uint32_t kMostCounted = 65536;
+// A GAP may begin after a number that the reader has not received yet. Then the reader stores at most
+// kMostStored numbers of the GAP, and later asks the writer for the others again.
+constexpr std::uint32_t kMostStored = 4096;
+constexpr std::uint32_t kMostSample = 128 * 1024 * 1024;  // largest size of a sample in fragments, in bytes
+constexpr std::uint32_t kMostPayload = 65535;             // largest size of the content of a packet, in bytes
+// Fast DDS assembles a sample in its own memory. At the first multiple of 4 in each missing fragment, it
+// stores the 4-byte number of the next missing fragment. So Fast DDS needs up to kBehind bytes after the end
+// of the sample.
+constexpr std::uint32_t kIndex = 4;
+constexpr std::uint32_t kBehind = 6;
+
+/// The replaced functions of Fast DDS.
+struct Originals {
+  using Next = rtps::SequenceNumber_t(rtps::WriterProxy*);
+  using Gap = bool(rtps::StatefulReader*, const rtps::GUID_t&, const rtps::SequenceNumber_t&,
+                   const rtps::SequenceNumberSet_t&);
+  using Fragments = bool(rtps::StatefulReader*, rtps::CacheChange_t*, std::uint32_t, std::uint32_t,
+                         std::uint16_t);
+  using BestEffortFragments = bool(rtps::StatelessReader*, rtps::CacheChange_t*, std::uint32_t, std::uint32_t,
+                                   std::uint16_t);
+  using Reserve = bool(rtps::RTPSReader*, rtps::CacheChange_t**, std::uint32_t);
+
+  Next* next = takt::dds::replaced<Next>(
+      "_ZN8eprosima8fastrtps4rtps11WriterProxy32next_cache_change_to_be_notifiedEv");
+  Gap* gap = takt::dds::replaced<Gap>(
+      "_ZN8eprosima8fastrtps4rtps14StatefulReader13processGapMsgERKNS1_6GUID_tERKNS1_16SequenceNumber_t"
+      "ERKNS0_11BitmapRangeIS6_NS1_18SequenceNumberDiffELj256EEE");
+  Fragments* fragments = takt::dds::replaced<Fragments>(
+      "_ZN8eprosima8fastrtps4rtps14StatefulReader18processDataFragMsgEPNS1_13CacheChange_tEjjt");
+  BestEffortFragments* best_effort_fragments = takt::dds::replaced<BestEffortFragments>(
+      "_ZN8eprosima8fastrtps4rtps15StatelessReader18processDataFragMsgEPNS1_13CacheChange_tEjjt");
+  Reserve* reserve = takt::dds::replaced<Reserve>(
+      "_ZN8eprosima8fastrtps4rtps10RTPSReader12reserveCacheEPPNS1_13CacheChange_tEj");
+};
+
+const Originals& originals() noexcept {
+  static const Originals found;
+  return found;
+}
+
+/// Returns true if a DATA_FRAG contains the fragments that it claims to contain.
+bool is_complete(const rtps::CacheChange_t& part, std::uint32_t sample, std::uint32_t first,
+                 std::uint32_t count) {
+  const std::uint64_t size = part.getFragmentSize();
+  if (size < kIndex || sample > kMostSample || first == 0 || count == 0) return false;
+  const std::uint64_t begin = (first - 1) * size;
+  if (begin + (count - 1) * size >= sample) return false;
+  const std::uint32_t length = part.serializedPayload.length;
+  return length <= kMostPayload && length >= std::min(count * size, sample - begin);
+}
+
+/// Returns the number of bytes in which Fast DDS assembles a sample.
+std::uint64_t assembly_size(const rtps::CacheChange_t& part, std::uint32_t sample) {
+  const std::uint64_t last = std::uint64_t{sample - 1} / part.getFragmentSize() * part.getFragmentSize();
+  return std::max<std::uint64_t>(sample, (last + 3) / 4 * 4 + kIndex);
+}
+
+/// Returns true if a DATA_FRAG gives its sample and fragments the same sizes as the first DATA_FRAG did.
+bool continues(const rtps::CacheChange_t& begun, const rtps::CacheChange_t& part, std::uint32_t sample) {
+  return begun.getFragmentSize() == part.getFragmentSize() && begun.serializedPayload.length == sample;
+}
+
+// Locked from the comparison with the first DATA_FRAG until the fragments are stored. The lock of the reader
+// cannot be held so long, because Fast DDS needs to release it in between.
+std::mutex storing_fragments;
+
+}  // namespace
+
+namespace takt::dds {
+
+void check_what_readers_receive() noexcept { static_cast<void>(originals()); }
+
+}  // namespace takt::dds
+
+namespace eprosima::fastrtps::rtps {
+
+// Returns the next number that the reader passes to its listener, if there is a sample with this number.
+SequenceNumber_t WriterProxy::next_cache_change_to_be_notified() {
+  const SequenceNumber_t next = originals().next(this);
+  const SequenceNumber_t last = available_changes_max();
+  if (next == c_SequenceNumber_Unknown || last.to64long() - next.to64long() < kMostCounted) return next;
+  const auto used = static_cast<std::uint32_t>(number_of_changes_from_writer());
+  loaded_from_storage(last - kMostCounted);
+  lost_changes_update(last + 1);
+  missing_changes_update(last + used);
+  return originals().next(this);
+}
+
+bool StatefulReader::processGapMsg(const GUID_t& writer, const SequenceNumber_t& start,
+                                   const SequenceNumberSet_t& list) {
+  const std::lock_guard lock{mp_mutex};
+  WriterProxy* known = nullptr;
+  if (!is_alive_ || !acceptMsgFrom(writer, &known) || known == nullptr) return false;
+  const SequenceNumber_t next = known->available_changes_max() + 1;
+  const SequenceNumber_t end = list.base();
+  if (start <= next) {
+    known->lost_changes_update(end);
+    mp_history->remove_fragmented_changes_until(end, writer);
+    return originals().gap(this, writer, end, list);
+  }
+  const SequenceNumber_t limit = next + kMostStored;
+  return originals().gap(this, writer, start, end > limit ? SequenceNumberSet_t{limit} : list);
+}
+
+bool StatefulReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
+                                        std::uint16_t count) {
+  if (!is_complete(*part, sample, first, count)) return false;
+  if (fixed_payload_size_ > 0 && assembly_size(*part, sample) > fixed_payload_size_) return false;
+  const std::lock_guard storing{storing_fragments};
+  CacheChange_t* begun = nullptr;
+  if (mp_history->get_change(part->sequenceNumber, part->writerGUID, &begun) &&
+      !continues(*begun, *part, sample))
+    return false;
+  return originals().fragments(this, part, sample, first, count);
+}
+
+bool StatelessReader::processDataFragMsg(CacheChange_t* part, std::uint32_t sample, std::uint32_t first,
+                                         std::uint16_t count) {
+  if (!is_complete(*part, sample, first, count)) return false;
+  if (fixed_payload_size_ > 0 && assembly_size(*part, sample) > fixed_payload_size_) return false;
+  const std::lock_guard storing{storing_fragments};
+  {
+    const std::lock_guard lock{mp_mutex};
+    for (RemoteWriterInfo_t& writer : matched_writers_) {
+      CacheChange_t*& begun = writer.fragmented_change;
+      if (writer.guid != part->writerGUID || begun == nullptr) continue;
+      if (begun->sequenceNumber == part->sequenceNumber && !continues(*begun, *part, sample)) return false;
+      // Fast DDS reuses the memory of an older sample if the new sample fits, but does not count kBehind.
+      if (begun->sequenceNumber < part->sequenceNumber &&
+          begun->serializedPayload.max_size < assembly_size(*part, sample)) {
+        releaseCache(begun);
+        begun = nullptr;
+      }
+    }
+  }
+  return originals().best_effort_fragments(this, part, sample, first, count);
+}
+
+// Reserves memory for a sample and for the kBehind bytes behind it.
+bool RTPSReader::reserveCache(CacheChange_t** change, std::uint32_t size) {
+  return originals().reserve(this, change, size + kBehind);
+}
+
+}  // namespace eprosima::fastrtps::rtps

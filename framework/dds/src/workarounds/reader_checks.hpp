@@ -1,0 +1,19 @@
+// Makes the readers of Fast DDS check the numbers in HEARTBEAT, GAP and DATA_FRAG. The packet filter cannot
+// check these numbers: whether a number is valid depends on earlier packets, and with DDS Security it is
+// encrypted. Only the source files of this room include this header.
+//
+// - Fast DDS 2.9.1 counts one by one up to the first number of a HEARTBEAT, and holds a lock meanwhile
+//   (CVE-2025-65016). It does the same when a reader matches a writer that has written for months.
+// - It stores each number of a GAP (CVE-2025-64438).
+// - It takes the size of a sample and of its fragments from the first DATA_FRAG, and does not compare the
+//   sizes in later ones (CVE-2026-22590). It writes past the end of a sample whose last fragment is shorter
+//   than 4 bytes (CVE-2025-62799).
+#pragma once
+
+namespace takt::dds {
+
+/// Finds the functions of Fast DDS that reader_checks.cpp replaces; ends the process if one is missing. Call
+/// this function before the participant of this process is created.
+void check_what_readers_receive() noexcept;
+
+}  // namespace takt::dds

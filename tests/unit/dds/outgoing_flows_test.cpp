@@ -1,0 +1,111 @@
+#include "outgoing_flows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <future>
+#include <memory>
+#include <new>
+#include <thread>
+
+#include <takt/os/clock.hpp>
+
+namespace takt::dds::outgoing_flows_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Memory that contains a link with one sample.
+class Full {
+ public:
+  Full() {
+    const channel::Link::Options options{.depth = 4, .payload = 64, .is_queue = true};
+    const std::size_t size = channel::Link::layout(options).size();
+    bytes_ = static_cast<std::byte*>(::operator new (size, std::align_val_t{64}));
+    std::memset(bytes_, 0, size);
+    channel::Link::format(bytes_, options);
+    channel::LinkWriter{link()}.publish(8, to_ns(os::now()));
+  }
+  Full(const Full&) = delete;
+  Full& operator=(const Full&) = delete;
+  ~Full() { ::operator delete (bytes_, std::align_val_t{64}); }
+  [[nodiscard]] channel::Link link() const { return channel::Link{bytes_}; }
+
+ private:
+  std::byte* bytes_ = nullptr;
+};
+
+/// What a SlowWriter has done.
+struct Watched {
+  std::promise<void> writing;
+  std::promise<void> may_return;
+  std::promise<bool> returned_in_time;
+  std::promise<std::thread::id> destroyed_on;
+};
+
+/// A writer whose write takes until the test ends it.
+class SlowWriter final : public SampleWriter {
+ public:
+  explicit SlowWriter(Watched& watched) : watched_(watched) {}
+  ~SlowWriter() override { watched_.destroyed_on.set_value(std::this_thread::get_id()); }
+  bool write(const Bytes&, std::int64_t) override {
+    watched_.writing.set_value();
+    watched_.returned_in_time.set_value(watched_.may_return.get_future().wait_for(5s) ==
+                                        std::future_status::ready);
+    return true;
+  }
+  [[nodiscard]] wire::FlowHealth health() const override {
+    wire::FlowHealth health;
+    health.matched = 7;
+    return health;
+  }
+
+ private:
+  Watched& watched_;
+};
+
+TEST(OutgoingFlows, DoNotMakeOtherThreadsWaitForAWrite) {
+  const Full slow_link;
+  const Full other_link;
+  Watched slow;
+  Watched other;
+  channel::WakeWord wake_word{};
+  OutgoingFlows flows{wake_word, 0};
+  ASSERT_TRUE(flows.start().ok());
+  flows.add(1, std::make_unique<SlowWriter>(slow), slow_link.link());
+  slow.writing.get_future().wait();
+
+  Nanoseconds longest{0};
+  const auto timed = [&longest](auto call) {
+    const Instant begin = os::now();
+    auto result = call();
+    longest = std::max(longest, Nanoseconds{os::now() - begin});
+    return result;
+  };
+  for (int step = 0; step < 1000; ++step)
+    ASSERT_EQ(timed([&] { return flows.health(1); }).value_or(wire::FlowHealth{}).matched, 7U);
+  EXPECT_FALSE(timed([&] { return flows.remove(1); })) << "a sample of the flow is being written";
+  EXPECT_TRUE(timed([&] {
+    flows.add(2, std::make_unique<SlowWriter>(other), other_link.link());
+    return flows.remove(2);
+  }));
+  EXPECT_FALSE(flows.health(2).has_value());
+  std::printf("the longest call during the write took %.3f ms\n", static_cast<double>(longest.count()) / 1e6);
+  slow.may_return.set_value();
+  EXPECT_TRUE(slow.returned_in_time.get_future().get());
+
+  while (!flows.remove(1)) std::this_thread::yield();
+  EXPECT_FALSE(flows.health(1).has_value());
+  for (Watched* each : {&slow, &other}) {
+    EXPECT_NE(each->destroyed_on.get_future().get(), std::this_thread::get_id())
+        << "the destruction of a writer may wait for DDS, too";
+  }
+  EXPECT_EQ(other.writing.get_future().wait_for(0s), std::future_status::timeout)
+      << "a removed flow moves no sample";
+}
+
+}  // namespace
+}  // namespace takt::dds::outgoing_flows_test

@@ -1,0 +1,225 @@
+// The commands that an operator sends to a module: takt start, stop, recover, reset, destruct and initialize,
+// takt get and set, and takt swap.
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <takt/client/answer_data.hpp>
+#include <takt/client/connection.hpp>
+#include <takt/core/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
+#include <takt/wire/words.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/network_options.hpp"
+#include "commands/target.hpp"
+#include "reports/properties_report.hpp"
+#include "reports/run_report.hpp"
+#include "terminal/terminal.hpp"
+#include "web/property_values.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+struct ModuleCommand {
+  CommandKind kind;
+  const char* name;
+  const char* text;
+};
+
+constexpr std::array kModuleCommands{
+    ModuleCommand{COMMAND_INITIALIZE, "initialize", "Initialise a module that is in IDLE"},
+    ModuleCommand{COMMAND_START, "start", "Start a module: it is EXECUTING whenever its device runs"},
+    ModuleCommand{COMMAND_STOP, "stop", "Stop a module: it leaves its table and stays ready, in START"},
+    ModuleCommand{COMMAND_RECOVER, "recover",
+                  "Recover a module in RECOVER now, without waiting for the next automatic attempt"},
+    ModuleCommand{COMMAND_RESET, "reset",
+                  "Load the component of a module in DESTRUCT again; the module is then in IDLE"},
+    ModuleCommand{COMMAND_DESTRUCT, "destruct", "End a module; it does not run again until it is reset"},
+};
+
+/// Returns a state as text. After a stop, the state is START, so the text adds that the module is stopped.
+std::string state_after(CommandKind command, const std::string& state) {
+  return state_text(state, command == COMMAND_STOP && state == to_text(STATE_START));
+}
+
+int send(const ModuleCommand& command, const std::string& text, const client::Network& network) {
+  const auto target = target_of(text);
+  if (!target) return refuse(target.problems());
+  const auto client = connect_to_device(network, target->device, target->module);
+  if (!client) return refuse(client.problems());
+  const auto answer = client->sender->send({.kind = command.kind,
+                                            .device = target->device,
+                                            .module = target->module,
+                                            .limit = std::chrono::seconds{20}});
+  if (!answer) return refuse(answer.problems());
+
+  // If the target is a device that carried out or tried the command, its answer has one outcome for each of
+  // its modules.
+  if (target->module.empty() && answer->data.starts_with("[")) {
+    std::string lines;
+    const auto read =
+        client::read_answer(target->device, answer->data, [&](const nlohmann::ordered_json& all) {
+          for (const auto& each : all) {
+            const auto why = each.at("text").get<std::string>();
+            const auto state = each.at("state").get<std::string>();
+            lines += fmt::format("{}.{}: {}\n", target->device, each.at("module").get<std::string>(),
+                                 why.empty() ? state_after(command.kind, state) : state + " (" + why + ")");
+          }
+        });
+    if (!read) return refuse(read.problems());
+    if (!print(lines)) return 1;
+  } else if (answer->head.code() == REPLY_OK) {
+    const std::string state = state_after(command.kind, to_text(answer->head.state()));
+    return print(fmt::format("{}: {}\n", text, state)) ? 0 : 1;
+  }
+  if (answer->head.code() == REPLY_OK) return 0;
+  return refuse(client::problems_of(*answer));
+}
+
+int property(const std::string& text, const std::string& name, const std::optional<std::string>& value,
+             const client::Network& network) {
+  const auto target = target_of(text, "property");
+  if (!target) return refuse(target.problems());
+  const auto client = connect_to_device(network, target->device, target->module);
+  if (!client) return refuse(client.problems());
+  const auto answer = client::accepted(client->sender->send({.kind = value ? COMMAND_SET : COMMAND_GET,
+                                                             .device = target->device,
+                                                             .module = target->module,
+                                                             .property = name,
+                                                             .value = value.value_or("")}));
+  if (!answer) return refuse(answer.problems());
+  return print(answer->head.value().to_string() + "\n") ? 0 : 1;
+}
+
+// Prints all properties of a module, with their values.
+int properties(const std::string& text, bool as_json, const client::Network& network) {
+  const auto target = target_of(text, "property, or DEVICE.MODULE alone to list all of them");
+  if (!target) return refuse(target.problems());
+  const auto client = connect_to_device(network, target->device, target->module);
+  if (!client) return refuse(client.problems());
+  const auto answer = client::accepted(client->sender->send(
+      {.kind = COMMAND_DESCRIBE, .device = target->device, .limit = std::chrono::seconds{10}}));
+  if (!answer) return refuse(answer.problems());
+  using Json = nlohmann::ordered_json;
+  const auto modules = client::described_modules(target->device, answer->data);
+  if (!modules) return refuse(modules.problems());
+  const auto module = std::find_if(modules->begin(), modules->end(),
+                                   [&](const Json& one) { return one.at("name") == target->module; });
+  if (module == modules->end()) {
+    std::vector<std::string> names;
+    for (const Json& one : *modules) names.push_back(one.at("name").get<std::string>());
+    return refuse({fail("device " + target->device + " has no module " + in_quotes(target->module),
+                        suggestion(target->module, {names.begin(), names.end()}))});
+  }
+  Json list = module->at("properties");
+  const auto running =
+      client::accepted(client->sender->send({.kind = COMMAND_DESCRIPTOR, .device = target->device}));
+  if (!running) return refuse(running.problems());
+  const auto cell = descriptor::parse(running->data, running->head.value().to_string());
+  add_property_values(list, *client->sender, target->device, target->module, cell ? &*cell : nullptr);
+  return print(as_json ? model::json_text({{"module", text}, {"properties", list}}) + "\n"
+                       : properties_text(list, terminal_style()))
+             ? 0
+             : 1;
+}
+
+int swap(const std::string& text, const std::string& file, const client::Network& network) {
+  const auto target = target_of(text, "file");
+  if (!target) return refuse(target.problems());
+  const auto client = connect_to_device(network, target->device, target->module);
+  if (!client) return refuse(client.problems());
+  const auto answer = client::accepted(client->sender->send({.kind = COMMAND_SWAP,
+                                                             .device = target->device,
+                                                             .module = target->module,
+                                                             .value = file,
+                                                             .limit = std::nullopt}));
+  if (!answer) return refuse(answer.problems());
+  return print(fmt::format("{}: {} {}\n", text, answer->head.value().to_string(),
+                           answer->head.text().to_string()))
+             ? 0
+             : 1;
+}
+
+}  // namespace
+
+void add_module_commands(CLI::App& app, Chosen& chosen) {
+  for (const ModuleCommand& each : kModuleCommands) {
+    auto target = std::make_shared<std::string>();
+    auto network = std::make_shared<client::Network>();
+    auto* command = app.add_subcommand(each.name, each.text);
+    command->add_option("TARGET", *target, "DEVICE.MODULE, or DEVICE for all modules of the device")
+        ->required();
+    add_network_options(*command, *network);
+    command->callback([&each, target, network, &chosen] {
+      chosen = [&each, target, network] { return send(each, *target, *network); };
+    });
+  }
+}
+
+void add_swap(CLI::App& app, Chosen& chosen) {
+  auto target = std::make_shared<std::string>();
+  auto file = std::make_shared<std::string>();
+  auto network = std::make_shared<client::Network>();
+  auto* command = app.add_subcommand(
+      "swap",
+      "Replace the component of a running periodic thread module by another version, between two rows");
+  command->add_option("MODULE", *target, "DEVICE.MODULE")->required();
+  command
+      ->add_option("FILE", *file, "the new .so file, in a folder on the component path of the device's node")
+      ->required();
+  add_network_options(*command, *network);
+  command->footer(
+      "The new version takes over the state that the old version has saved. If one of its first 10 runs\n"
+      "fails, Takt puts the old version back. The descriptor does not change: the next deployment, and\n"
+      "--resume, load the file that the descriptor names.");
+  command->callback([=, &chosen] { chosen = [=] { return swap(*target, *file, *network); }; });
+}
+
+void add_properties(CLI::App& app, Chosen& chosen) {
+  for (const bool sets : {false, true}) {
+    auto target = std::make_shared<std::string>();
+    auto name = std::make_shared<std::string>();
+    auto value = std::make_shared<std::string>();
+    auto network = std::make_shared<client::Network>();
+    auto* command =
+        sets ? app.add_subcommand("set", "Set a property of a running module, between two of its cycles")
+             : app.add_subcommand("get",
+                                  "Print the current value of a property, or all properties of a module");
+    auto as_json = std::make_shared<bool>(false);
+    command->add_option("MODULE", *target, "DEVICE.MODULE")->required();
+    if (sets) {
+      // A check of the name comes before the message that VALUE is missing.
+      command->add_option("PROPERTY", *name, "the name of the property, as `takt get` lists it")
+          ->required()
+          ->check(CLI::Validator{[](const std::string& given) -> std::string {
+                                   const std::size_t at = given.find('=');
+                                   if (at == std::string::npos) return "";
+                                   return fmt::format(
+                                       "'{}' is not the name of a property; write the name and the value as "
+                                       "two arguments: {} {}",
+                                       given, given.substr(0, at), given.substr(at + 1));
+                                 },
+                                 ""});
+      command->add_option("VALUE", *value, "the new value")->required();
+    } else {
+      auto* property =
+          command->add_option("PROPERTY", *name, "the name of the property; without it, all are listed");
+      command->add_flag("--json", *as_json, "list all properties as JSON")->excludes(property);
+    }
+    add_network_options(*command, *network);
+    command->callback([=, &chosen] {
+      chosen = [=] {
+        if (!sets && name->empty()) return properties(*target, *as_json, *network);
+        return property(*target, *name, sets ? std::optional{*value} : std::nullopt, *network);
+      };
+    });
+  }
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,32 @@
+#include "commands/target.hpp"
+
+#include <fmt/format.h>
+
+#include <takt/client/target.hpp>
+
+namespace takt::tool {
+
+Result<Target> target_of(const std::string& text, const char* then) {
+  const bool module_needed = then != nullptr;
+  const std::size_t dot = text.find('.');
+  Target target{text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
+  const bool right = !target.device.empty() &&
+                     (dot == std::string::npos ? !module_needed : !target.module.empty()) &&
+                     target.module.find('.') == std::string::npos;
+  if (!right) {
+    return fail("'" + text + "' is not the name of a " + (module_needed ? "module" : "device or module"),
+                module_needed ? fmt::format("write DEVICE.MODULE, a space and the {}", then)
+                              : "write DEVICE or DEVICE.MODULE");
+  }
+  return target;
+}
+
+Result<client::Connection> connect_to_device(const client::Network& network, const std::string& device,
+                                             const std::string& rest) {
+  auto client = client::connect(network);
+  if (!client) return client.problems();
+  if (const auto found = client::find_device(*client->sender, device, rest); !found) return found.problems();
+  return client;
+}
+
+}  // namespace takt::tool
