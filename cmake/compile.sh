@@ -7,5 +7,6 @@ for word in "$@"; do
   case "$previous $word" in "-o "*.gch) rm -f "$word" ;; esac
   previous=$word
 done
-# The ccache manual requires these settings for precompiled headers ("Precompiled headers").
-CCACHE_SLOPPINESS=pch_defines,time_macros exec ccache "$@"
+# With the first two settings, a clone in one folder can use what was compiled in another folder. The ccache manual requires the third
+# setting for precompiled headers ("Precompiled headers").
+CCACHE_BASEDIR=${0%/cmake/compile.sh} CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros exec ccache "$@"

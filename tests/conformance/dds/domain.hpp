@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include <folders.hpp>
 #include <takt/dds/participant.hpp>
 
 namespace takt::dds_test {
@@ -13,7 +14,7 @@ namespace takt::dds_test {
 inline int domain() {
   const char* given = std::getenv("TAKT_TEST_DOMAIN");
   return given != nullptr ? std::atoi(given)
-                          : 150 + static_cast<int>(std::hash<std::string>{}(TAKT_BINARY_DIR) % 10);
+                          : 150 + static_cast<int>(std::hash<std::string>{}(build_path("")) % 10);
 }
 
 inline dds::ParticipantOptions on_loopback(const std::string& name) {

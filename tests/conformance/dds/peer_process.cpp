@@ -12,6 +12,8 @@
 #include "domain.hpp"
 #include "peer.hpp"
 
+#include <folders.hpp>
+
 extern char** environ;
 
 namespace takt::dds_test {
@@ -24,7 +26,8 @@ Peer::Peer(const std::vector<std::string>& arguments, const std::map<std::string
   std::array<int, 2> from{};
   if (::pipe2(to.data(), O_CLOEXEC) != 0 || ::pipe2(from.data(), O_CLOEXEC) != 0)
     throw std::runtime_error("cannot create a pipe");
-  std::vector<std::string> words{TAKT_PEER, std::to_string(domain())};
+  const std::string program = build_path("tests/conformance/dds/dds_peer");
+  std::vector<std::string> words{program, std::to_string(domain())};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -41,13 +44,13 @@ Peer::Peer(const std::vector<std::string>& arguments, const std::map<std::string
   ::posix_spawn_file_actions_adddup2(&actions, to[0], 0);
   ::posix_spawn_file_actions_adddup2(&actions, from[1], 1);
   if (!folder.empty()) ::posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  const int error = ::posix_spawn(&pid_, TAKT_PEER, &actions, nullptr, argv.data(), envp.data());
+  const int error = ::posix_spawn(&pid_, program.c_str(), &actions, nullptr, argv.data(), envp.data());
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(to[0]);
   ::close(from[1]);
   in_ = to[1];
   out_ = from[0];
-  if (error != 0) throw std::runtime_error("cannot start " TAKT_PEER);
+  if (error != 0) throw std::runtime_error("cannot start " + program);
 }
 
 Peer::~Peer() {

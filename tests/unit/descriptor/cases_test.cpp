@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include <folders.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
 namespace takt::descriptor::cases_test {
@@ -20,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kCases = TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/";
-const std::string kSchema = TAKT_SOURCE_DIR "/config/takt.xsd";
+const std::string kCases = source_path("tests/unit/descriptor/cases/");
+const std::string kSchema = source_path("config/takt.xsd");
 
 std::vector<std::string> files_of(const std::string& folder) {
   std::vector<std::string> files;
@@ -103,7 +104,7 @@ TEST(DescriptorSchema, AgreesWithTheParserWhereverXsdCanExpressTheRule) {
   if (std::system("xmllint --version >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "xmllint (libxml2-utils) is missing";
   auto good = files_of(kCases + "good");
-  good.push_back(TAKT_SOURCE_DIR "/deploy/module.xml");
+  good.push_back(source_path("deploy/module.xml"));
   const auto accepted_good = accepted_by_schema(good);
   for (const std::string& file : good) EXPECT_EQ(accepted_good.count(file), 1U) << file;
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <folders.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include "bundle.hpp"
 #include "include.hpp"
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const std::string kCases = TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/";
+const std::string kCases = source_path("tests/unit/descriptor/cases/");
 
 std::string cell_text(const Result<model::Cell>& cell) {
   return cell ? text_of_cell(*cell) : "rejected: " + to_text(cell.problems());

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include <folders.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
 namespace takt::descriptor::mutation_test {
@@ -397,7 +398,7 @@ struct Base {
 };
 
 const std::vector<Base>& bases() {
-  static const std::string kGood = "/tests/unit/descriptor/cases/good/";
+  static const std::string kGood = "tests/unit/descriptor/cases/good/";
   // These attributes are optional in every base file. Other attributes are optional only in some files: in
   // cell.xml, some attributes require each other; in everything.xml, a topic or a queue requires some
   // attributes.
@@ -408,7 +409,7 @@ const std::vector<Base>& bases() {
   std::set<std::string> everything = kDefaults;
   everything.insert({"depth", "reliability", "lifespan", "stale", "miss", "server-device", "connection/from",
                      "spin", "limit", "offsets", "timing", "host", "times", "in-a-row", "hang"});
-  static const std::vector<Base> kBases{{"/deploy/module.xml", kDefaults},
+  static const std::vector<Base> kBases{{"deploy/module.xml", kDefaults},
                                         {kGood + "cell.xml", cell},
                                         {kGood + "everything.xml", everything},
                                         {kGood + "peers.xml", kDefaults},
@@ -417,7 +418,7 @@ const std::vector<Base>& bases() {
 }
 
 std::size_t break_everywhere(const Base& base) {
-  const std::string xml = content_of(TAKT_SOURCE_DIR + base.file);
+  const std::string xml = content_of(source_path(base.file));
   EXPECT_TRUE(parse(xml, "base.xml")) << base.file << " must be valid before it is broken";
   Mutations mutations{xml, base.optional};
   for (const Element& element : elements_of(xml)) {
@@ -443,7 +444,7 @@ TEST(DescriptorMutations, ThatBreakARuleAreRejectedWithALineNumber) {
 // every text would pass.
 TEST(DescriptorMutations, WithoutEffectOnTheCellAreAccepted) {
   for (const Base& base : bases()) {
-    const std::string xml = content_of(TAKT_SOURCE_DIR + base.file);
+    const std::string xml = content_of(source_path(base.file));
     for (const Element& element : elements_of(xml)) {
       SCOPED_TRACE(base.file + " <" + element.name + ">");
       EXPECT_TRUE(parse(inserted(xml, element.start.begin, "<!-- so -->"), "base.xml"));

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <folders.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
 namespace takt::descriptor::paper_test {
@@ -32,7 +33,7 @@ const Expected kFigure1[] = {
 };
 
 TEST(PaperDescriptor, HasTheSevenModulesOfFigure1) {
-  const auto cell = load(TAKT_SOURCE_DIR "/deploy/module.xml");
+  const auto cell = load(source_path("deploy/module.xml"));
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->name, "module");
   EXPECT_FALSE(cell->domain_given);
@@ -67,7 +68,7 @@ TEST(PaperDescriptor, HasTheSevenModulesOfFigure1) {
 }
 
 TEST(CellDescriptor, ReadsACellOfTwoDevices) {
-  const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/cell.xml");
+  const auto cell = load(source_path("tests/unit/descriptor/cases/good/cell.xml"));
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->name, "palletizing");
   EXPECT_EQ(cell->domain, 7);
@@ -118,7 +119,7 @@ TEST(CellDescriptor, ReadsACellOfTwoDevices) {
 }
 
 TEST(CellDescriptor, ReadsEveryElementAndAttribute) {
-  const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/everything.xml");
+  const auto cell = load(source_path("tests/unit/descriptor/cases/good/everything.xml"));
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->discovery.kind, model::Discovery::Kind::server);
   EXPECT_EQ(cell->discovery.server, "10.0.0.1:11811");
@@ -165,7 +166,7 @@ TEST(CellDescriptor, ReadsEveryElementAndAttribute) {
   EXPECT_EQ(connection.topic, "rt/setpoint");
   EXPECT_EQ(connection.domain, 9);
 
-  const auto peers = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/peers.xml");
+  const auto peers = load(source_path("tests/unit/descriptor/cases/good/peers.xml"));
   ASSERT_TRUE(peers) << to_text(peers.problems());
   EXPECT_EQ(peers->discovery.kind, model::Discovery::Kind::peers);
   EXPECT_THAT(peers->discovery.peers, testing::ElementsAre("10.0.0.1", "line.local"));

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <folders.hpp>
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
@@ -18,7 +19,7 @@
 namespace takt::descriptor::spelling_test {
 namespace {
 
-const std::string kGood = TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/";
+const std::string kGood = source_path("tests/unit/descriptor/cases/good/");
 
 std::string content_of(const std::string& file) {
   std::ostringstream content;

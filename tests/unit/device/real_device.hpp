@@ -15,6 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <folders.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/node/device_platform.hpp>
@@ -118,7 +119,7 @@ class RealDevice : public testing::Test {
     return json::parse(text.str(), nullptr, false);
   }
 
-  static inline const std::string kComponents = std::string{TAKT_BINARY_DIR} + "/tests/components";
+  static inline const std::string kComponents = build_path("tests/components");
   std::filesystem::path folder;
   std::vector<Step> steps;  ///< the transitions of all modules so far
   std::shared_ptr<DevicePlatform> platform;

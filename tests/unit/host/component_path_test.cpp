@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
+#include <folders.hpp>
 
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
@@ -60,7 +61,8 @@ TEST_F(ComponentPath, DoesNotFindAFileOfTheSameNameInAnotherFolder) {
                      HasSubstr("correct the path, or write arm.so to use " + components + "/arm.so")));
   EXPECT_THAT(problem_of("./servp.so"), HasSubstr("did you mean ./servo.so?"));
   EXPECT_THAT(problem_of("arm"), HasSubstr("did you mean arm.so?"));
-  EXPECT_THAT(problem_of("nothing.so"), HasSubstr(components + "-old (" + components + "-old does not exist)"));
+  EXPECT_THAT(problem_of("nothing.so"),
+              HasSubstr(components + "-old (" + components + "-old does not exist)"));
 
   EXPECT_TRUE(find_on_component_path("arm.so"));
   EXPECT_TRUE(find_on_component_path("mine/hand.so"));
@@ -136,7 +138,8 @@ TEST_F(ComponentPath, StartsTheProgramThatTheCallersCheckAccepted) {
 TEST_F(ComponentPath, StartsAProgramThatHasALibraryInItsFolder) {
   for (const bool copied : {false, true}) {
     if (copied) require_of_components([](const std::string&, const os::Fd&) { return Result<void>{}; });
-    auto child = start_component({.program = TAKT_OBJECT_FINDS, .capture_output = true});
+    auto child =
+        start_component({.program = build_path("tests/objects/object_finds"), .capture_output = true});
     ASSERT_TRUE(child.ok()) << to_text(child.problems());
     EXPECT_EQ(output_of(*child), "counted 1\n") << copied;
   }

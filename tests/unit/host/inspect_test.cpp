@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <folders.hpp>
 
 #include <takt/core/log_level.hpp>
 #include <takt/os/environment.hpp>
@@ -50,9 +51,9 @@ std::vector<std::string> problems_of(const model::Cell& cell) {
 }
 
 TEST(CheckComponents, ReportsNoPortProblemsForARejectedComponent) {
-  EXPECT_THAT(problems_of(cell_of(TAKT_OBJECT_WITHOUT_RUN, "no_such_file.so")),
-              ElementsAre(StartsWith("cell.xml:3: error: module first: " TAKT_OBJECT_WITHOUT_RUN
-                                     " has no function run()"),
+  const std::string plain = build_path("tests/objects/plain.so");
+  EXPECT_THAT(problems_of(cell_of(plain, "no_such_file.so")),
+              ElementsAre(StartsWith("cell.xml:3: error: module first: " + plain + " has no function run()"),
                           StartsWith("cell.xml:4: error: module second: there is no file no_such_file.so")));
 }
 
@@ -77,7 +78,7 @@ TEST(MisnamedFiles, AreReportedIfAConnectionUsesTheNameOfTheExistingFile) {
   std::filesystem::remove_all(folder);
 }
 
-const std::string kPrograms = std::string{TAKT_BINARY_DIR} + "/tests/components/";
+const std::string kPrograms = build_path("tests/components/");
 
 TEST(ArgumentsOf, ReturnsTheArgumentsFollowedByThePropertiesWithoutTheLogLevel) {
   model::Module module;

@@ -3,6 +3,7 @@
 
 #include <mutex>
 
+#include <folders.hpp>
 #include <takt/channel/saved_state.hpp>
 #include <takt/process.hpp>
 #include "swap.hpp"
@@ -16,7 +17,7 @@ namespace {
 /// state and publishes the count.
 class RealTimeSwap : public RealTimePath {
  protected:
-  static inline const std::string kFolder = std::string{TAKT_BINARY_DIR} + "/tests/components/";
+  static inline const std::string kFolder = build_path("tests/components/");
 
   void SetUp() override {
     if (TAKT_SANITIZED != 0) GTEST_SKIP() << "the sanitizer's own allocator and locks would be counted";

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
+#include <folders.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -37,7 +38,7 @@ TEST(Symbols, ShowsTheBareAddressIfItsFunctionIsUnknown) {
   Symbols symbols;
   EXPECT_EQ(symbols.name("", 0x1234), "0x1234");
   EXPECT_EQ(symbols.name("/nowhere/module.so", 0x1234), "0x1234 in module.so");
-  EXPECT_EQ(symbols.name(TAKT_SOURCE_DIR "/README.md", 0x1234), "0x1234 in README.md");
+  EXPECT_EQ(symbols.name(source_path("README.md"), 0x1234), "0x1234 in README.md");
 }
 
 TEST(CallsOfModule, OmitTheOuterCallsThroughWhichTheHostCalledTheModule) {

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
+#include <folders.hpp>
 
 #include <filesystem>
 #include <fstream>
@@ -15,8 +16,8 @@ namespace takt::os::library_test {
 namespace {
 
 using testing::HasSubstr;
-const std::string kPlain = TAKT_TEST_OBJECTS "/plain.so";
-const std::string kUnique = TAKT_TEST_OBJECTS "/unique.so";
+const std::string kPlain = build_path("tests/objects/plain.so");
+const std::string kUnique = build_path("tests/objects/unique.so");
 
 int count_up(const Library& library) { return reinterpret_cast<int (*)()>(library.own_symbol("count_up"))(); }
 
@@ -129,7 +130,7 @@ TEST(Library, NamesTheFileThatIsMissing) {
 
 TEST(Library, NamesTheFileThatIsNotALibrary) {
   for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
-    const auto library = Library::open(TAKT_SOURCE_DIR "/CMakeLists.txt", globals);
+    const auto library = Library::open(source_path("CMakeLists.txt"), globals);
     ASSERT_FALSE(library.ok());
     EXPECT_THAT(library.problems()[0].what, HasSubstr("CMakeLists.txt"));
   }

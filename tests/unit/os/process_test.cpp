@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <folders.hpp>
 
 #include <cerrno>
 #include <cstdio>
@@ -102,7 +103,7 @@ TEST(Child, ReportsWhyAProgramCannotBeExecuted) {
   const auto missing = Child::spawn({.program = "/nowhere/program"});
   ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.problems()[0].what, "/nowhere/program: No such file or directory");
-  const auto no_program = Child::spawn({.program = TAKT_SOURCE_DIR "/CMakeLists.txt"});
+  const auto no_program = Child::spawn({.program = source_path("CMakeLists.txt")});
   ASSERT_FALSE(no_program.ok());
   EXPECT_THAT(no_program.problems()[0].what, HasSubstr("Permission denied"));
   errno = 0;

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 
+#include <folders.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/simulation/simulation.hpp>
 
@@ -32,7 +33,7 @@ struct Outcome {
 class Cell {
  public:
   static Cell demo() {
-    auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
+    auto cell = descriptor::load(source_path("deploy/palletizing.xml"));
     return Cell{std::move(*cell)};
   }
   static Cell of(const std::string& devices) {

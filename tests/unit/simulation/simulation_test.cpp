@@ -4,6 +4,7 @@
 #include <string>
 
 #include <gmock/gmock.h>
+#include <folders.hpp>
 #include <full_form.hpp>
 
 #include <takt/simulation/random_cell.hpp>
@@ -320,7 +321,7 @@ TEST_P(RandomRuns, OfRandomCellsViolateNoInvariant) {
 }
 
 TEST_P(RandomRuns, OfTheDemoViolateNoInvariant) {
-  auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
+  auto cell = descriptor::load(source_path("deploy/palletizing.xml"));
   const auto plans = schedule::plan(*cell);
   for (std::uint64_t seed = GetParam(); seed < seeds(320); seed += kParts) {
     const auto course = simulate(

@@ -8,6 +8,8 @@
 
 #include "seen.hpp"
 
+#include <folders.hpp>
+
 namespace takt::tool::web::metrics_test {
 namespace {
 
@@ -95,7 +97,7 @@ TEST(Metrics, OmitMetricFamiliesWithoutSamples) {
 }
 
 TEST(Metrics, ContainEveryMetricThatTheDashboardUses) {
-  std::ifstream file{std::string{TAKT_SOURCE_DIR} + "/config/grafana-takt.json"};
+  std::ifstream file{source_path("config/grafana-takt.json")};
   const std::string dashboard{std::istreambuf_iterator<char>{file}, {}};
   const std::regex name{"takt_[a-z_]+"};
   std::size_t found = 0;
