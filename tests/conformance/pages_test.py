@@ -135,7 +135,7 @@ def run_page(path, source, environment):
     with open(path, encoding="utf-8") as stream:
         page = stream.read()
     for domain in sorted(set(re.findall(r"--domain (\d+)", page))):
-        takt_system.wait_until(lambda: takt_system.claim_domain(int(domain)), 100, f"domain {domain}, which the page names, to be free")
+        takt_system.wait_until(lambda: takt_system.claim_domain(int(domain)), f"domain {domain}, which the page names, to be free", 2 * takt_system.LONG)
     ran = 0
     with tempfile.TemporaryDirectory(prefix="takt-page-") as folder:
         shell = Shell(folder, environment)

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <long_enough.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/component.hpp>
 #include <takt/dds/gateway.hpp>
@@ -170,7 +171,7 @@ class BetweenDevices {
   }
   template <class Condition>
   void until(Condition condition) {
-    const Instant end = os::now() + std::chrono::seconds{20};
+    const Instant end = os::now() + long_enough();
     while (!condition()) {
       if (bridge_) bridge_->step(os::now());
       ASSERT_LT(os::now(), end) << "the connection does not settle";

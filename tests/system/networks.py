@@ -146,9 +146,9 @@ class NetworkCase(takt_system.Case):
         environment = {"TAKT_STATE_DIR": os.path.join(self.folder, device), **(options.pop("environment", None) or {})}
         return super().node(device, *arguments, on=on or device, environment=environment, **options)
 
-    def operator(self, *arguments, limit=60.0, **options):
+    def operator(self, *arguments, **options):
         """Runs a command until it ends. Removes the run from self.runs, because a long test runs thousands of commands."""
-        run = self.takt(*arguments, limit=limit, **options)
+        run = self.takt(*arguments, **options)
         self.runs.remove(run)
         return run
 

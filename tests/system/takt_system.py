@@ -40,6 +40,10 @@ os.environ.setdefault("TAKT_INTERFACE", "127.0.0.1")
 os.environ.pop("TAKT_DOMAIN", None)
 
 FULL = os.environ.get("TAKT_TEST_FULL", "") == "1"
+# Limits in seconds. LONG is long enough for every event that a test waits for, and SOON for the end of a killed process. On a slow machine,
+# ../run.py makes them longer. Only a test that asserts a duration has other limits.
+LONG = 60.0 * float(os.environ.get("TAKT_TEST_SLOWNESS", "1"))
+SOON = LONG / 20
 
 
 def how_much(variable, short, full):
@@ -170,7 +174,7 @@ def release_domains():
         _claims.pop().close()
 
 
-def wait_until(condition, limit=10.0, what="the condition"):
+def wait_until(condition, what="the condition", limit=LONG):
     """Returns the value of `condition` as soon as it is true. Fails if it is still false after `limit` seconds."""
     end = time.monotonic() + limit
     while True:
@@ -245,11 +249,11 @@ class Run:
         """Returns the process of this run that executes `program`, which must be the only one. Waits briefly, because a process has no name
         during exec."""
         try:
-            return wait_until(lambda: (lambda found: found[0] if len(found) == 1 else None)(self.processes(program)), 2)
+            return wait_until(lambda: (lambda found: found[0] if len(found) == 1 else None)(self.processes(program)))
         except AssertionError:
             raise AssertionError("expected one process %s, found %d" % (program, len(self.processes(program)))) from None
 
-    def wait_for_line(self, pattern, limit=15.0, after=0):
+    def wait_for_line(self, pattern, after=0):
         """Waits for a line of standard error that matches `pattern`, beginning at line index `after`. Returns the line."""
         expression = re.compile(pattern)
 
@@ -263,24 +267,24 @@ class Run:
                 raise AssertionError("the program ended without a line %r; standard error:\n%s" % (pattern, self.err))
             return None
 
-        return wait_until(find, limit, "a line %r" % pattern)
+        return wait_until(find, "a line %r" % pattern)
 
-    def wait_for_state(self, module, state, limit=15.0, device=r"[\w-]+"):
-        return self.wait_for_line(r" %s\.%s: \w+ -> %s\b" % (device, re.escape(module), state), limit)
+    def wait_for_state(self, module, state, device=r"[\w-]+"):
+        return self.wait_for_line(r" %s\.%s: \w+ -> %s\b" % (device, re.escape(module), state))
 
     def signal(self, number):
         """Sends a signal to the program and returns the value of time.monotonic() at that moment."""
         now = time.monotonic()
         os.kill(self.pid, number)
         if number == signal.SIGSTOP:
-            wait_until(self._is_stopped, 10, "every thread to stop")
+            wait_until(self._is_stopped, "every thread to stop")
         return now
 
     def halt(self):
         """Stops the program with SIGSTOP. Returns false if the program has ended before."""
         if self._process.poll() is None:
             os.kill(self.pid, signal.SIGSTOP)
-            wait_until(lambda: self._process.poll() is not None or self._is_stopped(), 10, "every thread to stop")
+            wait_until(lambda: self._process.poll() is not None or self._is_stopped(), "every thread to stop")
         return self._process.poll() is None
 
     def _is_stopped(self):
@@ -291,7 +295,7 @@ class Run:
                     return False
         return True
 
-    def wait(self, limit=60.0):
+    def wait(self, limit=LONG):
         """Waits until the program has ended and all its child processes have closed standard output and standard error."""
         try:
             self._process.wait(limit)
@@ -313,7 +317,7 @@ class Run:
                 process.kill()
             except OSError:
                 pass
-        self._process.wait(10)
+        self._process.wait()
         for reader, pipe in zip(self._readers, (self._process.stdout, self._process.stderr)):
             reader.join(1)
             if pipe is not None and not reader.is_alive():
@@ -330,7 +334,7 @@ class Run:
     def out(self):
         return "".join(line for _, line in self.out_lines)
 
-    def wait_for_out(self, pattern, limit=15.0, after=0):
+    def wait_for_out(self, pattern, after=0):
         """Waits for a line of standard output that matches `pattern`, beginning at line index `after`. Returns the time at which it was
         read."""
         expression = re.compile(pattern)
@@ -338,7 +342,7 @@ class Run:
         def find():
             return next((at for at, text in self.out_lines[after:] if expression.search(text)), None)
 
-        return wait_until(find, limit, "%r on standard output" % pattern)
+        return wait_until(find, "%r on standard output" % pattern)
 
     @property
     def err(self):
@@ -479,14 +483,14 @@ class Case(unittest.TestCase):
         self.runs.append(run)
         return run
 
-    def takt(self, *arguments, limit=60.0, **options):
+    def takt(self, *arguments, limit=LONG, **options):
         return self.start(*arguments, **options).wait(limit)
 
-    def at_once(self, *commands, limit=60.0):
+    def at_once(self, *commands):
         """Runs several takt commands at the same time, because each of them mostly waits. Each command is a string without the leading word
         `takt`."""
         runs = [self.start(*shlex.split(command)) for command in commands]
-        return [run.wait(limit) for run in runs]
+        return [run.wait() for run in runs]
 
     def done(self, *commands):
         """Runs these commands at the same time and returns the standard output of each. Fails if any command fails."""
@@ -511,7 +515,7 @@ class Case(unittest.TestCase):
         for node in nodes.values():
             node.signal(signal.SIGTERM)
         for node in nodes.values():
-            self.assertEqual(0, node.wait(10).status, node.err)
+            self.assertEqual(0, node.wait().status, node.err)
 
     def deploy(self, descriptor, *options):
         """Deploys a cell, and repeats the deployment if the machine stalled (see agreed())."""
@@ -529,7 +533,7 @@ class Case(unittest.TestCase):
         self.assertEqual(0, run.status, run.err)
         return run
 
-    def wait_for_states(self, wanted, limit=15.0):
+    def wait_for_states(self, wanted):
         """Waits until takt status shows these states: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns the status by
         device. Runs takt status once takt watch has shown the states, and every second."""
         if self._watcher is None:
@@ -555,7 +559,7 @@ class Case(unittest.TestCase):
                 elif any(found.get(module) != state for module, state in states.items()):
                     return None
             return status
-        return wait_until(holds, limit, "%s" % wanted)
+        return wait_until(holds, "%s" % wanted)
 
     def node(self, device, *arguments, **options):
         """Starts a takt-node and waits until it is ready for a deployment."""
@@ -583,13 +587,13 @@ class Case(unittest.TestCase):
             file.write(text)
         return path
 
-    def assert_nothing_left(self, run, limit=3.0):
+    def assert_nothing_left(self, run):
         """Checks that no process of the run remains, that no other process has opened its shared memories, and that /dev/shm has no new
         file."""
         def left():
             return [p for p in run.processes() if p.alive]
         try:
-            wait_until(lambda: not left(), limit)
+            wait_until(lambda: not left(), limit=SOON)
         except AssertionError:
             self.fail("left behind: %s" % left())
         if run._seen:
@@ -597,7 +601,7 @@ class Case(unittest.TestCase):
             def holders():
                 return [p for p in _pids() if Process(p, "", []).memories() & run._seen]
             try:
-                wait_until(lambda: not holders(), limit)
+                wait_until(lambda: not holders(), limit=SOON)
             except AssertionError:
                 self.fail("processes that still hold shared memory of the ended run: %s" % holders())
         new = {name for name in os.listdir("/dev/shm") if "takt" in name} - self._shared_before

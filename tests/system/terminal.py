@@ -69,7 +69,7 @@ class Terminal:
     def text(self):
         return "\n".join(self.lines)
 
-    def wait_for(self, pattern, limit=15.0):
+    def wait_for(self, pattern):
         """Waits until a line of the screen matches `pattern`, and returns this line."""
         expression = re.compile(pattern)
 
@@ -77,7 +77,7 @@ class Terminal:
             return next((line for line in self.lines if expression.search(line)), None)
 
         try:
-            return wait_until(find, limit, "%r on the screen" % pattern)
+            return wait_until(find, "%r on the screen" % pattern)
         except AssertionError as error:
             raise AssertionError("%s; the screen shows:\n%s" % (error, self.text)) from None
 

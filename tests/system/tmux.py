@@ -32,7 +32,7 @@ class Tmux:
             os.kill(self._server, signal.SIGTERM)
         except ProcessLookupError:
             return
-        wait_until(lambda: not Process(self._server, "tmux", []).alive, 10, "tmux to end")
+        wait_until(lambda: not Process(self._server, "tmux", []).alive, "tmux to end")
 
     def press(self, *keys):
         """Presses keys by their tmux names: "Enter", "Escape", "Up", "PPage", "a"."""
@@ -55,15 +55,15 @@ class Tmux:
     def show(self, of):
         return self._do("display-message", "-p", "#{%s}" % of).strip()
 
-    def wait_for(self, pattern, limit=15.0):
+    def wait_for(self, pattern):
         """Waits until a line of the screen matches `pattern`, and returns this line."""
         expression = re.compile(pattern)
         try:
-            return wait_until(lambda: next((line for line in self.lines if expression.search(line)), None), limit,
+            return wait_until(lambda: next((line for line in self.lines if expression.search(line)), None),
                               "%r on the screen" % pattern)
         except AssertionError as error:
             raise AssertionError("%s; the screen shows:\n%s" % (error, "\n".join(self.lines))) from None
 
-    def gone(self, pattern, limit=15.0):
+    def gone(self, pattern):
         expression = re.compile(pattern)
-        wait_until(lambda: not any(expression.search(line) for line in self.lines), limit, "%r off the screen" % pattern)
+        wait_until(lambda: not any(expression.search(line) for line in self.lines), "%r off the screen" % pattern)

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <long_enough.hpp>
+
 namespace takt::dds_test {
 
 class Peer {
@@ -23,12 +25,12 @@ class Peer {
   void write(const std::string& line) const;
   /// Returns the next line that the process prints. Returns no line if the process ends or prints nothing
   /// within `limit`.
-  std::optional<std::string> line(std::chrono::milliseconds limit = std::chrono::seconds{20});
+  std::optional<std::string> line(std::chrono::milliseconds limit = long_enough());
   /// Returns true if the process prints the line `wanted` within `limit`. Skips other lines.
-  bool prints(const std::string& wanted, std::chrono::milliseconds limit = std::chrono::seconds{20});
+  bool prints(const std::string& wanted, std::chrono::milliseconds limit = long_enough());
   void signal(int number) const;
   /// Returns the exit status of the process, or -1 if the process does not exit by itself within `limit`.
-  int wait(std::chrono::milliseconds limit = std::chrono::seconds{20});
+  int wait(std::chrono::milliseconds limit = long_enough());
   [[nodiscard]] int pid() const { return pid_; }
 
  private:
@@ -40,7 +42,7 @@ class Peer {
 
 /// Checks the condition every millisecond until it holds. Returns false if it does not hold within `limit`.
 template <class Condition>
-bool soon(Condition condition, std::chrono::milliseconds limit = std::chrono::seconds{20});
+bool soon(Condition condition, std::chrono::milliseconds limit = long_enough());
 
 }  // namespace takt::dds_test
 

@@ -128,8 +128,7 @@ TEST(LifecycleTopic, NotifiesAReaderOfDisposedInstancesWithKeysOfAnyLength) {
   auto reader = dds::Reader<LifecycleStatus>::create(participate(), received.listener());
   ASSERT_TRUE(soon([&] { return received.keys() == 40; })) << received.keys();
   writer.write("dispose");
-  EXPECT_TRUE(soon([&] { return received.keys() == 0; }, 5s))
-      << received.keys() << " of 40 keys are still alive";
+  EXPECT_TRUE(soon([&] { return received.keys() == 0; })) << received.keys() << " of 40 keys are still alive";
 }
 
 TEST(LifecycleTopic, DeliversEachOfTenThousandTransitionsOnceUnderLoad) {
@@ -149,8 +148,8 @@ TEST(LifecycleTopic, DeliversEachOfTenThousandTransitionsOnceUnderLoad) {
   received.hold_up(1000);  // a writer that did not wait would overflow the reader's socket in this second
   const auto begin = Clock::now();
   writer.write("go");
-  EXPECT_EQ(writer.line(100s), "written; failures 0, timeouts 0");
-  EXPECT_TRUE(soon([&] { return received.samples() == 10000; }, 5s)) << received.samples();
+  EXPECT_EQ(writer.line(2 * long_enough()), "written; failures 0, timeouts 0");
+  EXPECT_TRUE(soon([&] { return received.samples() == 10000; })) << received.samples();
   std::cout << "10,000 transitions in " << std::chrono::duration<double>(Clock::now() - begin).count()
             << " s\n";
   EXPECT_EQ(received.gaps(), 0U);
@@ -279,7 +278,7 @@ TEST(DeviceTopic, DeliversValidSamplesDespiteThousandsOfForgedOnes) {
   status.text("well");
   Peer forger{
       {"forge", "takt/device", "takt::DeviceStatus", "keyed", "3000", wire<DeviceStatusPubSubType>(status)}};
-  ASSERT_TRUE(forger.prints("forged", 60s));
+  ASSERT_TRUE(forger.prints("forged"));
   EXPECT_GT(reader->refused(), 1000U);
   Peer honest{{"device", "honest"}};
   EXPECT_TRUE(soon([&] { return devices.samples("honest") > 0; }));

@@ -57,12 +57,12 @@ class AllOrNone(takt_system.Case):
         def free():
             status = self.status_of()
             return status["cell"] == "-" and {d["name"]: d["modules"] for d in status["devices"]} == {"robot": [], "line": []}
-        wait_until(free, 5, "all nodes to wait")
+        wait_until(free, "all nodes to wait")
         self.assert_nothing_left_of_it()
 
     def assert_nothing_left_of_it(self):
         for device, node in self.running.items():
-            wait_until(lambda: [process.program for process in node.processes()] == ["takt-node"], 5, "the host and programs of node %s to end" % device)
+            wait_until(lambda: [process.program for process in node.processes()] == ["takt-node"], "the host and programs of node %s to end" % device)
             self.assertNotIn("EXECUTING", self.said_since(device))
 
     def assert_refused_everywhere(self, run, cell, *patterns):
@@ -88,7 +88,7 @@ class AllOrNone(takt_system.Case):
         with self.subTest(cell=os.path.basename(cell)):
             name = os.path.basename(cell)[:-4]
             begun = time.monotonic()
-            run = self.takt("deploy", cell, limit=20)
+            run = self.takt("deploy", cell)
             print("%s was rejected after %.2f s" % (name, time.monotonic() - begun))
             self.assert_refused_everywhere(run, name, *patterns)
             if then_a_good_one:
@@ -153,7 +153,7 @@ class AllOrNone(takt_system.Case):
         self.running["robot"].wait_for_line("program: INITIALIZE|program: IDLE -> INITIALIZE")
         run.signal(signal.SIGINT)
         begun = time.monotonic()
-        run.wait(20)
+        run.wait()
         print("takt deploy ended %.2f s after Ctrl-C, while initialize() hung" % (time.monotonic() - begun))
         self.assert_refused_everywhere(run, "hang", "error: cancelled before all devices were ready")
         self.assert_nothing_runs()
@@ -167,7 +167,7 @@ class AllOrNone(takt_system.Case):
         self.running["robot"].wait_for_line("program: INITIALIZE -> START")
         self.running["line"].signal(signal.SIGKILL)
         begun = time.monotonic()
-        run.wait(20)
+        run.wait()
         took = time.monotonic() - begun
         print("cancelled %.2f s after a node was killed" % took)
         self.assertLess(took, 4, "takt deploy must not wait for the hanging hook")
@@ -175,7 +175,7 @@ class AllOrNone(takt_system.Case):
             run, "hang", r"(?m)^device line: error: it was lost before it answered command prepare; the command was sent \d+ times?, and "
             r"the last status of the device arrived [\d.]+ m?s ago; the device may have carried it out: check with takt status before you "
             r"try again$")
-        self.running["line"].wait(10)
+        self.running["line"].wait()
         self.running["line"] = self.node("line")
         self.marks["line"] = 0
         self.assert_nothing_runs()
@@ -189,7 +189,7 @@ class AllOrNone(takt_system.Case):
         for _ in range(2):
             runs = {name: self.start("deploy", file) for name, file in files.items()}
             for run in runs.values():
-                run.wait(30)
+                run.wait()
             winners = [name for name, run in runs.items() if run.status == 0]
             won[tuple(winners)] = won.get(tuple(winners), 0) + 1
             self.assertLessEqual(len(winners), 1, "a device runs only one cell")
@@ -223,7 +223,7 @@ class AllOrNone(takt_system.Case):
         self.assertEqual(2, sum("another node named line" in d.get("conflict", "") for d in devices))
         self.assertEqual(2, self.takt("status").out.count("NAME CONFLICT: another node named line"))
         second.signal(signal.SIGTERM)
-        self.assertEqual(0, second.wait(10).status)
+        self.assertEqual(0, second.wait().status)
         self.running["line"].wait_for_line("the other node with this name is gone")
         self.assert_nothing_runs()
         self.assert_a_good_one_succeeds()
@@ -280,7 +280,7 @@ class WithoutTheOperator(networks.NetworkCase):
             run = self.takt("status", "--json", on="observer")
             state = {d["name"]: (d.get("state"), d["modules"]) for d in run.report["devices"]} if run.status == 0 else {}
             return all(state.get(device) == ("waiting", []) for device in devices)
-        wait_until(free, 25, "devices %s to wait for a deployment" % ", ".join(devices))
+        wait_until(free, "devices %s to wait for a deployment" % ", ".join(devices))
 
     def test_all_devices_undo_a_deployment_if_the_operator_loses_its_network_after_only_one_device_has_the_start_time(self):
         self.begin()
@@ -292,7 +292,7 @@ class WithoutTheOperator(networks.NetworkCase):
         self.assert_waiting("robot", "line")
         for device, node in self.running.items():
             self.assertNotIn("EXECUTING", "\n".join(node.raw), device)
-        run = self.run_of_deploy.wait(60)
+        run = self.run_of_deploy.wait()
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertRegex(run.err, "(?m)^cell cell was not deployed; .*(robot|line).* not confirmed this; the devices decide together")
         self.end(self.running)
@@ -303,7 +303,7 @@ class WithoutTheOperator(networks.NetworkCase):
         self.be_ready()
         self.watch.wait_for_out(r"line: (armed|running)")
         self.running["line"].signal(signal.SIGKILL)
-        run = self.run_of_deploy.wait(60)
+        run = self.run_of_deploy.wait()
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertRegex(run.err, "(?m)^device line: error: ")
         self.assert_waiting("robot")

@@ -36,7 +36,7 @@ class CheckRealtime(takt_system.Case):
         for name in re.findall("<name>(.*?)</name>", "".join(modules)):
             run.wait_for_state(name, "EXECUTING")
         run.signal(signal.SIGINT)
-        return run.wait(20)
+        return run.wait()
 
     def found(self, run, name):
         return [v for v in run.device()["realtime_violations"] if v["module"] == name]
@@ -98,7 +98,7 @@ class CheckRealtime(takt_system.Case):
         run = self.start("run", cell, "--check-realtime")
         run.wait_for_line(r"WARNING: run\(\) is not real-time")
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(1, run.status, run.err)
         self.assertRegex(run.out, r"real-time violations:\n  d\.m run\(\): system call clock_nanosleep, \d+ times\n(      .*\n)*"
                                   r"      sin_sleep\(\) at sins\.h:\d+ in sins\.so\n")
@@ -131,7 +131,7 @@ class CheckRealtime(takt_system.Case):
             with open("/proc/%d/maps" % run.one("takt-host").pid) as maps:
                 self.assertEqual(loaded, "libtakt_check.so" in maps.read())
             run.signal(signal.SIGINT)
-            self.assertEqual(0, run.wait(20).status, run.err)
+            self.assertEqual(0, run.wait().status, run.err)
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ class ClockSteps(takt_system.Case):
             now = {d["name"]: d for d in self.status_of()["devices"]}
             return now if set(now) == set(before) and all(
                 now[name]["executors"][0]["cycles"] >= before[name]["executors"][0]["cycles"] + rows for name in before) else None
-        after = wait_until(walked, 60, "%d more rows" % rows)
+        after = wait_until(walked, "%d more rows" % rows)
         for name in before:
             self.assertTrue(after[name]["alive"], name)
             missed = [each[name]["executors"][0]["missed"] for each in (before, after)]
@@ -103,7 +103,7 @@ class ClockSteps(takt_system.Case):
 
     def test_setting_the_clocks_of_all_devices_does_not_move_the_grid(self):
         self.start_cell()
-        began = wait_until(self.robots_times, 15, "the source to execute")[0]
+        began = wait_until(self.robots_times, "the source to execute")[0]
         for seconds in (HOUR, -HOUR, 0):
             with self.subTest(seconds):
                 for clock in (self.robot, self.line):
@@ -113,7 +113,7 @@ class ClockSteps(takt_system.Case):
                 self.done("stop robot.source", "get line.sink most")
                 self.done("start robot.source")
                 # New lines must show the new time, which proves that the clock was set.
-                said = wait_until(lambda: self.robots_times()[before:], 15, "the source to execute again")[0]
+                said = wait_until(lambda: self.robots_times()[before:], "the source to execute again")[0]
                 ahead = (said - began + DAY // 2) % DAY - DAY // 2
                 self.assertAlmostEqual(seconds, ahead, delta=600)
                 log, trace = self.done("log robot --json", "trace robot --json")
@@ -160,8 +160,8 @@ class ClockSteps(takt_system.Case):
                     clock.set_by(seconds)
                 node = self.nodes_of_cell["robot"]
                 node.signal(signal.SIGKILL)
-                node.wait(10)
-                wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "its host and programs to end")
+                node.wait()
+                wait_until(lambda: not [p for p in node.processes() if p.alive], "its host and programs to end")
                 self.nodes_of_cell["robot"] = self.node("robot", "--resume")
                 self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         self.done("undeploy cell")
@@ -171,12 +171,12 @@ class ClockSteps(takt_system.Case):
     def test_takt_record_keeps_recording_when_the_clocks_of_the_devices_are_set(self):
         self.start_cell()
         recording = self.start("record", "robot.source.out", "--for", "4", "--out", "steps.takt")
-        wait_until(lambda: os.path.exists(os.path.join(self.folder, "steps.takt")), 15, "a recording")
+        wait_until(lambda: os.path.exists(os.path.join(self.folder, "steps.takt")), "a recording")
         for seconds in (HOUR, -HOUR, 0):
             for clock in (self.robot, self.line):
                 clock.set_by(seconds)
             self.walk_on(300)
-        self.assertEqual(0, recording.wait(30).status, recording.err)
+        self.assertEqual(0, recording.wait().status, recording.err)
         self.assertGreater(int(re.search(r"(\d+) samples", recording.out + recording.err)[1]), 100)
         self.end_cell()
         self.assert_one_grid()
@@ -209,18 +209,18 @@ class ClockSteps(takt_system.Case):
 
         def become_late():
             before = late()
-            wait_until(lambda: late() >= before + 3, 20, "three more late values")
+            wait_until(lambda: late() >= before + 3, "three more late values")
         become_late()
         self.assertLess(abs(self.status_of("line")["clock"]["offset_us"]), 100e3)
         self.robot.set_by(0.5)  # the values now seem to come from the future
-        clock = wait_until(lambda: [c for c in [self.status_of("line")["clock"]] if c and c["offset_us"] < -400e3], 15, "the step to be seen")[0]
+        clock = wait_until(lambda: [c for c in [self.status_of("line")["clock"]] if c and c["offset_us"] < -400e3], "the step to be seen")[0]
         self.assertEqual("robot", clock["reference"])
         self.assertAlmostEqual(-500e3, clock["offset_us"], delta=clock["bound_us"] + 1)
         self.assertRegex(self.done("status")[0], r"device line .*clock -[45]\d\d\.\d ms ±\d+\.\d ms")
         become_late()
-        wait_until(lambda: "clocks-differ" in self.done("log --kind clocks-differ")[0], 15, "the event")
+        wait_until(lambda: "clocks-differ" in self.done("log --kind clocks-differ")[0], "the event")
         self.robot.set_by(0)
-        wait_until(lambda: "clocks-agree" in self.done("log --kind clocks-agree")[0], 15, "the event")
+        wait_until(lambda: "clocks-agree" in self.done("log --kind clocks-agree")[0], "the event")
         self.done("undeploy delayed")
         self.end(self.nodes_of_cell)
 

@@ -31,7 +31,7 @@ class Containment(takt_system.Case):
 
     def finish(self, run):
         run.signal(signal.SIGINT)
-        run.wait(15)
+        run.wait()
         return run.modules()
 
     def assert_untouched(self, run, hosts=0):
@@ -52,7 +52,7 @@ class Containment(takt_system.Case):
         def some_went():
             modules.update({m["name"]: m for m in self.status_of("d")["modules"]})
             return modules["source"]["cycles"] > 200 and modules["far"]["cycles"] > 10
-        wait_until(some_went, 10, "some samples")
+        wait_until(some_went, "some samples")
         motion, risky = modules["grid"]["pid"], modules["far"]["pid"]
         self.assertNotEqual(motion, risky)
         self.assertEqual({motion, risky}, {p.pid for p in run.processes() if p.program == "takt-host"})
@@ -65,8 +65,8 @@ class Containment(takt_system.Case):
 
     def test_a_crashing_module_is_given_up_without_disturbing_other_hosts(self):
         run = self.run_with(('<value name="after">1000000', '<value name="after">25'))
-        run.wait_for_state("culprit", "DESTRUCT", limit=20)
-        wait_until(lambda: [step.target for step in run.steps("far")].count("EXECUTING") == 4, 15, "its host's other module to run")
+        run.wait_for_state("culprit", "DESTRUCT")
+        wait_until(lambda: [step.target for step in run.steps("far")].count("EXECUTING") == 4, "its host's other module to run")
         modules = self.finish(run)
         self.assertEqual(1, run.status, run.err)
         self.assertEqual(STARTED + ["RECOVER", "EXECUTING"] * 2 + ["RECOVER", "DESTRUCT"], run.states("culprit"))
@@ -86,8 +86,8 @@ class Containment(takt_system.Case):
     def test_an_endless_loop_in_a_module_ends_only_its_own_host(self):
         # The next instance reaches its endless loop after a second. The test ends the run before that.
         run = self.run_with(("segv.so", "endless.so"), ('<value name="after">1000000', '<value name="after">250'))
-        run.wait_for_state("culprit", "RECOVER", limit=20)
-        run.wait_for_line(r"\.culprit: RECOVER -> EXECUTING", limit=20)
+        run.wait_for_state("culprit", "RECOVER")
+        run.wait_for_line(r"\.culprit: RECOVER -> EXECUTING")
         self.finish(run)
         self.assertRegex(run.steps("culprit")[3].text, r"hang: run\(\) did not return within .*so the node killed %s" % HOST)
         self.assert_untouched(run, hosts=1)
@@ -105,7 +105,7 @@ class Containment(takt_system.Case):
                 run.wait_for_line(r"\.far: START -> EXECUTING", after=begun)
         run.wait_for_line(HOST + r" is given up; the other hosts continue", after=begun)
         self.wait_for_states({"d": {"grid": "EXECUTING", "far": "DESTRUCT", "culprit": "DESTRUCT", "program": "DESTRUCT"}})
-        wait_until(lambda: not run.processes("grid.exe"), 5, "its program to end")
+        wait_until(lambda: not run.processes("grid.exe"), "its program to end")
 
         # The host stays given up until an operator resets one of its modules.
         begun = len(run.raw)
@@ -194,7 +194,7 @@ class Saved(takt_system.Case):
         def runs():
             return self.status_of()["devices"][0]["modules"][0]["cycles"]
         before = runs()
-        wait_until(lambda: runs() > before + more, 10, "some runs")
+        wait_until(lambda: runs() > before + more, "some runs")
 
     def said_of(self, run, what):
         """Returns what the instances printed about their state in start()."""
@@ -202,12 +202,12 @@ class Saved(takt_system.Case):
 
     def finish(self, run):
         run.signal(signal.SIGINT)
-        run.wait(15)
+        run.wait()
 
     def test_a_module_restores_its_saved_state_after_one_crash_but_not_after_a_second(self):
         run = self.run_keeping(after=50)
-        run.wait_for_state("keeps", "DESTRUCT", limit=20)
-        wait_until(lambda: len(self.said_of(run, "c has")) == 4, 10, "the other module to start again")
+        run.wait_for_state("keeps", "DESTRUCT")
+        wait_until(lambda: len(self.said_of(run, "c has")) == 4, "the other module to start again")
         self.finish(run)
         # The run that crashed was not saved. The second instance crashed in its own 50th run.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"], self.said_of(run, "version"))
@@ -245,14 +245,14 @@ class Saved(takt_system.Case):
         self.assertEqual(0, first.status, first.err)
         second = self.run_keeping(retain="true")
         second.wait_for_line(r"keeps: its saved state was restored")
-        wait_until(lambda: self.said_of(second, "version") and self.said_of(second, "c has"), 5, "both modules to print their state")
+        wait_until(lambda: self.said_of(second, "version") and self.said_of(second, "c has"), "both modules to print their state")
         self.assertEqual(["version 1 restored %d" % first.modules()["keeps"]["cycles"]], self.said_of(second, "version"))
         self.assertEqual(["c has 0"], self.said_of(second, "c has"), "the other module does not retain its state")
         # An operator can make the module start from the beginning.
         device = self.status_of()["devices"][0]["name"]
         for order in ("destruct", "reset", "initialize", "start"):
             self.done("%s %s.keeps" % (order, device))
-        wait_until(lambda: len(self.said_of(second, "version")) == 2, 5, "the module to print its state")
+        wait_until(lambda: len(self.said_of(second, "version")) == 2, "the module to print its state")
         self.assertEqual("version 1 began 0", self.said_of(second, "version")[-1])
         self.finish(second)
 
@@ -263,7 +263,7 @@ class Saved(takt_system.Case):
         for _ in range(2):
             said = len(self.said_of(run, "holds"))
             os.kill(run.one("takt-host").pid, signal.SIGKILL)
-            wait_until(lambda: len(self.said_of(run, "holds")) > said, 10, "the reader to start again")
+            wait_until(lambda: len(self.said_of(run, "holds")) > said, "the reader to start again")
             self.wait_for_runs()
         self.finish(run)
         self.assertEqual(["holds 0", "holds 7", "holds 7"], self.said_of(run, "holds"))
@@ -283,11 +283,11 @@ class SavedByPrograms(takt_system.Case):
 
     def finish(self, run):
         run.signal(signal.SIGINT)
-        run.wait(15)
+        run.wait()
 
     def test_a_program_restores_its_saved_state_after_one_crash_but_not_after_a_second(self):
         run = self.run_keeping(after=50)
-        run.wait_for_state("keeps", "DESTRUCT", limit=20)
+        run.wait_for_state("keeps", "DESTRUCT")
         self.finish(run)
         # The second instance restored the state and crashed too, so the third instance starts without this state.
         self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"],
@@ -297,7 +297,7 @@ class SavedByPrograms(takt_system.Case):
 
     def test_killed_programs_in_cpp_and_c_restore_their_saved_state(self):
         run = self.run_keeping()
-        wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
+        wait_until(lambda: min(self.cycles().values()) > 50, "some bodies")
         for module, file in (("keeps", "keeps_program.exe"), ("in_c", "keeps_program_c.exe")):
             begun = len(run.raw)
             os.kill(run.one(file).pid, signal.SIGKILL)
@@ -314,7 +314,7 @@ class SavedByPrograms(takt_system.Case):
         mine = os.path.join(self.folder, "mine.exe")
         shutil.copy(os.path.join(folder, "keeps_program.exe"), mine)
         run = self.run_keeping(file=mine)
-        wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
+        wait_until(lambda: min(self.cycles().values()) > 50, "some bodies")
         shutil.copy(os.path.join(folder, "keeps_program_more.exe"), mine + ".new")
         os.replace(mine + ".new", mine)
         os.kill(run.one("mine.exe").pid, signal.SIGKILL)
@@ -324,7 +324,7 @@ class SavedByPrograms(takt_system.Case):
 
     def test_retained_state_of_a_program_survives_a_restart_of_the_cell(self):
         first = self.run_keeping(retain="true")
-        wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
+        wait_until(lambda: min(self.cycles().values()) > 50, "some bodies")
         self.finish(first)
         self.assertEqual(0, first.status, first.err)
         second = self.run_keeping(retain="true")

@@ -23,7 +23,7 @@ class Crashes(takt_system.Case):
         self.assertEqual(node, run.one("takt-node").pid)
         self.assertEqual(program, run.one("grid.exe").pid)
         for module in ("grid", "slower", "sporadic"):
-            wait_until(lambda: [s.target for s in run.steps(module)].count("EXECUTING") == 1 + len(culprits), 20,
+            wait_until(lambda: [s.target for s in run.steps(module)].count("EXECUTING") == 1 + len(culprits),
                        "%s to run in the last host" % module)
         time.sleep(0.8)
         run.signal(signal.SIGINT)
@@ -113,14 +113,14 @@ class Crashes(takt_system.Case):
     def test_a_crash_in_the_initialize_or_start_hook_prevents_the_start_of_the_device(self):
         for hook in ("initialize", "start"):
             with self.subTest(hook=hook):
-                run = self.takt("run", "segv_in_%s.xml" % hook, "--for", "5", "--json", limit=15)
+                run = self.takt("run", "segv_in_%s.xml" % hook, "--for", "5", "--json")
                 self.assert_refused(run, "(?m)^module segv_in_%s.culprit: error: %s%s$" % (hook, SEGV % hook, PLACE))
                 self.assertEqual(0, run.executor()["cycles"])
                 self.assertNotIn("started again", run.err)
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
 
     def test_takt_run_reports_a_crash_in_the_destruct_hook(self):
-        run = self.takt("run", "segv_in_destruct.xml", "--for", "1", "--json", limit=15)
+        run = self.takt("run", "segv_in_destruct.xml", "--for", "1", "--json")
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s%s$" % (SEGV % "destruct", PLACE))
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
@@ -128,7 +128,7 @@ class Crashes(takt_system.Case):
         self.assertEqual(LIFE, run.states("grid"))
 
     def test_a_crash_of_a_stop_device_module_ends_the_device(self):
-        run = self.takt("run", "stop_device.xml", "--for", "30", "--json", limit=15)
+        run = self.takt("run", "stop_device.xml", "--for", "30", "--json")
         self.assertEqual(1, run.status)
         self.assertEqual(1, len(run.other_lines), run.other_lines)
         self.assertRegex(run.err, "(?m)^module stop_device.culprit: error: %s%s$" % (SEGV % "run", PLACE))

@@ -135,7 +135,7 @@ class Cyclone(unittest.TestCase):
         server = self.takt("server", "robot", "5")
         run = self.cyclone("command", "robot", "servo", str(STOP))
         answer = json.loads(run.line())
-        self.assertEqual(0, run.process.wait(10))
+        self.assertEqual(0, run.process.wait())
         handled = server.line()
         self.assertRegex(handled, r"^handled cyclone-\d+-\d+ 0$")
         self.assertEqual((0, 5, "robot", "node"), (answer["code"], answer["bytes"], answer["device"], answer["node"]))
@@ -175,7 +175,7 @@ class Cyclone(unittest.TestCase):
                     self.assertTrue(sample["whole"])
                     self.assertEqual(sample["number"], sample["value"])
                 self.assertEqual(list(range(numbers[0], numbers[0] + 30)), numbers)
-                self.assertEqual(0, read.process.wait(10))
+                self.assertEqual(0, read.process.wait())
 
     def test_takt_and_cyclone_dds_can_exchange_structs_with_every_kind_of_member(self):
         mixed = self.type_file(MIXED)

@@ -26,7 +26,7 @@ class Deploy(takt_system.Case):
             # All modules must be ready before the first module runs.
             def said(step):
                 return [line.at for device, node in nodes.items() for line in node.lines[begun[device]:] if line.text == step]
-            wait_until(lambda: len(said("START -> EXECUTING")) >= 9, 5, "all modules to report EXECUTING")
+            wait_until(lambda: len(said("START -> EXECUTING")) >= 9, "all modules to report EXECUTING")
             ready, first = said("INITIALIZE -> START"), said("START -> EXECUTING")
             self.assertEqual((9, 9), (len(ready), len(first)))
             self.assertLessEqual(max(ready), min(first))
@@ -105,7 +105,7 @@ class Deploy(takt_system.Case):
         self.assertEqual([], nodes["robot"].processes("monitoring.exe"))
         self.assert_each("start", "EXECUTING")
         for module in ("grid", "program"):
-            wait_until(lambda: self.robot()[module]["cycles"] > still[module]["cycles"], 10, "%s to run again" % module)
+            wait_until(lambda: self.robot()[module]["cycles"] > still[module]["cycles"], "%s to run again" % module)
         nodes["robot"].one("monitoring.exe")
         for verb, allowed in (("start", "INITIALIZE or START"), ("recover", "RECOVER"), ("reset", "DESTRUCT"), ("initialize", "IDLE")):
             self.assert_each_refused(verb, "EXECUTING", allowed)
@@ -168,7 +168,7 @@ class Deploy(takt_system.Case):
     def wait_for_completion(self, line, words):
         """Repeats the completion until bash offers exactly these words. On a busy machine, a completion may find a device too late, or
         a device may not have described its components yet."""
-        wait_until(lambda: words == self.completed(line)[0], 20, "completion of %r" % line)
+        wait_until(lambda: words == self.completed(line)[0], "completion of %r" % line)
 
     def test_bash_completes_the_names_of_the_running_cell(self):
         self.assertEqual(set(), self.completed("takt stop ")[0])
@@ -227,10 +227,9 @@ class Deploy(takt_system.Case):
         # takt echo must explain why there are no samples, and continue when there are samples again.
         self.done("stop line.source")
         echo = self.start("echo", "line.source.out", "--count", "1")
-        wait_until(lambda: "no samples from line.source.out: line.source is stopped, in START; takt start line.source starts it" in echo.err,
-                   10, "takt echo to explain the silence")
+        wait_until(lambda: "no samples from line.source.out: line.source is stopped, in START; takt start line.source starts it" in echo.err, "takt echo to explain the silence")
         self.done("start line.source")
-        self.assertEqual(0, echo.wait(10).status, echo.err)
+        self.assertEqual(0, echo.wait().status, echo.err)
         described = self.done("describe cpp_properties.so")[0]
         for name in ("enabled", "count", "offset", "gain", "ratio", "label"):
             self.assertRegex(described, r"(?m)^ +%s\b" % name)
@@ -252,7 +251,7 @@ class Deploy(takt_system.Case):
         self.refused({"recover robot.never": r"^module robot\.never: error: it could not recover: recover\(\) failed: threw: recover\(\) threw"})
         # These modules fail again after each recovery.
         for module in recovered:
-            wait_until(lambda: len(node.steps(module)) == 6, 10, "%s to fail again" % module)
+            wait_until(lambda: len(node.steps(module)) == 6, "%s to fail again" % module)
             self.assertEqual(LIFE[:4] + ["RECOVER", "EXECUTING", "RECOVER"], node.states(module))
         self.wait_for_states({"robot": in_recover})
         self.assertEqual(["robot.%s: DESTRUCT" % module for module in modules],

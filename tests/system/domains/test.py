@@ -35,7 +35,7 @@ class Domains(takt_system.Case):
         self.assertEqual(0, self.port("source", "out")["matched"], "the other cell does not run yet")
         near = self.start("run", "near.xml", "--json", environment={"TAKT_DOMAIN": str(self.other)})
         near.wait_for_state("relay", "EXECUTING")
-        port = wait_until(lambda: (lambda p: p if p["samples"] > 100 else None)(self.port("sink", "in")), 15, "100 answers")
+        port = wait_until(lambda: (lambda p: p if p["samples"] > 100 else None)(self.port("sink", "in")), "100 answers")
         self.assertEqual((1, 1, None), (port["connections"], port["matched"], port["incompatible"]))
         self.assertEqual(1, self.port("source", "out")["matched"])
 
@@ -43,14 +43,14 @@ class Domains(takt_system.Case):
         self.gateway(far).kill()
         far.wait_for_line("the bridge to domain %d was killed" % self.other, after=begun)
         before = self.port("sink", "in")["samples"]
-        port = wait_until(lambda: (lambda p: p if p["samples"] > before + 100 else None)(self.port("sink", "in")), 15, "more answers")
+        port = wait_until(lambda: (lambda p: p if p["samples"] > before + 100 else None)(self.port("sink", "in")), "more answers")
         self.assertEqual({"EXECUTING"}, set(self.states_of("far").values()))
 
         near.signal(signal.SIGINT)
-        self.assertEqual(0, near.wait(10).status, near.err)
-        wait_until(lambda: self.port("source", "out")["matched"] == 0, 10, "the writer to notice the end of the other cell")
+        self.assertEqual(0, near.wait().status, near.err)
+        wait_until(lambda: self.port("source", "out")["matched"] == 0, "the writer to notice the end of the other cell")
         far.signal(signal.SIGINT)
-        self.assertEqual(0, far.wait(10).status, far.err)
+        self.assertEqual(0, far.wait().status, far.err)
         seen = json.loads(self.read("far"))
         self.assertEqual(0, seen["wrong"])
         self.assertGreater(seen["read"], 200)
@@ -65,12 +65,12 @@ class Domains(takt_system.Case):
         cell = self.write("near.xml", text.replace('topic="answers" kind="queue" depth="256" reliability="reliable"', 'topic="answers"'))
         near = self.start("run", cell, "--json", environment={"TAKT_DOMAIN": str(self.other)})
         near.wait_for_state("relay", "EXECUTING")
-        wait_until(lambda: self.port("source", "out")["matched"] == 1, 15, "the connection to the other cell to match")
-        port = wait_until(lambda: (lambda p: p if p["incompatible"] else None)(self.port("sink", "in")), 15, "the mismatch to be named")
+        wait_until(lambda: self.port("source", "out")["matched"] == 1, "the connection to the other cell to match")
+        port = wait_until(lambda: (lambda p: p if p["incompatible"] else None)(self.port("sink", "in")), "the mismatch to be named")
         self.assertEqual(("reliability", 1, 0, 0), (port["incompatible"], port["connections"], port["matched"], port["samples"]))
         for run in (near, far):
             run.signal(signal.SIGINT)
-            self.assertEqual(0, run.wait(10).status, run.err)
+            self.assertEqual(0, run.wait().status, run.err)
 
 
 if __name__ == "__main__":

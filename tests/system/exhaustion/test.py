@@ -41,7 +41,7 @@ class Exhaustion(takt_system.Case):
         def cycles():
             return self.status_of("robot")["executors"][0]["cycles"]
         until = cycles() + rows
-        wait_until(lambda: cycles() >= until, 60, "%d more rows" % rows)
+        wait_until(lambda: cycles() >= until, "%d more rows" % rows)
         for module in self.status_of("robot")["modules"]:
             if module["type"] == "thread":
                 self.assertEqual(("EXECUTING", 0), (module["state"], module["errors"]), module["name"])
@@ -83,7 +83,7 @@ class FullDisk(Exhaustion):
         """Causes a fault: kills a program, and waits until its module is EXECUTING again."""
         before = len(node.steps("program"))
         node.one("grid.exe").kill()
-        wait_until(lambda: [s.target for s in node.steps("program")[before:]][-1:] == ["EXECUTING"], 15, "the program to execute again")
+        wait_until(lambda: [s.target for s in node.steps("program")[before:]][-1:] == ["EXECUTING"], "the program to execute again")
 
     def test_a_node_writes_its_missing_files_when_a_full_disk_has_space_again(self):
         self.mount("64k")
@@ -110,11 +110,11 @@ class FullDisk(Exhaustion):
         self.mount("64m", "remount,")
         for what in ("the fault record is written to its file again: ", "cell cell is saved for --resume again",
                      "the state that modules retain is on disk again: "):
-            node.wait_for_line(what + ".*", limit=30)
+            node.wait_for_line(what + ".*")
         self.assertEqual(1, len(self.kept()))
         self.assertEqual(in_memory, self.recorded()[:len(in_memory)])
         self.a_fault(node)
-        trace = node.wait_for_line("a trace of the last few seconds was written; show it with takt trace ", limit=30).split()[-1]
+        trace = node.wait_for_line("a trace of the last few seconds was written; show it with takt trace ").split()[-1]
         self.assertTrue(os.path.exists(trace), trace)
 
         # Fill the disk again. The file of the fault record already has its full size, so no event is lost.
@@ -125,7 +125,7 @@ class FullDisk(Exhaustion):
         self.done("set robot.source burst 2")
         self.assertIn("set burst = 2 was carried out", [event["cause"] for event in self.recorded()])
         os.remove(filler)
-        node.wait_for_line("the state that modules retain is on disk again: ", limit=30, after=after)
+        node.wait_for_line("the state that modules retain is on disk again: ", after=after)
         self.walk_on(500)
         self.finish(node)
 
@@ -223,7 +223,7 @@ class NoDescriptors(Exhaustion):
             with self.subTest(most):
                 def become(most=most):
                     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-                run = self.program("takt-node", "--device", "robot", become=become).wait(30)
+                run = self.program("takt-node", "--device", "robot", become=become).wait()
                 self.assertEqual(1, run.status, run.err)
                 self.assertRegex(run.err, "Too many open files|cannot open shared object file")
 
@@ -232,7 +232,7 @@ class NoDescriptors(Exhaustion):
             with self.subTest(megabytes):
                 def become(most=megabytes << 20):
                     resource.setrlimit(resource.RLIMIT_AS, (most, most))
-                run = self.program("takt-node", "--device", "robot", become=become).wait(30)
+                run = self.program("takt-node", "--device", "robot", become=become).wait()
                 if run.status == 127:  # the dynamic loader could not start the program
                     self.assertRegex(run.err, "error while loading shared libraries")
                 else:

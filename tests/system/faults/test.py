@@ -231,9 +231,9 @@ class Faults(networks.NetworkCase):
 
         def mend():
             node = self.running[device]
-            node.wait(15)
+            node.wait()
             try:
-                wait_until(lambda: not [p for p in node.processes() if p.alive], 5)
+                wait_until(lambda: not [p for p in node.processes() if p.alive])
             except AssertionError:
                 self.violated("processes of the killed node still run: %s" % node.processes())
             self.runs.remove(node)

@@ -28,7 +28,7 @@ class Foreign(takt_system.Case):
         return [s for s in (json.loads(line) for _, line in list(run.out_lines)) if s["topic"] == topic and "path" in s]
 
     def command(self, kind):
-        run = self.cyclone("command", "line", "conveyor", kind).wait(20)
+        run = self.cyclone("command", "line", "conveyor", kind).wait()
         self.assertEqual(0, run.status, run.err)
         return json.loads(run.out)
 
@@ -38,49 +38,49 @@ class Foreign(takt_system.Case):
         watch = self.cyclone("watch", 60)
         state = lambda module: [s["state"] for s in self.said(watch, "lifecycle") if s["path"] == "foreign/line/" + module]
         for module in ("conveyor", "counter"):
-            wait_until(lambda: state(module), 20, "the state of " + module)
+            wait_until(lambda: state(module), "the state of " + module)
             self.assertEqual(EXECUTING, state(module)[-1], "a late reader must get the present state")
-        wait_until(lambda: len(self.said(watch, "statistics")) > 3 and self.said(watch, "device"), 20, "statistics and the device")
+        wait_until(lambda: len(self.said(watch, "statistics")) > 3 and self.said(watch, "device"), "statistics and the device")
         self.assertEqual({"line"}, {s["device"] for s in self.said(watch, "device")})
 
         # Samples are sent in both directions: the Cyclone program writes commands for the belt and reads the state of the belt.
         write = self.cyclone("write", "BeltCommand", "belt_command", 40, 20, "best-effort")
         parts = self.cyclone("read", "Part", "parts", 1, 30, "reliable")
-        self.assertEqual(0, write.wait(30).status, write.err)
-        seen = self.cyclone("read", "BeltState", "belt_state", 300, 20, "best-effort").wait(30)
+        self.assertEqual(0, write.wait().status, write.err)
+        seen = self.cyclone("read", "BeltState", "belt_state", 300, 20, "best-effort").wait()
         self.assertEqual(0, seen.status, seen.err)
         states = [json.loads(line) for _, line in seen.out_lines]
         self.assertEqual(sorted(s["position"] for s in states), [s["position"] for s in states], "samples must be in order")
-        self.assertEqual(1, json.loads(parts.wait(40).out)["number"])
+        self.assertEqual(1, json.loads(parts.wait().out)["number"])
         self.assertGreater(states[-1]["parts"], 0)
 
         for kind, expected in ((STOP, STARTED), (START, EXECUTING)):
             before = len(state("conveyor"))
             answer = self.command(kind)
             self.assertEqual((0, "line"), (answer["code"], answer["device"]))
-            wait_until(lambda: len(state("conveyor")) > before, 10, "the transition of conveyor")
+            wait_until(lambda: len(state("conveyor")) > before, "the transition of conveyor")
             self.assertEqual(expected, state("conveyor")[-1])
         numbers = [s["sequence_number"] for s in self.said(watch, "lifecycle") if s["path"] == "foreign/line/conveyor"]
         self.assertEqual(list(range(numbers[0], numbers[0] + len(numbers))), numbers, "no transition may be lost or doubled")
 
         cell.signal(signal.SIGINT)
-        self.assertEqual(0, cell.wait(10).status, cell.err)
+        self.assertEqual(0, cell.wait().status, cell.err)
         watch.signal(signal.SIGKILL)
-        watch.wait(10)
+        watch.wait()
 
     def test_a_program_with_cyclone_dds_is_notified_when_a_deployment_or_undeployment_disposes_states(self):
         nodes = self.nodes("line")
         watch = self.cyclone("watch", 90)
         disposed = lambda: [json.loads(line).get("disposed") for _, line in list(watch.out_lines)]
-        wait_until(lambda: "-/line" in [s["path"] for s in self.said(watch, "device")], 20, "the waiting device")
+        wait_until(lambda: "-/line" in [s["path"] for s in self.said(watch, "device")], "the waiting device")
         self.deploy("cell.xml")
-        wait_until(lambda: "-/line" in disposed(), 10, "the end of the waiting device")
-        wait_until(lambda: len(self.said(watch, "lifecycle")) > 3, 20, "the modules")
+        wait_until(lambda: "-/line" in disposed(), "the end of the waiting device")
+        wait_until(lambda: len(self.said(watch, "lifecycle")) > 3, "the modules")
         self.done("undeploy foreign")
         for path in ("foreign/line", "foreign/line/conveyor", "foreign/line/counter"):
-            wait_until(lambda: path in disposed(), 10, "the end of " + path)
+            wait_until(lambda: path in disposed(), "the end of " + path)
         watch.signal(signal.SIGKILL)
-        watch.wait(10)
+        watch.wait()
         self.end(nodes)
 
 

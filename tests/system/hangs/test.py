@@ -19,7 +19,7 @@ class Hangs(takt_system.Case):
     def test_a_hang_in_the_initialize_or_start_hook_prevents_the_start_of_the_device(self):
         for hook, last in (("initialize", ["IDLE", "DESTRUCT"]), ("start", ["IDLE", "INITIALIZE", "RECOVER", "DESTRUCT"])):
             with self.subTest(hook=hook):
-                run = self.takt("run", hook + ".xml", "--for", "5", "--json", limit=20)
+                run = self.takt("run", hook + ".xml", "--for", "5", "--json")
                 self.assert_refused(run)
                 self.assertEqual(["module %s.culprit: error: %s" % (hook, reason(hook))], run.other_lines)
                 self.assertEqual(last, run.states("culprit"))
@@ -33,7 +33,7 @@ class Hangs(takt_system.Case):
         cell = self.write("unreadable.xml", """<cell name="unreadable"><device name="line"><module><filename>garbage.so</filename>
             <moduletype>thread</moduletype><operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module>
             </device></cell>""")
-        run = self.takt("run", cell, limit=40)
+        run = self.takt("run", cell)
         self.assertEqual(1, run.status, run.err)
         failure = "device line: error: the host did not answer within 10 s, so the node killed the host; read its output above"
         self.assertEqual(1, run.err.splitlines().count(failure), run.err[-2000:])
@@ -42,7 +42,7 @@ class Hangs(takt_system.Case):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertIn("module initialize.culprit: error: %s" % reason("initialize"), run.other_lines)
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
 
@@ -58,21 +58,21 @@ class Hangs(takt_system.Case):
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
         # If the first signal were still pending, the kernel would merge both signals into one.
-        wait_until(lambda: not self.is_pending(run.pid, signal.SIGINT), 3, "the first signal to be delivered")
+        wait_until(lambda: not self.is_pending(run.pid, signal.SIGINT), "the first signal to be delivered")
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(1, run.status)
         self.assertIn("device initialize: error: its node was killed by SIGKILL (Killed)", run.other_lines)
 
     def test_a_hang_in_the_error_recover_or_destruct_hook_does_not_delay_other_modules(self):
         run = self.start("run", "running.xml", "--json")
-        run.wait_for_line("after: recovery, attempt 1", limit=30)
+        run.wait_for_line("after: recovery, attempt 1")
         host = run.one("takt-host")
         run.wait_for_line(r"in_recover: RECOVER -> DESTRUCT")
         self.assertEqual(host.pid, run.one("takt-host").pid)
-        run.wait_for_state("after", "DESTRUCT", limit=30)
+        run.wait_for_state("after", "DESTRUCT")
         run.signal(signal.SIGINT)
-        run.wait(40)
+        run.wait()
         self.assertEqual(1, run.status)
         for module, hook in (("in_error", "error"), ("in_recover", "recover"), ("in_destruct", "destruct")):
             self.assertIn("module running.%s: error: %s" % (module, reason(hook)), run.other_lines)
@@ -100,13 +100,13 @@ class Hangs(takt_system.Case):
         host = next(m["pid"] for m in self.status_of("stopped")["modules"] if m["name"] == "steady")
         os.kill(host, signal.SIGSTOP)
         stopped = time.monotonic()
-        start = self.takt("start", "stopped.steady", limit=30)
+        start = self.takt("start", "stopped.steady")
         print("takt start failed %.2f s after the host was stopped" % (time.monotonic() - stopped))
         self.assertEqual(1, start.status, start.out)
         self.assertIn(NO_ROW, start.err)
         self.wait_for_states({"stopped": {"steady": "EXECUTING", "program": "EXECUTING", "apart": "EXECUTING"}})
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(0, run.status, run.err)
         self.assertIn("main ran no row", run.err)
         self.assertEqual(1, run.err.count("the host is started again"))

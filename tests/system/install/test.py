@@ -62,7 +62,7 @@ class Installed(takt_system.Case):
             self.skipTest("no mount namespace is granted here")
         environment = {"TAKT_COMPONENT_PATH": components, "PATH": "/usr/bin:/bin", "LD_LIBRARY_PATH": ""}
         return self.program(program, *arguments, programs=os.path.join(root or INSTALLED, folder), environment=environment,
-                            before=HIDDEN if hide else (), **options).wait(60)
+                            before=HIDDEN if hide else (), **options).wait()
 
     def assert_ran(self, run, modules):
         self.assertEqual(0, run.status, run.err)
@@ -113,7 +113,7 @@ class Installed(takt_system.Case):
         node = self.program("takt-node", "--device", "robot", programs=os.path.join(INSTALLED, "bin"), before=HIDDEN)
         node.wait_for_line("waits for a deployment")
         node.signal(signal.SIGTERM)
-        self.assertEqual(0, node.wait(10).status, node.err)
+        self.assertEqual(0, node.wait().status, node.err)
 
     def test_no_installed_file_refers_to_the_source_and_build_trees(self):
         for folder, _, names in os.walk(INSTALLED):

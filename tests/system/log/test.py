@@ -35,7 +35,7 @@ class Log(takt_system.Case):
         def both():
             events = self.log()
             return events if {e["device"] for e in events} == set(DEVICES) else None
-        return wait_until(both, 15, "the records of both devices")
+        return wait_until(both, "the records of both devices")
 
     def file(self, device):
         return os.path.join(self.folder, "state", "%s.%d.faults" % (device, self.domain))
@@ -147,14 +147,14 @@ class Log(takt_system.Case):
         self.assertEqual(2, len(restarts))
         self.assertIn("SIGKILL", restarts[-1]["cause"])
         nodes["robot"].signal(signal.SIGKILL)
-        nodes["robot"].wait(10)
+        nodes["robot"].wait()
 
         # takt log can read the record while the node is dead, and the other node records the loss of the device.
         dead = self.log("--file", self.file("robot"))
         self.assertEqual([], [event for event in before if event not in dead])
         text = self.takt("log", "--file", self.file("robot"), "--kind", "host-restart")
         self.assertEqual(2, text.out.count("host-restart"))
-        lost = wait_until(lambda: self.of(self.log("line"), "device-lost"), 15, "line to record the loss of robot")
+        lost = wait_until(lambda: self.of(self.log("line"), "device-lost"), "line to record the loss of robot")
         self.assertIn("device robot is lost", lost[0]["cause"])
         run = self.takt("log")
         self.assertEqual(1, run.status)
@@ -227,7 +227,7 @@ class Log(takt_system.Case):
 
     def wait_for_line(self, *wanted):
         """Waits until the record has a line of this module, kind and cause, and returns the cycles of all such lines."""
-        return wait_until(lambda: [line[3] for line in self.lines() if line[:3] == wanted], 15, str(wanted))
+        return wait_until(lambda: [line[3] for line in self.lines() if line[:3] == wanted], str(wanted))
 
     def test_takt_log_shows_the_lines_that_modules_log_while_they_run(self):
         nodes = self.nodes("robot")
@@ -263,7 +263,7 @@ class Log(takt_system.Case):
         self.assertEqual(["debug", "error"], self.done("set robot.cpp log-level debug", "set robot.program log-level error"))
         self.assertEqual(["debug", "error"], self.done("get robot.cpp log-level", "get robot.program log-level"))
         self.assertRegex(self.done("get robot.program")[0], r"(?m)^log-level +error +")
-        wait_until(lambda: [line for line in self.lines() if line[:2] == ("cpp", "log-debug")], 15, "a debug line")
+        wait_until(lambda: [line for line in self.lines() if line[:2] == ("cpp", "log-debug")], "a debug line")
         before = len([line for line in self.lines() if line[0] == "program"])
         time.sleep(1.5)
         self.assertLessEqual(len([line for line in self.lines() if line[0] == "program"]), before + 1)
@@ -276,7 +276,7 @@ class Log(takt_system.Case):
         self.done("set robot.cpp lines 500")
         def left_out():
             return [int(cause.split()[0]) for _, kind, cause, _ in self.lines() if "log lines were left out" in cause]
-        self.assertGreater(wait_until(left_out, 15, "a count of lost lines")[0], 400)
+        self.assertGreater(wait_until(left_out, "a count of lost lines")[0], 400)
         time.sleep(3)
         self.assertLess(len(self.lines("--module", "cpp")), 400)
         self.assertEqual({"EXECUTING"}, set(self.states_of("robot").values()))
@@ -290,7 +290,7 @@ class Log(takt_system.Case):
 
         def errors():
             return [(cause, cycle) for module, kind, cause, cycle in self.lines() if (module, kind) == ("cpp", "log-error")]
-        wait_until(lambda: len(errors()) >= 6, 30, "six errors")
+        wait_until(lambda: len(errors()) >= 6, "six errors")
         cycles = [cycle for _, cycle in errors()]
         self.assertEqual(list(range(cycles[0], cycles[-1] + 1, 100)), cycles)
         self.assertEqual([("failed in release %d" % cycle, cycle) for cycle in cycles], errors()[:len(cycles)])
@@ -314,10 +314,10 @@ class Log(takt_system.Case):
 
         def told(device):
             return [e for e in [json.loads(line) for _, line in list(follower.out_lines)] if e["device"] == device]
-        wait_until(lambda: all(last[device] in told(device) for device in DEVICES), 15, "the last events of both records")
+        wait_until(lambda: all(last[device] in told(device) for device in DEVICES), "the last events of both records")
         time.sleep(0.5)  # an event that is printed twice would be printed again in this time
         follower.signal(signal.SIGINT)
-        self.assertEqual(0, follower.wait(10).status, follower.err)
+        self.assertEqual(0, follower.wait().status, follower.err)
         everything = self.log_of_both()
         self.assertIn("node-start", [e["kind"] for device in DEVICES for e in told(device)])
         for device in DEVICES:
@@ -336,12 +336,12 @@ class Log(takt_system.Case):
             """Starts takt log --follow, waits until it has printed `count` events, and then causes a new event. Returns all printed
             events."""
             follower = self.start("log", "--follow", "--json", *arguments)
-            wait_until(lambda: len(follower.out_lines) >= count, 15, "%d events" % count)
+            wait_until(lambda: len(follower.out_lines) >= count, "%d events" % count)
             name = "new%s" % "".join(arguments).replace("-", "")
             self.refused({"stop robot.%s" % name: "robot"})
             follower.wait_for_out(name)
             follower.signal(signal.SIGINT)
-            self.assertEqual(0, follower.wait(10).status, follower.err)
+            self.assertEqual(0, follower.wait().status, follower.err)
             return [json.loads(line) for line in follower.out.splitlines()]
 
         self.assertEqual(followed(10), self.log()[-11:])
@@ -364,7 +364,7 @@ class Log(takt_system.Case):
         for line in follower.out.splitlines():
             self.assertGreaterEqual(json.loads(line)["time_ns"], begun, line)
         follower.signal(signal.SIGINT)
-        follower.wait(10)
+        follower.wait()
         self.end({"robot": node})
 
 
@@ -405,20 +405,20 @@ class Cable(networks.NetworkCase):
             is pulled."""
             return max(e["sequence"] for e in kinds(device).values())
 
-        def wait_for(wanted, limit, what):
+        def wait_for(wanted, what):
             for device in DEVICES:
                 expected = wanted[0] | (wanted[1] if device == "line" else set())
-                seen = wait_until(lambda: [k for k in [kinds(device)] if expected <= set(k)], limit, what + device)[0]
+                seen = wait_until(lambda: [k for k in [kinds(device)] if expected <= set(k)], what + device)[0]
                 print(device, {k: e["cause"] for k, e in seen.items() if "-" in k})
 
         self.deploy("cable.xml")
         time.sleep(1.5)
         since = {device: newest(device) for device in DEVICES}
         self.net.cut("line")
-        wait_for(({"device-lost", "connection-lost"}, {"stale-input"}), 15, "the loss to be recorded by ")
+        wait_for(({"device-lost", "connection-lost"}, {"stale-input"}), "the loss to be recorded by ")
         since = {device: newest(device) for device in DEVICES}
         self.net.join("line")
-        wait_for(({"device-back", "connection-back"}, {"fresh-input"}), 20, "the return to be recorded by ")
+        wait_for(({"device-back", "connection-back"}, {"fresh-input"}), "the return to be recorded by ")
         self.done("undeploy shop")
         self.end(nodes)
 

@@ -61,7 +61,7 @@ class Lost(takt_system.Case):
             status = {d["name"]: d for d in self.status_of()["devices"]}
             alive = {name: device["alive"] for name, device in status.items()}
             return status if alive == {"robot": False, "line": True} else None
-        return wait_until(holds, 15, "line to lose robot")
+        return wait_until(holds, "line to lose robot")
 
     def finish(self, failure="^$"):
         run = self.takt("undeploy", "cell")
@@ -75,7 +75,7 @@ class Lost(takt_system.Case):
             self.assertLess(rows, (after - t0) / 5e6 + 2)
         self.end({"robot": self.robot, "line": self.line})
         self.watch.signal(signal.SIGINT)
-        self.assertEqual(0, self.watch.wait(10).status, self.watch.err)
+        self.assertEqual(0, self.watch.wait().status, self.watch.err)
 
     def test_takt_watch_shows_the_end_and_the_restart_of_a_killed_host_or_program(self):
         self.begin()
@@ -125,7 +125,7 @@ class Lost(takt_system.Case):
         self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
         self.refused({"stop robot": "^device robot: error: (it is lost|not found: no answer)"})
         self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
-        wait_until(lambda: not [p for p in self.robot.processes() if p.alive], 10, "the host and the program of robot to end")
+        wait_until(lambda: not [p for p in self.robot.processes() if p.alive], "the host and the program of robot to end")
         self.assertFalse(host.alive)
         self.assertEqual({"EXECUTING"}, {m["state"] for m in status["line"]["modules"]})
 
@@ -152,7 +152,7 @@ class Lost(takt_system.Case):
         self.assertEqual("-", self.status_of()["cell"])
         self.robot = self.node("robot", "--resume")
         self.robot.wait_for_line("the deployment of cell cell is undone: device line has ended it")
-        wait_until(lambda: self.status_of("robot")["state"] == "waiting", 20, "robot to wait for a deployment")
+        wait_until(lambda: self.status_of("robot")["state"] == "waiting", "robot to wait for a deployment")
         self.end({"robot": self.robot, "line": self.line})
 
 

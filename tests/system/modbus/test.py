@@ -36,7 +36,7 @@ class Modbus(takt_system.Case):
                 return modbus.Master(port)
             except OSError:
                 return None
-        master = wait_until(attempt, 10, "a connection")
+        master = wait_until(attempt, "a connection")
         self.addCleanup(master.close)
         return master
 
@@ -47,7 +47,7 @@ class Modbus(takt_system.Case):
 
     def end(self, run):
         run.signal(signal.SIGINT)
-        run.wait(15)
+        run.wait()
         self.assertEqual(0, run.status, run.err)
         return run
 

@@ -26,11 +26,11 @@ class Network(networks.NetworkCase):
     def status(self):
         return {d["name"]: d for d in self.status_of()["devices"]}
 
-    def wait_for_status(self, condition, limit, what):
+    def wait_for_status(self, condition, what):
         def holds():
             status = self.status()
             return status if condition(status) else None
-        return wait_until(holds, limit, what)
+        return wait_until(holds, what)
 
     @staticmethod
     def all_execute(status):
@@ -49,15 +49,15 @@ class Network(networks.NetworkCase):
         text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text).replace('deadline="500000000" stale="error"', 'deadline="2000000000" stale="error"')
         self.assertEqual((3, 1), (text.count('timeout">2<'), text.count('deadline="2000000000"')))
         self.deploy(self.write("patient.xml", text))
-        self.wait_for_status(self.all_execute, 15, "all devices to execute")
+        self.wait_for_status(self.all_execute, "all devices to execute")
         time.sleep(5)  # wait until some parts are placed
-        before = self.wait_for_status(self.all_execute, 15, "all devices to execute")
+        before = self.wait_for_status(self.all_execute, "all devices to execute")
         self.assertEqual([], [line.text for line in nodes["line"].said("conveyor") if "RECOVER" in line.text])
 
         self.net.cut("line")
         cut = time.monotonic()
         self.wait_for_status(lambda s: {name: d["alive"] for name, d in s.items()} == {"robot": True, "line": False, "station": True},
-                             15, "the loss of line to be seen")
+                             "the loss of line to be seen")
         print("takt status showed the loss of line %.2f s after the cut" % (time.monotonic() - cut))
         # The isolated device must stop its belt by itself, because it no longer receives commands for the speed of the belt.
         nodes["line"].wait_for_line(r"line\.conveyor: EXECUTING -> RECOVER .*(stale|older)")
@@ -67,7 +67,7 @@ class Network(networks.NetworkCase):
             self.assertEqual({"EXECUTING"}, {m["state"] for m in during[device]["modules"]}, device)
         self.net.join("line")
         joined = time.monotonic()
-        after = self.wait_for_status(self.all_execute, 20, "line to come back")
+        after = self.wait_for_status(self.all_execute, "line to come back")
         print("the line was back %.2f s after the cable" % (time.monotonic() - joined))
         # Each row of robot during the disconnection must have run or count as missed.
         walked = {}
@@ -78,7 +78,7 @@ class Network(networks.NetworkCase):
               after["robot"]["executors"][0]["missed"] - before["robot"]["executors"][0]["missed"]))
         placed = lambda: int(re.search(r"(\d+) placed;", nodes["station"].printed("panel")[-1])[1])
         before = placed()
-        wait_until(lambda: placed() > before + 1, 30, "parts to be placed again")
+        wait_until(lambda: placed() > before + 1, "parts to be placed again")
         self.end(nodes)
 
     def test_nodes_find_each_other_through_a_list_of_peers_without_multicast(self):
@@ -112,10 +112,10 @@ class Network(networks.NetworkCase):
                 def both():
                     run = self.operator("status", "--json", "--server", server)
                     return run.status == 0 and {d["name"] for d in run.report["devices"]} == set(nodes)
-                wait_until(both, 15, "both nodes")
+                wait_until(both, "both nodes")
                 for node in nodes.values():
                     node.signal(signal.SIGTERM)
-                    self.assertEqual(0, node.wait(10).status, node.err)
+                    self.assertEqual(0, node.wait().status, node.err)
 
     def test_programs_on_the_machine_of_the_discovery_server_keep_running(self):
         # Fast DDS ended such programs with an assertion, about two seconds after they had found the server.
@@ -124,7 +124,7 @@ class Network(networks.NetworkCase):
         nodes = {"station": self.node("station", "--serve-discovery", "11811"), "line": self.node("line", "--server", server, on="station")}
         for node in nodes.values():
             node.wait_for_line("waits for a deployment")
-        watch = self.program("takt", "watch", "--for", "6", "--server", server, on="station").wait(30)
+        watch = self.program("takt", "watch", "--for", "6", "--server", server, on="station").wait()
         self.assertEqual(0, watch.status, watch.err)
         status = self.takt("status", "--json", "--server", server, on="station")
         self.assertEqual(["line", "station"], sorted(d["name"] for d in status.report["devices"] if d["alive"]))
@@ -138,7 +138,7 @@ class Network(networks.NetworkCase):
         def holds():
             run = self.operator("status", "--json", *options)
             return run.status == 0 and self.all_execute({d["name"]: d for d in run.report["devices"]})
-        wait_until(holds, 15, "every module to execute")
+        wait_until(holds, "every module to execute")
 
 
 if __name__ == "__main__":

@@ -72,7 +72,7 @@ class NoRealTime(takt_system.Case):
         self.assertRegex(run.out, r"(?m)^device cell +NOT REAL-TIME$")
 
     def test_the_option_require_realtime_prevents_a_start_without_real_time_rights(self):
-        run = self.takt("run", self.descriptor, "--for", "5", "--json", "--require-realtime", limit=15, **self.options)
+        run = self.takt("run", self.descriptor, "--for", "5", "--json", "--require-realtime", **self.options)
         self.assert_refused(run, r"(?m)^device cell: error: SCHED_FIFO .* is denied: .*; run as root, or give ",
                             r"(?m)^device cell: error: mlockall is denied beyond 0 KiB")
         self.assertNotIn("INITIALIZE", run.err)

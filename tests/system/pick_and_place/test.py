@@ -14,7 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "modbus"))
 import modbus
 import takt_system
-from takt_system import wait_until
+from takt_system import LONG, wait_until
 
 DEMO = os.path.join(takt_system.SOURCE, "deploy", "palletizing.xml")
 SUMMARY = re.compile(r"parts placed: (\d+); predicted from the timing: (\d+), one every ([\d.]+) s \(the arm takes ([\d.]+) s\), "
@@ -57,17 +57,17 @@ class PickAndPlace(takt_system.Case):
     def test_the_demo_cell_places_as_many_parts_as_predicted_despite_an_emergency_stop(self):
         cell = self.demo()
         cell.wait_for_state("panel", "EXECUTING")
-        wait_until(lambda: self.lamp() == 1, 10, "the green lamp to light without a reset")
-        wait_until(lambda: self.display() == 1, 30, "the first part on the display")
-        wait_until(lambda: abs(self.samples("robot.trajectory.setpoint", 1)[0]["velocity"][0]) > 0.2, 20, "the arm to move")
+        wait_until(lambda: self.lamp() == 1, "the green lamp to light without a reset")
+        wait_until(lambda: self.display() == 1, "the first part on the display")
+        wait_until(lambda: abs(self.samples("robot.trajectory.setpoint", 1)[0]["velocity"][0]) > 0.2, "the arm to move")
 
         self.press("stop_button", "true")
-        wait_until(lambda: self.lamp() == 0, 5, "the lamp to go out")
-        wait_until(lambda: max(map(abs, self.samples("robot.trajectory.setpoint", 1)[0]["velocity"])) == 0, 5, "the arm to stop")
+        wait_until(lambda: self.lamp() == 0, "the lamp to go out")
+        wait_until(lambda: max(map(abs, self.samples("robot.trajectory.setpoint", 1)[0]["velocity"])) == 0, "the arm to stop")
         held = self.samples("robot.trajectory.setpoint", 1)[0]["position"]
         line = next(d for d in json.loads(self.takt("status", "--json").out)["devices"] if d["name"] == "line")
         self.assertEqual({"emergency_stop"}, {m["name"] for m in line["modules"] if m.get("safe_stop")})
-        wait_until(lambda: self.samples("line.conveyor.state", 1)[0]["speed"] == 0, 5, "the belt to stop")
+        wait_until(lambda: self.samples("line.conveyor.state", 1)[0]["speed"] == 0, "the belt to stop")
         self.press("reset_button", "true")  # this has no effect while the stop button is pressed
         self.press("reset_button", "false")
         self.press("stop_button", "false")
@@ -75,12 +75,12 @@ class PickAndPlace(takt_system.Case):
         self.assertEqual(held, self.samples("robot.trajectory.setpoint", 1)[0]["position"], "the arm must wait for the reset")
         self.assertEqual(0, self.lamp())
         self.press("reset_button", "true")
-        wait_until(lambda: self.lamp() == 1, 5, "the green lamp again")
+        wait_until(lambda: self.lamp() == 1, "the green lamp again")
         self.press("reset_button", "false")
-        wait_until(lambda: self.display() >= 3, 100, "the third part on the display")
+        wait_until(lambda: self.display() >= 3, "the third part on the display", limit=2 * LONG)
 
         cell.signal(signal.SIGINT)
-        self.assertEqual(0, cell.wait(15).status, cell.err)
+        self.assertEqual(0, cell.wait().status, cell.err)
         said = [SUMMARY.search(line) for line in cell.raw]
         placed, predicted, each, arm, running, stopped, rest = next(s for s in said if s).groups()
         self.assertEqual("", rest, "no part may be rejected or lost")
@@ -100,7 +100,7 @@ class PickAndPlace(takt_system.Case):
         demo = takt_system.Run([os.path.join(takt_system.SOURCE, "tools", "demo"), "--for", "20"], self.folder,
                                environment={"TAKT_DOMAIN": str(self.domain)})
         self.runs.append(demo)
-        self.assertEqual(0, demo.wait(120).status, demo.err)
+        self.assertEqual(0, demo.wait(limit=2 * LONG).status, demo.err)
         orders = [line for line in demo.raw if line.startswith("demo: ")]
         self.assertEqual(["demo: takt set line.%s" % order for order in ("stop_button down true", "stop_button down false",
                                                                          "reset_button down true", "reset_button down false")], orders)
@@ -113,14 +113,14 @@ class PickAndPlace(takt_system.Case):
     def test_the_demo_cell_resumes_its_work_after_its_camera_program_is_killed(self):
         cell = self.demo()
         cell.wait_for_state("camera", "EXECUTING")
-        wait_until(lambda: self.display() == 1, 60, "the first part")
+        wait_until(lambda: self.display() == 1, "the first part")
         status = json.loads(self.takt("status", "--json").out)
         pid = next(m["pid"] for d in status["devices"] for m in d["modules"] if m["name"] == "camera")
         os.kill(pid, signal.SIGKILL)
         cell.wait_for_state("camera", "RECOVER")
-        wait_until(lambda: self.display() >= 3, 100, "two more parts")
+        wait_until(lambda: self.display() >= 3, "two more parts", limit=2 * LONG)
         cell.signal(signal.SIGINT)
-        self.assertEqual(0, cell.wait(15).status, cell.err)
+        self.assertEqual(0, cell.wait().status, cell.err)
 
 
 if __name__ == "__main__":

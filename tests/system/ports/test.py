@@ -33,14 +33,14 @@ class Ports(takt_system.Case):
         run = self.start("run", "cell.xml")
         run.wait_for_state("relay", "EXECUTING")
         events = lambda: [json.loads(line) for line in self.takt("log", "--kind", "dropped-samples", "--json").out.splitlines()]
-        wait_until(lambda: any(e["module"] == "slow" for e in events()), 20, "the entry")
+        wait_until(lambda: any(e["module"] == "slow" for e in events()), "the entry")
         time.sleep(2)
         slow = [e for e in events() if e["module"] == "slow"]
         self.assertEqual(1, len(slow), "it drops samples all the time: %s" % slow)
         self.assertEqual("the queue of input 'in' is full and drops its oldest samples", slow[0]["cause"])
         self.assertGreater(slow[0]["count"], 0)
         run.signal(signal.SIGINT)
-        self.assertEqual(0, run.wait(20).status, run.err)
+        self.assertEqual(0, run.wait().status, run.err)
 
     def test_a_killed_program_continues_to_pass_on_samples_after_its_restart(self):
         run = self.start("run", "cell.xml", "--json")
@@ -51,7 +51,7 @@ class Ports(takt_system.Case):
         run.wait_for_line(r"\.relay: RECOVER -> EXECUTING", after=begun)
         time.sleep(1)
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(0, run.status, run.err)
         seen = self.seen("bytes")
         self.assertEqual(0, seen["wrong"])
@@ -68,14 +68,14 @@ class Ports(takt_system.Case):
         self.assertGreater(before, 0)
         echo = self.start("echo", "d.source.out")
         echo.wait_for_out("number")
-        wait_until(lambda: output()["samples"] > 1000, 10, "the node to check the port several times")
+        wait_until(lambda: output()["samples"] > 1000, "the node to check the port several times")
         self.assertEqual((before, before), (output()["connections"], output()["matched"]))
         echo.signal(signal.SIGINT)
-        echo.wait(10)
+        echo.wait()
         time.sleep(1)  # a wrong report would appear in this time
         self.assertEqual(([""], before), (self.done("log --kind connection-lost --json"), output()["matched"]))
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(0, run.status, run.err)
 
     def test_a_property_can_define_which_ports_a_program_has(self):

@@ -109,7 +109,7 @@ class Processes(takt_system.Case):
         runs = {name: self.start("run", name + ".xml", "--for", "5", "--json") for name in reasons}  # in parallel, because no module runs
         for name, run in runs.items():
             with self.subTest(descriptor=name):
-                run.wait(20)
+                run.wait()
                 self.assert_refused(run)
                 self.assertEqual(1, len(run.other_lines), run.other_lines)
                 self.assertIn("module %s.culprit: error: %s" % (name, reasons[name]), run.other_lines[0])
@@ -120,7 +120,7 @@ class Processes(takt_system.Case):
         run = self.start("run", "stuck.xml", "--for", "6", "--json")
         run.wait_for_state("stuck", "EXECUTING")  # until then, Takt runs the program only to get its description
         pids = set()
-        wait_until(lambda: pids.update(p.pid for p in run.processes("stuck.exe")) or len(pids) == 2, 10)
+        wait_until(lambda: pids.update(p.pid for p in run.processes("stuck.exe")) or len(pids) == 2)
         run.wait()
         self.assertEqual(1, run.status)
         self.assert_recovered_then_given_up(run, "stuck", HUNG, 1)
@@ -137,7 +137,7 @@ class Processes(takt_system.Case):
             run.wait_for_state(module, "EXECUTING")
         time.sleep(1.9)  # after three releases, both programs stay in their bodies, but not long enough to be treated as hung
         run.signal(signal.SIGTERM)
-        run.wait(10)
+        run.wait()
         self.assertEqual("was killed by SIGTERM (Terminated)", run.steps("stuck")[-1].text)
         self.assertEqual("was killed by SIGKILL (Killed)", run.steps("deaf")[-1].text)
         for module in ("stuck", "deaf"):
@@ -156,7 +156,7 @@ class Processes(takt_system.Case):
         cpus = sorted(os.sched_getaffinity(0))[-2:]
         order = self.takt("check", descriptor, "--json").device()["executors"][0]["rows"][0]
         self.assertEqual(["first", "middle", "last"], order)
-        run = self.takt("run", descriptor, "--for", "%g" % seconds, "--json", limit=seconds + 30,
+        run = self.takt("run", descriptor, "--for", "%g" % seconds, "--json", limit=seconds + takt_system.LONG,
                         become=lambda: os.sched_setaffinity(0, cpus))
         self.assertEqual(0, run.status, run.err)
         begins = {module: self.begins(module) for module in order}

@@ -46,9 +46,9 @@ class Recording(takt_system.Case):
         recorder = self.start("record", "d.source.out", "--out", file, "--for", str(seconds), *options)
         recorder.wait_for_line("waits for d.source.out: device d not found")
         run = self.start("run", cell, "--json")
-        recorder.wait(90)
+        recorder.wait(limit=2 * takt_system.LONG)
         run.signal(signal.SIGINT)
-        self.assertEqual(0, run.wait(20).status, run.err)
+        self.assertEqual(0, run.wait().status, run.err)
         self.missed = run.executor("main", "d")["missed"]
         return recorder
 
@@ -103,10 +103,10 @@ class Recording(takt_system.Case):
             self.assertRegex(play.err, r"takt play: %d samples of 1 port" % len(expected))
             if not options:
                 self.assertGreater(took, (times[-1] - times[0]) / 1e9)
-            wait_until(lambda: self.arrived() >= len(expected), 15, "%d samples at the sink" % len(expected))
+            wait_until(lambda: self.arrived() >= len(expected), "%d samples at the sink" % len(expected))
             time.sleep(0.5)  # in this time, the sink would read duplicates if there were any
             sink.signal(signal.SIGINT)
-            sink.wait(20)
+            sink.wait()
             seen = json.loads(self.read("seen"))
             self.assertEqual((len(expected), expected[0], expected[-1], 0),
                              (seen["read"], seen["first"], seen["last"], seen["wrong"]))
@@ -116,12 +116,12 @@ class Recording(takt_system.Case):
         run.wait_for_state("source", "EXECUTING")
         self.refused({"play a.takt": r"port d\.source\.out: error: is written by d\.source, which is running; .*--port d\.source\.out=TOPIC"})
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
 
     def test_a_recorder_restarted_after_a_kill_appends_to_its_file(self):
         run = self.start("run", "component.xml")
         run.wait_for_state("source", "EXECUTING")
-        wait_until(lambda: self.count() > 50, 40, "samples in the file")
+        wait_until(lambda: self.count() > 50, "samples in the file")
         begun = len(run.raw)
         os.kill(run.one("recorder.exe").pid, signal.SIGKILL)
         run.wait_for_line(r"\.recorder: \w+ -> RECOVER", after=begun)
@@ -129,10 +129,10 @@ class Recording(takt_system.Case):
         listed = self.takt("play", "a.takt", "--list")
         self.assertEqual(0, listed.status, listed.err)
         self.assertIn("d.source.out", listed.out)
-        run.wait_for_line(r"recorder: records d\.source\.out", 40, after=begun)
-        wait_until(lambda: self.count() > before + 50, 40, "more samples in the file")
+        run.wait_for_line(r"recorder: records d\.source\.out", after=begun)
+        wait_until(lambda: self.count() > before + 50, "more samples in the file")
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertRegex("\n".join(run.printed("recorder")), r"recorder: \d+ samples of 1 port .* in a\.takt; \d+ lost")
         numbers = self.numbers()
         self.assertEqual(sorted(set(numbers)), numbers)

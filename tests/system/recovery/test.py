@@ -92,7 +92,7 @@ class Recovery(takt_system.Case):
         self.assert_others_unaffected(run)
 
     def test_a_device_ends_when_a_stop_device_module_cannot_recover(self):
-        run = self.takt("run", "stop_device.xml", "--for", "60", "--json", limit=40)
+        run = self.takt("run", "stop_device.xml", "--for", "60", "--json")
         self.assertEqual(1, run.status)
         self.assertEqual(STARTED + AGAIN + ["RECOVER", "DESTRUCT"], run.states("needed"))
         self.assertEqual(1, len(run.other_lines), run.other_lines)

@@ -26,7 +26,7 @@ class RefusedStart(takt_system.Case):
     def test_a_failed_initialize_hook_prevents_the_start_of_the_device(self):
         for how, words in WORDS.items():
             with self.subTest(how=how):
-                run = self.takt("run", "initialize_%s.xml" % how, "--for", "5", "--json", limit=15)
+                run = self.takt("run", "initialize_%s.xml" % how, "--for", "5", "--json")
                 reason = "initialize() failed: " + (words % "initialize" if "%s" in words else words)
                 self.assert_refused(run)
                 self.assertEqual(["module initialize_%s.bad: error: %s" % (how, reason)], run.other_lines)
@@ -42,7 +42,7 @@ class RefusedStart(takt_system.Case):
     def test_a_failed_start_hook_prevents_the_start_of_the_device(self):
         for how, words in WORDS.items():
             with self.subTest(how=how):
-                run = self.takt("run", "start_%s.xml" % how, "--for", "5", "--json", limit=15)
+                run = self.takt("run", "start_%s.xml" % how, "--for", "5", "--json")
                 reason = "start() failed: " + (words % "start" if "%s" in words else words)
                 self.assert_refused(run)
                 self.assertEqual(1, len(run.other_lines), run.other_lines)

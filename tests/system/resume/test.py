@@ -14,7 +14,7 @@ class Resume(takt_system.Case):
             node.wait_for_line(r" robot\.%s: START -> EXECUTING" % module)
 
     def gone(self, node):
-        wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "the host and the programs of the node to end")
+        wait_until(lambda: not [p for p in node.processes() if p.alive], "the host and the programs of the node to end")
 
     def kept(self):
         found = glob.glob(os.path.join(self.folder, "state", "robot.*.deployment"))
@@ -36,7 +36,7 @@ class Resume(takt_system.Case):
         instants = []
         for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL):
             node.signal(number)
-            self.assertEqual(-9 if number == signal.SIGKILL else 0, node.wait(10).status, node.err)
+            self.assertEqual(-9 if number == signal.SIGKILL else 0, node.wait().status, node.err)
             self.gone(node)
             if number == signal.SIGTERM:
                 self.assertEqual(LIFE, node.states("grid"))
@@ -54,7 +54,7 @@ class Resume(takt_system.Case):
         self.assertLess(abs(instants[0] - instants[1]), 20000)
         self.assertIsNone(self.kept())
         node.signal(signal.SIGKILL)
-        node.wait(10)
+        node.wait()
         node = self.node("robot", "--resume")
         self.assert_waits(node)
         self.end({"robot": node})
@@ -64,7 +64,7 @@ class Resume(takt_system.Case):
         self.deploy("cell.xml")
         self.executes(node)
         node.signal(signal.SIGKILL)
-        node.wait(10)
+        node.wait()
         self.gone(node)
         node = self.node("robot")
         node.wait_for_line("cell cell was running when this node ended.*--resume")
@@ -80,7 +80,7 @@ class Resume(takt_system.Case):
         self.deploy("cell.xml")
         self.executes(node)
         node.signal(signal.SIGTERM)
-        self.assertEqual(0, node.wait(10).status)
+        self.assertEqual(0, node.wait().status)
         path = self.kept()
         with open(path, "rb") as file:
             whole = file.read()
@@ -102,7 +102,7 @@ class Resume(takt_system.Case):
         self.deploy("cell.xml")
         self.executes(node)
         node.signal(signal.SIGKILL)
-        node.wait(10)
+        node.wait()
         self.gone(node)
         node = self.node("robot", "--resume")
         self.executes(node)

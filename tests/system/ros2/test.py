@@ -36,10 +36,10 @@ class Ros2(takt_system.Case):
                     "pub rt/cell/x std_msgs::msg::dds_::Float64_ reliable",
                     "sub rt/cell/text std_msgs::msg::dds_::String_ reliable",
                     "sub rt/cmd_vel geometry_msgs::msg::dds_::Twist_ best-effort"}
-        wait_until(lambda: expected <= {line.strip() for _, line in list(names.out_lines)}, 20, "the topics under their ROS 2 names")
+        wait_until(lambda: expected <= {line.strip() for _, line in list(names.out_lines)}, "the topics under their ROS 2 names")
 
         before = time.time()
-        states = self.peer("sub", "JointState", "/joint_states", 20, 20).wait(30)
+        states = self.peer("sub", "JointState", "/joint_states", 20, 20).wait()
         self.assertEqual(0, states.status, states.err)
         seen = self.messages(states)
         for state in seen:
@@ -52,26 +52,26 @@ class Ros2(takt_system.Case):
 
         # Texts are sent to the cell and back. The third text is longer than the 255 characters that the port allows, so it is dropped.
         capitals = self.peer("sub", "String", "/cell/capitals", 5, 40)
-        wait_until(lambda: self.matched("echo.capitals"), 20, "the reader to match")
-        self.assertEqual(0, self.peer("pub", "String", "/cell/text", 6, 20).wait(30).status)
-        self.assertEqual(0, capitals.wait(40).status, capitals.err)
+        wait_until(lambda: self.matched("echo.capitals"), "the reader to match")
+        self.assertEqual(0, self.peer("pub", "String", "/cell/text", 6, 20).wait().status)
+        self.assertEqual(0, capitals.wait().status, capitals.err)
         self.assertEqual(["HELLO %d" % n for n in (1, 2, 4, 5, 6)], [m["data"] for m in self.messages(capitals)])
 
         # The cell must receive velocities from a reliable and from a best-effort writer.
         for reliability in ("reliable", "best-effort"):
-            wait_until(lambda: not self.matched("echo.x"), 20, "the previous reader to disappear")
+            wait_until(lambda: not self.matched("echo.x"), "the previous reader to disappear")
             x = self.peer("sub", "Float64", "/cell/x", 5, 40)
-            wait_until(lambda: self.matched("echo.x"), 20, "the reader to match")
-            self.assertEqual(0, self.peer("pub", "Twist", "/cmd_vel", 40, 20, reliability).wait(30).status)
-            self.assertEqual(0, x.wait(40).status, x.err)
+            wait_until(lambda: self.matched("echo.x"), "the reader to match")
+            self.assertEqual(0, self.peer("pub", "Twist", "/cmd_vel", 40, 20, reliability).wait().status)
+            self.assertEqual(0, x.wait().status, x.err)
             values = [m["data"] for m in self.messages(x)]
             self.assertEqual(values, sorted(values))
             self.assertTrue(set(values) <= {0.25 * n for n in range(1, 41)}, values)
 
         cell.signal(signal.SIGINT)
-        self.assertEqual(0, cell.wait(10).status, cell.err)
+        self.assertEqual(0, cell.wait().status, cell.err)
         names.signal(signal.SIGKILL)
-        names.wait(10)
+        names.wait()
 
     def test_takt_check_rejects_a_port_type_that_ros2_does_not_support(self):
         with open(self.beside("cell.xml"), encoding="utf-8") as file:

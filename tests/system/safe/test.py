@@ -24,7 +24,7 @@ def changes(node, who):
 
 
 class Readers:
-    def wait_for(self, node, readers, what, since, limit=15.0, after=None):
+    def wait_for(self, node, readers, what, since, after=None):
         """Waits until each reader has printed `what` later than `since`. If `after` is given, the line must be printed at least after[reader]
         seconds later than `since`. Returns, for each reader, the seconds from `since` until the line."""
         took = {}
@@ -33,7 +33,7 @@ class Readers:
 
             def found():
                 return next((c for c in changes(node, who) if c.what == what and c.at > begin), None)
-            took[who] = wait_until(found, limit, "%s of %s" % (what, who)).at - since
+            took[who] = wait_until(found, "%s of %s" % (what, who)).at - since
         return took
 
     def tell(self, what, took):
@@ -141,7 +141,7 @@ class OverACable(Readers, networks.NetworkCase):
         self.net.join("a")
         # If takt does not reach device a yet, devices b and c pass the command on to it.
         self.operator("undeploy", "stop_cell")
-        wait_until(lambda: [d.get("state") for d in self.status().values()] == ["waiting"] * 3, 30, "all devices to wait for a deployment")
+        wait_until(lambda: [d.get("state") for d in self.status().values()] == ["waiting"] * 3, "all devices to wait for a deployment")
         self.end(nodes)
 
 

@@ -39,7 +39,7 @@ class Zeroes(takt_system.Case):
 
     def run_with(self, **values):
         run = self.start("run", self.write("cell.xml", PROGRAMS % values), "--json")
-        run.wait_for_line(r"zeroes: \| filled with zeros", limit=30)
+        run.wait_for_line(r"zeroes: \| filled with zeros")
         return run
 
     def cycles_of(self, module):
@@ -49,16 +49,16 @@ class Zeroes(takt_system.Case):
         run = self.run_with(period=4000000, after=100)
         filled = time.monotonic()
         before = self.cycles_of("neighbour")
-        wait_until(lambda: self.cycles_of("neighbour") > before + 50, 10, "the neighbour to run while the other program stands still")
+        wait_until(lambda: self.cycles_of("neighbour") > before + 50, "the neighbour to run while the other program stands still")
         run.wait_for_state("zeroes", "RECOVER")
         print("the program was an error %.2f s after it had filled its memory" % (time.monotonic() - filled))
         self.assertRegex(run.steps("zeroes")[3].text, r"^hang: the process took no release for 1\.04 s and was killed")
-        run.wait_for_line(r"\.zeroes: RECOVER -> EXECUTING", limit=30)
+        run.wait_for_line(r"\.zeroes: RECOVER -> EXECUTING")
         for order in ("stop", "start"):
             self.done("%s d.neighbour" % order)
-        run.wait_for_state("zeroes", "DESTRUCT", limit=30)
+        run.wait_for_state("zeroes", "DESTRUCT")
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(1, run.status, run.err)
         self.assertEqual(LIFE, run.states("grid"))
         neighbour, rows = run.modules("d")["neighbour"], run.executor("main", "d")["cycles"]
@@ -72,7 +72,7 @@ class Zeroes(takt_system.Case):
         self.done("stop d.zeroes", "stop d.neighbour")
         self.assertEqual({"zeroes": "START", "neighbour": "START", "grid": "EXECUTING"}, self.states_of("d"))
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(0, run.status, run.err)
 
 
@@ -91,12 +91,12 @@ class Scribbles(takt_system.Case):
                 status = self.status_of()
                 self.assertEqual({"hurt", "whole"}, {d["name"] for d in status["devices"]})
                 self.takt("log", "hurt", "--json")
-                self.takt("trace", "hurt", "--last", "1", "-o", "hurt.json", limit=20)
+                self.takt("trace", "hurt", "--last", "1", "-o", "hurt.json")
             for device, node in nodes.items():
                 self.assertIsNone(node.status, "seed %d: the node of %s has ended:\n%s" % (seed, device, node.err))
             self.assertEqual({"EXECUTING"}, set(self.states_of("whole").values()), "seed %d" % seed)
-            self.takt("undeploy", "scribbled", limit=90)
-            wait_until(lambda: not any(d["modules"] for d in self.status_of()["devices"]), 60,
+            self.takt("undeploy", "scribbled")
+            wait_until(lambda: not any(d["modules"] for d in self.status_of()["devices"]),
                        "both nodes to be free again after seed %d" % seed)
             new = nodes["whole"].lines[before:]
             self.assertEqual([], [line.text for line in new if re.match(r"\w+ -> RECOVER", line.text)], "seed %d" % seed)

@@ -63,7 +63,7 @@ class Peer:
     def end(self):
         if self._process.poll() is None:
             self._process.kill()
-        self._process.wait(10)
+        self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
             pipe.close()
 
@@ -101,10 +101,10 @@ class Security(takt_system.Case):
     def started(self, **options):
         return {device: self.node(device, **options) for device in DEVICES}
 
-    def as_one(self, who, *arguments, machine="operator", limit=40):
+    def as_one(self, who, *arguments, machine="operator"):
         """Runs takt with the identity in this folder of the authority ("operators/anna"), in another folder, or without one ("")."""
         environment = dict(self.environment, TAKT_SECURITY=who and os.path.join(self.keys, who))
-        return self.start(*arguments, environment=environment, before=self.net.on(machine)).wait(limit)
+        return self.start(*arguments, environment=environment, before=self.net.on(machine)).wait()
 
     def deploy(self):
         self.agreed(lambda: self.as_one("operators/anna", "deploy", "cell.xml"))
@@ -122,7 +122,7 @@ class Security(takt_system.Case):
         for node in nodes.values():
             node.signal(signal.SIGTERM)
         for node in nodes.values():
-            self.assertEqual(0, node.wait(10).status, node.err)
+            self.assertEqual(0, node.wait().status, node.err)
 
     def states(self, who="operators/anna"):
         run = self.as_one(who, "status", "--json")
@@ -138,7 +138,7 @@ class Security(takt_system.Case):
 
         def seen():
             process.terminate()
-            process.wait(10)
+            process.wait()
             process.stdout.close()
             with open(path, "rb") as file:
                 return file.read()
@@ -149,7 +149,7 @@ class Security(takt_system.Case):
         nodes = self.started()
         self.assertIn("security is on: device robot of cell guarded", nodes["robot"].err)
         self.deploy()
-        wait_until(lambda: self.states() == {"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, 20, "both modules")
+        wait_until(lambda: self.states() == {"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, "both modules")
         echo = self.as_one("operators/anna", "echo", "robot.plainly_visible.out", "--count", "3")
         self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
         # An observer can read everything and change nothing.
@@ -325,7 +325,7 @@ class Security(takt_system.Case):
         folder = os.path.join(self.keys, "devices", "robot")
 
         def refused(pattern, **options):
-            run = self.node("robot", wait=False, **options).wait(20)
+            run = self.node("robot", wait=False, **options).wait()
             self.assertEqual(1, run.status, run.err)
             self.assertRegex(run.err, pattern)
 
@@ -364,7 +364,7 @@ class Security(takt_system.Case):
 
     def test_takt_run_can_secure_a_cell_with_the_keys_in_one_folder(self):
         run = self.start("run", "cell.xml", "--for", "2", "--security", "keys", environment=self.environment,
-                         before=self.net.on("operator")).wait(60)
+                         before=self.net.on("operator")).wait()
         self.assertEqual(0, run.status, run.err)
         self.assertIn("security is on: device line of cell guarded", run.err)
 
@@ -392,7 +392,7 @@ class Components(takt_system.Case):
         runs = [self.start(*command, environment=dict(self.environment, **more))
                 for command in (("check", self.cell), ("run", self.cell, "--for", "1"))]
         for run in runs:
-            run.wait(60)
+            run.wait()
         self.assertEqual(1, len({run.status for run in runs}), [run.err for run in runs])
         return runs[0].status, runs[0].err + runs[1].err
 
@@ -416,7 +416,7 @@ class Components(takt_system.Case):
         for name in ("takt", "takt-host"):
             shutil.copy(os.path.join(takt_system.BIN, name), copies)
         os.chown(copies, 12345, -1)
-        run = self.program("takt", "check", self.cell, programs=copies, environment=self.environment).wait(60)
+        run = self.program("takt", "check", self.cell, programs=copies, environment=self.environment).wait()
         self.assertEqual(0, run.status, run.err)
 
     def test_takt_rejects_unsigned_components_if_signatures_are_required(self):
@@ -511,7 +511,7 @@ class Components(takt_system.Case):
         node = self.running(["mine.so"])
         self.replace("mine.so", self.built("leaves.so"))
         os.kill(node.pid, signal.SIGKILL)
-        node.wait(10)
+        node.wait()
         again = self.node("d", "--resume", environment=self.environment)
         again.wait_for_line(self.UNSIGNED % re.escape(self.file))
         self.assertEqual({}, self.states_of("d"))
@@ -544,7 +544,7 @@ class Components(takt_system.Case):
         state = os.path.join(self.folder, "state")
         os.mkdir(state)
         os.chmod(state, 0o777)
-        node = self.program("takt-node", "--device", "d", "--resume").wait(20)
+        node = self.program("takt-node", "--device", "d", "--resume").wait()
         self.assertEqual(1, node.status, node.err)
         self.assertIn("everybody may write to %s (owner root, mode 0777); run chmod o-w %s" % (state, state), node.err)
         os.chmod(state, 0o755)
@@ -554,7 +554,7 @@ class Components(takt_system.Case):
         other = self.write("other.pem", "nothing")
         for file, what in (("nosuch.pem", "there is no such file"), (other, "it is not a certificate")):
             self.assertIn("module mine: %s: %s; name the certificate that takt sign prints" % (file, what), self.try_it(TAKT_SIGNED_BY=file)[1])
-            node = self.program("takt-node", "--device", "d", "--signed-by", file).wait(20)
+            node = self.program("takt-node", "--device", "d", "--signed-by", file).wait()
             self.assertEqual(1, node.status, node.err)
             self.assertIn("%s: error: %s; name the certificate that takt sign prints" % (file, what), node.err)
 

@@ -24,7 +24,7 @@ class Services(takt_system.Case):
 
     def ended(self, run, status=0):
         run.signal(signal.SIGINT)
-        run.wait(30)
+        run.wait()
         self.assertEqual(status, run.status, run.err)
 
     def test_every_client_of_a_service_gets_its_own_replies(self):
@@ -126,7 +126,7 @@ class Services(takt_system.Case):
     @takt_system.timing("the other clients must get their replies within a second while a handler hangs")
     def test_a_service_handler_that_hangs_ends_only_its_own_module(self):
         run = self.running("hang.xml")
-        run.wait_for_line("answers: EXECUTING -> RECOVER .*the handler of a service did not return within 5 s", limit=30)
+        run.wait_for_line("answers: EXECUTING -> RECOVER .*the handler of a service did not return within 5 s")
         run.wait_for_state("answers", "DESTRUCT")
         self.refused({"call serve.answers.handled": "module serve.answers is in DESTRUCT"})
         self.done("call serve.others.handled " + FIVE)
@@ -135,7 +135,7 @@ class Services(takt_system.Case):
         self.done("start serve.answers")
         self.done("call serve.answers.handled " + FIVE)
         run.signal(signal.SIGINT)
-        run.wait(30)
+        run.wait()
         near, other = self.seen("near"), self.seen("other")
         print("near: %s\nother: %s" % (near, other))
         self.assertGreater(near["timed_out"], 10)
@@ -145,12 +145,12 @@ class Services(takt_system.Case):
 
     def test_a_service_handler_that_crashes_ends_only_its_own_module(self):
         run = self.running("crash.xml")
-        run.wait_for_line("the host .*in the handler of a service", limit=30)
+        run.wait_for_line("the host .*in the handler of a service")
         run.wait_for_state("answers", "DESTRUCT")
-        wait_until(lambda: run.states("others").count("EXECUTING") == 2, 20, "module others to execute again")
+        wait_until(lambda: run.states("others").count("EXECUTING") == 2, "module others to execute again")
         self.done("call serve.others.handled " + FIVE)
         run.signal(signal.SIGINT)
-        run.wait(30)
+        run.wait()
         self.assertEqual(0, self.seen("other")["wrong"])
 
     def test_takt_check_reports_errors_in_service_elements(self):

@@ -38,7 +38,7 @@ class Soak(networks.NetworkCase):
             status = self.status()
             states = {m["state"] for d in DEVICES for m in status.get(d, {}).get("modules", [])}
             return states == {"EXECUTING"} and all(status[d]["alive"] for d in DEVICES)
-        wait_until(holds, 30, "every module to execute after %s (seed %d)" % (dict(self.done_so_far), SEED))
+        wait_until(holds, "every module to execute after %s (seed %d)" % (dict(self.done_so_far), SEED))
 
     # Each of these functions causes one event. After the event, the cell returns to its normal state.
 
@@ -70,7 +70,7 @@ class Soak(networks.NetworkCase):
     def kill_node(self):
         device = self.random.choice(DEVICES)
         self.running[device].one("takt-node").kill()
-        self.running[device].wait(15)
+        self.running[device].wait()
         self.start_node(device)
 
     def redeploy(self):
@@ -82,7 +82,7 @@ class Soak(networks.NetworkCase):
         self.agreed(lambda: self.operator("deploy", self.beside("cell.xml")))
 
     def take_down(self):
-        left = wait_until(lambda: self.status().get("left"), 15, "the status of left")
+        left = wait_until(lambda: self.status().get("left"), "the status of left")
         self.crashes += sum(m["errors"] for m in left["modules"] if m["name"] == "crashes")
         run = self.operator("undeploy", "soak")
         self.assertEqual(0, run.status, run.err)
@@ -90,7 +90,7 @@ class Soak(networks.NetworkCase):
     def measure(self):
         """Measures the resources of each node while it waits for a deployment."""
         for device in DEVICES:
-            wait_until(lambda d=device: not [p for p in self.running[d].processes() if p.program != "takt-node"], 10,
+            wait_until(lambda d=device: not [p for p in self.running[d].processes() if p.program != "takt-node"],
                        "the host and programs of %s to end" % device)
             self.wear[device].look(self.node_pid(device), at_s=round(time.monotonic() - self.began, 1))
 

@@ -39,17 +39,17 @@ class StartStop(takt_system.Case):
             with self.subTest(signal=number):
                 run = self.running()
                 run.signal(number)
-                self.assert_ended_well(run.wait(20))
+                self.assert_ended_well(run.wait())
 
     def test_ctrl_c_to_the_whole_process_group_shuts_the_cell_down_cleanly(self):
         run = self.running()
         os.killpg(run.pid, signal.SIGINT)
-        self.assert_ended_well(run.wait(20))
+        self.assert_ended_well(run.wait())
 
     def test_sigterm_to_a_node_shuts_its_device_down_cleanly(self):
         run = self.running()
         run.one("takt-node").kill(signal.SIGTERM)
-        self.assert_ended_well(run.wait(20))
+        self.assert_ended_well(run.wait())
 
     def test_a_termination_signal_during_the_start_leaves_no_process_behind(self):
         for step in range(16):
@@ -57,7 +57,7 @@ class StartStop(takt_system.Case):
             time.sleep(0.01 * step)
             number = signal.SIGTERM if step % 2 else signal.SIGINT
             run.signal(number)
-            run.wait(20)
+            run.wait()
             # Shortly after its start, takt does not handle signals yet, so that the signal kills it. takt has not started any other process
             # by then.
             self.assertIn(run.status, (0, -number), run.err)
@@ -68,13 +68,13 @@ class StartStop(takt_system.Case):
             run = self.start("run", "cell.xml")
             time.sleep(0.015 * step)
             run.signal(signal.SIGKILL)
-            run.wait(20)
+            run.wait()
             self.assert_nothing_left(run)
 
     def test_killing_takt_run_leaves_no_process_behind(self):
         run = self.running()
         run.signal(signal.SIGKILL)
-        run.wait(20)
+        run.wait()
         for module in MODULES:
             self.assertEqual(LIFE, run.states(module), "the node must end in order")
         self.assert_nothing_left(run)
@@ -82,7 +82,7 @@ class StartStop(takt_system.Case):
     def test_a_killed_node_leaves_no_process_behind(self):
         run = self.running()
         run.one("takt-node").kill()
-        run.wait(20)
+        run.wait()
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"device cell: error: its node was killed by SIGKILL")
         device = run.device()
@@ -107,7 +107,7 @@ class StartStop(takt_system.Case):
         self.assertEqual(programs, [run.one(program).pid for program in PROGRAMS])
         self.assertEqual(held, len(run.one("takt-node").memories()), "the node must keep the same shared memories")
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(0, run.status, run.err)
         self.assertRegex(run.err, "the host was killed by SIGKILL")
         for module in ("program", "sporadic_program", "monitoring"):
@@ -123,8 +123,8 @@ class StartStop(takt_system.Case):
         for _ in range(4):
             host = run.one("takt-host")
             host.kill()
-            wait_until(lambda: run.status is not None or [p for p in run.processes("takt-host") if p.pid != host.pid], 15)
-        run.wait(20)
+            wait_until(lambda: run.status is not None or [p for p in run.processes("takt-host") if p.pid != host.pid])
+        run.wait()
         self.assertEqual(1, run.status, run.err)
         self.assertRegex(run.err, "it has been restarted 3 times")
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
@@ -141,7 +141,7 @@ class StartStop(takt_system.Case):
         self.assertFalse(set(before.values()) & set(after.values()))
         self.assertEqual(host, run.one("takt-host").pid)
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(0, run.status, run.err)
         self.assert_grid(run, "fine")
         modules = run.modules()

@@ -82,21 +82,21 @@ class Storm(networks.NetworkCase):
         self.hosts = {device: self.machines[device].one("takt-host").pid for device in DEVICES}
 
     def undeploy(self):
-        """Undeploys the cell. Repeats the command if a machine stalled for longer than a lease, because then the reply to the first command
-        may be lost."""
+        """Undeploys the cell. Repeats the command if a machine stalled for longer than a lease, because then the
+        first command or the reply to it may be lost."""
         for _ in range(3):
             run = self.operator("undeploy", "harbour", environment=self.identity)
             if run.status == 0:
                 return
-            self.assertIn("was lost before it answered", run.err)
+            self.assertRegex(run.err, "was lost before it answered|is lost and did not receive the command")
             print("takt undeploy is repeated: " + run.err)
         self.fail("no node answered to undeploy")
 
-    def wait_until_all_execute(self, limit=15):
+    def wait_until_all_execute(self):
         def holds():
             status = self.status()
             return {m["state"] for d in status.values() for m in d["modules"]} == {"EXECUTING"} and status
-        return wait_until(holds, limit, "every module to execute")
+        return wait_until(holds, "every module to execute")
 
     def stop_and_start(self):
         for verb, state in (("stop", "START"), ("start", "EXECUTING")):
@@ -146,7 +146,7 @@ class Storm(networks.NetworkCase):
         self.assertEqual((0, True), (quiet["wrong"], quiet["read"] > 0))
         for run in self.machines.values():
             self.assertNotIn("RTPS message", run.err, "a node must never reject packets of members")
-        listening.wait(60)
+        listening.wait()
 
         self.deploy()
         targets = self.targets()
@@ -164,7 +164,7 @@ class Storm(networks.NetworkCase):
         for run in self.machines.values():
             run.signal(signal.SIGTERM)
         for run in self.machines.values():
-            self.assertEqual(0, run.wait(15).status, run.err)
+            self.assertEqual(0, run.wait().status, run.err)
         return sink
 
 
@@ -179,7 +179,7 @@ class InTheOpen(Storm):
         listening = self.attack("robot", "capture", captured, "3", wait=False)
         self.assertEqual("ready\n", listening.stdout.readline())
         self.deploy()
-        listening.wait(60)
+        listening.wait()
         sent = self.attack("stranger", "forge", captured, "5", json.dumps(self.targets()))
         self.assertGreaterEqual(sent["members"], len(DEVICES))
         self.slowest = 0.0
@@ -205,7 +205,7 @@ class Secured(Storm):
         listening = self.attack("robot", "capture", captured, "3", wait=False)
         self.assertEqual("ready\n", listening.stdout.readline())
         self.deploy()
-        listening.wait(60)
+        listening.wait()
         deceiver = self.attack("stranger", how, captured, str(seconds), json.dumps(self.targets()), wait=False)
         self.hold(seconds)
         out, _ = deceiver.communicate(timeout=60)

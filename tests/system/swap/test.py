@@ -120,12 +120,12 @@ class Swap(takt_system.Case):
 
     def assert_versions(self, expected, run):
         """Waits for these versions, because the output of an instance may arrive after the answer to the swap."""
-        wait_until(lambda: len(self.versions(run)) >= len(expected), 5, "versions %s" % expected)
+        wait_until(lambda: len(self.versions(run)) >= len(expected), "versions %s" % expected)
         self.assertEqual(expected, [version for version, *_ in self.versions(run)])
 
     def finish(self, run):
         run.signal(signal.SIGINT)
-        run.wait(15)
+        run.wait()
         return run.modules()
 
     def assert_nothing_missed(self, run):
@@ -178,7 +178,7 @@ class Swap(takt_system.Case):
         self.refused({"swap d.ticks ticks_fails.so":
                       r"module d\.ticks: error: the old instance was put back at release \d+: failure: the third is not for me"})
         before = self.count()
-        wait_until(lambda: self.count() > before + 100, 10, "some runs")
+        wait_until(lambda: self.count() > before + 100, "some runs")
         self.swap("ticks_more.so")
         modules = self.finish(run)
         self.assertEqual(0, run.status, run.err)
@@ -194,7 +194,7 @@ class Swap(takt_system.Case):
         before = self.count()
         self.refused({"swap d.ticks ticks_crashes.so":
                       r"the old instance is loaded again: the host was killed by SIGSEGV .* in run\(\) of its new instance"})
-        wait_until(lambda: len(self.versions(run)) == 3, 10, "the old version to be loaded again")
+        wait_until(lambda: len(self.versions(run)) == 3, "the old version to be loaded again")
         version, how, count, _ = self.versions(run)[2]
         self.assertEqual((1, "from"), (version, how))
         self.assertGreaterEqual(count, before, "the old version must restore the state that it had saved before the swap")
@@ -215,7 +215,7 @@ class Swap(takt_system.Case):
         self.assert_versions([1, 2], run)
         self.swap("ticks.so")
         os.kill(run.one("takt-host").pid, signal.SIGKILL)
-        wait_until(lambda: len(self.versions(run)) == 4, 10, "the module to be loaded again")
+        wait_until(lambda: len(self.versions(run)) == 4, "the module to be loaded again")
         count, again = self.versions(run)[2][2], self.versions(run)[3]
         self.assertEqual((1, "from"), again[:2])
         self.assertGreaterEqual(again[2], count)
@@ -278,7 +278,7 @@ class Swap(takt_system.Case):
         self.assertIn("swap to ticks_fails.so: ", log)
         self.assert_versions([1, 2], node)
         os.kill(node.pid, signal.SIGKILL)
-        node.wait(10)
+        node.wait()
         again = self.node("d", "--resume", environment=environment)
         self.wait_for_states({"d": "EXECUTING"})
         self.assert_versions([1], again)

@@ -44,7 +44,7 @@ class ThreeDevices(takt_system.Case):
             self.assert_grid(run, module, every=every, executor=executor, device=device)
 
     def test_no_device_runs_if_a_module_of_one_device_fails_to_initialise(self):
-        run = self.takt("run", "one_refuses.xml", "--for", "5", "--json", limit=30)
+        run = self.takt("run", "one_refuses.xml", "--for", "5", "--json")
         self.assert_refused(run)
         self.assertEqual(["module line.bad: error: initialize() failed: threw: initialize() threw as it was asked to"], run.other_lines)
         for device in run.report["devices"]:
@@ -58,11 +58,11 @@ class ThreeDevices(takt_system.Case):
         run.wait_for_state("monitoring", "EXECUTING")
         line = next(node for node in run.processes("takt-node") if "line" in node.arguments)
         line.kill()
-        wait_until(lambda: len(run.processes("takt-host")) == 2, 15, "the host of line to end")
+        wait_until(lambda: len(run.processes("takt-host")) == 2, "the host of line to end")
         self.assertEqual(2, len(run.processes("takt-node")))
         self.assertIsNone(run.status)
         run.signal(signal.SIGINT)
-        run.wait(20)
+        run.wait()
         self.assertEqual(1, run.status)
         self.assertEqual(["device line: error: its node was killed by SIGKILL (Killed)"], run.other_lines)
         self.assertEqual([True, False, True], [d["alive"] for d in run.report["devices"]])

@@ -124,7 +124,7 @@ class Trace(takt_system.Case):
 
     @takt_system.alone("other real-time threads would delay its executor as well")
     def test_takt_trace_attributes_a_delay_to_page_faults(self):
-        node = self.deployed(module("maps", "maps.so", 1, pages=8000, every=50), module("other", "fine.so", 2))
+        node = self.deployed(module("maps", "maps.so", 1, ns=2000000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
         time.sleep(1.5)
         report, trace = self.trace()

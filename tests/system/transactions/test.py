@@ -52,9 +52,9 @@ class Transactions(networks.NetworkCase):
             return found["robot"] if found and len(set(found.values())) == 1 else None
 
         try:
-            return wait_until(agree, 25, "the devices to agree")
+            return wait_until(agree, "the devices to agree")
         except AssertionError:
-            raise AssertionError("the devices do not agree after 25 s: %s\n%s" % (last, self.takt("status").out)) from None
+            raise AssertionError("the devices do not agree: %s\n%s" % (last, self.takt("status").out)) from None
 
     def inject(self, fault, run):
         """Injects the fault and returns the function that ends it."""
@@ -70,7 +70,7 @@ class Transactions(networks.NetworkCase):
                 run.signal(signal.SIGKILL)
         elif kind == "kill":
             self.running[target].signal(signal.SIGKILL)
-            self.running[target].wait(10)
+            self.running[target].wait()
             return lambda: self.resume(target)
         return lambda: None
 
@@ -105,7 +105,7 @@ class Transactions(networks.NetworkCase):
             mend = self.inject(fault, run)
             time.sleep(duration if kind in ("cut", "halt") else 0)
             mend()
-            run.wait(150)
+            run.wait(limit=3 * takt_system.LONG)
             self.runs.remove(run)
             found = self.agreed_version()
             print("%s: exit status %s, %s" % (said, run.status, found))

@@ -28,8 +28,8 @@ class Twins(networks.NetworkCase):
         return [d for d in self.status_of()["devices"] if d["name"] == "line"]
 
     def assert_second_is_the_line(self):
-        self.second.wait_for_line(r"line\.grid: START -> EXECUTING", limit=30)
-        wait_until(lambda: ["EXECUTING"] == [m["state"] for d in self.lines() if "conflict" not in d for m in d["modules"]] or None, 15,
+        self.second.wait_for_line(r"line\.grid: START -> EXECUTING")
+        wait_until(lambda: ["EXECUTING"] == [m["state"] for d in self.lines() if "conflict" not in d for m in d["modules"]] or None,
                    "the second node to be the only node named line")
         self.done("stop line.grid")
         self.end({"robot": self.running["robot"], "line": self.second})
@@ -52,7 +52,7 @@ class Twins(networks.NetworkCase):
         self.assertEqual(["EXECUTING"], [m["state"] for d in lines for m in d["modules"]])
         self.assertNotIn("preparing", self.second.err)
         self.first.signal(signal.SIGTERM)
-        self.assertEqual(0, self.first.wait(10).status)
+        self.assertEqual(0, self.first.wait().status)
         self.assert_second_is_the_line()
 
     def test_a_node_that_was_cut_off_ends_if_another_node_has_taken_its_place(self):
@@ -60,11 +60,11 @@ class Twins(networks.NetworkCase):
         self.net.cut("line")
         self.start_second()
         # The second node must have executed for longer than the 2 s in which the nodes count as equally old.
-        wait_until(lambda: [d for d in self.lines() if d["alive"] and d["executors"] and d["executors"][0]["cycles"] > 1000] or None, 30,
+        wait_until(lambda: [d for d in self.lines() if d["alive"] and d["executors"] and d["executors"][0]["cycles"] > 1000] or None,
                    "the second node to execute for 5 s")
         self.net.join("line")
         self.first.wait_for_line(r"another node named line is on domain 0: process %d on .* this node stops and ends" % self.second.pid)
-        self.assertEqual(1, self.first.wait(15).status)
+        self.assertEqual(1, self.first.wait().status)
         self.assertIn("EXECUTING -> START", self.first.err)
         self.assert_second_is_the_line()
 

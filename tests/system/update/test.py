@@ -61,7 +61,7 @@ class Update(takt_system.Case):
 
     def assert_versions(self, node, *expected):
         """Waits until the last instances of module ticks have these versions. Their output may arrive after the reply to the update."""
-        wait_until(lambda: [version for version, *_ in self.versions(node)][-len(expected):] == list(expected), 10,
+        wait_until(lambda: [version for version, *_ in self.versions(node)][-len(expected):] == list(expected),
                    "versions %s to be printed" % (expected,))
 
     def t0(self, name):
@@ -98,7 +98,7 @@ class Update(takt_system.Case):
         self.assertIn("was carried out: robot.ticks: file: ticks.so -> ticks_more.so: robot.live: step: 1 -> 7", log)
 
         nodes["robot"].signal(signal.SIGKILL)
-        nodes["robot"].wait(10)
+        nodes["robot"].wait()
         nodes["robot"] = self.node("robot", "--resume")
         self.wait_for_states({"robot": "EXECUTING"})
         self.assertEqual(["7", "b", "debug"],
@@ -156,7 +156,7 @@ class Update(takt_system.Case):
         self.assertEqual(["operator", "warning"], self.done("get line.grid file", "get line.grid log-level"))
         # The restarted device must get samples from the other device again.
         reader = lambda: next(m for m in self.status_of("line")["modules"] if m["name"] == "reader")["ports"][0]
-        wait_until(lambda: reader()["samples"] > 0, 15, "samples from the other device")
+        wait_until(lambda: reader()["samples"] > 0, "samples from the other device")
         self.done("undeploy cell")
         self.assert_same_grid(before, self.t0("operator"))
         self.assertGreater(json.loads(self.read("seen"))["read"], 0)
@@ -247,13 +247,13 @@ class Update(takt_system.Case):
                     break
                 run.wait()
                 present = new
-            wait_until(self.devices_agree, 25, "the devices to agree while takt deploy is stopped")
+            wait_until(self.devices_agree, "the devices to agree while takt deploy is stopped")
             run.signal(signal.SIGCONT)
             run.wait()
             print("stopped after '%s': exit status %d: %s" % (line_of_takt, run.status, run.err.splitlines()[-1]))
             # With another exit status, all devices can have the new version only if takt deploy says so.
             present = new if run.status == 0 or re.search("^cell cell is updated; ", run.err, re.MULTILINE) else present
-            wait_until(self.devices_agree, 25, "the devices to agree")
+            wait_until(self.devices_agree, "the devices to agree")
             changed = self.update(*present)
             if "the devices decide together" not in run.err:
                 self.assertEqual(["nothing differs"], changed, "the exit status must be true")

@@ -49,7 +49,7 @@ class Usage(takt_system.Case):
                               (("--peers", "10.0.0.1,10.0.0"), "'10.0.0' is not an IPv4 address or a host name without a port")):
             for run in (self.takt("status", *given), self.program("takt-node", "--device", "d", *given)):
                 with self.subTest(given=given):
-                    run.wait(10)
+                    run.wait()
                     self.assertEqual((2, ""), (run.status, run.out))
                     self.assertIn("%s: %s" % (given[0], reason), run.err)
 

@@ -37,14 +37,14 @@ class Watch(takt_system.Case):
             if marked == wanted:
                 return True
             terminal.press((DOWN if wanted > marked else UP) * abs(wanted - marked))
-            wait_until(lambda: re.match(r"> +%s\b" % name, terminal.lines[wanted]), 5, "the mark on %s" % name)
+            wait_until(lambda: re.match(r"> +%s\b" % name, terminal.lines[wanted]), "the mark on %s" % name)
             return True
-        wait_until(there, 15, "%s to be chosen" % name)
+        wait_until(there, "%s to be chosen" % name)
 
     def leave(self, terminal, run, how):
         how()
-        self.assertEqual(0, run.wait(10).status, run.err)
-        wait_until(terminal.restored, 5, "the terminal to be restored")
+        self.assertEqual(0, run.wait().status, run.err)
+        wait_until(terminal.restored, "the terminal to be restored")
         self.assertEqual([], terminal.strange)
         self.assertEqual("", run.err)
 
@@ -72,7 +72,7 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^[> ] robot +X LOST")
         terminal.wait_for(r"^ +grid +X LOST")
         terminal.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
-        self.running["robot"].wait(10)
+        self.running["robot"].wait()
         # A takt watch that starts now also shows the loss.
         late, second = self.open()
         late.wait_for(r"^[> ] robot +X LOST")
@@ -130,7 +130,7 @@ class Watch(takt_system.Case):
         for rows, columns in ((1, 1), (2, 3), (3, 200), (5, 10), (60, 20)):
             with self.subTest(rows=rows, columns=columns):
                 terminal, run = self.open(rows=rows, columns=columns)
-                wait_until(lambda: terminal.alternate and terminal.seen > 10 + rows, 15, "something on the screen")
+                wait_until(lambda: terminal.alternate and terminal.seen > 10 + rows, "something on the screen")
                 terminal.press(DOWN * 3 + UP)
                 self.leave(terminal, run, lambda: terminal.press("q"))
         terminal, run = self.open(rows=24, columns=100)
@@ -140,7 +140,7 @@ class Watch(takt_system.Case):
         for rows, columns in ((1, 1), (6, 40), (2, 500), (24, 100)):
             seen = terminal.seen
             terminal.resize(rows, columns)
-            wait_until(lambda: terminal.seen > seen, 5, "a screen of the new size")
+            wait_until(lambda: terminal.seen > seen, "a screen of the new size")
             if rows >= 6:
                 terminal.wait_for("^> line")
         terminal.wait_for(r"^Enter details .*q quit")
@@ -223,7 +223,7 @@ class Watch(takt_system.Case):
         terminal, run = self.open()
         terminal.wait_for("devices.* on this domain")
         terminal.close()
-        self.assertIn(run.wait(10).status, (0, 1))
+        self.assertIn(run.wait().status, (0, 1))
 
     def test_takt_watch_without_a_terminal_prints_a_line_for_each_transition(self):
         run = self.start("watch")
@@ -239,7 +239,7 @@ class Watch(takt_system.Case):
         run.wait_for_out(r"^\S+ line\.fails: EXECUTING -> RECOVER \(failure: run\(\) threw as it was asked to\)$")
         self.finish()
         run.signal(signal.SIGINT)
-        self.assertEqual(0, run.wait(10).status)
+        self.assertEqual(0, run.wait().status)
 
 
 class InTmux(takt_system.Case):
@@ -294,7 +294,7 @@ class InTmux(takt_system.Case):
         # The terminal is resized while takt watch runs.
         for columns, rows in ((40, 10), (200, 60), (20, 5), (80, 24)):
             tmux.resize(columns, rows)
-            wait_until(lambda: len(tmux.lines) == rows and tmux.lines[-1].startswith("Enter details"[:columns - 1]), 5,
+            wait_until(lambda: len(tmux.lines) == rows and tmux.lines[-1].startswith("Enter details"[:columns - 1]),
                        "the keys at the bottom of %d by %d" % (columns, rows))
             self.assertLessEqual(max(len(line) for line in tmux.lines), columns)
         tmux.press("q")

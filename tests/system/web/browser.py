@@ -71,12 +71,12 @@ class Browser:
         found = self.texts(selector)
         return found[0] if found else None
 
-    def wait_for(self, selector, pattern, limit=40.0):
+    def wait_for(self, selector, pattern):
         """Waits until the text of a visible element that matches `selector` also matches the pattern, and returns this text."""
         import re
         expression = re.compile(pattern)
         try:
-            return wait_until(lambda: next((text for text in self.texts(selector) if expression.search(text)), None), limit,
+            return wait_until(lambda: next((text for text in self.texts(selector) if expression.search(text)), None),
                               "%r in %s" % (pattern, selector))
         except AssertionError as error:
             raise AssertionError("%s; there is %r" % (error, self.texts(selector))) from None
@@ -84,9 +84,9 @@ class Browser:
     def attribute(self, selector, name):
         return self.script("return document.querySelector(arguments[0])?.getAttribute(arguments[1]) ?? null", selector, name)
 
-    def wait_for_attribute(self, selector, name, value, limit=40.0):
+    def wait_for_attribute(self, selector, name, value):
         try:
-            wait_until(lambda: self.attribute(selector, name) == value, limit, "%s=%r of %s" % (name, value, selector))
+            wait_until(lambda: self.attribute(selector, name) == value, "%s=%r of %s" % (name, value, selector))
         except AssertionError as error:
             raise AssertionError("%s; it is %r" % (error, self.attribute(selector, name))) from None
 

@@ -63,8 +63,8 @@ class Events:
     def states(self):
         return {name: m["state"] for name, m in dict(self.modules).items()}
 
-    def wait(self, condition, limit=15.0, what="an event"):
-        return wait_until(lambda: condition(self), limit, what)
+    def wait(self, condition, what="an event"):
+        return wait_until(lambda: condition(self), what)
 
     def close(self):
         self.response.close()
@@ -106,7 +106,7 @@ class Gateway(takt_system.Case):
 
     def finish(self, run):
         run.signal(signal.SIGINT)
-        self.assertEqual(0, run.wait(10).status, run.err)
+        self.assertEqual(0, run.wait().status, run.err)
         self.assertEqual("", run.err)
         self.takt("undeploy", "seen")
         self.end(self.running)
@@ -152,12 +152,12 @@ class Gateway(takt_system.Case):
         self.assertEqual(events.devices["right"], other.devices["right"])
         self.assertEqual(events.states(), other.states())
         self.assertEqual("seen", other.of("cell")[0]["cell"])
-        self.running["right"].wait(10)
+        self.running["right"].wait()
         self.running["right"] = self.node("right", "--resume")
         events.wait(lambda e: e.devices["right"]["alive"] and e.states().get("right.sink") == "EXECUTING")
         self.wait_for_states({"right": {"sink": "EXECUTING"}})
         self.done("undeploy seen")
-        events.wait(lambda e: not e.modules and e.of("cell")[-1]["cell"] is None, 40)
+        events.wait(lambda e: not e.modules and e.of("cell")[-1]["cell"] is None)
         self.finish(run)
         events.wait(lambda e: e.ended, what="the end of the stream")
 
@@ -177,7 +177,7 @@ class Gateway(takt_system.Case):
             self.assertRegex(said["what"], "without --commands")
         self.assertEqual((200, {"command": False}), (lambda s, j: (s, {"command": j["command"]}))(*self.ask("api/rights")))
         run.signal(signal.SIGTERM)
-        self.assertEqual(0, run.wait(10).status)
+        self.assertEqual(0, run.wait().status)
         run = self.web("--commands")
         for token in (None, "guess", self.token[:-1], self.token + "0"):
             self.assertEqual(403, self.ask("api/command", stop, token=token)[0], token)
@@ -258,7 +258,7 @@ class Gateway(takt_system.Case):
         def table():
             executors = self.ask("api/table?device=left")[1].get("executors", [])
             return executors if executors and len(executors[0]["rows"]) == 5 else None
-        main, = wait_until(table, 15, "a macro period without a missed row")
+        main, = wait_until(table, "a macro period without a missed row")
         self.assertEqual((2000000, 10000000), (main["basic_period_ns"], main["macro_period_ns"]))
         self.assertEqual([0, 1, 2, 3, 4], [row["row"] for row in main["rows"]])
         self.assertEqual(["source", "fails"], [r["module"] for r in main["rows"][0]["runs"]])
@@ -278,7 +278,7 @@ class Gateway(takt_system.Case):
         self.assertGreater(len(trend), 1)
         self.assertLessEqual(set(trend) - {None}, set(recent(events) + recent(late)), "the trend must have the same values")
         history = wait_until(lambda: (lambda h: h if len(h["times_ms"]) >= 3 else None)(
-            self.ask("api/history?module=left.source")[1]), 15, "three seconds of history")
+            self.ask("api/history?module=left.source")[1]), "three seconds of history")
         self.assertEqual({len(history["times_ms"])}, {len(values) for values in history.values()})
         self.assertEqual([], self.ask("api/history?module=left.nobody")[1]["times_ms"])
         self.finish(run)
@@ -299,10 +299,10 @@ class Gateway(takt_system.Case):
         with open(self.beside("cell.xml")) as file:
             text = file.read().replace('kind="queue" depth="100"', 'kind="latest" deadline="1000000000"')
         self.done("deploy %s --update" % self.write("other.xml", text))
-        events.wait(lambda e: len(e.of("cell")) > cells, 30)
+        events.wait(lambda e: len(e.of("cell")) > cells)
         self.assertEqual("seen", events.of("cell")[-1]["cell"])
         self.assertNotEqual(events.of("cell")[cells - 1]["graph"], events.of("cell")[-1]["graph"])
-        events.wait(lambda e: len(e.of("port")) > ports, 30, "the changed port")
+        events.wait(lambda e: len(e.of("port")) > ports, "the changed port")
         told = len(events.of("points"))
         events.wait(lambda e: len(e.of("points")) > told + 3, what="values of the changed port")
         self.assertTrue(any(p["whole"] for p in events.of("points")[1:]), "the values must begin anew")
@@ -311,7 +311,7 @@ class Gateway(takt_system.Case):
         events.wait(lambda e: not e.devices["spare"]["alive"])
         self.done("undeploy seen")
         events.wait(lambda e: e.of("cell")[-1]["cell"] is None)
-        spare.wait(10)
+        spare.wait()
         self.runs.remove(spare)
         self.finish(run)
 
@@ -335,7 +335,7 @@ class Gateway(takt_system.Case):
         with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
             self.assertIn('takt_faults_total{device="left",severity="warning"} 1\n', response.read().decode())
         run.signal(signal.SIGINT)
-        self.assertEqual(0, run.wait(10).status, run.err)
+        self.assertEqual(0, run.wait().status, run.err)
         self.end({"left": node})
 
     def test_prometheus_can_read_the_metrics_of_the_gateway(self):
@@ -352,7 +352,7 @@ class Gateway(takt_system.Case):
             ran = any(s.value > 100 for s in found["takt_module_cycles"].samples if s.labels["module"] == "source") \
                 if "takt_module_cycles" in found else False
             return found if ran and "takt_connection_matched" in found else None
-        found = wait_until(measured, 30, "measures")
+        found = wait_until(measured, "measures")
 
         def value(family, **labels):
             values = [s.value for s in found[family].samples if labels.items() <= s.labels.items()]
@@ -445,7 +445,7 @@ class Gateway(takt_system.Case):
             one.close()
         self.done("stop right.live")
         events.wait(lambda e: e.states()["right.live"] == "START")
-        wait_until(lambda: self.opens(), 30, "a free stream for another page")
+        wait_until(lambda: self.opens(), "a free stream for another page")
         self.assertEqual({"EXECUTING"}, set(self.states_of("left").values()))
         self.finish(run)
 
@@ -493,7 +493,7 @@ class Gateway(takt_system.Case):
             self.assertEqual(200, response.status)
             self.assertLess(len(response.read()), 100000)
         run.signal(signal.SIGINT)
-        self.assertEqual(0, run.wait(10).status, run.err)
+        self.assertEqual(0, run.wait().status, run.err)
 
     def test_slow_clients_do_not_keep_other_clients_out_of_the_gateway(self):
         run = self.web()
@@ -544,7 +544,7 @@ class Gateway(takt_system.Case):
             one.join()
         self.assertEqual({503, 504}, set(statuses))
         run.signal(signal.SIGINT)
-        self.assertEqual(0, run.wait(10).status, run.err)
+        self.assertEqual(0, run.wait().status, run.err)
 
     def opens(self):
         try:
@@ -577,7 +577,7 @@ class Gateway(takt_system.Case):
         self.assertTrue(self.ask("api/rights", token="0123456789abcdef")[1]["command"])
         self.assertFalse(self.ask("api/rights", token="0123456789abcdee")[1]["command"])
         run.signal(signal.SIGTERM)
-        self.assertEqual(0, run.wait(10).status)
+        self.assertEqual(0, run.wait().status)
 
 
 if __name__ == "__main__":

@@ -52,10 +52,10 @@ TEST_F(DeviceProperties, CanBeReadAndSetWhileTheModuleRuns) {
     const Outcome outcome = set(0, "step", std::to_string(step));
     EXPECT_EQ(outcome.code, REPLY_OK) << outcome.text;
     EXPECT_EQ(get(0, "step").value, std::to_string(step));
-    run_for(milliseconds{50});
+    wait_for_run("live");
   }
   EXPECT_EQ(set(0, "label", "a long text in its own memory, which run() never frees").code, REPLY_OK);
-  run_for(milliseconds{50});
+  wait_for_run("live");
   take_down();
   EXPECT_EQ(seen("live")["steps"], json::array({2, 5, 1000, 7}));
   EXPECT_EQ(seen("live")["changed"], 0);
@@ -71,7 +71,7 @@ TEST_F(DeviceProperties, KeepTheirValueWhenANewOneIsRejected) {
   EXPECT_EQ(unknown.code, REPLY_REFUSED);
   EXPECT_EQ(unknown.text, "component Live has no property 'stop'; did you mean step?");
   EXPECT_EQ(get(0, "stop").text, unknown.text);
-  run_for(milliseconds{30});
+  wait_for_run("live");
   take_down();
   EXPECT_EQ(seen("live")["steps"], json::array({1}));
 }
@@ -81,7 +81,7 @@ TEST_F(DeviceProperties, CanBeSetBeforeTheFirstRun) {
   EXPECT_EQ(set(0, "step", "3").code, REPLY_OK);
   EXPECT_EQ(set(0, "step", "4").code, REPLY_OK);
   device->go(os::now() + milliseconds{20});
-  run_for(milliseconds{50});
+  wait_for_cycles("live", 1);
   take_down();
   EXPECT_EQ(seen("live")["steps"], json::array({4}));
 }
@@ -91,7 +91,7 @@ TEST_F(DeviceProperties, CanBeSetInANonRealTimeModule) {
            live("", "<operationtype>non-real</operationtype><period>2000000</period>"));
   ASSERT_TRUE(step_until([&] { return module_of("live")["cycles"] > 5; }));
   EXPECT_EQ(set(1, "step", "9").code, REPLY_OK);
-  run_for(milliseconds{50});
+  wait_for_run("live");
   take_down();
   EXPECT_EQ(seen("live")["steps"], json::array({1, 9}));
 }

@@ -31,6 +31,9 @@ class DevicePorts : public RealDevice {
     }
     return {};
   }
+  void wait_for_samples(const std::string& name, const std::string& port, int n) {
+    ASSERT_TRUE(step_until([&] { return port_of(name, port)["samples"] > n; })) << module_of(name);
+  }
   /// Expects that module `events` has not run more often than events arrived. A report during a run may
   /// count the run but not yet its event, so this function waits for a report between two runs.
   void expect_no_run_without_event() {
@@ -59,7 +62,7 @@ std::string connection(const std::string& from, const std::string& to, const std
 
 TEST_F(DevicePorts, CarryValuesFromOneModuleToAnother) {
   bring_up(source() + sink("sink"), connection("source.out", "sink.in"));
-  run_for(milliseconds{300});
+  wait_for_samples("sink", "in", 250);
   take_down();
   expect_all("sink", 200);
   EXPECT_LT(seen("sink")["oldest_ns"], 1'000'000) << "both modules run in the same row";
@@ -73,7 +76,7 @@ TEST_F(DevicePorts, CarryValuesThroughProgramsAndCModules) {
                connection("relay.out", "relay_c.in", "kind=\"queue\" depth=\"64\"") +
                connection("relay_c.out", "program_c.in", "kind=\"queue\" depth=\"64\"") +
                connection("program_c.out", "sink.in", "kind=\"queue\" depth=\"64\""));
-  run_for(milliseconds{300});
+  wait_for_samples("sink", "in", 250);
   take_down();
   expect_all("sink", 200);
 }
@@ -81,7 +84,7 @@ TEST_F(DevicePorts, CarryValuesThroughProgramsAndCModules) {
 TEST_F(DevicePorts, DropTheOldestSamplesOfAFullQueue) {
   bring_up(source("<value name=\"burst\">10</value>") + sink("sink", "<value name=\"most\">3</value>"),
            connection("source.out", "sink.in", "kind=\"queue\" depth=\"7\""));
-  run_for(milliseconds{200});
+  wait_for_cycles("sink", 150);
   const json port = port_of("sink", "in");
   EXPECT_EQ(port["matched"], 1);
   EXPECT_GT(port["dropped"], 100);
@@ -99,7 +102,7 @@ TEST_F(DevicePorts, GiveEachReaderAllSamples) {
                connection("source.out", "two.in") +
                connection("source.out", "relay.in", "kind=\"queue\" depth=\"99\"") +
                connection("relay.out", "three.in", "kind=\"queue\" depth=\"99\""));
-  run_for(milliseconds{300});
+  for (const char* name : {"one", "two", "three"}) wait_for_samples(name, "in", 250);
   take_down();
   for (const char* name : {"one", "two", "three"}) expect_all(name, 200);
 }
@@ -108,10 +111,8 @@ TEST_F(DevicePorts, LetSeveralWritersShareAQueue) {
   bring_up(source() + module("other", "port_source.so", kEvery) + sink("sink"),
            connection("source.out", "sink.in", "kind=\"queue\" depth=\"9\"") +
                connection("other.out", "sink.in", "kind=\"queue\" depth=\"9\""));
-  run_for(milliseconds{300});
-  const json port = port_of("sink", "in");
-  EXPECT_EQ(port["dropped"], 0);
-  EXPECT_GT(port["samples"], 400);
+  wait_for_samples("sink", "in", 400);
+  EXPECT_EQ(port_of("sink", "in")["dropped"], 0);
   take_down();
 }
 
@@ -121,7 +122,7 @@ TEST_F(DevicePorts, AreSeparateForTwoModulesOfTheSameCComponent) {
                sink("one") + sink("three"),
            connection("source.out", "first.in") + connection("source.out", "third.in") +
                connection("first.out", "one.in") + connection("third.out", "three.in"));
-  run_for(milliseconds{200});
+  for (const char* name : {"one", "three"}) wait_for_samples(name, "in", 150);
   EXPECT_EQ(port_of("second", "out")["samples"], 0);
   EXPECT_EQ(port_of("second", "in")["matched"], 0);
   take_down();
@@ -137,7 +138,7 @@ TEST_F(DevicePorts, ReleaseASporadicModuleWhenAnEventArrives) {
                  sink("echo"),
              connection("source.out", "events.event", "kind=\"queue\" depth=\"8\"") +
                  connection("events.echo", "echo.in", "kind=\"queue\" depth=\"8\""));
-    run_for(milliseconds{400});
+    wait_for_samples("echo", "in", 40);
     expect_no_run_without_event();
     take_down();
     expect_all("events", 30);
@@ -150,7 +151,7 @@ TEST_F(DevicePorts, ReleaseASporadicProgramWhenAnEventArrives) {
     bring_up(slow_source() + module("events", "port_events_program.exe", kSporadic + dispatch) + sink("echo"),
              connection("source.out", "events.event", "kind=\"queue\" depth=\"8\"") +
                  connection("events.echo", "echo.in", "kind=\"queue\" depth=\"8\""));
-    run_for(milliseconds{400});
+    wait_for_samples("echo", "in", 40);
     if (dispatch == kImmediate) expect_no_run_without_event();
     take_down();
     expect_all("echo", 30);
@@ -164,7 +165,7 @@ TEST_F(DevicePorts, PassEventsAlongAChainOfSporadicModules) {
            connection("source.out", "first.event", "kind=\"queue\" depth=\"8\"") +
                connection("first.echo", "second.event", "kind=\"queue\" depth=\"8\"") +
                connection("second.echo", "third.event", "kind=\"queue\" depth=\"8\""));
-  run_for(milliseconds{400});
+  wait_for_samples("third", "event", 40);
   take_down();
   expect_all("first", 30);
   expect_all("third", 30);
@@ -174,9 +175,10 @@ TEST_F(DevicePorts, ReleaseAProgramAtMostOncePerInterarrivalTime) {
   bring_up(source() + module("events", "port_events_program.exe",
                              kSporadic + kImmediate + "<interarrival>20000000</interarrival>"),
            connection("source.out", "events.event", "kind=\"queue\" depth=\"64\""));
-  run_for(milliseconds{400});
-  EXPECT_GT(module_of("events")["cycles"], 10);
-  EXPECT_LE(module_of("events")["cycles"], 22);
+  const Instant begin = os::now();
+  wait_for_cycles("events", 10);
+  const int cycles = module_of("events")["cycles"];
+  EXPECT_LE(cycles, (os::now() - begin) / milliseconds{20} + 2);
   EXPECT_EQ(port_of("events", "event")["dropped"], 0) << "each body reads all waiting events";
   take_down();
 }
@@ -278,7 +280,7 @@ TEST_F(DevicePorts, TreatAnInputWithoutAValueAsStaleAfterItsDeadline) {
 
 TEST_F(DevicePorts, CarryNoSamplesWithoutAConnection) {
   bring_up(source() + sink("sink"), "");
-  run_for(milliseconds{100});
+  for (const char* name : {"source", "sink"}) wait_for_cycles(name, 50);
   EXPECT_EQ(port_of("source", "out")["matched"], 0);
   EXPECT_EQ(port_of("source", "out")["samples"], 0);
   EXPECT_EQ(port_of("sink", "in")["matched"], 0);

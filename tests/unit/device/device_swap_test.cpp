@@ -23,9 +23,6 @@ class DeviceSwap : public RealDevice {
     EXPECT_TRUE(step_until([&] { return answer.has_value(); }));
     return answer.value_or(Outcome{.code = REPLY_LATE, .text = {}});
   }
-  void wait_for_cycles(const std::string& name, int n) {
-    ASSERT_TRUE(step_until([&] { return module_of(name)["cycles"] > n; }));
-  }
   void expect_executing(const std::string& name, int errors = 0) {
     EXPECT_EQ(module_of(name)["state"], "EXECUTING");
     EXPECT_EQ(module_of(name)["errors"], errors);
@@ -109,12 +106,14 @@ TEST_F(DeviceSwap, RejectsAnImpossibleSwapWithTheReason) {
   ASSERT_TRUE(step_until([&] { return module_of("periodic")["state"] == "START"; }));
   const Outcome stopped = swap(0, "fine.so");
   EXPECT_EQ(stopped.code, REPLY_REFUSED);
-  EXPECT_THAT(stopped.text, HasSubstr("d.periodic is in START; it can be swapped only in EXECUTING; run takt start "
-                                      "d.periodic"));
+  EXPECT_THAT(stopped.text,
+              HasSubstr("d.periodic is in START; it can be swapped only in EXECUTING; run takt start "
+                        "d.periodic"));
   device->command(0, Verb::destruct, [](const Outcome&) {});
   ASSERT_TRUE(step_until([&] { return module_of("periodic")["state"] == "DESTRUCT"; }));
-  EXPECT_THAT(swap(0, "fine.so").text,
-              HasSubstr("run takt reset d.periodic, then takt initialize d.periodic, then takt start d.periodic"));
+  EXPECT_THAT(
+      swap(0, "fine.so").text,
+      HasSubstr("run takt reset d.periodic, then takt initialize d.periodic, then takt start d.periodic"));
   take_down();
 }
 

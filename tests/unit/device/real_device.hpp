@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include <folders.hpp>
+#include <long_enough.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/node/device_platform.hpp>
@@ -87,7 +88,7 @@ class RealDevice : public testing::Test {
     ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ready; })) << problems();
     if (start_rows) device->go(os::now() + milliseconds{20});
   }
-  bool step_until(const std::function<bool()>& holds, milliseconds limit = milliseconds{10000}) {
+  bool step_until(const std::function<bool()>& holds, milliseconds limit = long_enough()) {
     const Instant end = os::now() + limit;
     while (!holds()) {
       if (os::now() > end) return false;
@@ -95,6 +96,13 @@ class RealDevice : public testing::Test {
       device->step();
     }
     return true;
+  }
+  void wait_for_cycles(const std::string& name, int n) {
+    ASSERT_TRUE(step_until([&] { return module_of(name)["cycles"] > n; })) << module_of(name);
+  }
+  /// Waits until the module has run at least once from now on.
+  void wait_for_run(const std::string& name) {
+    wait_for_cycles(name, module_of(name)["cycles"].get<int>() + 1);  // a run may have begun before now
   }
   void run_for(milliseconds time) {
     step_until([] { return false; }, time);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include <long_enough.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
 #include "executor_threads.hpp"
@@ -283,7 +284,7 @@ class HandlerThread : public testing::Test {
         [this] { return waiting.load() > 0; }, std::move(serve));
   }
   void until(const std::function<bool()>& holds) {
-    const Instant limit = os::now() + 20s;
+    const Instant limit = os::now() + long_enough();
     while (!holds() && os::now() < limit) std::this_thread::sleep_for(1ms);
     ASSERT_TRUE(holds());
   }
@@ -352,7 +353,7 @@ TEST_F(HandlerThread, AnswersRequestsWhileItsClientsRun) {
   std::array<std::uint64_t, 2> replied{};
   std::uint64_t number = 0;
   samples::Count count;
-  const Instant limit = os::now() + 30s;
+  const Instant limit = os::now() + long_enough();
   while ((replied[0] < 500 || replied[1] < 500) && os::now() < limit) {
     context.start_ns = to_ns(os::now());
     for (std::size_t i = 0; i < clients.size(); ++i) {

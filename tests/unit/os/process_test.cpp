@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <folders.hpp>
+#include <long_enough.hpp>
 
 #include <cerrno>
 #include <cstdio>
@@ -80,7 +81,7 @@ TEST(Child, IsReapedAWhileAfterItsEndWasReported) {
   EXPECT_EQ(end->text(), "ended with status 3");
   EXPECT_EQ(::kill(pid, 0), 0) << "the report must not wait until the kernel has removed the process";
   *child = std::move(*Child::spawn({.program = "/bin/sleep", .arguments = {"100"}}));
-  const Instant limit = now() + seconds{10};
+  const Instant limit = now() + long_enough();
   while (::kill(pid, 0) == 0 && now() < limit) {
     EXPECT_EQ(child->poll(), std::nullopt);
     sleep_until(now() + milliseconds{1});
@@ -203,7 +204,7 @@ TEST(Child, DiesWithItsParent) {
     std::fclose(file);
     return n != 1 || state == 'Z' || state == 'X';
   };
-  const Instant limit = now() + seconds{10};
+  const Instant limit = now() + long_enough();
   while (!dead() && now() < limit) sleep_until(now() + milliseconds{1});
   EXPECT_TRUE(dead());
 }
