@@ -1,0 +1,102 @@
+"""Checks that tests/run.py tells a broken product from a busy machine. Usage: run_test.py SOURCE_FOLDER"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+RUN = os.path.join(sys.argv.pop(1), "tests/run.py")
+SECOND_TIME = "rmdir %s 2>/dev/null || { mkdir %s; echo the first failure; exit 1; }"
+
+
+class Run(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.folder = self._folder.name
+        self._tests = 0
+
+    def add(self, name, command, labels=""):
+        """Adds a test that runs `command` with sh; each %s in it becomes a path of this test alone."""
+        self._tests += 1
+        path = os.path.join(self.folder, "mark%d" % self._tests)
+        with open(os.path.join(self.folder, "CTestTestfile.cmake"), "a") as file:
+            file.write('add_test([==[%s]==] sh -c [==[%s]==])\n' % (name, command.replace("%s", path)))
+            if labels:
+                file.write('set_tests_properties([==[%s]==] PROPERTIES LABELS "%s")\n' % (name, labels))
+
+    def run_tests(self):
+        """Returns the exit status, the output, and CTest's summary."""
+        run = subprocess.run([sys.executable, "-B", RUN, self.folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        with open(os.path.join(self.folder, "summary")) as file:
+            return run.returncode, run.stdout, file.read()
+
+    def test_a_run_without_failures_is_green(self):
+        self.add("one", "true", "system")
+        self.add("other", "true")
+        status, out, summary = self.run_tests()
+        self.assertEqual(0, status, out)
+        self.assertTrue(summary.startswith("100% tests passed, 0 tests failed out of 2"), summary)
+        self.assertNotIn("Unstable", out)
+        self.assertIn("The slowest of 2 tests", out)
+        self.assertIn("highest load average", out)
+
+    def test_a_test_that_fails_once_is_unstable_and_its_output_is_kept(self):
+        for label in ("system", "dds", "real", "timing", "asan", "tsan"):
+            self.add("of %s/with # <odd> characters" % label, SECOND_TIME, label + ";other")
+        status, out, summary = self.run_tests()
+        self.assertEqual(0, status, out)
+        self.assertIn("Unstable: these tests", out)
+        self.assertTrue(summary.startswith("100% tests passed, 0 tests failed out of 6"), summary)
+        files = os.listdir(os.path.join(self.folder, "unstable"))
+        self.assertEqual(6, len(files))
+        for name in files:
+            with open(os.path.join(self.folder, "unstable", name)) as file:
+                self.assertEqual("the first failure\n", file.read())
+
+    def test_a_test_that_fails_twice_is_red(self):
+        self.add("unstable", SECOND_TIME, "system")
+        self.add("broken", "false", "system")
+        status, out, summary = self.run_tests()
+        self.assertNotEqual(0, status, out)
+        self.assertIn("2 tests failed out of 2", summary)
+
+    def test_a_test_that_does_not_depend_on_the_load_gets_no_second_look(self):
+        self.add("pure", SECOND_TIME)
+        status, out, summary = self.run_tests()
+        self.assertNotEqual(0, status, out)
+        self.assertIn("1 tests failed out of 1", summary)
+
+    def test_a_broken_test_is_red_beside_unstable_tests(self):
+        self.add("pure", "false")
+        self.add("unstable", SECOND_TIME, "system")
+        status, out, _ = self.run_tests()
+        self.assertNotEqual(0, status, out)
+
+    def test_ten_unstable_tests_are_green_and_eleven_are_red(self):
+        for number in range(10):
+            self.add("unstable %d" % number, SECOND_TIME, "system")
+        status, out, _ = self.run_tests()
+        self.assertEqual(0, status, out)
+        self.add("one more", SECOND_TIME, "system")
+        status, out, _ = self.run_tests()
+        self.assertNotEqual(0, status, out)
+        self.assertIn("more than 10 tests failed", out)
+
+    def test_the_second_look_runs_one_test_at_a_time(self):
+        for name in ("one", "other"):
+            self.add(name, "rmdir %%s 2>/dev/null || { mkdir %%s; exit 1; }; mkdir %s/alone && sleep 0.2 && rmdir %s/alone"
+                     % (self.folder, self.folder), "system")
+        status, out, _ = self.run_tests()
+        self.assertEqual(0, status, out)
+
+    def test_a_missing_program_is_red(self):
+        with open(os.path.join(self.folder, "CTestTestfile.cmake"), "w") as file:
+            file.write("add_test(missing %s/missing)\n" % self.folder)
+        status, out, _ = self.run_tests()
+        self.assertNotEqual(0, status, out)
+
+
+if __name__ == "__main__":
+    unittest.main()
