@@ -47,7 +47,8 @@ struct Agent::Deployment {
   std::string safe;      ///< safe values of the cell's outputs, in the format of model::parse_safe()
   std::string undone;    ///< the reason why the agent undoes the deployment without a command; empty if the
                          ///< agent does not
-  bool over = false;     ///< true: the deployment has ended by itself; its status can still be read
+  bool ended_elsewhere = false;  ///< `undone` says that another device has ended the deployment
+  bool over = false;             ///< true: the deployment has ended by itself; its status can still be read
 
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
   /// True if the device has not heard yet that all other devices run.

@@ -429,8 +429,9 @@ void Agent::check_undeployed() {
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
     for (const auto& [status, alive] : others_.of_device(device.name)) {
-      if (alive && status.undeployed() == deployment_->id)
-        return undo("device " + device.name + " has ended it");
+      if (!alive || status.undeployed() != deployment_->id) continue;
+      deployment_->ended_elsewhere = true;
+      return undo("device " + device.name + " has ended it");
     }
   }
 }
@@ -533,8 +534,9 @@ void Agent::finish() {
   ended_at_ = options_.now();
   nlohmann::ordered_json texts = nlohmann::ordered_json::array();
   for (const Problem& problem : failures) texts.push_back(to_text(problem));
-  // An operator has undeployed the cell on another device, which is no failure.
-  const bool passed_on = !d.undone.empty() && d.t0_wall_ns && !d.is_starting();
+  // An operator has undeployed the cell, and another device received the command earlier. This is no failure,
+  // except while the devices start together.
+  const bool passed_on = !d.undone.empty() && (d.t0_wall_ns ? !d.is_starting() : d.ended_elsewhere);
   if (!d.undone.empty() && !passed_on)
     texts.push_back(to_text(Problem{"device " + options_.device, d.undone, ""}));
   last_id_ = d.id;

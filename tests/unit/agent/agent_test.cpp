@@ -423,6 +423,20 @@ TEST(Agent, UndeploysADeploymentThatAnotherDeviceHasUndeployed) {
   EXPECT_EQ(device.data()["failures"].size(), 0U);
 }
 
+TEST(Agent, DoesNotReportAFailureIfAnotherDeviceUndeploysBeforeTheStart) {
+  FakeDevice device;
+  device.become_ready();
+  DeviceStatus line = device.of_line(DEVICE_WAITING);
+  wire::set(line.undeployed(), "d1");
+  device.agent.others().receive(line, FakeDevice::kLine);
+  device.agent.step();
+  EXPECT_TRUE(device.work.stop_called);
+  device.end();
+  device.undeploy("d1");
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.data()["failures"].size(), 0U);
+}
+
 TEST(Agent, PassesAnUndeploymentOnToADeviceThatComesBack) {
   FakeDevice device;
   device.become_running();
