@@ -19,7 +19,7 @@ inline constexpr bool kSanitized = false;
 #endif
 
 /// Returns how often a test repeats its work. Under sanitizers, the work takes ten times as long, so the short
-/// form does a tenth of it there.
-inline int how_often(int all) { return kSanitized && !full_form() ? all / 10 : all; }
+/// form does a twentieth of it there.
+inline int how_often(int all) { return kSanitized && !full_form() ? all / 20 : all; }
 
 }  // namespace takt

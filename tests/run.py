@@ -2,8 +2,8 @@
 
     run.py FOLDER [CTEST ARGUMENTS]         FOLDER holds the CTestTestfile.cmake of all builds
 
-A failed test that uses real processes, a network or real time (kLabels) runs once more, alone, after all other tests. If it passes then, it
-is unstable: a busy machine can make it fail. The run fails if a test fails twice, if any other test fails, or if more than kMostUnstable
+A failed test that uses real processes, a network or real time (LABELS) runs once more, alone, after all other tests. If it passes then, it
+is unstable: a busy machine can make it fail. The run fails if a test fails twice, if any other test fails, or if more than MOST_UNSTABLE
 tests are unstable. FOLDER/unstable keeps the output of the first failure of each unstable test, FOLDER/summary the end of the report.
 """
 
@@ -20,12 +20,11 @@ import threading
 import time
 import xml.etree.ElementTree as xml
 
-kLabels = {"system", "dds", "real", "timing", "asan", "tsan"}
-kMostUnstable = 10
-kTestsForEachCpu = 3  # most tests wait more than they compute
-kUsualStart = 0.004  # seconds
-kUsualWakeUp = 0.0005
-kResources = pathlib.Path(__file__).resolve().parent / "resources.json"
+LABELS = {"system", "dds", "real", "timing", "asan", "tsan"}
+MOST_UNSTABLE = 10
+USUAL_START = 0.004  # seconds
+USUAL_WAKE_UP = 0.0005
+RESOURCES = pathlib.Path(__file__).resolve().parent / "resources.json"
 
 Failed = collections.namedtuple("Failed", "number name")
 
@@ -64,14 +63,14 @@ def slowness():
     started = median_of(lambda: subprocess.run(["true"], check=True))
     woken = median_of(lambda: time.sleep(0.001)) - 0.001
     print("starting a process takes %.1f ms here, waking a thread %.2f ms" % (1000 * started, 1000 * woken), flush=True)
-    return min(5.0, max(1.0, started / kUsualStart, woken / kUsualWakeUp))
+    return min(5.0, max(1.0, started / USUAL_START, woken / USUAL_WAKE_UP))
 
 
 def ctest(folder, arguments, results):
     """Runs CTest and shows its output. Returns the exit status, the failed tests, and the summary at the end of the output."""
     log = folder / "Testing/Temporary/LastTestsFailed.log"
     log.unlink(missing_ok=True)  # CTest leaves the file of an earlier run if no test fails
-    command = ["ctest", "--test-dir", str(folder), "--resource-spec-file", str(kResources), "--output-on-failure", "--output-junit",
+    command = ["ctest", "--test-dir", str(folder), "--resource-spec-file", str(RESOURCES), "--output-on-failure", "--output-junit",
                str(results), *arguments]
     summary = []
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, errors="replace") as run:
@@ -107,9 +106,9 @@ def keep_output(results, names, folder):
 def second_look(folder, failed):
     """Runs the failed tests that may depend on the load once more, one at a time. Returns the unstable tests and the summary of CTest."""
     labels = labels_by_name(folder)
-    again = [test for test in failed if kLabels & labels[test.name]]
-    if not again or len(again) > kMostUnstable:
-        print("\nNo second look: %s." % ("more than %d tests failed" % kMostUnstable if again else "these tests do not depend on the load of the machine"))
+    again = [test for test in failed if LABELS & labels[test.name]]
+    if not again or len(again) > MOST_UNSTABLE:
+        print("\nNo second look: %s." % ("more than %d tests failed" % MOST_UNSTABLE if again else "these tests do not depend on the load of the machine"))
         return [], ""
     print("\nRunning %d failed tests once more, one at a time, because a busy machine can make them fail:" % len(again), flush=True)
     numbers = ",".join(test.number for test in again)
@@ -125,7 +124,7 @@ def main(folder, arguments):
     os.environ["TAKT_TEST_SLOWNESS"] = "%.1f" % slowness()  # takt_system.py and long_enough.hpp read it
     cpus = len(os.sched_getaffinity(0))
     with Load() as load:
-        status, failed, summary = ctest(folder, ["--parallel", str(kTestsForEachCpu * cpus), *arguments], results)
+        status, failed, summary = ctest(folder, ["--parallel", str(2 * cpus + 1), *arguments], results)
     if failed:
         unstable, second_summary = second_look(folder, failed)
         if unstable:

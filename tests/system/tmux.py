@@ -5,7 +5,7 @@ import shlex
 import signal
 import subprocess
 
-from takt_system import Process, wait_until
+from takt_system import LONG, Process, wait_until
 
 
 class Tmux:
@@ -24,7 +24,7 @@ class Tmux:
 
     def _do(self, *arguments):
         return subprocess.run(["tmux", "-u", "-S", self._socket, *arguments], env=self._environment, check=True,
-                              capture_output=True, text=True, timeout=10).stdout
+                              capture_output=True, text=True, timeout=LONG).stdout
 
     def close(self):
         """Kills the server by its process id, because the folder that contains its socket may no longer exist."""

@@ -73,7 +73,7 @@ class Peer:
         for line in self.process.stdout:
             self.lines.put(line.rstrip("\n"))
 
-    def line(self, limit=20):
+    def line(self, limit=takt_system.LONG):
         """Returns the next line, or an empty string if the program prints no line within the limit."""
         try:
             return self.lines.get(timeout=limit)
@@ -102,7 +102,7 @@ class Interfaces(unittest.TestCase):
         self.assertEqual("ready", peer.line())
         return peer
 
-    def match(self, feed, tap, limit=20):
+    def match(self, feed, tap, limit=takt_system.LONG):
         """Writes samples until one arrives while no other sample is in transit. Returns the number of the last sample."""
         end = time.monotonic() + limit
         while time.monotonic() < end:

@@ -146,7 +146,7 @@ class Deploy(takt_system.Case):
         begun = time.monotonic()
         run = subprocess.run(["bash", "-c", 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _takt; '
                               'printf "%s\\n" "${COMPREPLY[@]}"', "bash", script] + line.split(" "),
-                             capture_output=True, text=True, cwd=self.folder, timeout=20,
+                             capture_output=True, text=True, cwd=self.folder, timeout=takt_system.LONG,
                              env=dict(os.environ, TAKT_DOMAIN=str(self.domain), PATH=takt_system.BIN + ":" + os.environ["PATH"]))
         self.assertEqual((0, ""), (run.returncode, run.stderr), line)
         return set(run.stdout.split()), time.monotonic() - begun

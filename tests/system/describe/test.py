@@ -208,7 +208,7 @@ class Describe(takt_system.Case):
 
     def test_a_program_started_by_hand_rejects_invalid_properties(self):
         program = os.path.join(os.path.dirname(takt_system.BIN), "tests", "components", "c_properties.exe")
-        run = subprocess.run([program, "speed=3", "sped=1"], capture_output=True, text=True, timeout=20)
+        run = subprocess.run([program, "speed=3", "sped=1"], capture_output=True, text=True, timeout=takt_system.LONG)
         self.assertEqual((1, ""), (run.returncode, run.stdout))
         self.assertEqual("takt: initPeriodExe(): property 'speed' cannot be '3'; it takes a number, 0 to 2, in m/s\n"
                          "takt: initPeriodExe(): this program has no property 'sped'; did you mean speed?\n", run.stderr)

@@ -76,7 +76,7 @@ class Installed(takt_system.Case):
     def command(self, line, folder):
         """Runs a command from the page, with the installation folder of this test instead of the folder on the page."""
         self.assertIn(line, PAGE)
-        run = subprocess.run(line.replace(PREFIX, INSTALLED), shell=True, cwd=folder, capture_output=True, text=True, timeout=300,
+        run = subprocess.run(line.replace(PREFIX, INSTALLED), shell=True, cwd=folder, capture_output=True, text=True, timeout=5 * takt_system.LONG,
                              env=dict(os.environ, TAKT_DOMAIN=str(self.domain)))
         self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         return run
@@ -176,7 +176,7 @@ class Installed(takt_system.Case):
                    "find_package(takt REQUIRED)\n" + "\n".join(lines) + "\n")
         build = os.path.join(self.folder, "build")
         for command in (["cmake", "-S", self.folder, "-B", build, "-DCMAKE_PREFIX_PATH=" + INSTALLED], ["cmake", "--build", build]):
-            run = subprocess.run(command, capture_output=True, text=True, timeout=300)
+            run = subprocess.run(command, capture_output=True, text=True, timeout=5 * takt_system.LONG)
             self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         return os.path.join(build, "components")
 
@@ -206,7 +206,7 @@ class Installed(takt_system.Case):
         before = subprocess.Popen([os.path.join(self.folder, "build", "legacy")], stdout=subprocess.PIPE, text=True)
         time.sleep(2)
         before.terminate()
-        usleep = before.communicate(timeout=10)[0]
+        usleep = before.communicate(timeout=takt_system.LONG)[0]
         run = self.installed("run", os.path.join(self.folder, "cell.xml"), "--for", "2", components=components)
         self.assertEqual(0, run.status, run.err)
         takt = "".join(run.printed("adapted"))
@@ -270,7 +270,7 @@ class Installed(takt_system.Case):
         run = subprocess.run(["bash", "-c", 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); '
                               'complete_with=$(complete -p "$1"); complete_with=${complete_with#*-F }; "${complete_with%% *}"; '
                               'printf "%s\\n" "${COMPREPLY[@]}"', "bash", script] + words,
-                             capture_output=True, text=True, cwd=self.folder, timeout=10)
+                             capture_output=True, text=True, cwd=self.folder, timeout=takt_system.LONG)
         self.assertEqual((0, ""), (run.returncode, run.stderr), line)
         return set(run.stdout.split())
 
@@ -317,7 +317,7 @@ class Installed(takt_system.Case):
         self.assertIn(command, PAGE)
         packages = os.path.join(self.folder, "packages")
         run = subprocess.run(["cpack", "-G", "DEB", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", packages],
-                             capture_output=True, text=True, timeout=240)
+                             capture_output=True, text=True, timeout=5 * takt_system.LONG)
         self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         self.assertEqual(["takt-dev_0.1.0", "takt_0.1.0"],
                          sorted(os.path.basename(p).rsplit("_", 1)[0] for p in glob.glob(packages + "/*.deb")))

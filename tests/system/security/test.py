@@ -219,7 +219,7 @@ class Security(takt_system.Case):
         line.wait_for_line("rejected: participant 'peer' at 10.77.0.4 has no identity of this cell")
         if CYCLONE:
             cyclone = subprocess.run(self.net.on("stranger") + [CYCLONE, "0", "command", "line", "quiet_sink", "8"],
-                                     capture_output=True, timeout=60,
+                                     capture_output=True, timeout=takt_system.LONG,
                                      env=dict(os.environ, CYCLONEDDS_URI="<CycloneDDS><Domain id='any'><General>"
                                               "<AllowMulticast>true</AllowMulticast></General></Domain></CycloneDDS>"))
             self.assertNotEqual(0, cyclone.returncode, cyclone.stdout)

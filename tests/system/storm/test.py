@@ -60,7 +60,7 @@ class Storm(networks.NetworkCase):
         self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
         if not wait:
             return process
-        out, _ = process.communicate(timeout=60)
+        out, _ = process.communicate(timeout=takt_system.LONG)
         self.assertEqual(0, process.returncode)
         return json.loads(out)
 
@@ -152,7 +152,7 @@ class Storm(networks.NetworkCase):
         targets = self.targets()
         storm = self.attack("stranger", "storm", str(SECONDS), str(RATE), str(SEED), ",".join(kinds), json.dumps(targets), captured, wait=False)
         self.hold(SECONDS)
-        out, _ = storm.communicate(timeout=60)
+        out, _ = storm.communicate(timeout=takt_system.LONG)
         thrown = json.loads(out)
         print("sent: %s to %d UDP and %d TCP ports" % (thrown, len(targets["udp"]), len(targets["tcp"])))
         self.assertEqual(0, storm.returncode)
@@ -208,7 +208,7 @@ class Secured(Storm):
         listening.wait()
         deceiver = self.attack("stranger", how, captured, str(seconds), json.dumps(self.targets()), wait=False)
         self.hold(seconds)
-        out, _ = deceiver.communicate(timeout=60)
+        out, _ = deceiver.communicate(timeout=takt_system.LONG)
         self.assertEqual(0, deceiver.returncode)
         self.stop_and_start()
         sink = self.read_back("%s: %s" % (how, out.strip()))

@@ -46,7 +46,7 @@ while not select.select([sys.stdin], [], [], 0)[0]:
 
     def end(self):
         """Ends the loop. Returns the periods (from, to) in which the loop was late by more than 0.5 ms, in ns since 1970."""
-        out, _ = self._run.communicate("end\n", timeout=10)
+        out, _ = self._run.communicate("end\n", timeout=takt_system.LONG)
         return [tuple(map(int, line.split())) for line in out.splitlines()]
 
 

@@ -224,7 +224,7 @@ class Web(takt_system.Case):
             request = urllib.request.Request(self.address + "api/command", order.encode(),
                                              {"Authorization": "Bearer " + token} if token else {})
             with self.assertRaises(urllib.error.HTTPError) as refused:
-                urllib.request.urlopen(request, timeout=20)
+                urllib.request.urlopen(request, timeout=takt_system.LONG)
             self.assertEqual(403, refused.exception.code)
             refused.exception.close()
         self.assertEqual("EXECUTING", self.on_dds()["robot.tuned"])

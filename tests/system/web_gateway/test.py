@@ -22,7 +22,7 @@ class Events:
     """Reads the stream of events, and derives the current states from it as the web page does."""
 
     def __init__(self, address):
-        self.response = urllib.request.urlopen(address + "api/events", timeout=30)
+        self.response = urllib.request.urlopen(address + "api/events", timeout=takt_system.LONG)
         self.all = []  # (name, data, when)
         self.ended = False
         self.modules = {}
@@ -88,7 +88,7 @@ class Gateway(takt_system.Case):
         for name, value in headers:
             request.add_header(name, value)
         try:
-            with urllib.request.urlopen(request, timeout=30) as response:
+            with urllib.request.urlopen(request, timeout=takt_system.LONG) as response:
                 return response.status, json.loads(response.read())
         except urllib.error.HTTPError as error:
             return error.code, json.loads(error.read())
@@ -291,7 +291,7 @@ class Gateway(takt_system.Case):
         self.ask("api/streams/%s/ports" % stream, {"ports": ["left.source.out"]}, "PUT")
         events.wait(lambda e: e.of("points"))
         events.wait(lambda e: e.of("cell")[-1]["cell"] == "seen" and e.devices.get("spare"))
-        with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
+        with urllib.request.urlopen(self.address + "metrics", timeout=takt_system.LONG) as response:
             self.assertIn('takt_faults_total{device="spare",severity="error"} 0\n', response.read().decode())
         cells = len(events.of("cell"))
         ports = len(events.of("port"))
@@ -332,7 +332,7 @@ class Gateway(takt_system.Case):
         other = self.events()
         other.wait(lambda e: e.of("faults"))
         self.assertEqual(told, [f["sequence"] for f in self.faults(other)])
-        with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
+        with urllib.request.urlopen(self.address + "metrics", timeout=takt_system.LONG) as response:
             self.assertIn('takt_faults_total{device="left",severity="warning"} 1\n', response.read().decode())
         run.signal(signal.SIGINT)
         self.assertEqual(0, run.wait().status, run.err)
@@ -343,7 +343,7 @@ class Gateway(takt_system.Case):
         self.done("stop right.live")
 
         def families():
-            with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
+            with urllib.request.urlopen(self.address + "metrics", timeout=takt_system.LONG) as response:
                 self.assertEqual("text/plain; version=0.0.4; charset=utf-8", response.headers["Content-Type"])
                 return {f.name: f for f in text_string_to_metric_families(response.read().decode())}
 
@@ -389,7 +389,7 @@ class Gateway(takt_system.Case):
         where = urllib.parse.urlparse(self.address)
 
         def raw(data, whole=False):
-            with socket.create_connection((where.hostname, where.port), timeout=30) as s:
+            with socket.create_connection((where.hostname, where.port), timeout=takt_system.LONG) as s:
                 s.sendall(data)
                 if not whole:
                     s.shutdown(socket.SHUT_WR)
@@ -424,7 +424,7 @@ class Gateway(takt_system.Case):
         for path, status in (("api/nothing", 404), ("../etc/passwd", 404), ("api/table?device=nobody", 404), ("api/properties?module=live", 400),
                              ("api/properties?module=right.nobody", 404), ("api/ports?device=", 504), ("api/table", 404)):
             self.assertEqual(status, self.ask(path)[0], path)
-        with urllib.request.urlopen(self.address, timeout=30) as page:
+        with urllib.request.urlopen(self.address, timeout=takt_system.LONG) as page:
             self.assertIn("default-src 'self'", page.headers["Content-Security-Policy"])
             self.assertIn(b"<title>", page.read())
         # The number of streams is limited. The existing streams must continue.
@@ -433,7 +433,7 @@ class Gateway(takt_system.Case):
             more.append(Events(self.address))
         # Streams to one address must leave places for other addresses.
         where = urllib.parse.urlparse(self.address)
-        with socket.create_connection((where.hostname, where.port), timeout=30, source_address=("127.0.0.2", 0)) as other:
+        with socket.create_connection((where.hostname, where.port), timeout=takt_system.LONG, source_address=("127.0.0.2", 0)) as other:
             other.sendall(b"GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
             self.assertRegex(other.recv(4096), rb"^HTTP/1\.1 200 ")
         with self.assertRaises(urllib.error.HTTPError) as full:
@@ -457,7 +457,7 @@ class Gateway(takt_system.Case):
     def flood(self, start, more):
         """Sends `start` and then `more` again and again: up to 100 MiB, or until takt web closes the connection."""
         where = urllib.parse.urlparse(self.address)
-        with socket.create_connection((where.hostname, where.port), timeout=60) as client:
+        with socket.create_connection((where.hostname, where.port), timeout=takt_system.LONG) as client:
             try:
                 client.sendall(start)
                 for _ in range((100 << 20) // len(more)):
@@ -489,7 +489,7 @@ class Gateway(takt_system.Case):
             self.assertLess(grown, 32 << 10, what)
         # A short request must not cause a long response.
         request = urllib.request.Request(self.address + "gantt.js", headers={"Range": "bytes=" + "0-," * 2000 + "0-"})
-        with urllib.request.urlopen(request, timeout=30) as response:
+        with urllib.request.urlopen(request, timeout=takt_system.LONG) as response:
             self.assertEqual(200, response.status)
             self.assertLess(len(response.read()), 100000)
         run.signal(signal.SIGINT)
@@ -500,7 +500,7 @@ class Gateway(takt_system.Case):
         where = urllib.parse.urlparse(self.address)
 
         def connect():
-            client = socket.create_connection((where.hostname, where.port), timeout=60)
+            client = socket.create_connection((where.hostname, where.port), timeout=takt_system.LONG)
             client.sendall(b"PUT /api/streams/0/ports HTTP/1.1\r\nHost: localhost\r\nContent-Length: 60000\r\n\r\n")
             return client
         alone = connect()

@@ -472,7 +472,7 @@ constexpr milliseconds kLast{5000};
 /// The interval between two moments at which a test lets a fault begin.
 milliseconds every(int full_ms, int short_ms) {
   if (full_form()) return milliseconds{full_ms};
-  return milliseconds{kSanitized ? 5 * short_ms : short_ms};
+  return milliseconds{kSanitized ? 12 * short_ms : short_ms};
 }
 
 /// The sizes of the cells. Code under sanitizers is ten times slower, and a larger cell shows them nothing new.

@@ -251,8 +251,8 @@ TEST_F(DevicePorts, RaiseAnErrorForAStaleInputIfTheConnectionSaysSo) {
   EXPECT_EQ(module_of("strict")["state"], "EXECUTING");
   EXPECT_EQ(port_of("strict", "in")["late"], 0);
   ::kill(module_of("source")["pid"], SIGKILL);
-  ASSERT_TRUE(step_until([&] { return module_of("strict")["state"] == "RECOVER"; }, milliseconds{350}));
-  ASSERT_TRUE(step_until([&] { return module_of("program")["state"] == "RECOVER"; }, milliseconds{350}));
+  ASSERT_TRUE(step_until([&] { return module_of("strict")["state"] == "RECOVER"; }));
+  ASSERT_TRUE(step_until([&] { return module_of("program")["state"] == "RECOVER"; }));
   EXPECT_EQ(module_of("calm")["state"], "EXECUTING");
   run_for(milliseconds{150});
   EXPECT_EQ(module_of("strict")["state"], "RECOVER") << "the module waits for its input";
@@ -272,7 +272,7 @@ TEST_F(DevicePorts, TreatAnInputWithoutAValueAsStaleAfterItsDeadline) {
            connection("source.out", "sink.in", "deadline=\"100000000\" stale=\"error\""));
   run_for(milliseconds{80});
   EXPECT_EQ(module_of("sink")["state"], "EXECUTING") << "the deadline counts from the first release";
-  ASSERT_TRUE(step_until([&] { return module_of("sink")["state"] == "RECOVER"; }, milliseconds{500}));
+  ASSERT_TRUE(step_until([&] { return module_of("sink")["state"] == "RECOVER"; }));
   take_down();
 }
 
