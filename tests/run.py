@@ -22,6 +22,7 @@ import xml.etree.ElementTree as xml
 
 LABELS = {"system", "dds", "real", "timing", "asan", "tsan"}
 MOST_UNSTABLE = 10
+TESTS_AT_ONCE = 2 * len(os.sched_getaffinity(0)) + 1  # most tests wait more than they compute
 USUAL_START = 0.004  # seconds
 USUAL_WAKE_UP = 0.0005
 RESOURCES = pathlib.Path(__file__).resolve().parent / "resources.json"
@@ -124,7 +125,7 @@ def main(folder, arguments):
     os.environ["TAKT_TEST_SLOWNESS"] = "%.1f" % slowness()  # takt_system.py and long_enough.hpp read it
     cpus = len(os.sched_getaffinity(0))
     with Load() as load:
-        status, failed, summary = ctest(folder, ["--parallel", str(2 * cpus + 1), *arguments], results)
+        status, failed, summary = ctest(folder, ["--parallel", str(TESTS_AT_ONCE), *arguments], results)
     if failed:
         unstable, second_summary = second_look(folder, failed)
         if unstable:
