@@ -2,6 +2,7 @@ import os
 import re
 import signal
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
@@ -28,6 +29,9 @@ class Watch(takt_system.Case):
 
     def choose(self, terminal, name):
         """Presses the arrow keys until the row is selected."""
+        def chosen():
+            return next((line.split()[1] for line in terminal.lines if line.startswith("> ")), None)
+
         def there():
             lines = terminal.lines
             marked = next((i for i, line in enumerate(lines) if line.startswith("> ")), None)
@@ -37,8 +41,11 @@ class Watch(takt_system.Case):
             if marked == wanted:
                 return True
             terminal.press((DOWN if wanted > marked else UP) * abs(wanted - marked))
-            wait_until(lambda: re.match(r"> +%s\b" % name, terminal.lines[wanted]), "the mark on %s" % name)
-            return True
+            # A row that appears or disappears at this moment moves the mark to another row, so the keys may be pressed again.
+            end = time.monotonic() + takt_system.SOON
+            while chosen() != name and time.monotonic() < end:
+                time.sleep(0.02)
+            return chosen() == name
         wait_until(there, "%s to be chosen" % name)
 
     def leave(self, terminal, run, how):
