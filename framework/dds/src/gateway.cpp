@@ -155,8 +155,9 @@ class OwnGateway final : public Gateway {
 
 class OwnTap final : public Tap, RawReader::Receiver {
  public:
-  explicit OwnTap(std::function<void(const std::byte*, std::size_t, std::int64_t)> sample)
-      : sample_(std::move(sample)) {}
+  OwnTap(std::function<void(const std::byte*, std::size_t, std::int64_t)> sample,
+         std::function<void(std::uint64_t)> lost)
+      : sample_(std::move(sample)), lost_(std::move(lost)) {}
   Result<void> start(std::shared_ptr<Participant> participant, const Flow& flow) {
     auto made = RawReader::create(std::move(participant), flow, *this);
     if (!made) return made.problems();
@@ -166,10 +167,14 @@ class OwnTap final : public Tap, RawReader::Receiver {
   wire::FlowHealth health() const override { return reader_->health(); }
 
  private:
+  void lost(std::uint64_t count) override {
+    if (lost_) lost_(count);
+  }
   void receive(const Bytes& bytes) override { bytes_.assign(bytes.data, bytes.data + bytes.size); }
   void received(std::int64_t time_ns) override { sample_(bytes_.data(), bytes_.size(), time_ns); }
 
   std::function<void(const std::byte*, std::size_t, std::int64_t)> sample_;
+  std::function<void(std::uint64_t)> lost_;
   std::vector<std::byte> bytes_;
   std::unique_ptr<RawReader> reader_;  // must be the last member: the reader calls this object until it is
                                        // destroyed
@@ -179,7 +184,7 @@ class OwnFeed final : public Feed {
  public:
   explicit OwnFeed(std::unique_ptr<RawWriter> writer) : writer_(std::move(writer)) {}
   bool write(const std::byte* bytes, std::size_t size, std::int64_t time_ns) override {
-    return writer_->write({bytes, size}, time_ns == 0 ? Now{}.wall_ns : time_ns);
+    return writer_->write({bytes, size}, time_ns == 0 ? Now{}.wall_ns : time_ns, 0);
   }
   wire::FlowHealth health() const override { return writer_->health(); }
 
@@ -198,8 +203,9 @@ Result<std::unique_ptr<Gateway>> Gateway::create(std::shared_ptr<Participant> pa
 
 Result<std::unique_ptr<Tap>> Tap::create(
     std::shared_ptr<Participant> participant, const Flow& flow,
-    std::function<void(const std::byte*, std::size_t, std::int64_t)> sample) {
-  auto made = std::make_unique<OwnTap>(std::move(sample));
+    std::function<void(const std::byte*, std::size_t, std::int64_t)> sample,
+    std::function<void(std::uint64_t)> lost) {
+  auto made = std::make_unique<OwnTap>(std::move(sample), std::move(lost));
   if (auto started = made->start(std::move(participant), flow); !started) return started.problems();
   return std::unique_ptr<Tap>{std::move(made)};
 }

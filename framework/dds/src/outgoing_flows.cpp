@@ -48,7 +48,8 @@ class OutgoingFlows::Outgoing {
     int moved = 0;
     do {
       const channel::SampleInfo info = from_.info();
-      writer_->write({from_.link().payload(from_.buffer()), info.size}, now.wall_of(info.stamp_ns));
+      writer_->write({from_.link().payload(from_.buffer()), info.size}, now.wall_of(info.stamp_ns),
+                     info.sequence);
     } while (++moved < kAtOnce && from_.take(now.monotonic_ns));
     return true;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include <fastdds/rtps/common/Time_t.h>
 
@@ -10,6 +11,8 @@ namespace takt::dds {
 namespace {
 
 constexpr std::size_t kWriters = 64;  // the number of writers whose sequence numbers a reader tracks
+// The largest gap that a reader believes, so that a wrong number cannot make a sum of gaps overflow.
+constexpr std::uint64_t kMostMissing = std::uint64_t{1} << 32;
 constexpr std::int32_t kReliableReaderDepth = 32;
 // The largest number of bytes that Fast DDS preallocates for the samples of one flow.
 constexpr std::size_t kPreallocated = 4 * 1024 * 1024;
@@ -124,6 +127,7 @@ Result<void> RawWriter::make() {
   if (writer_ == nullptr)
     return fail("DDS could not create a writer for topic '" + flow_.topic + "'",
                 "see the message that DDS printed");
+  if (origin_ == rtps::GUID_t::unknown()) origin_ = writer_->guid();
   return {};
 }
 
@@ -136,15 +140,17 @@ void RawWriter::recreate() {
   static_cast<void>(make());  // if this fails, each later write() fails and is counted
 }
 
-bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns) {
+bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns, std::uint64_t number) {
   Bytes sample = bytes;
   // Fast DDS never returns from write() if the nanoseconds of the time are negative (CVE-2025-63829).
-  const std::int64_t ns = std::max<std::int64_t>(time_ns, 0);
-  const eprosima::fastrtps::Time_t time{static_cast<std::int32_t>(ns / 1'000'000'000),
-                                        static_cast<std::uint32_t>(ns % 1'000'000'000)};
+  rtps::WriteParams parameters;
+  parameters.source_timestamp().from_ns(std::max<std::int64_t>(time_ns, 0));
+  if (number != 0) {
+    parameters.related_sample_identity().writer_guid(origin_);
+    parameters.related_sample_identity().sequence_number(rtps::SequenceNumber_t{number});
+  }
   const std::lock_guard lock{using_it_};
-  const bool taken = writer_ != nullptr && writer_->write_w_timestamp(&sample, rtps::c_InstanceHandle_Unknown,
-                                                                      time) == ReturnCode::RETCODE_OK;
+  const bool taken = writer_ != nullptr && writer_->write(&sample, parameters);
   taken ? health_.moved() : health_.failed();
   return taken;
 }
@@ -159,6 +165,16 @@ void RawWriter::on_offered_incompatible_qos(fast::DataWriter*,
 }
 
 // ---- Reader
+
+std::uint64_t Gaps::before(const rtps::SampleIdentity& sample) {
+  const std::uint64_t writer = number_of(sample.writer_guid());
+  const auto number = static_cast<std::int64_t>(sample.sequence_number().to64long());
+  if (last_.size() >= kWriters && last_.find(writer) == last_.end()) last_.clear();
+  const auto [last, first] = last_.try_emplace(writer, number);
+  const std::int64_t before = std::exchange(last->second, std::max(last->second, number));
+  if (first || number <= before) return 0;
+  return std::min(static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(before) - 1, kMostMissing);
+}
 
 Result<std::unique_ptr<RawReader>> RawReader::create(std::shared_ptr<Participant> participant,
                                                      const Flow& flow, Receiver& receiver) {
@@ -215,26 +231,21 @@ void RawReader::on_data_available(fast::DataReader* from) {
   const std::lock_guard lock{calling_};
   fast::SampleInfo info;
   while (from->take_next_sample(static_cast<Taker*>(this), &info) == ReturnCode::RETCODE_OK) {
-    count_gap(info);
+    const rtps::SampleIdentity& own = info.sample_identity;
+    const rtps::SampleIdentity& given = info.related_sample_identity;
+    health_.lost(sent_.before(own));
+    const bool is_given = given.writer_guid() != rtps::GUID_t::unknown();
+    if (const auto missing = written_.before(is_given ? given : own); missing > 0) receiver_.lost(missing);
     if (!info.valid_data) continue;
     if (!is_sample_) {
       health_.refused();
+      receiver_.lost(1);
       continue;
     }
     health_.moved();
     receiver_.received(info.source_timestamp.to_ns());
   }
   receiver_.done();
-}
-
-void RawReader::count_gap(const fast::SampleInfo& info) {
-  const std::uint64_t writer = number_of(info.sample_identity.writer_guid());
-  const auto number = static_cast<std::int64_t>(info.sample_identity.sequence_number().to64long());
-  if (last_.size() >= kWriters && last_.find(writer) == last_.end()) last_.clear();
-  const auto [last, first] = last_.try_emplace(writer, number);
-  if (!first && number > last->second + 1)
-    health_.lost(static_cast<std::uint64_t>(number - last->second - 1));
-  last->second = std::max(last->second, number);
 }
 
 void RawReader::on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) {

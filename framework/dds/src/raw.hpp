@@ -70,9 +70,10 @@ class Health {
 class SampleWriter {
  public:
   virtual ~SampleWriter() = default;
-  /// Writes a sample with the source time `time_ns`, in ns since 1970. If DDS rejects the sample, returns
-  /// false and counts a failure.
-  virtual bool write(const Bytes& bytes, std::int64_t time_ns) = 0;
+  /// Writes a sample with the source time `time_ns`, in ns since 1970. `number` is the number of the sample
+  /// among all that were meant for this topic, from 1; 0: unknown. If DDS rejects the sample, returns false
+  /// and counts a failure.
+  virtual bool write(const Bytes& bytes, std::int64_t time_ns, std::uint64_t number) = 0;
   /// Never waits for a write.
   [[nodiscard]] virtual wire::FlowHealth health() const = 0;
 };
@@ -84,7 +85,7 @@ class RawWriter final : public SampleWriter, fast::DataWriterListener, Recreatab
                                                    const Flow& flow);
   ~RawWriter() override;
 
-  bool write(const Bytes& bytes, std::int64_t time_ns) override;
+  bool write(const Bytes& bytes, std::int64_t time_ns, std::uint64_t number) override;
   [[nodiscard]] wire::FlowHealth health() const override { return health_.read(); }
 
  private:
@@ -102,7 +103,18 @@ class RawWriter final : public SampleWriter, fast::DataWriterListener, Recreatab
   fast::Topic* topic_ = nullptr;
   std::mutex using_it_;
   fast::DataWriter* writer_ = nullptr;
+  rtps::GUID_t origin_;  // identifies this writer in its samples, and stays the same after recreate()
   Health health_;
+};
+
+/// Counts the samples that are missing between the samples of each writer.
+class Gaps {
+ public:
+  /// Returns how many samples are missing between the last sample of the writer and this one.
+  std::uint64_t before(const rtps::SampleIdentity& sample);
+
+ private:
+  std::map<std::uint64_t, std::int64_t> last_;  // last sample number, by writer
 };
 
 /// Reads samples of one topic and passes the valid ones to a receiver.
@@ -111,6 +123,9 @@ class RawReader final : fast::DataReaderListener, Taker, Recreatable {
   /// Receives the samples. Threads of Fast DDS call a Receiver, but never two at the same time.
   struct Receiver {
     virtual ~Receiver() = default;
+    /// Called before receive(), if `count` samples before this one are missing: on the way, or because the
+    /// writer's device did not send them.
+    virtual void lost(std::uint64_t count) { static_cast<void>(count); }
     /// Called first for each valid sample, with the bytes of the sample. The bytes are valid only during the
     /// call.
     virtual void receive(const Bytes& bytes) = 0;
@@ -138,7 +153,6 @@ class RawReader final : fast::DataReaderListener, Taker, Recreatable {
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override;
   void on_requested_incompatible_qos(fast::DataReader*,
                                      const fast::RequestedIncompatibleQosStatus& status) override;
-  void count_gap(const fast::SampleInfo& info);
 
   std::shared_ptr<Participant> participant_;
   Flow flow_;
@@ -146,9 +160,9 @@ class RawReader final : fast::DataReaderListener, Taker, Recreatable {
   fast::Topic* topic_ = nullptr;
   fast::DataReader* reader_ = nullptr;
   std::mutex calling_;
-  bool is_sample_ = false;                      // true if the bytes in the last call of take() were a valid
-                                                // sample
-  std::map<std::uint64_t, std::int64_t> last_;  // last sequence number, by writer
+  bool is_sample_ = false;  // true if the bytes in the last call of take() were a valid sample
+  Gaps sent_;               // by the sequence numbers of DDS
+  Gaps written_;            // by the numbers that the writers gave to their samples
   Health health_;
 };
 

@@ -71,7 +71,7 @@ Result<void> Recording::load() {
   }
 
   auto counts = Statement::prepare(
-      database_, "SELECT port, count(*), min(time_ns), max(time_ns) FROM sample GROUP BY port");
+      database_, "SELECT port, count(*), min(time_ns), max(time_ns), sum(missing) FROM sample GROUP BY port");
   if (!counts) return counts.problems();
   bool any = false;
   for (;;) {
@@ -84,6 +84,7 @@ Result<void> Recording::load() {
     found->samples = static_cast<std::uint64_t>(counts->number(1));
     found->first_ns = counts->number(2);
     found->last_ns = counts->number(3);
+    found->missing = static_cast<std::uint64_t>(counts->number(4));
     first_ns_ = any ? std::min(first_ns_, found->first_ns) : found->first_ns;
     last_ns_ = any ? std::max(last_ns_, found->last_ns) : found->last_ns;
     any = true;
@@ -100,7 +101,7 @@ std::uint64_t Recording::samples() const {
 Result<void> Recording::read(const Selection& selection,
                              const std::function<bool(const RecordedSample&)>& each, std::uint64_t& wrong) {
   auto rows = Statement::prepare(
-      database_, "SELECT port, time_ns, bytes FROM sample" + where(selection) + " ORDER BY id");
+      database_, "SELECT port, time_ns, missing, bytes FROM sample" + where(selection) + " ORDER BY id");
   if (!rows) return rows.problems();
   rows->bind(1, selection.from_ns);
   rows->bind(2, selection.to_ns);
@@ -110,12 +111,12 @@ Result<void> Recording::read(const Selection& selection,
     if (!*row) return {};
     const auto port =
         std::find_if(ports_.begin(), ports_.end(), [&](const auto& p) { return p.id == rows->number(0); });
-    const auto [bytes, size] = rows->bytes(2);
+    const auto [bytes, size] = rows->bytes(3);
     if (port == ports_.end() || bytes == nullptr || !model::is_sample(port->type, bytes, size)) {
       ++wrong;
       continue;
     }
-    if (!each({&*port, rows->number(1), bytes, size})) return {};
+    if (!each({&*port, rows->number(1), static_cast<std::uint64_t>(rows->number(2)), bytes, size})) return {};
   }
 }
 

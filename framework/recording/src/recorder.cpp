@@ -40,8 +40,6 @@ constexpr Nanoseconds kAnswered = seconds{2};
 constexpr Nanoseconds kExpandAgain = seconds{10};
 constexpr std::uint32_t kDepth = 256;  // number of samples that DDS keeps for the recorder
 
-std::uint64_t lost_by(const dds::Tap& tap) { return tap.health().lost; }
-
 class Recorder {
  public:
   Recorder(const RecordOptions& options, RecordingWriter& writer, const os::SignalQueue& signals,
@@ -74,11 +72,6 @@ class Recorder {
     took_ = os::now() - begun;
   }
 
-  [[nodiscard]] std::uint64_t lost() const {
-    std::uint64_t all = lost_ + writer_.health().lost;
-    for (const auto& [path, source] : sources_) all += source.tap ? lost_by(*source.tap) : 0;
-    return all;
-  }
   [[nodiscard]] Nanoseconds took() const { return took_; }
   struct Recorded {
     std::string path;
@@ -233,7 +226,6 @@ class Recorder {
     }
     auto type = model::parse_type(text);
     if (!type) return type.problems();
-    if (source.tap) lost_ += lost_by(*source.tap);
     source.tap.reset();
     const RecordedPort port{path, topic, reliable, *type};
     const std::int64_t id = writer_.add_port(port, cell);
@@ -241,10 +233,12 @@ class Recorder {
         .topic = topic,
         .type = *type,
         .quality = {.reliable = port.reliable, .depth = kDepth, .deadline = {}, .lifespan = {}}};
-    auto tap = dds::Tap::create(client_.participant, flow,
-                                [this, id](const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
-                                  writer_.add(id, time_ns, bytes, size);
-                                });
+    auto tap = dds::Tap::create(
+        client_.participant, flow,
+        [this, id](const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
+          writer_.add(id, time_ns, bytes, size);
+        },
+        [this, id](std::uint64_t count) { writer_.miss(id, count); });
     if (!tap) return tap.problems();
     source = {.tapped = true,
               .topic = topic,
@@ -276,7 +270,7 @@ class Recorder {
         "{:.0f} s, {} ports, {} samples, {:.0f}/s, {}{}, {} lost",
         std::chrono::duration<double>(now - begun).count(), recorded_.size(), health.samples,
         static_cast<double>(health.samples - last_samples_) / since, bytes_text(health.bytes),
-        health.dropped == 0 ? "" : fmt::format(", {} oldest samples dropped", health.dropped), lost()));
+        health.dropped == 0 ? "" : fmt::format(", {} oldest samples dropped", health.dropped), health.lost));
     last_progress_ = now;
     last_samples_ = health.samples;
   }
@@ -293,7 +287,6 @@ class Recorder {
   };
   std::map<std::string, Expanded> expanded_;   // the last result of expand() for each device
   std::map<std::int64_t, Recorded> recorded_;  // the recorded ports by port number in the file
-  std::uint64_t lost_ = 0;                     // number of samples lost by subscriptions that have ended
   std::set<std::string> unmatched_;            // the reported patterns that match no port
   bool looked_ = false;  // true if the devices that were present at the start have been asked
   bool ended_ = false;
@@ -335,7 +328,7 @@ int record(const RecordOptions& options) {
   recorder.say(fmt::format(
       "{} samples of {} port{} in {:.1f} s, {} in {}; {} lost{}", health.samples, recorder.recorded().size(),
       recorder.recorded().size() == 1 ? "" : "s", std::chrono::duration<double>(recorder.took()).count(),
-      bytes_text(health.bytes), on_one_line(file), recorder.lost(),
+      bytes_text(health.bytes), on_one_line(file), health.lost,
       health.dropped == 0 ? "" : fmt::format(", {} oldest samples dropped", health.dropped)));
   const auto counts = (*writer)->counts();
   for (const auto& [id, port] : recorder.recorded()) {

@@ -19,7 +19,7 @@ std::int64_t longest_pause(std::vector<std::int64_t> times, std::int64_t least) 
 Series::Series(Range range, std::size_t columns, std::int64_t longest_pause_ns)
     : range_(range), columns_(std::max<std::size_t>(columns, 1)), longest_pause_(longest_pause_ns) {}
 
-void Series::add(std::int64_t time_ns, double value) {
+void Series::add(std::int64_t time_ns, double value, bool missing) {
   if (!std::isfinite(value)) return;
   if (!buckets_.empty() && time_ns < buckets_.back().last.time_ns) return;
   ++count_;
@@ -32,7 +32,9 @@ void Series::add(std::int64_t time_ns, double value) {
   const auto column =
       std::min(columns_ - 1, static_cast<std::size_t>(std::max(0.0, share) * static_cast<double>(columns_)));
   const SeriesPoint point{time_ns, value};
-  const bool begins = buckets_.empty() || time_ns - buckets_.back().last.time_ns > longest_pause_;
+  // A gap within two neighbouring columns of pixels cannot be seen.
+  const bool begins = buckets_.empty() || time_ns - buckets_.back().last.time_ns > longest_pause_ ||
+                      (missing && column > buckets_.back().column + 1);
   if (begins || buckets_.back().column != column) {
     buckets_.push_back({column, begins, point, point, point, point});
     return;

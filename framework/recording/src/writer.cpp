@@ -101,7 +101,8 @@ Result<void> RecordingWriter::prepare() {
     known_[{ports->text(1), ports->text(2), ports->number(3) != 0, ports->text(4)}] = ports->number(0);
     last_port_ = std::max(last_port_, ports->number(0));
   }
-  auto insert = Statement::prepare(database_, "INSERT INTO sample(port, time_ns, bytes) VALUES(?, ?, ?)");
+  auto insert =
+      Statement::prepare(database_, "INSERT INTO sample(port, time_ns, missing, bytes) VALUES(?, ?, ?, ?)");
   if (!insert) return insert.problems();
   insert_.emplace(std::move(*insert));
   measure();
@@ -125,14 +126,22 @@ void RecordingWriter::add(std::int64_t port, std::int64_t time_ns, const std::by
   if (ending_ || health_.full) return;
   if (taken_bytes_ + waiting_.bytes.size() + size + (waiting_.samples.size() + 1) * sizeof(Waiting) >
       options_.queue_bytes) {
+    ++missing_[port];
     ++health_.lost;
     return;
   }
-  waiting_.samples.push_back({port, time_ns, size});
+  waiting_.samples.push_back({port, time_ns, std::exchange(missing_[port], 0), size});
   waiting_.bytes.insert(waiting_.bytes.end(), bytes, bytes + size);
   // Wake the writer's thread once, long before the queue is full.
   const std::size_t early = options_.queue_bytes / 4;
   if (waiting_.bytes.size() >= early && waiting_.bytes.size() - size < early) news_.notify_one();
+}
+
+void RecordingWriter::miss(std::int64_t port, std::uint64_t count) {
+  const std::lock_guard lock{mutex_};
+  if (ending_ || health_.full) return;
+  missing_[port] += count;
+  health_.lost += count;
 }
 
 RecordingHealth RecordingWriter::health() const {
@@ -261,7 +270,8 @@ Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size
     const Waiting& sample = batch.samples[i];
     insert_->bind(1, sample.port);
     insert_->bind(2, sample.time_ns);
-    insert_->bind(3, batch.bytes.data() + offset, sample.size);
+    insert_->bind(3, static_cast<std::int64_t>(sample.missing));
+    insert_->bind(4, batch.bytes.data() + offset, sample.size);
     const auto done = insert_->step();
     insert_->reset();
     if (!done) return done.problems();

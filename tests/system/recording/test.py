@@ -37,6 +37,19 @@ class Recording(takt_system.Case):
         CDR header."""
         return [int.from_bytes(data[4:12], "little") for (data,) in self.rows("select bytes from sample order by id", file)]
 
+    def not_in_file(self):
+        """Returns how many of the numbers that the source wrote between the first and the last sample of the file are not in it."""
+        numbers = self.numbers()
+        return numbers[-1] - numbers[0] + 1 - len(numbers)
+
+    def assert_each_gap_is_counted(self):
+        """Checks that the file counts each missing sample at the sample that follows it."""
+        numbers = self.numbers()
+        missing = [missing for (missing,) in self.rows("select missing from sample order by id")]
+        wrong = [(before, number, counted) for before, number, counted in zip(numbers, numbers[1:], missing[1:])
+                 if number - before - 1 != counted]
+        self.assertEqual([], wrong[:10], "each entry: the numbers of two samples in a row, and how many samples the file says are missing")
+
     def arrived(self):
         """Returns how many samples have arrived at the port in the cell of sink.xml."""
         return next(p["samples"] for m in self.status_of("s")["modules"] for p in m["ports"] if p["name"] == "in")
@@ -66,6 +79,7 @@ class Recording(takt_system.Case):
         numbers = self.numbers()
         self.assertGreater(len(numbers), 50)
         self.assertEqual(sorted(set(numbers)), numbers, "samples must be in order, and none twice")
+        self.assert_each_gap_is_counted()
         times = [t for (t,) in self.rows("select time_ns from sample order by id")]
         self.assertLess(abs(times[-1] / 1e9 - time.time()), 60)
         # The recording must have the time stamps of the module. The module sends one sample per period, except in periods that the executor
@@ -86,9 +100,9 @@ class Recording(takt_system.Case):
             self.assertEqual(int(row["d.source.out.number"]) % 5, sum(text != "" for text in few))
         self.assertIn("svg", xml.etree.ElementTree.parse(self.path("a.svg")).getroot().tag)
         run = self.takt("plot", "a.takt", "d.source.out.number")
-        self.assertRegex(run.out, r"d\.source\.out\.number +%d +%d +\S+ +%d " % (len(numbers), numbers[0], numbers[-1]))
+        self.assertRegex(run.out, r"d\.source\.out\.number +%d +%d +%d +\S+ +%d " % (len(numbers), self.not_in_file(), numbers[0], numbers[-1]))
         listed = self.takt("play", "a.takt", "--list")
-        self.assertRegex(listed.out, r"d\.source\.out +samples::Count +%d +0\.000" % len(numbers))
+        self.assertRegex(listed.out, r"d\.source\.out +samples::Count +%d +%d +0\.000" % (len(numbers), self.not_in_file()))
 
         # Play the whole recording into another cell, then play a part of it.
         for options, expected in ([], numbers), (["--from", "0.5", "--to", "1.5", "--speed", "2"],
@@ -117,6 +131,49 @@ class Recording(takt_system.Case):
         self.refused({"play a.takt": r"port d\.source\.out: error: is written by d\.source, which is running; .*--port d\.source\.out=TOPIC"})
         run.signal(signal.SIGINT)
         run.wait()
+
+    def test_samples_that_a_paused_recorder_loses_are_counted_and_drawn_as_a_gap(self):
+        run = self.start("run", "fast.xml")
+        run.wait_for_state("source", "EXECUTING")
+        recorder = self.start("record", "d.source.out", "--out", "a.takt", "--flush", "0.05")
+        wait_until(lambda: self.count() > 100, "samples in the file")
+
+        def written():
+            return next(p["samples"] for m in self.status_of("d")["modules"] for p in m["ports"] if p["name"] == "out")
+
+        def is_missing():
+            recorder.signal(signal.SIGSTOP)
+            enough = written() + 5000
+            wait_until(lambda: written() > enough, "samples while the recorder is paused")
+            recorder.signal(signal.SIGCONT)
+            before = self.count()
+            wait_until(lambda: self.count() > before + 500, "more samples in the file")
+            return self.not_in_file() > 0
+        wait_until(is_missing, "a sample for which the paused recorder has no room")
+        recorder.signal(signal.SIGINT)
+        self.assertEqual(0, recorder.wait().status, recorder.err)
+        self.assert_each_gap_is_counted()
+        numbers, missing = self.numbers(), self.not_in_file()
+        self.assertGreaterEqual(int(re.search(r"in a\.takt; (\d+) lost", recorder.err)[1]), missing)
+        self.assertRegex(self.takt("play", "a.takt", "--list").out, r"d\.source\.out +samples::Count +%d +%d " % (len(numbers), missing))
+        self.assertRegex(self.takt("plot", "a.takt", "d.source.out.number").out, r"number +%d +%d +.* [1-9]\d*\n" % (len(numbers), missing))
+
+    def test_samples_that_a_device_could_not_send_are_counted_as_missing(self):
+        run = self.start("run", "two.xml")
+        run.wait_for_state("sink", "EXECUTING")
+        recorder = self.start("record", "d.source.out", "--out", "a.takt", "--flush", "0.05")
+        wait_until(lambda: self.count() > 100, "samples in the file")
+        node = next(process for process in run.processes("takt-node") if "d" in process.arguments)
+
+        def is_missing():
+            node.kill(signal.SIGSTOP)
+            time.sleep(0.05)
+            node.kill(signal.SIGCONT)
+            return self.not_in_file() > 0
+        wait_until(is_missing, "a sample that the paused node overwrites")
+        recorder.signal(signal.SIGINT)
+        self.assertEqual(0, recorder.wait().status, recorder.err)
+        self.assert_each_gap_is_counted()
 
     def test_a_recorder_restarted_after_a_kill_appends_to_its_file(self):
         run = self.start("run", "component.xml")

@@ -51,7 +51,7 @@ class SlowWriter final : public SampleWriter {
  public:
   explicit SlowWriter(Watched& watched) : watched_(watched) {}
   ~SlowWriter() override { watched_.destroyed_on.set_value(std::this_thread::get_id()); }
-  bool write(const Bytes&, std::int64_t) override {
+  bool write(const Bytes&, std::int64_t, std::uint64_t) override {
     watched_.writing.set_value();
     watched_.returned_in_time.set_value(watched_.may_return.get_future().wait_for(5s) ==
                                         std::future_status::ready);

@@ -54,6 +54,19 @@ TEST(Series, BeginsANewCurveAfterALongPause) {
   EXPECT_EQ(1U, curves[2].size());
 }
 
+TEST(Series, BeginsANewCurveAfterLostSamplesIfTheGapIsVisible) {
+  Series series{{0, 1000}, 10, kNever};
+  series.add(0, 1);
+  series.add(150, 1, true);  // in the next column
+  series.add(399, 1, true);
+  series.add(590, 1);
+  series.add(599, 1, true);
+  const auto curves = series.curves();
+  ASSERT_EQ(2U, curves.size());
+  EXPECT_EQ(150, curves[0].back().time_ns);
+  EXPECT_EQ(399, curves[1].front().time_ns);
+}
+
 TEST(Series, IgnoresSamplesThatAreOutOfOrderOrNotFinite) {
   Series series{{0, 100}, 100, kNever};
   series.add(10, 1);

@@ -262,6 +262,32 @@ TEST_F(RecordingFile, CountsSamplesLostBecauseTheQueueIsFull) {
   ASSERT_TRUE((*writer)->finish());
   EXPECT_EQ(1U, (*writer)->health().samples);
   EXPECT_EQ(1U, (*writer)->health().lost);
+  auto recording = Recording::open(file());
+  ASSERT_TRUE(recording) << to_text(recording.problems());
+  EXPECT_EQ(1U, recording->ports()[0].missing);
+}
+
+TEST_F(RecordingFile, KeepsTheNumberOfSamplesLostBeforeEachSample) {
+  auto writer = RecordingWriter::create(quick(file()));
+  ASSERT_TRUE(writer);
+  const auto one = (*writer)->add_port(number_port("d.m.one"));
+  const auto two = (*writer)->add_port(number_port("d.m.two"));
+  add(**writer, one, 1, 1);
+  (*writer)->miss(one, 2);
+  (*writer)->miss(one, 1);
+  add(**writer, two, 2, 2);
+  add(**writer, one, 3, 3);
+  add(**writer, one, 4, 4);
+  (*writer)->miss(two, 5);
+  ASSERT_TRUE((*writer)->finish());
+  EXPECT_EQ(8U, (*writer)->health().lost);
+  auto recording = Recording::open(file());
+  ASSERT_TRUE(recording) << to_text(recording.problems());
+  EXPECT_EQ(3U, recording->ports()[0].missing);
+  EXPECT_EQ(0U, recording->ports()[1].missing) << "no later sample shows where the lost ones were";
+  std::vector<std::uint64_t> missing;
+  for (const RecordedSample& sample : all(*recording)) missing.push_back(sample.missing);
+  EXPECT_EQ((std::vector<std::uint64_t>{0, 0, 3, 0}), missing);
 }
 
 TEST_F(RecordingFile, LosesNoSamplesWhileAnotherProgramLocksIt) {

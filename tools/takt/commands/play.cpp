@@ -63,15 +63,15 @@ int print_recording(const recording::Recording& recording, const std::string& fi
                              recording::date_text(recording.first_ns())));
   }
   page.blank();
-  std::vector<Page::Words> rows{{"port", "type", "samples", "from s", "to s"}};
+  std::vector<Page::Words> rows{{"port", "type", "samples", "missing", "from s", "to s"}};
   for (const recording::PortOfRecording& port : recording.ports()) {
     const auto at = [&](std::int64_t time_ns) {
       return port.samples == 0
                  ? "-"
                  : fmt::format("{:.3f}", static_cast<double>(time_ns - recording.first_ns()) / 1e9);
     };
-    rows.push_back(
-        {port.path, port.type.name, std::to_string(port.samples), at(port.first_ns), at(port.last_ns)});
+    rows.push_back({port.path, port.type.name, std::to_string(port.samples), std::to_string(port.missing),
+                    at(port.first_ns), at(port.last_ns)});
   }
   page.table(0, rows);
   return print(std::move(page).take()) ? 0 : 1;

@@ -209,10 +209,11 @@ class Plotter {
     }
     return read([&](const recording::RecordedSample& sample, const Source& source,
                     const std::vector<recording::Value>& values) {
+      missing_[sample.port->id] += sample.missing;
       for (const std::size_t i : source.wanted) {
         const Wanted& wanted = chosen_.wanted[i];
         const bool enumeration = !source.columns->all()[wanted.column].enumerators.empty();
-        series_[i].add(sample.time_ns, values[wanted.column].number(enumeration));
+        series_[i].add(sample.time_ns, values[wanted.column].number(enumeration), sample.missing > 0);
       }
     });
   }
@@ -255,11 +256,12 @@ class Plotter {
 
   int numbers() {
     Page page{terminal_style()};
-    std::vector<Page::Words> rows{{"field", "samples", "min", "mean", "max", "pauses"}};
+    std::vector<Page::Words> rows{{"field", "samples", "missing", "min", "mean", "max", "pauses"}};
     for (std::size_t i = 0; i < series_.size(); ++i) {
       const recording::Series& series = series_[i];
       if (series.count() == 0) continue;
       rows.push_back({chosen_.wanted[i].name, std::to_string(series.count()),
+                      std::to_string(missing_[chosen_.wanted[i].port->id]),
                       fmt::format("{:.6g}", series.least()), fmt::format("{:.6g}", series.mean()),
                       fmt::format("{:.6g}", series.largest()), std::to_string(series.curves().size() - 1)});
     }
@@ -298,8 +300,9 @@ class Plotter {
   Choice chosen_;
   recording::Selection selection_;
   recording::Series::Range range_;
-  std::map<std::int64_t, std::int64_t> pauses_;  // for each port, in ns; a longer pause breaks a curve
-  std::vector<recording::Series> series_;        // one for each column, in the order of Choice::wanted
+  std::map<std::int64_t, std::int64_t> pauses_;    // for each port, in ns; a longer pause breaks a curve
+  std::map<std::int64_t, std::uint64_t> missing_;  // for each port: number of lost samples
+  std::vector<recording::Series> series_;          // one for each column, in the order of Choice::wanted
   std::uint64_t wrong_ = 0;
 };
 
@@ -349,7 +352,9 @@ void add_plot(CLI::App& app, Chosen& chosen) {
           "FIELD", options->fields,
           "DEVICE.MODULE.PORT.FIELD; with FIELD[0], one element; without FIELD, all fields of the port")
       ->required();
-  command->add_option("--svg", options->svg, "draw the curves to this file")->type_name("OUT")->check(svg_file());
+  command->add_option("--svg", options->svg, "draw the curves to this file")
+      ->type_name("OUT")
+      ->check(svg_file());
   command
       ->add_option("--csv", options->csv,
                    "write one line for each sample to this file; - for standard output")

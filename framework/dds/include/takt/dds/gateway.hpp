@@ -65,12 +65,14 @@ class Gateway {
 };
 
 /// Reads the samples of one topic in a program that is not a device, such as `takt echo`. A thread of Fast
-/// DDS calls `sample` with the bytes and the source time of each sample, in ns since 1970.
+/// DDS calls `sample` with the bytes and the source time of each sample, in ns since 1970. It first calls
+/// `lost` if samples before this one are missing: lost on the way, rejected, or not sent by their device.
 class Tap {
  public:
   static Result<std::unique_ptr<Tap>> create(
       std::shared_ptr<Participant> participant, const Flow& flow,
-      std::function<void(const std::byte* bytes, std::size_t size, std::int64_t time_ns)> sample);
+      std::function<void(const std::byte* bytes, std::size_t size, std::int64_t time_ns)> sample,
+      std::function<void(std::uint64_t count)> lost = nullptr);
   virtual ~Tap() = default;
   [[nodiscard]] virtual wire::FlowHealth health() const = 0;
 

@@ -19,13 +19,15 @@ namespace takt::recording {
 struct PortOfRecording : RecordedPort {
   std::int64_t id = 0;
   std::uint64_t samples = 0;
+  std::uint64_t missing = 0;  ///< number of samples that were lost between the recorded ones
   std::int64_t first_ns = 0;  ///< time of the port's first sample, in ns since 1970; 0 if there is none
   std::int64_t last_ns = 0;
 };
 
 struct RecordedSample {
   const PortOfRecording* port = nullptr;
-  std::int64_t time_ns = 0;  ///< time of the sample, in ns since 1970
+  std::int64_t time_ns = 0;   ///< time of the sample, in ns since 1970
+  std::uint64_t missing = 0;  ///< number of samples of this port that were lost before this sample
   const std::byte* bytes = nullptr;
   std::size_t size = 0;
 };

@@ -10,7 +10,7 @@ namespace takt::recording {
 /// The values of PRAGMA application_id ("TAKT" in ASCII) and of PRAGMA user_version (the version of these
 /// tables).
 inline constexpr int kRecordingId = 0x54414B54;
-inline constexpr int kRecordingVersion = 1;
+inline constexpr int kRecordingVersion = 2;
 
 /// The tables. Samples are numbered without gaps in the order in which they arrived; the oldest samples may
 /// have been dropped. There is no index on the time of samples: samples arrive nearly in the order of their
@@ -28,6 +28,7 @@ CREATE TABLE sample(
   id INTEGER PRIMARY KEY,
   port INTEGER NOT NULL REFERENCES port(id),
   time_ns INTEGER NOT NULL,    -- time of writing, since 1970 (UTC)
+  missing INTEGER NOT NULL,    -- number of samples of this port that were lost before this sample
   bytes BLOB NOT NULL);        -- XCDR1 with its encapsulation
 )";
 

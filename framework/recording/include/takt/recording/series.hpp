@@ -28,12 +28,14 @@ class Series {
     std::int64_t first_ns = 0;
     std::int64_t last_ns = 0;
   };
-  /// Begins a new curve after each pause between samples that is longer than `longest_pause_ns`.
+  /// Begins a new curve after each pause between samples that is longer than `longest_pause_ns`, and after
+  /// each gap in which samples were lost, if the gap is visible.
   Series(Range range, std::size_t columns, std::int64_t longest_pause_ns);
 
   /// Adds a sample. Samples must be added in the order of their times: a sample that is earlier than the
   /// previous sample is ignored. A value that is not finite is also ignored.
-  void add(std::int64_t time_ns, double value);
+  /// `missing` is true if samples were lost before this one.
+  void add(std::int64_t time_ns, double value, bool missing = false);
 
   /// The connected parts of the curve, each with at most four points per column.
   [[nodiscard]] std::vector<std::vector<SeriesPoint>> curves() const;

@@ -40,7 +40,8 @@ struct RecordingOptions {
 
 struct RecordingHealth {
   std::uint64_t samples = 0;         ///< number of written samples
-  std::uint64_t lost = 0;            ///< number of samples lost because the queue was full or the disk failed
+  std::uint64_t lost = 0;            ///< number of samples lost before add(), because the queue was full, or
+                                     ///< because the disk failed
   std::uint64_t dropped = 0;         ///< number of old samples deleted so that new ones fit below the limit
   std::uint64_t bytes = 0;           ///< space used on the disk
   bool full = false;                 ///< true if the file has reached its limit; then the writer writes no
@@ -65,6 +66,8 @@ class RecordingWriter {
   /// Adds a copy of the sample to the queue; never waits for the disk. Any thread may call add(), including
   /// threads of Fast DDS.
   void add(std::int64_t port, std::int64_t time_ns, const std::byte* bytes, std::size_t size);
+  /// Records that `count` samples of the port were lost before the next one. Any thread may call miss().
+  void miss(std::int64_t port, std::uint64_t count);
 
   [[nodiscard]] RecordingHealth health() const;
   /// The number of written samples of each port.
@@ -78,6 +81,7 @@ class RecordingWriter {
   struct Waiting {
     std::int64_t port;
     std::int64_t time_ns;
+    std::uint64_t missing;
     std::size_t size;  ///< number of bytes; Batch::bytes contains the bytes of all samples
   };
   struct NewPort {
@@ -119,7 +123,8 @@ class RecordingWriter {
   Batch waiting_;
   std::map<std::tuple<std::string, std::string, bool, std::string>, std::int64_t> known_;
   std::int64_t last_port_ = 0;
-  std::size_t taken_bytes_ = 0;  ///< size of the batch that is being written
+  std::map<std::int64_t, std::uint64_t> missing_;  ///< by port: samples lost since the last one in the queue
+  std::size_t taken_bytes_ = 0;                    ///< size of the batch that is being written
   std::map<std::int64_t, std::uint64_t> counts_;
   RecordingHealth health_;
   bool ending_ = false;
