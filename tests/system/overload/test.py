@@ -1,4 +1,5 @@
 import os
+import signal
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -88,9 +89,13 @@ class Overload(takt_system.Case):
         for budget, limit, deaf in (("", "1.1 s", "false"), ('<budget hang="200000000">300000</budget>', "200 ms", "true"),
                                     ("<budget>300000</budget>", "20 ms", "false")):
             with self.subTest(budget=budget, deaf=deaf):
-                run = self.run_cell(module("culprit", "endless.so", 1, budget, after=20, deaf=deaf) +
-                                    module("grid", "grid.so", 2, file="grid"), seconds="3")
-                self.assertEqual(1, run.status)
+                cell = self.write("cell.xml", '<cell name="c"><device name="d"><executor name="main"/>%s%s</device></cell>\n' % (
+                    module("culprit", "endless.so", 1, budget, after=20, deaf=deaf), module("grid", "grid.so", 2, file="grid")))
+                run = self.start("run", cell, "--json")
+                # The node restarts the host for the other module.
+                takt_system.wait_until(lambda: run.states("grid").count("EXECUTING") == 2, "module grid to execute again")
+                run.signal(signal.SIGINT)
+                self.assertEqual(1, run.wait().status)
                 calls = "" if deaf == "true" else r"; run\(\) was in run at endless\.cpp:\d+ in endless\.so"
                 self.assertEqual(1, len(run.other_lines), run.other_lines)
                 self.assertRegex(run.other_lines[0], r"^module d\.culprit: error: run\(\) did not return within %s, so the node killed "
