@@ -5,6 +5,8 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace takt::schedule {
 namespace {
@@ -67,6 +69,32 @@ std::string name_of(std::span<const Task> tasks, std::size_t index) {
   return task.name.empty() ? "task " + std::to_string(index) : "'" + std::string{task.name} + "'";
 }
 
+bool fits(const Extent& extent) {
+  return extent.macro && extent.entries <= kMaxEntries && extent.rows <= kMaxRows;
+}
+
+/// A period near the period of a task with which the table is small enough.
+struct NearbyPeriod {
+  std::size_t task = 0;
+  std::uint64_t period = 0;
+};
+
+/// Rounds the period of tasks[index] to few digits. Returns none if the table is too large with each of them.
+std::optional<NearbyPeriod> rounded_period(std::span<const Task> tasks, std::size_t index) {
+  std::vector<Task> changed{tasks.begin(), tasks.end()};
+  const std::uint64_t period = period_of(tasks[index]);
+  for (const std::uint64_t most : {100U, 1000U, 10U}) {  // two digits, three digits, one digit
+    std::uint64_t unit = 1;
+    while (period / unit >= most) unit *= 10;
+    const std::uint64_t rounded = (period + unit / 2) / unit * unit;
+    if (rounded == period || rounded > kMaxPeriod) continue;
+    changed[index].period = Nanoseconds{static_cast<std::int64_t>(rounded)};
+    if (tasks[index].offset < changed[index].period && fits(measure(changed)))
+      return NearbyPeriod{index, rounded};
+  }
+  return std::nullopt;
+}
+
 Problem too_large(std::span<const Task> tasks, const Extent& extent) {
   std::string what;
   if (!extent.macro) {
@@ -109,7 +137,15 @@ Problem too_large(std::span<const Task> tasks, const Extent& extent) {
           duration(least_common_multiple(low, high));
   if (high % low == 0)
     return {{}, what, "bring the two periods closer together, or give each module its own executor"};
-  return {{}, what, "choose periods that are multiples of each other, or give each module its own executor"};
+  auto nearby = rounded_period(tasks, longer);
+  if (!nearby) nearby = rounded_period(tasks, shorter);
+  if (!nearby)
+    return {
+        {}, what, "choose periods that are multiples of each other, or give each module its own executor"};
+  return {{},
+          what,
+          "give " + name_of(tasks, nearby->task) + " a period of " + duration(nearby->period) +
+              ", or give each module its own executor"};
 }
 
 }  // namespace
@@ -165,8 +201,7 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   Table table;
   if (tasks.empty()) return table;
   const Extent extent = measure(tasks);
-  if (!extent.macro || extent.entries > kMaxEntries || extent.rows > kMaxRows)
-    return too_large(tasks, extent);
+  if (!fits(extent)) return too_large(tasks, extent);
 
   table.basic_ = Nanoseconds{static_cast<std::int64_t>(extent.basic)};
   table.macro_ = Nanoseconds{static_cast<std::int64_t>(*extent.macro)};

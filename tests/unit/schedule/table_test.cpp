@@ -165,6 +165,24 @@ TEST(Table, NamesThePairOfPeriodsThatMakesTheTableLong) {
   EXPECT_THAT(what, HasSubstr("'camera' with 7.001 ms and 'log' with 1 s coincide only once in 7001 s"));
 }
 
+/// Returns how to correct tasks whose table is too large.
+std::string fix_of(const std::vector<Task>& tasks) {
+  const auto table = Table::build(tasks);
+  return table ? "none needed" : table.problems().at(0).fix;
+}
+
+TEST(Table, ProposesAPeriodWithWhichItIsSmallEnough) {
+  EXPECT_EQ(fix_of({{1ms, 0, "servo"}, {4ms, 0, "plan"}, {16'666'667ns, 0, "screen"}}),
+            "give 'screen' a period of 17 ms, or give each module its own executor");
+  EXPECT_EQ(fix_of({{600ms, 0, "slow"}, {333'333ns, 0, "fast"}}),
+            "give 'fast' a period of 330 us, or give each module its own executor");
+}
+
+TEST(Table, ProposesNoPeriodIfItIsTooLargeWithEachOfThem) {
+  EXPECT_EQ(fix_of({{1s, 0, "a"}, {1'300'000'001ns, 0, "b"}, {1'700'000'003ns, 0, "c"}}),
+            "choose periods that are multiples of each other, or give each module its own executor");
+}
+
 TEST(LongestPeriodPair, PrefersTheShortestPeriodIfPairsAreEquallyLong) {
   const std::vector<Task> tasks{{2us, 0}, {1us, 0}, {1us, 0}, {10s, 0}, {5s, 0}};
   const PeriodPair pair = longest_pair(tasks);
