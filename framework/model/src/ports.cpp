@@ -18,8 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string written(const Endpoint& end) { return end.device + "." + end.module + "." + end.port; }
-
 std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second,
                           const std::string& prefix) {
   for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
@@ -120,7 +118,7 @@ class Check {
       return nullptr;
     }
     if ((found->direction == Direction::out) != output) {
-      add(line, "port " + written(end) + " is an " + (output ? "input" : "output"),
+      add(line, "port " + to_text(end) + " is an " + (output ? "input" : "output"),
           output ? std::string{"a connection goes from an output to an input; "} +
                        (names.empty() ? "module " + module + " has no output" : suggestion(end.port, names))
                  : std::string{"a connection goes from an output to an input; "} +
@@ -144,8 +142,8 @@ class Check {
     if (connection.from.given() && connection.to.given() && is_port(connection.from, false) &&
         is_port(connection.to, true)) {
       add(connection.line,
-          "the connection goes from input " + written(connection.from) + " to output " +
-              written(connection.to),
+          "the connection goes from input " + to_text(connection.from) + " to output " +
+              to_text(connection.to),
           "a connection goes from an output to an input: swap 'from' and 'to'");
       return;
     }
@@ -158,12 +156,12 @@ class Check {
     if (from == nullptr || to == nullptr || from->type == to->type) return;
     if (from->type.name != to->type.name) {
       add(connection.line,
-          "port " + written(connection.from) + " has type " + from->type.name + ", but port " +
-              written(connection.to) + " has type " + to->type.name,
+          "port " + to_text(connection.from) + " has type " + from->type.name + ", but port " +
+              to_text(connection.to) + " has type " + to->type.name,
           "connect ports of the same type");
     } else {
       add(connection.line,
-          "ports " + written(connection.from) + " and " + written(connection.to) +
+          "ports " + to_text(connection.from) + " and " + to_text(connection.to) +
               " have different versions of type " + from->type.name + ": " + difference(from->type, to->type),
           "build both components from the same IDL");
     }
@@ -228,12 +226,12 @@ class Check {
       const Type second = inner(of_server);
       if (first.name != second.name) {
         add(service.line,
-            "client " + written(service.client) + " has " + what + " of type " + first.name +
-                ", but those of service " + written(service.server) + " have type " + second.name,
+            "client " + to_text(service.client) + " has " + what + " of type " + first.name +
+                ", but those of service " + to_text(service.server) + " have type " + second.name,
             "connect a client and a service that have the same request and reply types");
       } else {
         add(service.line,
-            "client " + written(service.client) + " and service " + written(service.server) +
+            "client " + to_text(service.client) + " and service " + to_text(service.server) +
                 " have different versions of type " + first.name + ": " + difference(first, second),
             "build both components from the same IDL");
       }
@@ -244,7 +242,7 @@ class Check {
 
   void check_message(const Endpoint& end, const Port& port, const Line& line) {
     if (is_ros2_message(port.type.name)) return;
-    add(line, "port " + written(end) + " has type " + port.type.name + ", which is not a ROS 2 message",
+    add(line, "port " + to_text(end) + " has type " + port.type.name + ", which is not a ROS 2 message",
         "give the port a ROS 2 message type, such as one from idl/ros2; its IDL name is "
         "PACKAGE::msg::dds_::NAME_");
   }
@@ -297,7 +295,7 @@ class Check {
     }
     const std::string fix = names.empty() ? "it has no output" : suggestion(safe.name, names);
     add(safe.line,
-        is_input ? "port " + written({device.name, module.name, safe.name}) +
+        is_input ? "port " + to_text({device.name, module.name, safe.name}) +
                        " is an input and cannot have a safe value"
                  : "module " + device.name + "." + module.name + " has no output " + in_quotes(safe.name),
         fix);
@@ -433,33 +431,6 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
 }
 
 Problems check_connections(const Cell& cell, const CellPorts& ports) { return Check{cell, ports}.run(); }
-
-Problems doubtful_connections(const Cell& cell, const CellPorts& ports) {
-  Problems warnings;
-  const auto warn = [&](const Connection& connection, std::string what, std::string fix) {
-    warnings.push_back(problem_at(cell.texts(), connection.line, std::move(what), std::move(fix)));
-  };
-  for (const Connection& connection : cell.connections) {
-    if (connection.carries != Carries::samples) continue;
-    if (connection.kind == ConnectionKind::queue) {
-      if (connection.depth_given) continue;
-      warn(connection,
-           "the queue " +
-               (connection.to.given() ? "to " + written(connection.to) : "from " + written(connection.from)) +
-               " has no depth, so it holds 1 sample: a new sample replaces one that was not read yet",
-           "write depth=\"8\" to keep up to 8 samples, or depth=\"1\" if one is enough");
-      continue;
-    }
-    const Port* to = find_port(cell, ports, connection.to);
-    if (to == nullptr || to->direction != Direction::event) continue;
-    warn(connection,
-         "the connection to event port " + written(connection.to) +
-             " holds only the latest value, so a new event replaces an event that the module has not read "
-             "yet",
-         "write kind=\"queue\" depth=\"8\" to keep up to 8 events");
-  }
-  return warnings;
-}
 
 std::vector<UnconnectedInputs> unconnected_inputs(const Cell& cell, const CellPorts& ports) {
   std::set<std::tuple<std::string_view, std::string_view, std::string_view>> connected;

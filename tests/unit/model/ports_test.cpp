@@ -58,34 +58,6 @@ TEST_F(Connections, AcceptMatchingPorts) {
   EXPECT_EQ(check({"robot", "a", "pick"}, {"robot", "b", "moved"}), Problems{});
 }
 
-TEST_F(Connections, ThatHoldOnlyTheLatestValueCauseAWarningAtAnEventPort) {
-  EXPECT_EQ(check({"robot", "a", "pick"}, {"robot", "b", "moved"}), Problems{});
-  const Problems warnings = doubtful_connections(cell, ports);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_EQ(warnings[0].where, "cell.xml:12");
-  EXPECT_EQ(warnings[0].what,
-            "the connection to event port robot.b.moved holds only the latest value, so a new event replaces "
-            "an event that the module has not read yet");
-  EXPECT_EQ(warnings[0].fix, "write kind=\"queue\" depth=\"8\" to keep up to 8 events");
-  cell.connections[0].kind = ConnectionKind::queue;
-  cell.connections[0].depth_given = true;
-  EXPECT_EQ(doubtful_connections(cell, ports), Problems{});
-  EXPECT_EQ(check({"robot", "a", "state"}, {"line", "b", "joint"}), Problems{});  // not an event port
-  EXPECT_EQ(doubtful_connections(cell, ports), Problems{});
-}
-
-TEST_F(Connections, ThatAreQueuesWithoutADepthCauseAWarning) {
-  check({"robot", "a", "pick"}, {"robot", "b", "moved"});
-  cell.connections[0].kind = ConnectionKind::queue;
-  EXPECT_EQ(
-      text(doubtful_connections(cell, ports)),
-      "cell.xml:12: error: the queue to robot.b.moved has no depth, so it holds 1 sample: a new sample "
-      "replaces one that was not read yet; write depth=\"8\" to keep up to 8 samples, or depth=\"1\" if "
-      "one is enough");
-  cell.connections[0].to = {};
-  EXPECT_THAT(text(doubtful_connections(cell, ports)), testing::HasSubstr("the queue from robot.a.pick has"));
-}
-
 TEST_F(Connections, ThatAreMissingAreListedForEachModule) {
   ports[0][0]->push_back({"home/reply", Direction::in, pick(), "", false, Role::client});
   ports[0][0]->push_back({"ask/request", Direction::in, pick(), "", false, Role::service});

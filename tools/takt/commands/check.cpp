@@ -3,6 +3,7 @@
 
 #include <takt/client/network.hpp>
 #include <takt/descriptor/descriptor.hpp>
+#include <takt/model/doubts.hpp>
 #include <takt/model/json.hpp>
 
 #include "commands/commands.hpp"
@@ -45,7 +46,7 @@ int check(const CheckOptions& options) {
     return 1;
   }
   loaded->cell.domain = *domain;
-  warn(model::doubtful_connections(loaded->cell, loaded->ports));
+  warn(model::doubts(loaded->cell, loaded->ports));
   std::optional<Proof> proof;
   // Prove the deadlines if the user asks for a proof, or if a proof is possible: every module has a budget.
   if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {

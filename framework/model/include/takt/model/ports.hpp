@@ -70,11 +70,6 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
 /// Skips modules whose ports are not known.
 Problems check_connections(const Cell& cell, const CellPorts& ports);
 
-/// Returns a warning, with `file:line` and a fix, for each connection that is valid but may lose samples
-/// unexpectedly: an event port has a connection that holds only the latest value, or the descriptor gives no
-/// depth for a queue.
-Problems doubtful_connections(const Cell& cell, const CellPorts& ports);
-
 /// The inputs, event ports and clients of a module that have no connection, so that they never get a value.
 struct UnconnectedInputs {
   std::string module;              ///< DEVICE.MODULE
