@@ -36,8 +36,9 @@ void Element::check_attributes() {
     }
     if (!meant.empty()) meant_.push_back(meant);
     report_.add(one.line, "unknown attribute " + in_quotes(name) + " of " + tag(node_.name),
-                shape_.attributes.empty() ? "remove it: " + tag(node_.name) + " cannot have attributes" + hint()
-                                          : suggestion(meant.empty() ? name : meant, shape_.attributes));
+                shape_.attributes.empty()
+                    ? "remove it: " + tag(node_.name) + " cannot have attributes" + hint()
+                    : suggestion(meant.empty() ? name : meant, shape_.attributes));
   }
 }
 
@@ -85,7 +86,8 @@ void Element::check_children() {
   for (const Text& text : node_.texts) {
     const std::string stray = trimmed(text.text);
     if (shape_.text || stray.empty() || report_.full()) continue;
-    if (!shape_.hint.empty() && !node_.attributes.empty()) continue;  // the hint for the attributes says enough
+    if (!shape_.hint.empty() && !node_.attributes.empty())
+      continue;  // the hint for the attributes says enough
     report_.add(text.line, "text " + in_quotes(stray) + " in " + tag(node_.name),
                 "remove it: " + tag(node_.name) + " cannot have text" + hint());
   }
@@ -124,7 +126,56 @@ std::optional<Given> Element::child_text(const char* name) const {
 
 bool Element::was_meant(std::string_view name) const { return contains(meant_, name); }
 
-std::optional<std::int64_t> read_number(const Given& given, Range range, const char* unit, Report& report) {
+namespace {
+
+/// A time as written. In ns, it has the digits `whole`, `fraction` and `zeros` zeros, in this order.
+struct WrittenTime {
+  std::string whole{};
+  std::string fraction{};
+  std::size_t zeros = 0;
+  std::string wrong{};  ///< what is wrong with the text; empty if it is a time
+};
+
+/// Splits the text of a time, without a sign, at its decimal point and before its unit.
+WrittenTime split_time(std::string_view text) {
+  constexpr std::pair<std::string_view, std::size_t> kUnits[] = {
+      {"", 0}, {"ns", 0}, {"us", 3}, {"ms", 6}, {"s", 9}};
+  if (text.starts_with('-')) text.remove_prefix(1);
+  const auto digits = [&text] {
+    const std::string_view taken = text.substr(0, text.find_first_not_of("0123456789"));
+    text.remove_prefix(taken.size());
+    return std::string{taken};
+  };
+  WrittenTime time{.whole = digits()};
+  const bool has_point = text.starts_with('.');
+  if (has_point) {
+    text.remove_prefix(1);
+    time.fraction = digits();
+  }
+  const std::string unit = trimmed(text);
+  const bool is_word = unit.find_first_of("+-.,0123456789 \t\r\n") == std::string::npos;
+  if (time.whole.empty() || (has_point && time.fraction.empty()) || !is_word) {
+    time.wrong = " is not a time";
+    return time;
+  }
+  const auto* known = std::find_if(std::begin(kUnits), std::end(kUnits),
+                                   [&](const auto& each) { return each.first == unit; });
+  if (known == std::end(kUnits)) {
+    time.wrong = " has an unknown unit";
+    return time;
+  }
+  while (time.fraction.ends_with('0')) time.fraction.pop_back();
+  if (time.fraction.size() > known->second) {
+    time.wrong = " is not a whole number of nanoseconds";
+    return time;
+  }
+  time.zeros = known->second - time.fraction.size();
+  return time;
+}
+
+}  // namespace
+
+std::optional<std::int64_t> read_number(const Given& given, Range range, Report& report, const char* unit) {
   if (given.unread) return std::nullopt;
   const std::string text = given.trimmed();
   std::int64_t number = 0;
@@ -142,6 +193,28 @@ std::optional<std::int64_t> read_number(const Given& given, Range range, const c
                            : whole      ? given.what + " is out of range: " + in_quotes(text)
                                         : given.what + " is not a whole number: " + in_quotes(text);
   report.add(given.line, what, std::string{"write a whole number"} + unit + bounds);
+  return std::nullopt;
+}
+
+std::optional<Nanoseconds> read_time(const Given& given, TimeRange range, Report& report) {
+  if (given.unread) return std::nullopt;
+  const std::string text = given.trimmed();
+  const WrittenTime written = split_time(text);
+  std::int64_t ns = 0;
+  const std::string digits = written.whole + written.fraction + std::string(written.zeros, '0');
+  const bool fits = std::from_chars(digits.data(), digits.data() + digits.size(), ns).ec == std::errc{};
+  const bool is_negative = text.starts_with('-');
+  if (written.wrong.empty() && !is_negative && fits && Nanoseconds{ns} >= range.from &&
+      Nanoseconds{ns} <= range.to)
+    return Nanoseconds{ns};
+  const std::string bounds = range.to == Nanoseconds::max()
+                                 ? ", at least " + to_text(range.from)
+                                 : ", " + to_text(range.from) + " to " + to_text(range.to);
+  report.add(given.line,
+             text.empty() ? given.what + " is empty"
+                          : given.what + (written.wrong.empty() ? " is out of range" : written.wrong) + ": " +
+                                in_quotes(text),
+             "write a time in ns, us, ms or s, such as 2ms (a number alone is in ns)" + bounds);
   return std::nullopt;
 }
 
@@ -166,7 +239,7 @@ model::OverrunContract read_contract(const Given& word, const std::optional<Give
   const auto choice = read_choice(word, {"skip", "catch-up", "error", "stop-device", "stop-cell"}, report);
   if (choice) contract.what = kContracts[*choice];
   if (!limit) return contract;
-  const auto number = read_number(*limit, {1, model::kMaxCatchUp}, "", report);
+  const auto number = read_number(*limit, {1, model::kMaxCatchUp}, report);
   if (choice && contract.what != Overrun::catch_up) {
     report.add(limit->line, "overrun contract " + in_quotes(to_text(contract.what)) + " has a limit",
                "remove the limit, or change the contract to catch-up");

@@ -92,8 +92,18 @@ struct Range {
 
 /// Returns the decimal whole number in a text, without exponent or '+' ('-' is allowed if the range includes
 /// negative numbers). Reports any other text and any number outside the range. `unit` completes the message,
-/// for example " of nanoseconds".
-std::optional<std::int64_t> read_number(const Given& given, Range range, const char* unit, Report& report);
+/// for example " of percent".
+std::optional<std::int64_t> read_number(const Given& given, Range range, Report& report,
+                                        const char* unit = "");
+
+struct TimeRange {
+  Nanoseconds from{0};
+  Nanoseconds to = Nanoseconds::max();
+};
+
+/// Returns the time in a text: a whole number of nanoseconds, or a number with the unit ns, us, ms or s, such
+/// as "500us" or "1.5 ms". Reports any other text and any time outside the range.
+std::optional<Nanoseconds> read_time(const Given& given, TimeRange range, Report& report);
 
 /// Returns the index of the word in `choices`. Reports a word that `choices` does not contain.
 std::optional<std::size_t> read_choice(const Given& given, const std::vector<std::string_view>& choices,

@@ -62,7 +62,7 @@ class CellReader {
     const auto name = cell.required_attribute("name");
     reading_.cell.name = name ? name->trimmed() : "unread";
     if (const auto given = cell.attribute("domain")) {
-      const auto number = read_number(*given, {0, model::kMaxDomain}, "", report_);
+      const auto number = read_number(*given, {0, model::kMaxDomain}, report_);
       reading_.cell.domain = number ? static_cast<int>(*number) : 0;
       reading_.cell.domain_given = true;
     }
@@ -185,7 +185,7 @@ class CellReader {
     if (!name) gaps.executors = true;
     executor.name = name ? name->trimmed() : stand_in();
     if (const auto given = element.attribute("cpu")) {
-      const auto number = read_number(*given, {0, model::kMaxCpu}, "", report_);
+      const auto number = read_number(*given, {0, model::kMaxCpu}, report_);
       if (number) executor.cpu = static_cast<int>(*number);
     }
     if (const auto given = element.attribute("priority")) {
@@ -193,8 +193,8 @@ class CellReader {
       const auto number =
           executor.rate_monotonic
               ? std::nullopt
-              : read_number(*given, {model::kMinExecutorPriority, model::kMaxExecutorPriority},
-                            " or \"auto\"", report_);
+              : read_number(*given, {model::kMinExecutorPriority, model::kMaxExecutorPriority}, report_,
+                            " or \"auto\"");
       if (number) executor.priority = static_cast<int>(*number);
     }
     if (const auto given = element.attribute("wakeup")) {
@@ -203,7 +203,7 @@ class CellReader {
       if (choice) executor.wakeup = kWakeups[*choice];
     }
     if (const auto given = element.attribute("spin")) {
-      const auto percent = read_number(*given, {0, model::kMaxSpinPercent}, " of percent", report_);
+      const auto percent = read_number(*given, {0, model::kMaxSpinPercent}, report_, " of percent");
       if (percent) executor.spin_share = static_cast<double>(*percent) / 100;
       if (executor.wakeup != model::Wakeup::hybrid) {
         report_.add(given->line,
@@ -280,7 +280,7 @@ class CellReader {
 
     if (const auto given = element.attribute("depth")) {
       connection.depth_given = true;
-      const auto number = read_number(*given, {1, model::kMaxDepth}, "", report_);
+      const auto number = read_number(*given, {1, model::kMaxDepth}, report_);
       if (!queue) {
         report_.add(given->line, "a connection of kind latest has a depth",
                     "remove depth, or set kind=\"queue\"");
@@ -302,7 +302,7 @@ class CellReader {
   void read_times(const Element& element, model::Connection& connection) {
     const auto read = [&](const char* name) -> std::optional<Nanoseconds> {
       if (const auto given = element.attribute(name)) {
-        return Nanoseconds{read_number(*given, {.from = 1}, " of nanoseconds", report_).value_or(1)};
+        return read_time(*given, {.from = Nanoseconds{1}}, report_).value_or(Nanoseconds{1});
       }
       if (element.was_meant(name)) return Nanoseconds{1};
       return std::nullopt;
@@ -323,7 +323,7 @@ class CellReader {
       connection.topic = stand_in();
     }
     if (const auto given = element.attribute("domain")) {
-      const auto number = read_number(*given, {0, model::kMaxDomain}, "", report_);
+      const auto number = read_number(*given, {0, model::kMaxDomain}, report_);
       if (number) connection.domain = static_cast<int>(*number);
     }
     if (const auto given = element.attribute("ros2")) {

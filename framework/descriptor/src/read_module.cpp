@@ -14,7 +14,6 @@ namespace {
 using model::Operation;
 using std::chrono::milliseconds;
 
-constexpr const char* kNs = " of nanoseconds";
 constexpr Nanoseconds kStandIn = milliseconds{1};  // used in place of a time that could not be read
 
 const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "offset",
@@ -26,7 +25,8 @@ const Shape kDeadline{.attributes = {"miss"}, .text = true};
 const Shape kRecovery{.attributes = {"attempts", "backoff", "then"}};
 const Shape kArguments{.many = {"argument"}};
 const Shape kArgument{.text = true};
-const Shape kProperty{.many = {"value"}, .hint = R"(write <property><value name="NAME">VALUE</value></property>)"};
+const Shape kProperty{.many = {"value"},
+                      .hint = R"(write <property><value name="NAME">VALUE</value></property>)"};
 const Shape kValue{.attributes = {"name"}, .text = true};
 const Shape kSafe{.many = {"port"}};
 const Shape kPort{.attributes = {"name"}, .many = {"field"}};
@@ -95,22 +95,21 @@ class ModuleReader {
     }
   }
 
-  std::optional<Nanoseconds> read_time(const char* name, model::Line& line, Nanoseconds least) {
+  std::optional<Nanoseconds> child_time(const char* name, model::Line& line, Nanoseconds least) {
     const auto given = element_.child_text(name);
     return given ? std::optional{time_of(*given, line, least)} : std::nullopt;
   }
 
   Nanoseconds time_of(const Given& given, model::Line& line, Nanoseconds least = Nanoseconds{1}) {
     line = given.line;
-    const auto ns = read_number(given, {.from = least.count()}, kNs, report_);
-    return ns ? Nanoseconds{*ns} : kStandIn;
+    return read_time(given, {.from = least}, report_).value_or(kStandIn);
   }
 
   void read_offset() {
     const auto given = element_.child_text("offset");
     if (!given) return;
     module_.lines.offset = given->line;
-    module_.offset = Nanoseconds{read_number(*given, {.from = 0}, kNs, report_).value_or(0)};
+    module_.offset = read_time(*given, {}, report_).value_or(Nanoseconds{0});
   }
 
   void read_budget() {
@@ -121,11 +120,11 @@ class ModuleReader {
     const auto read = [&](const char* name) -> std::optional<int> {
       const auto given = budget.attribute(name);
       if (!given) return std::nullopt;
-      return static_cast<int>(read_number(*given, {1, model::kMaxTolerance}, "", report_).value_or(1));
+      return static_cast<int>(read_number(*given, {1, model::kMaxTolerance}, report_).value_or(1));
     };
     module_.tolerance = {.times = read("times"), .in_a_row = read("in-a-row")};
     if (const auto given = budget.attribute("hang")) {
-      if (const auto ns = read_number(*given, {.from = 1}, kNs, report_)) module_.hang = Nanoseconds{*ns};
+      if (const auto hang = read_time(*given, {.from = Nanoseconds{1}}, report_)) module_.hang = hang;
     }
   }
 
@@ -163,10 +162,10 @@ class ModuleReader {
   }
 
   void read_times() {
-    module_.period = read_time("period", module_.lines.period, model::kMinPeriod);
+    module_.period = child_time("period", module_.lines.period, model::kMinPeriod);
     read_deadline();
     read_dispatch();
-    module_.interarrival = read_time("interarrival", module_.lines.interarrival, Nanoseconds{1});
+    module_.interarrival = child_time("interarrival", module_.lines.interarrival, Nanoseconds{1});
     read_offset();
     read_budget();
     read_overrun();
@@ -195,7 +194,7 @@ class ModuleReader {
   void read_priority() {
     using Limits = std::numeric_limits<int>;
     if (const auto given = element_.child_text("priority")) {
-      const auto number = read_number(*given, {Limits::min(), Limits::max()}, "", report_);
+      const auto number = read_number(*given, {Limits::min(), Limits::max()}, report_);
       if (number) module_.priority = static_cast<int>(*number);
     } else if (module_.operation != Operation::non_real && !element_.was_meant("priority")) {
       report_.add(module_.line,
@@ -227,12 +226,12 @@ class ModuleReader {
     const Element element{*xml, kRecovery, report_};
     model::Recovery& recovery = module_.recovery;
     if (const auto given = element.attribute("attempts")) {
-      const auto number = read_number(*given, {0, model::kMaxAttempts}, "", report_);
+      const auto number = read_number(*given, {0, model::kMaxAttempts}, report_);
       if (number) recovery.attempts = static_cast<int>(*number);
     }
     if (const auto given = element.attribute("backoff")) {
-      const auto number = read_number(*given, {0, model::kMaxBackoff.count()}, kNs, report_);
-      if (number) recovery.backoff = Nanoseconds{*number};
+      const auto backoff = read_time(*given, {.to = model::kMaxBackoff}, report_);
+      if (backoff) recovery.backoff = *backoff;
     }
     if (const auto given = element.attribute("then")) {
       const auto choice = read_choice(*given, {"destruct", "stop-device", "stop-cell"}, report_);

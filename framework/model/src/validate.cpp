@@ -112,8 +112,7 @@ void Validation::check_times(const Module& module) {
                             Line line) {
     if (!time || *time >= least) return;
     add(line, "module " + name + " has a " + what + " of " + std::to_string(time->count()) + " ns",
-        std::string{"a "} + what + " must be a whole number of nanoseconds, at least " +
-            std::to_string(least.count()));
+        std::string{"a "} + what + " must be at least " + takt::to_text(least));
   };
   at_least(kMinPeriod, "period", module.period, period_line);
   at_least(Nanoseconds{1}, "deadline", module.deadline, deadline_line);
@@ -151,14 +150,14 @@ void Validation::check_times(const Module& module) {
     add(or_module(module.lines.budget),
         "a run of " + name + " hangs after " + takt::to_text(*module.hang) + ", but may take " +
             (budgets == 1 ? "" : std::to_string(budgets) + " times ") + takt::to_text(*module.budget),
-        "set hang to more nanoseconds than the budget allows, or remove it");
+        "set hang to a longer time than the budget allows, or remove it");
   }
 
   switch (module.operation) {
     case Operation::periodic:
       if (!module.period) {
         add(module.line, "periodic module " + name + " has no <period>",
-            "add one in nanoseconds, as in <period>1000000</period>");
+            "add one, as in <period>1ms</period>");
       }
       if (module.deadline) {
         add(deadline_line, "periodic module " + name + " has a <deadline>",
@@ -168,7 +167,7 @@ void Validation::check_times(const Module& module) {
     case Operation::sporadic:
       if (!module.deadline) {
         add(module.line, "sporadic module " + name + " has no <deadline>",
-            "add one in nanoseconds, as in <deadline>1000000</deadline>");
+            "add one, as in <deadline>1ms</deadline>");
       }
       if (module.period) {
         add(period_line, "sporadic module " + name + " has a <period>",
@@ -200,7 +199,7 @@ void Validation::check_release(const Module& module) {
   if (module.interarrival && module.interarrival->count() <= 0) {
     add(or_module(module.lines.interarrival),
         "module " + name + " has an interarrival of " + std::to_string(module.interarrival->count()) + " ns",
-        "an interarrival must be a whole number of nanoseconds, at least 1");
+        "an interarrival must be at least 1 ns");
   }
   if (module.retain && module.type == ModuleType::process && module.operation == Operation::non_real) {
     add(or_module(module.lines.retain), "non-real process " + name + " has a <retain>",

@@ -199,13 +199,13 @@ void Network::check_connection(const Connection& connection) {
     if (!time || time->count() > 0) return;
     add(connection.line,
         std::string{"a connection has a "} + what + " of " + std::to_string(time->count()) + " ns",
-        std::string{"a "} + what + " must be a whole number of nanoseconds, at least 1");
+        std::string{"a "} + what + " must be at least 1 ns");
   };
   positive("deadline", connection.deadline);
   positive("lifespan", connection.lifespan);
   if (connection.stale == Stale::error && !connection.deadline) {
     add(connection.line, "a connection has stale=\"error\" but no deadline",
-        "add deadline, the age in nanoseconds at which a value becomes stale");
+        "add deadline, the age at which a value becomes stale");
   }
   check_topic(connection);
 }

@@ -15,7 +15,7 @@ READY = sorted(f for f in glob.glob(os.path.join(FOLDER, "*.so")) + glob.glob(os
                if not os.path.basename(f).startswith("bench_"))
 MODULE = """  <module>
     <name>%s</name> <filename>%s</filename> <moduletype>%s</moduletype> <operationtype>periodic</operationtype>
-    <period>1000000</period> <priority>1</priority>
+    <period>1ms</period> <priority>1</priority>
     <property>
 %s
     </property>
@@ -28,7 +28,7 @@ def module(name, filename, *properties, sporadic=False):
     values = "\n".join('      <value name="%s">%s</value>' % property for property in properties)
     text = MODULE % (name, filename, kind, values)
     if sporadic:
-        text = text.replace("periodic", "sporadic").replace("<period>1000000</period>", "<deadline>1000000</deadline>")
+        text = text.replace("periodic", "sporadic").replace("<period>1ms</period>", "<deadline>1ms</deadline>")
     return text if properties else re.sub(r"(?s) *<property>.*</property>\n", "", text)
 
 

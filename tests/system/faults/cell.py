@@ -101,4 +101,5 @@ def programs():
 
 def period(device, module):
     """Returns the period of a module, in seconds."""
-    return next(int(e.findtext("period")) / 1e9 for d, name, e in _elements() if (d, name) == (device, module))
+    text = next(e.findtext("period") for d, name, e in _elements() if (d, name) == (device, module))
+    return float(text.removesuffix("ms")) / 1e3 if text.endswith("ms") else int(text) / 1e9

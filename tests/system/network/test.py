@@ -46,8 +46,8 @@ class Network(networks.NetworkCase):
         with open(CELL) as file:
             text = file.read()
         # With its original time-outs, the demo cell would correctly stop when the machine stalls, and wait for a manual reset.
-        text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text).replace('deadline="500000000" stale="error"', 'deadline="2000000000" stale="error"')
-        self.assertEqual((3, 1), (text.count('timeout">2<'), text.count('deadline="2000000000"')))
+        text = re.sub(r'(timeout">)0\.2<', r"\g<1>2<", text).replace('deadline="500ms" stale="error"', 'deadline="2s" stale="error"')
+        self.assertEqual((3, 1), (text.count('timeout">2<'), text.count('deadline="2s"')))
         self.deploy(self.write("patient.xml", text))
         self.wait_for_status(self.all_execute, "all devices to execute")
         time.sleep(5)  # wait until some parts are placed

@@ -173,7 +173,7 @@ class Update(takt_system.Case):
         for changes, pattern in (
                 ((more, ("grid.so", "nothing.so")), r"cell\.xml:\d+: error: .*no file nothing\.so"),
                 ((more, ("robot.ticks.out", "robot.ticks.output")), r"cell\.xml:\d+: error: .*no port 'output'"),
-                ((more, ("<period>5000000</period> <priority>1", "<period>5ms</period> <priority>1")), r"cell\.xml:\d+: error: "),
+                ((more, ("<period>5000000</period> <priority>1", "<period>5m</period> <priority>1")), r"cell\.xml:\d+: error: "),
                 ((more, ('<cell name="cell">', '<cell name="cell" domain="%d">' % self.domain)),
                  r"cell\.xml:1: error: a running cell cannot change its domain: none -> \d+; undeploy the cell and deploy it"),
                 ((('"step">1', '"step">100000'),), r"cell\.xml:\d+: error: .*property 'step' cannot be '100000'"),
@@ -183,7 +183,7 @@ class Update(takt_system.Case):
             self.assertEqual("", run.out)
             self.assertRegex(run.err, pattern)
             self.assertEqual(1, len(re.findall(pattern, run.err)), run.err)
-            if "5ms" not in repr(changes):
+            if "5m<" not in repr(changes):
                 self.assertIn("cell cell is not updated; nothing was changed", run.err)
         self.assertEqual(hosts, self.hosts(nodes))
         self.assertEqual(["nothing differs"], self.update())

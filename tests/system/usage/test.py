@@ -187,7 +187,7 @@ class Usage(takt_system.Case):
 
     def test_the_module_element_of_a_component_with_an_event_port_is_valid_once_the_port_is_connected(self):
         events = self.takt("describe", "port_events.so", "--xml").out
-        for line in ("<name>port_events</name>", "<operationtype>sporadic</operationtype>", "<deadline>1000000</deadline>",
+        for line in ("<name>port_events</name>", "<operationtype>sporadic</operationtype>", "<deadline>1ms</deadline>",
                      "<dispatch>immediate</dispatch>"):
             self.assertIn(line, events)
         modules = self.takt("describe", "port_source.so", "--xml").out + events

@@ -465,7 +465,7 @@ TEST_F(AgentUpdate, CanRestoreADeviceThatItRemoved) {
 
 TEST_F(AgentUpdate, RejectsAnInvalidDescriptorWithItsLine) {
   start_running();
-  EXPECT_FALSE(accepts(with("<period>1000000</period><priority>2", "<period>1ms</period><priority>2")));
+  EXPECT_FALSE(accepts(with("<period>1000000</period><priority>2", "<period>1m</period><priority>2")));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(device.data()[0]["where"], "new.xml:6");
   EXPECT_FALSE(accepts(with("<cell name=\"cell\"", "<cell name=\"other\"")));

@@ -231,7 +231,7 @@ TEST(Composition, ReportsTheSameProblemsForABundleAsForFiles) {
   EXPECT_THAT(
       texts_of(parse(wrong, "cell.xml")),
       ElementsAre(HasSubstr(folder.file("parts.xml") +
-                            ":2: error: <period> is not a whole number: 'none' (used at " + cell + ":4); ")));
+                            ":2: error: <period> is not a time: 'none' (used at " + cell + ":4); ")));
 }
 
 TEST(Composition, RejectsCircularAndTooManyIncludes) {

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 
 #include "read_cell.hpp"
@@ -172,6 +173,29 @@ TEST(Descriptor, DistinguishesADepthOfOneFromAMissingDepth) {
   };
   EXPECT_FALSE(given(""));
   EXPECT_TRUE(given(" depth='1'"));
+}
+
+TEST(Descriptor, ReadsTimesWithAndWithoutAUnit) {
+  const auto period_of = [](const std::string& text) {
+    const auto cell = parse(
+        "<root><module><filename>a.so</filename><moduletype>thread</moduletype><operationtype>"
+        "periodic</operationtype><period>" +
+            text + "</period><priority>1</priority></module></root>",
+        "f.xml");
+    return cell ? cell->devices[0].modules[0].period->count() : -1;
+  };
+  EXPECT_EQ(period_of("2000000"), 2'000'000);
+  EXPECT_EQ(period_of("2000000ns"), 2'000'000);
+  EXPECT_EQ(period_of("500us"), 500'000);
+  EXPECT_EQ(period_of(" 2 ms "), 2'000'000);
+  EXPECT_EQ(period_of("1s"), 1'000'000'000);
+  EXPECT_EQ(period_of("1.25ms"), 1'250'000);
+  EXPECT_EQ(period_of("0.000001000s"), 1'000);
+  EXPECT_EQ(period_of("1000.000ns"), 1'000);
+  EXPECT_EQ(period_of("9223372036.854775807s"), std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(period_of("9223372036.854775808s"), -1);
+  EXPECT_EQ(period_of("1.0000001ms"), -1);
+  EXPECT_EQ(period_of("1h"), -1);
 }
 
 TEST(Descriptor, ReadsConnectionsToExternalPrograms) {

@@ -262,9 +262,9 @@ std::string describe_xml(const Described& described) {
   text +=
       fmt::format("  <moduletype>{}</moduletype>\n", component.interface == "process" ? "process" : "thread");
   text += fmt::format("  <operationtype>{}</operationtype>\n", to_text(operation));
-  if (operation == model::Operation::periodic) text += "  <period>1000000</period> <!-- ns -->\n";
+  if (operation == model::Operation::periodic) text += "  <period>1ms</period>\n";
   if (operation == model::Operation::sporadic) {
-    text += "  <deadline>1000000</deadline> <!-- ns -->\n";
+    text += "  <deadline>1ms</deadline>\n";
     if (has_event(component))
       text += "  <dispatch>immediate</dispatch> <!-- needs a connected event port -->\n";
   }
