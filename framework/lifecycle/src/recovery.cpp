@@ -20,10 +20,10 @@ void Recovery::attempted(Instant now, bool recovered) noexcept {
   }
 }
 
-Recovery::Step Recovery::next(Instant now) noexcept {
-  if (made_ >= policy_.attempts) return Step::give_up;
+Recovery::Step Recovery::next(Instant now, bool counts) noexcept {
+  if (made_ >= policy_.attempts && (counts || policy_.attempts == 0)) return Step::give_up;
   if (now < not_before_) return Step::wait;
-  ++made_;
+  if (counts) ++made_;
   return Step::attempt;
 }
 

@@ -86,7 +86,10 @@ std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
                      lifecycle::to_text(event.step.to), event.step.sequence);
       break;
     case What::recovery:
-      fmt::format_to(to, " recovery, attempt {} of {}", event.number, event.count);
+      if (event.number == 0)
+        fmt::format_to(to, " recovery, because the value of its input is fresh again");
+      else
+        fmt::format_to(to, " recovery, attempt {} of {}", event.number, event.count);
       break;
     case What::wrote:
       fmt::format_to(to, " wrote {}", event.number);

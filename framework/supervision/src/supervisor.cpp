@@ -445,10 +445,11 @@ void Supervisor::attempt_recovery(Member& member) {
   // it was not restarted and is still in its body.
   if (alive && (member.started_again || !is_out(member))) return;
   if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).process->running())) return;
-  // After a stale input, the module first waits for a new value. This wait does not count as a recovery
-  // attempt.
-  if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, time())) return;
-  switch (member.recovery.next(time())) {
+  // After a stale input, the module first waits for a new value. Its first recovery then does not count as an
+  // attempt, so that a module is not given up because of pauses of its writer.
+  const bool counts = !member.stale;
+  if (!counts && member.model.recovery.attempts > 0 && has_stale_input(member, time())) return;
+  switch (member.recovery.next(time(), counts)) {
     case lifecycle::Recovery::Step::wait:
       return;
     case lifecycle::Recovery::Step::give_up:
@@ -457,9 +458,10 @@ void Supervisor::attempt_recovery(Member& member) {
     case lifecycle::Recovery::Step::attempt:
       break;
   }
-  log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
-                  std::to_string(member.model.recovery.attempts));
-  platform_->recovering(member.index, member.recovery.attempts());
+  log(member, counts ? "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
+                           std::to_string(member.model.recovery.attempts)
+                     : "recovery, because the value of its input is fresh again");
+  platform_->recovering(member.index, counts ? member.recovery.attempts() : 0);
   // After a failed attempt, restart the module without its saved state, because this state may be the cause
   // of the crash.
   if ((member.reload || (member.is_process() && !alive)) && member.recovery.attempts() > 1)
@@ -484,7 +486,8 @@ void Supervisor::recovered(Member& member) {
   member.started_again = member.reload = false;
   if (!apply(member, Event::recover)) return;
   notes_->note(member, model::FaultKind::recovered,
-               "attempt " + std::to_string(member.recovery.attempts()) + ", after " + member.why);
+               (member.stale ? "" : "attempt " + std::to_string(member.recovery.attempts()) + ", ") +
+                   "after " + member.why);
   ++member.recoveries;
   if (!member.wanted() && member.state() == State::executing) apply(member, Event::stop);
   if (rows_begun_ && member.wanted() && (member.scheduled() || member.is_thread())) put_in_tables(member);
@@ -492,6 +495,7 @@ void Supervisor::recovered(Member& member) {
 
 void Supervisor::not_recovered(Member& member, const std::string& text) {
   member.why = text;
+  member.stale = false;  // the next attempt counts
   log(member, "could not recover: " + text);
   notes_->note(member, model::FaultKind::not_recovered, text);
   member.recovery.attempted(time(), false);
@@ -501,7 +505,7 @@ void Supervisor::give_up(Member& member) {
   member.failed = true;
   const auto attempts = member.recovery.attempts();
   const std::string after = "after " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts");
-  apply(member, Event::give_up, after);
+  apply(member, Event::give_up, after + ": " + member.why);
   notes_->note(member, model::FaultKind::given_up, after + ": " + member.why);
   if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
   member.lost |= member.reload;

@@ -28,6 +28,26 @@ TEST(Recovery, GivesUpAtOnceIfNoAttemptsAreAllowed) {
   EXPECT_EQ(recovery.next(at(0s)), Step::give_up);
 }
 
+TEST(Recovery, DoesNotCountAnAttemptAfterAnErrorThatEndedByItself) {
+  Recovery recovery{{.attempts = 1, .backoff = 100ms}};
+  Nanoseconds now = 1s;
+  for (int i = 0; i < 5; ++i) {
+    recovery.failed(at(now));
+    EXPECT_EQ(recovery.next(at(now), false), Step::wait);
+    now += 100ms;
+    ASSERT_EQ(recovery.next(at(now), false), Step::attempt) << i;
+    recovery.attempted(at(now), true);
+    EXPECT_EQ(recovery.attempts(), 0);
+  }
+  recovery.failed(at(now));
+  EXPECT_EQ(recovery.next(at(now + 1s)), Step::attempt);
+  recovery.attempted(at(now + 1s), false);
+  EXPECT_EQ(recovery.next(at(now + 2s)), Step::give_up);
+  Recovery none{{.attempts = 0, .backoff = 100ms}};
+  none.failed(at(1s));
+  EXPECT_EQ(none.next(at(2s), false), Step::give_up);
+}
+
 TEST(Recovery, KeepsCountingAttemptsIfASuccessDoesNotLast) {
   Recovery recovery{{.attempts = 3, .backoff = 10ms}};
   Nanoseconds now = 5s;

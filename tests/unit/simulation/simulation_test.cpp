@@ -236,6 +236,20 @@ TEST(Simulation, ACutBetweenDevicesMakesValuesStale) {
   EXPECT_THAT(run.lines, Contains(HasSubstr("EXECUTING -> RECOVER, step 4, stale")));
 }
 
+TEST(Simulation, AModuleRecoversFromMoreStaleInputsThanItHasAttempts) {
+  const Outcome run =
+      Cell::of("<device name=\"a\">" + thread("w", "1000000") + "</device><device name=\"b\">" +
+               thread("r", "1000000", "<recovery attempts=\"1\" backoff=\"1000000\" then=\"destruct\"/>") +
+               "</device><connection from=\"a.w.out\" to=\"b.r.in\" deadline=\"10ms\" stale=\"error\"/>")
+          .run({.length = milliseconds{500}},
+               "at 100 ms link a b cut for 50 ms\nat 200 ms link a b cut for 50 ms\n"
+               "at 300 ms link a b cut for 50 ms");
+  EXPECT_THAT(steps_of(run, "b.r"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "EXECUTING", "RECOVER",
+                                   "EXECUTING", "RECOVER", "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("b.r recovery, because the value of its input is fresh again")));
+}
+
 TEST(Simulation, ACutBetweenDevicesDelaysReliableSamplesAndLosesOthers) {
   const std::string cut = "at 100 ms link a b cut for 20 ms";
   const auto lost = [](const Outcome& run) {

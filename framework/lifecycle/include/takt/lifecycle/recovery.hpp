@@ -32,13 +32,13 @@ class Recovery {
   /// START), and false if it is still in RECOVER.
   void attempted(Instant now, bool recovered) noexcept;
   /// Decides what to do now with a module in RECOVER. Each time the result is `attempt`, it counts as one
-  /// attempt.
-  Step next(Instant now) noexcept;
+  /// attempt, unless `counts` is false: the cause of the error has ended by itself.
+  Step next(Instant now, bool counts = true) noexcept;
 
   /// Allows the next attempt to begin at once, without waiting for the back-off time.
   void hurry() noexcept { not_before_ = Instant{}; }
 
-  /// The number of attempts since the last lasting success.
+  /// The number of counted attempts since the last lasting success.
   [[nodiscard]] int attempts() const noexcept { return made_; }
 
  private:

@@ -154,6 +154,7 @@ class Platform {
   virtual void stepped(const Step& step) = 0;
   /// Called when a module was put into the tables or taken out of them.
   virtual void in_tables(std::uint32_t module, bool in) = 0;
+  /// Called when a recovery of a module begins. `attempt` is 0 if it does not count as an attempt.
   virtual void recovering(std::uint32_t module, int attempt) = 0;
   /// Called when a fault occurs, so that the platform writes a trace. `why` is the reason.
   virtual void fault(const std::string& why) = 0;
