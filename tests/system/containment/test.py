@@ -109,8 +109,7 @@ class Containment(takt_system.Case):
 
         # The host stays given up until an operator resets one of its modules.
         begun = len(run.raw)
-        for order in ("reset", "initialize", "start"):
-            self.done("%s d.far" % order)
+        self.done("restart d.far")
         run.wait_for_line(r"\.far: START -> EXECUTING", after=begun)
         self.wait_for_states({"d": {"far": "EXECUTING"}})
         self.finish(run)
@@ -250,8 +249,7 @@ class Saved(takt_system.Case):
         self.assertEqual(["c has 0"], self.said_of(second, "c has"), "the other module does not retain its state")
         # An operator can make the module start from the beginning.
         device = self.status_of()["devices"][0]["name"]
-        for order in ("destruct", "reset", "initialize", "start"):
-            self.done("%s %s.keeps" % (order, device))
+        self.done("restart %s.keeps" % device)
         wait_until(lambda: len(self.said_of(second, "version")) == 2, "the module to print its state")
         self.assertEqual("version 1 began 0", self.said_of(second, "version")[-1])
         self.finish(second)

@@ -1,5 +1,5 @@
 // The commands that an operator sends to a module: takt start, stop, recover, reset, destruct and initialize,
-// takt get and set, and takt swap.
+// takt restart, takt get and set, and takt swap.
 #include <algorithm>
 #include <cstdio>
 
@@ -82,6 +82,33 @@ int send(const ModuleCommand& command, const std::string& text, const client::Ne
   return refuse(client::problems_of(*answer));
 }
 
+// Ends a module if it has not ended, and starts it from the beginning.
+int restart(const std::string& text, const client::Network& network) {
+  const auto target = module_of(text);
+  if (!target) return refuse(target.problems());
+  const auto client = connect_to_device(network, target->device, target->module);
+  if (!client) return refuse(client.problems());
+  const auto command = [&](CommandKind kind) {
+    return client->sender->send({.kind = kind,
+                                 .device = target->device,
+                                 .module = target->module,
+                                 .limit = std::chrono::seconds{20}});
+  };
+  auto answer = command(COMMAND_RESET);
+  // The device refuses to reset a module that has not ended.
+  if (answer && answer->head.code() == REPLY_REFUSED && answer->head.state() != STATE_DESTRUCT) {
+    answer = client::accepted(command(COMMAND_DESTRUCT));
+    if (answer) answer = command(COMMAND_RESET);
+  }
+  for (const CommandKind kind : {COMMAND_INITIALIZE, COMMAND_START}) {
+    answer = client::accepted(std::move(answer));
+    if (answer) answer = command(kind);
+  }
+  answer = client::accepted(std::move(answer));
+  if (!answer) return refuse(answer.problems());
+  return print(fmt::format("{}: {}\n", text, to_text(answer->head.state()))) ? 0 : 1;
+}
+
 int property(const std::string& text, const std::string& name, const std::optional<std::string>& value,
              const client::Network& network) {
   const auto target = target_of(text, "property");
@@ -160,6 +187,17 @@ void add_module_commands(CLI::App& app, Chosen& chosen) {
       chosen = [&each, target, network] { return send(each, *target, *network); };
     });
   }
+}
+
+void add_restart(CLI::App& app, Chosen& chosen) {
+  auto target = std::make_shared<std::string>();
+  auto network = std::make_shared<client::Network>();
+  auto* command = app.add_subcommand(
+      "restart",
+      "Start a module from the beginning, whatever its state: end, reset, initialize and start it");
+  command->add_option("MODULE", *target, "DEVICE.MODULE")->required();
+  add_network_options(*command, *network);
+  command->callback([=, &chosen] { chosen = [=] { return restart(*target, *network); }; });
 }
 
 void add_swap(CLI::App& app, Chosen& chosen) {

@@ -21,6 +21,13 @@ Result<Target> target_of(const std::string& text, const char* then) {
   return target;
 }
 
+Result<Target> module_of(const std::string& text) {
+  auto target = target_of(text);
+  if (target && target->module.empty())
+    return fail("'" + text + "' is the name of a device, not of a module", "write DEVICE.MODULE");
+  return target;
+}
+
 Result<client::Connection> connect_to_device(const client::Network& network, const std::string& device,
                                              const std::string& rest) {
   auto client = client::connect(network);

@@ -17,6 +17,9 @@ struct Target {
 /// the error message. If the target may be a device, `then` is null.
 Result<Target> target_of(const std::string& text, const char* then = nullptr);
 
+/// Splits the name of a module, for a command without another argument.
+Result<Target> module_of(const std::string& text);
+
 /// Connects to the network, and checks that the device exists. `rest` is the part of the name after the
 /// device, as for client::find_device().
 Result<client::Connection> connect_to_device(const client::Network& network, const std::string& device,
