@@ -104,11 +104,11 @@ TEST(WatchView, AsksForConfirmationIfTheSelectionMovedByItself) {
   };
   lose_a_row();
   ASSERT_EQ(person.view.chosen, "robot.m2");
-  EXPECT_FALSE(person.press('t').command);
-  EXPECT_EQ(person.view.asked, (Command{Verb::stop, "robot.m2"}));
-  EXPECT_FALSE(person.press('t').command) << "repeating the key does not confirm";
+  EXPECT_FALSE(person.press('r').command);
+  EXPECT_EQ(person.view.asked, (Command{Verb::recover, "robot.m2"}));
+  EXPECT_FALSE(person.press('r').command) << "repeating the key does not confirm";
   person.press(Keyboard::kUp);
-  EXPECT_EQ(person.press('t').command, (Command{Verb::stop, "robot.m0"})) << "the user selected this row";
+  EXPECT_EQ(person.press('r').command, (Command{Verb::recover, "robot.m0"})) << "the user selected this row";
 }
 
 TEST(WatchView, CanSelectBothRowsWithTheSameName) {
@@ -125,21 +125,24 @@ TEST(WatchView, CanSelectBothRowsWithTheSameName) {
 TEST(WatchView, HasAKeyForEachCommand) {
   Person person{3};
   person.press(Keyboard::kDown);
-  const std::pair<char, Verb> keys[] = {{'i', Verb::initialize},
-                                        {'s', Verb::start},
-                                        {'t', Verb::stop},
-                                        {'r', Verb::recover},
-                                        {'x', Verb::reset}};
+  const std::pair<char, Verb> keys[] = {{'i', Verb::initialize}, {'r', Verb::recover}};
   for (const auto& [key, verb] : keys)
     EXPECT_EQ(person.press(key).command, (Command{verb, "robot.m1"})) << key;
   person.press('\r');
-  EXPECT_EQ(person.press('t').command, (Command{Verb::stop, "robot.m1"})) << "also on the details page";
+  EXPECT_EQ(person.press('r').command, (Command{Verb::recover, "robot.m1"})) << "also on the details page";
   person.press('?');
-  EXPECT_FALSE(person.press('t').command) << "not on a page without modules";
+  EXPECT_FALSE(person.press('r').command) << "not on a page without modules";
 }
 
-TEST(WatchView, AsksForConfirmationBeforeDestruct) {
+TEST(WatchView, AsksForConfirmationBeforeAModuleBeginsOrEnds) {
   Person person{3};
+  const std::pair<char, Verb> keys[] = {
+      {'s', Verb::start}, {'t', Verb::stop}, {'x', Verb::reset}, {'D', Verb::destruct}};
+  for (const auto& [key, verb] : keys) {
+    EXPECT_FALSE(person.press(key).command) << key;
+    EXPECT_EQ(person.view.asked, (Command{verb, "robot.m0"}));
+    EXPECT_EQ(person.press('y').command, (Command{verb, "robot.m0"})) << key;
+  }
   EXPECT_FALSE(person.press('D').command);
   EXPECT_EQ(person.view.asked, (Command{Verb::destruct, "robot.m0"}));
   EXPECT_FALSE(person.press('\r').command);

@@ -175,7 +175,9 @@ Done press(View& view, int key, const Shown& shown) {
   }
   const bool modules = view.page == Page::list || view.page == Page::details;
   if (const auto verb = verb_of(key); verb && modules && !view.chosen.empty()) {
-    if (*verb != Verb::destruct && !view.slipped) return {.command = Command{*verb, view.chosen}};
+    // A command that makes a module begin or end must be confirmed, because a machine may move.
+    const bool is_harmless = *verb == Verb::recover || *verb == Verb::initialize;
+    if (is_harmless && !view.slipped) return {.command = Command{*verb, view.chosen}};
     view.asked = Command{*verb, view.chosen};
     return {};
   }
