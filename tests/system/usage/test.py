@@ -95,6 +95,9 @@ class Usage(takt_system.Case):
             run = self.takt("echo", option, "1", "line.belt")
             self.assertEqual((1, ""), (run.status, run.out))
             self.assertEqual("error: 'line.belt' is not a port name; write DEVICE.MODULE.PORT", run.err.strip())
+            run = self.takt("echo", option, "x", "line.belt.scene")
+            self.assertEqual((2, ""), (run.status, run.out))
+            self.assertIn("error: --count takes a number, not 'x'\n", run.err)
 
     def test_takt_log_lists_the_valid_event_kinds_after_an_unknown_kind(self):
         kinds = self.takt("log", "--help").out.split("Kinds:")[1].rstrip(".\n").replace(",", " ").split()

@@ -321,11 +321,21 @@ std::string suggested_options(const CLI::App& program, const CLI::App& command) 
   return lines;
 }
 
+/// What CLI11 says, or a clearer sentence if an option that takes a number has another value.
+std::string what_is_wrong(const CLI::Error& error) {
+  const std::string text = error.what();
+  constexpr std::string_view kBegin = "Could not convert: ";
+  const std::size_t equals = text.find(" = ");
+  if (!text.starts_with(kBegin) || equals == std::string::npos) return text;
+  return text.substr(kBegin.size(), equals - kBegin.size()) + " takes a number, not " +
+         in_quotes(text.substr(equals + 3));
+}
+
 /// The message for wrong usage: only the error and the usage line. The whole help text would scroll the error
 /// off the screen.
 std::string wrong_usage(const CLI::App* program, const CLI::Error& error) {
   const std::string help = program->help();
-  std::string wrong = std::string{"error: "} + error.what() + "\n";
+  std::string wrong = std::string{"error: "} + what_is_wrong(error) + "\n";
   const CLI::App* meant = program;
   std::string name = program->get_name();
   while (!meant->get_subcommands().empty()) {

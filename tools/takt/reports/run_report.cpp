@@ -167,7 +167,9 @@ std::string run_text(const Json& status) {
   for (const Json& device : status["devices"]) text += device_text(device, width);
   for (const Json& line : status.value("differences", Json::array()))
     text += "DIFFERENT DEPLOYMENTS: " + line.get<std::string>() + "\n";
-  return text + "\n  Times are in us. takt status --help explains the columns.\n";
+  return text +
+         "\n  Times are in us; a late start has a negative jitter. takt status --help explains the "
+         "columns.\n";
 }
 
 std::string run_json(Json status) {
