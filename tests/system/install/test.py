@@ -164,11 +164,11 @@ class Installed(takt_system.Case):
                              components=os.path.join(folder, "build", "components"))
         self.assert_ran(run, ["press", "gauge"])
         # find_package() must not find the package if the project asks for another version.
-        self.write("project/CMakeLists.txt", block("cmake").replace("takt 0.1", "takt 0.2"))
+        self.write("project/CMakeLists.txt", block("cmake").replace("takt 0.2", "takt 0.3"))
         refused = subprocess.run(["cmake", "-S", folder, "-B", os.path.join(self.folder, "other"), "-DCMAKE_PREFIX_PATH=" + INSTALLED],
                                  capture_output=True, text=True)
         self.assertNotEqual(0, refused.returncode)
-        self.assertIn('compatible with requested version "0.2"', re.sub(r"\s+", " ", refused.stderr))
+        self.assertIn('compatible with requested version "0.3"', re.sub(r"\s+", " ", refused.stderr))
 
     def build(self, lines):
         """Builds a project from these CMake lines in the folder of the test. Returns the folder that contains its components."""
@@ -319,7 +319,7 @@ class Installed(takt_system.Case):
         run = subprocess.run(["cpack", "-G", "DEB", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", packages],
                              capture_output=True, text=True, timeout=5 * takt_system.LONG)
         self.assertEqual(0, run.returncode, run.stdout + run.stderr)
-        self.assertEqual(["takt-dev_0.1.0", "takt_0.1.0"],
+        self.assertEqual(["takt-dev_0.2.0", "takt_0.2.0"],
                          sorted(os.path.basename(p).rsplit("_", 1)[0] for p in glob.glob(packages + "/*.deb")))
         root = os.path.join(self.folder, "root")
         fields = {}
@@ -332,7 +332,7 @@ class Installed(takt_system.Case):
         for dependency in ("libfastrtps", "libtinyxml2", "libc6"):
             self.assertIn(dependency, fields["takt"])
         # takt_add_idl() needs neither Fast DDS nor Java, so takt-dev must not depend on them.
-        self.assertEqual("takt (= 0.1.0), g++, cmake (>= 3.25), python3 (>= 3.9)", fields["takt-dev"].strip())
+        self.assertEqual("takt (= 0.2.0), g++, cmake (>= 3.25), python3 (>= 3.9)", fields["takt-dev"].strip())
         for path in ("bin/takt", "lib/takt/takt-host", "lib/takt/components/servo.so", "share/takt/takt.xsd", "share/man/man1/takt.1",
                      "share/bash-completion/completions/takt", "lib/systemd/system/takt-node@.service"):
             self.assertRegex(content["takt"], r" \./usr/%s\n" % re.escape(path))
