@@ -62,11 +62,15 @@ Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* 
 }
 
 bool all_state_budgets(const model::Cell& cell) {
-  return std::all_of(cell.devices.begin(), cell.devices.end(), [](const model::Device& device) {
-    return std::all_of(device.modules.begin(), device.modules.end(), [](const Module& module) {
-      return module.operation == Operation::non_real || module.budget.has_value();
-    });
-  });
+  bool any = false;
+  for (const model::Device& device : cell.devices) {
+    for (const Module& module : device.modules) {
+      if (module.operation == Operation::non_real) continue;
+      if (!module.budget) return false;
+      any = true;
+    }
+  }
+  return any;
 }
 
 }  // namespace takt::schedule

@@ -85,6 +85,8 @@ TEST(BudgetCheck, IgnoresNonRealTimeModules) {
   EXPECT_FALSE(all_state_budgets(all));
   all.devices[0].modules[1].budget = 1us;
   EXPECT_TRUE(all_state_budgets(all));
+  for (model::Module& module : all.devices[0].modules) module.operation = model::Operation::non_real;
+  EXPECT_FALSE(all_state_budgets(all)) << "there is nothing to prove";
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ using LongestRuns = std::vector<std::vector<std::optional<Nanoseconds>>>;
 /// modules that occur only in the profile.
 Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* profile, double factor);
 
-/// Returns true if every periodic and sporadic module has a budget.
+/// Returns true if the cell has a periodic or sporadic module, and each of them has a budget.
 bool all_state_budgets(const model::Cell& cell);
 
 }  // namespace takt::schedule
