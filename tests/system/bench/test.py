@@ -3,13 +3,26 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from html.parser import HTMLParser
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
+from takt_system import wait_until
 
 TIMES = ["p50_us", "p90_us", "p99_us", "p99.9_us", "max_us"]
 JITTER = ["count", "mean", "variance", "min", "p50", "p90", "p99", "p999", "max"]
+
+
+def thread_names(pid):
+    names = set()
+    for thread in os.listdir("/proc/%d/task" % pid):
+        try:
+            with open("/proc/%d/task/%s/comm" % (pid, thread)) as name:
+                names.add(name.read().strip())
+        except OSError:
+            pass  # the thread has ended
+    return names
 
 
 class Page(HTMLParser):
@@ -116,7 +129,7 @@ class Bench(takt_system.Case):
             with self.subTest(command=command):
                 before = set(os.listdir(tempfile.gettempdir()))
                 run = self.start("bench", command, "--for", "2")
-                takt_system.wait_until(lambda: run.processes(program))
+                wait_until(lambda: run.processes(program))
                 run.signal(signal.SIGINT)
                 run.wait()
                 self.assertEqual(1, run.status)
@@ -142,6 +155,17 @@ class Bench(takt_system.Case):
         pid, arguments = self.read("load").split(" ", 1)
         self.assertEqual("stress-ng " + arguments.strip(), run.report["load"])
         self.assertFalse(os.path.exists("/proc/" + pid))
+
+    def test_takt_bench_wake_shows_a_delay_that_is_longer_than_the_period(self):
+        run = self.start("bench", "wake", "--period", "1000", "--for", "1", "--json")
+        for _ in range(3):
+            wait_until(lambda: "bench" in thread_names(run.pid), "a thread that measures")
+            run.halt()
+            time.sleep(0.1)
+            run.signal(signal.SIGCONT)
+        run.wait()
+        self.assertEqual(0, run.status, run.err)
+        self.assertGreater(max(way["max_us"] for way in run.report["sections"][0]["rows"]), 50_000)
 
     def test_takt_bench_reports_that_it_measured_without_real_time_rights(self):
         if os.geteuid() != 0:
