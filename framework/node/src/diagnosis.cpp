@@ -18,8 +18,10 @@ using takt::to_text;  // the overload for Severity would hide these functions
 constexpr Nanoseconds kDeepIdle = std::chrono::microseconds{10};
 constexpr double kStolenSpoils = 0.005;
 constexpr double kStolenNote = 0.001;
+// The limits of the delay of wake-ups: for their p99 and, if it is rare, for their maximum.
 constexpr Nanoseconds kLateNote = std::chrono::microseconds{100};
-constexpr Nanoseconds kLateSpoils = std::chrono::milliseconds{1};
+constexpr Nanoseconds kLateSpoils = std::chrono::microseconds{250};  // a quarter of a common period, 1 ms
+constexpr Nanoseconds kRarelyLateNote = std::chrono::milliseconds{1};
 constexpr std::uint64_t kMiB = 1024 * 1024;
 // The size of the buffer that a DDS reader needs for a burst of large samples.
 constexpr std::uint64_t kSocketBuffer = kMiB;
@@ -440,7 +442,7 @@ Finding wake_up(const Machine&, const Trial& trial) {
   } else if (w.p99 > kLateSpoils) {
     finding.severity = Severity::spoils;
     finding.cure = "correct the other findings, and run takt doctor again";
-  } else if (w.p99 > kLateNote || w.max > kLateSpoils) {
+  } else if (w.p99 > kLateNote || w.max > kRarelyLateNote) {
     finding.severity = Severity::note;
     finding.cure = "correct the other findings, and run takt doctor again";
   }

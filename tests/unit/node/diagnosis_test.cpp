@@ -191,7 +191,9 @@ TEST(Diagnosis, RatesWakeUpsByTheirDelay) {
   os::Trial trial = good_trial();
   trial.wake_ups = {500, microseconds{30}, microseconds{101}, microseconds{300}};
   EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::note);
-  trial.wake_ups = {500, microseconds{30}, microseconds{1001}, milliseconds{3}};
+  trial.wake_ups = {500, microseconds{30}, microseconds{250}, milliseconds{3}};
+  EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::note);
+  trial.wake_ups = {500, microseconds{30}, microseconds{251}, microseconds{300}};
   EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::spoils);
   trial.wake_ups = {};
   EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::spoils);
