@@ -26,10 +26,11 @@ Nanoseconds median(std::vector<Nanoseconds> values) {
 }
 
 /// Compares the delay with the times that the thread lost by preemption, by page faults and to the
-/// hypervisor. Returns the cause with the greatest time, if this time is at least half of the delay.
+/// hypervisor. Returns the cause with the greatest time, if this time is at least half of the delay. While the
+/// hypervisor has taken the CPU, a ready thread waits too, so only the rest of its wait is preemption.
 std::optional<Cause> accounts_for(const Evidence& e, Nanoseconds minor_fault, Nanoseconds delay) {
   const std::array<std::pair<Cause, Nanoseconds>, 3> weighed{
-      {{Cause::preemption, e.stopped ? delay : e.waited},
+      {{Cause::preemption, e.stopped ? delay : e.waited - e.stolen},
        {Cause::page_fault, std::max(minor_fault, kMinorFault) * static_cast<std::int64_t>(e.minor_faults) +
                                kMajorFault * static_cast<std::int64_t>(e.major_faults)},
        {Cause::hypervisor, e.stolen}}};

@@ -205,6 +205,17 @@ TEST(LatenessDiagnosis, BlamesTheHypervisorForTimeStolenFromTheExecutorsCpu) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "the hypervisor took 10.0 ms");
 }
 
+TEST(LatenessDiagnosis, BlamesTheHypervisorIfTheThreadWaitedForACpuThatTheHypervisorTook) {
+  Made made = one_late_row();
+  made.sample(99 * kMs, 50ms);
+  made.sample(102 * kMs, 60ms).waited = 10150us;
+  made.sample(140 * kMs, 60ms).waited = 10150us;
+  made.sample(180 * kMs, 60ms).waited = 10150us;
+  const auto late = judged(made);
+  EXPECT_EQ(late[0].cause, Cause::hypervisor);
+  EXPECT_EQ(in_words(late[0], made.recording.modules), "waited 10.2 ms for a CPU; the hypervisor took 10.0 ms");
+}
+
 TEST(LatenessDiagnosis, IgnoresTimeStolenFromOtherCpus) {
   Made made = one_late_row();
   made.sample(99 * kMs);
