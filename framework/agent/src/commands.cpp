@@ -44,6 +44,7 @@ namespace {
 /// report, which shows the conflict.
 bool is_ambiguous(const Command& command) {
   switch (command.kind()) {
+    case COMMAND_CONNECT:
     case COMMAND_RUN:
     case COMMAND_UNDEPLOY:
       return command.deployment().size() == 0;
@@ -87,6 +88,8 @@ void Agent::receive(const wire::WholeCommand& command) {
       return describe(head);
     case COMMAND_PREPARE:
       return prepare(command);
+    case COMMAND_CONNECT:
+      return connect(head);
     case COMMAND_RUN:
       return run(command);
     case COMMAND_UNDEPLOY:

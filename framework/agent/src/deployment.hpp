@@ -36,12 +36,14 @@ struct Agent::Deployment {
   std::vector<LifecycleStatus> modules;  ///< the status of each module, as published last
 
   std::vector<Command> preparers;    ///< commands to be answered when every module is in START, or on failure
+  std::vector<Command> connectors;   ///< commands to be answered when every connection is made, or on failure
   std::vector<Command> undeployers;  ///< commands to be answered when the deployment has ended
-  std::optional<Instant> prepared_at;      ///< when every module was in START
-  std::optional<Instant> ready_since;      ///< since when this node has also found all other devices
-  std::optional<std::int64_t> t0_wall_ns;  ///< T0 on the wall clock
-  std::optional<Instant> t0;               ///< T0 on the monotonic clock, converted once
-  std::optional<JointStart> start;         ///< set when T0 has arrived; empty if the deployment was restored
+  std::optional<Instant> prepared_at;       ///< when every module was in START
+  std::optional<Instant> ready_since;       ///< since when this node has also found all other devices
+  std::optional<Instant> connecting_since;  ///< when the first of `connectors` arrived
+  std::optional<std::int64_t> t0_wall_ns;   ///< T0 on the wall clock
+  std::optional<Instant> t0;                ///< T0 on the monotonic clock, converted once
+  std::optional<JointStart> start;          ///< set when T0 has arrived; empty if the deployment was restored
   bool unsaved = false;  ///< the deployment could not be written to disk; the agent will try again
   std::string update;    ///< id of the last update of this deployment; empty if there was none
   std::string safe;      ///< safe values of the cell's outputs, in the format of model::parse_safe()

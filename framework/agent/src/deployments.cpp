@@ -281,6 +281,8 @@ void Agent::step_supervised() {
         if (update_ && update_->in_transit()) update_->brought_up();
       } else if (!d.start && options_.now() - *d.ready_since > kRunAwaited) {
         undo("no run command arrived within " + takt::to_text(kRunAwaited));
+      } else {
+        step_connectors();
       }
       break;
     case Phase::ended:
@@ -311,15 +313,43 @@ bool Agent::check_others() {
   return true;
 }
 
-void Agent::run(const wire::WholeCommand& whole) {
-  const Command& command = whole.head;
+// Returns true if this command refers to the present deployment. Otherwise rejects the command.
+bool Agent::is_prepared(const Command& command) {
   const std::string id = command.deployment().to_string();
-  if (!deployment_ || (!id.empty() && deployment_->id != id)) {
-    answer(command, REPLY_REFUSED,
-           "device " + options_.device + " has not prepared " +
-               (deployment_ ? "this deployment" : "a deployment"));
+  if (deployment_ && (id.empty() || deployment_->id == id)) return true;
+  answer(command, REPLY_REFUSED,
+         "device " + options_.device + " has not prepared " +
+             (deployment_ ? "this deployment" : "a deployment"));
+  return false;
+}
+
+void Agent::connect(const Command& command) {
+  if (!is_prepared(command)) return;
+  Deployment& d = *deployment_;
+  if (!d.ready_since || d.supervised->phase() != Phase::ready || d.start) {
+    answer(command, REPLY_REFUSED, occupied());
     return;
   }
+  if (!d.connecting_since) d.connecting_since = options_.now();
+  d.connectors.push_back(command);
+}
+
+// Answers the commands that wait for the connections to other devices. Undoes the deployment if a connection
+// takes too long.
+void Agent::step_connectors() {
+  Deployment& d = *deployment_;
+  if (d.connectors.empty()) return;
+  const std::string unmatched = d.supervised->unmatched();
+  if (unmatched.empty()) {
+    for (const Command& connector : std::exchange(d.connectors, {})) answer(connector, REPLY_OK, "");
+  } else if (options_.now() - *d.connecting_since > kConnected) {
+    undo("the connection " + unmatched + " could not be made; check the network between the devices");
+  }
+}
+
+void Agent::run(const wire::WholeCommand& whole) {
+  const Command& command = whole.head;
+  if (!is_prepared(command)) return;
   if (deployment_->t0_wall_ns == command.time_ns()) {  // the client has repeated the command
     answer(command, REPLY_OK, "");
     return;
@@ -526,7 +556,8 @@ void Agent::finish() {
   Deployment& d = *deployment_;
   const Problems failures = d.supervised->failures();
   const bool started = d.ready_since.has_value();
-  const std::vector<Command> preparers = std::move(d.preparers);
+  std::vector<Command> unfinished = std::move(d.preparers);
+  unfinished.insert(unfinished.end(), d.connectors.begin(), d.connectors.end());
   const std::vector<Command> undeployers = std::move(d.undeployers);
   const bool in_transit = update_ && update_->in_transit();
   const Problems reasons =
@@ -541,7 +572,7 @@ void Agent::finish() {
     texts.push_back(to_text(Problem{"device " + options_.device, d.undone, ""}));
   last_id_ = d.id;
   last_data_ = model::json_text({{"report", d.supervised->report()}, {"failures", texts}});
-  if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
+  if (!started && unfinished.empty() && undeployers.empty() && !failures.empty())
     last_refusal_ = to_text(failures[0]);
 
   filter_.flush();
@@ -574,8 +605,8 @@ void Agent::finish() {
     last_refusal_ = "cell " + d.cell.name + " was not started: " + d.undone;
   clear();
   publish_status();  // before the answers, so that a client with an answer sees that the device is free
-  for (const Command& preparer : preparers)
-    answer(preparer, REPLY_FAILED, in_words({reasons[0]}), model::json_text(problems_json(reasons)));
+  for (const Command& command : unfinished)
+    answer(command, REPLY_FAILED, in_words({reasons[0]}), model::json_text(problems_json(reasons)));
   for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
 }
 

@@ -9,6 +9,8 @@ namespace takt::agent {
 
 /// The longest time that a prepared device searches for the other devices of its cell.
 inline constexpr Nanoseconds kOthersFound = std::chrono::seconds{10};
+/// The longest time that the connections between the ports of prepared devices may take.
+inline constexpr Nanoseconds kConnected = std::chrono::seconds{10};
 /// The largest difference between the wall clocks of two devices of a cell. A service that sets the clock
 /// over the network (chrony, ptp4l, systemd-timesyncd) keeps clocks much closer than this; a clock that no
 /// service sets soon differs by more than this.

@@ -31,6 +31,7 @@ class Deployment {
 
   Problems find();
   Problems prepare(const std::string& text);
+  Problems connect();
   Problems run(std::int64_t t0_ns);
   Problems wait_until_all_run(std::int64_t t0_ns);
   /// Ends the deployment on all devices, and adds the reasons that the devices give to `problems`.
@@ -133,7 +134,8 @@ Problems Deployment::find() {
       const std::string meant{nearest(device.name, {others.begin(), others.end()})};
       problems.push_back({where, "not found on " + domain,
                           (meant.empty() ? "" : "did you mean " + meant + "? Otherwise ") +
-                              "start its node with " + sender_.node_command(device.name) + "; " + found_there(devices)});
+                              "start its node with " + sender_.node_command(device.name) + "; " +
+                              found_there(devices)});
     } else if (found.size() > 1) {
       std::vector<DeviceStatus> all;
       for (const wire::ObservedDevice& seen : found) all.push_back(seen.status);
@@ -173,6 +175,23 @@ Problems Deployment::prepare(const std::string& text) {
   if (!ports) return ports.problems();
   safe_ = model::safe_json(model::safe_outputs(cell_, *ports));
   return model::check_connections(cell_, *ports);
+}
+
+// Waits until the ports of different devices are connected. Each device has prepared the cell before, so no
+// device waits for the ports of a device that failed.
+Problems Deployment::connect() {
+  std::set<std::string> devices;
+  for (const model::Connection& connection : cell_.connections) {
+    if (!connection.from.given() || !connection.to.given() || connection.from.device == connection.to.device)
+      continue;
+    devices.insert({connection.from.device, connection.to.device});
+  }
+  std::vector<CommandRequest> requests;
+  for (const std::string& device : devices) {
+    requests.push_back(request(COMMAND_CONNECT, device));
+    requests.back().limit.reset();
+  }
+  return requests.empty() ? Problems{} : send(requests);
 }
 
 Problems Deployment::run(std::int64_t t0_ns) {
@@ -288,6 +307,8 @@ Result<Deployed> deploy(Operator& sender, const model::Cell& cell, const std::st
   Deployment deployment{sender, cell, options};
   if (Problems problems = deployment.find(); !problems.empty()) return problems;
   if (Problems problems = deployment.prepare(text); !problems.empty())
+    return deployment.undo(std::move(problems));
+  if (Problems problems = deployment.connect(); !problems.empty())
     return deployment.undo(std::move(problems));
   const std::int64_t t0_ns = wall_ns() + options.lead.count();
   if (Problems problems = deployment.run(t0_ns); !problems.empty())

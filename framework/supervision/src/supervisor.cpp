@@ -252,6 +252,10 @@ void Supervisor::prepare_step() {
   }
 }
 
+std::string Supervisor::unmatched() const {
+  return parts_.wiring.unmatched([this](std::size_t link) { return flows_->health(link); });
+}
+
 void Supervisor::go(Instant t0) {
   if (phase_ != Phase::ready) return;
   phase_ = Phase::running;

@@ -175,6 +175,10 @@ class Planner {
     link.is_queue = true;  // only a queue counts the samples that it drops
   }
 
+  static std::string text_of(const Connection& connection) {
+    return model::to_text(connection.from) + " -> " + model::to_text(connection.to);
+  }
+
   /// Plans the flow for a connection that begins at an output of this device. All connections of the output
   /// to the same topic share one flow, which gets the strictest QoS of these connections.
   void outgoing(const Connection& connection) {
@@ -202,6 +206,7 @@ class Planner {
           connection.lifespan ? std::optional{std::max(*flow.lifespan, *connection.lifespan)} : std::nullopt;
     }
     flow.connected = true;
+    if (connection.to.given()) flow.ends.try_emplace(connection.to.device, text_of(connection));
   }
 
   void incoming(const Connection& connection) {
@@ -233,16 +238,19 @@ class Planner {
                      .carries = connection.carries,
                      .connected = true,
                      .links = {plan_.links.size() - 1}};
+    if (connection.from.given()) flow.ends.emplace(connection.from.device, text_of(connection));
     const auto same = [](const PlannedFlow& f) {
       return std::tie(f.outgoing, f.topic, f.domain, f.reliable, f.depth, f.deadline, f.lifespan);
     };
     const auto other = std::find_if(plan_.flows.begin(), plan_.flows.end(), [&](const PlannedFlow& f) {
       return same(f) == same(flow) && f.type == flow.type;
     });
-    if (other == plan_.flows.end())
+    if (other == plan_.flows.end()) {
       plan_.flows.push_back(std::move(flow));
-    else
+    } else {
       other->links.push_back(plan_.links.size() - 1);
+      other->ends.merge(flow.ends);
+    }
   }
 
   /// Plans the flow of requests from outside the cell (`takt call`). The replies use the flow that every
@@ -320,6 +328,18 @@ void Wiring::give_safe(const model::SafeOutput& output) {
     if (const auto bytes = model::sample_bytes(flow->type, output.json); bytes)
       created.link.give_safe(*bytes);
   }
+}
+
+std::string Wiring::unmatched(const OnDds& on_dds) const {
+  for (const PlannedFlow& flow : flows_) {
+    if (flow.ends.empty()) continue;
+    const auto health = on_dds(flow.links.front());
+    if (health && health->matched >= flow.ends.size()) continue;
+    std::string text;
+    for (const auto& [device, connection] : flow.ends) text += (text.empty() ? "" : " or ") + connection;
+    return text;
+  }
+  return "";
 }
 
 PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,

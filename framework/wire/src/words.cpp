@@ -132,6 +132,8 @@ const char* to_text(CommandKind kind) noexcept {
       return "describe";
     case COMMAND_PREPARE:
       return "prepare";
+    case COMMAND_CONNECT:
+      return "connect";
     case COMMAND_RUN:
       return "run";
     case COMMAND_UNDEPLOY:

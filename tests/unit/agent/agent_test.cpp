@@ -32,8 +32,8 @@ TEST(Agent, PublishesThatItWaitsForADeployment) {
 
 TEST(Agent, RejectsCommandsThatNeedADeployment) {
   FakeDevice device;
-  for (const CommandKind kind : {COMMAND_RUN, COMMAND_DESCRIBE, COMMAND_START, COMMAND_STOP, COMMAND_RECOVER,
-                                 COMMAND_RESET, COMMAND_DESTRUCT, COMMAND_INITIALIZE}) {
+  for (const CommandKind kind : {COMMAND_CONNECT, COMMAND_RUN, COMMAND_DESCRIBE, COMMAND_START, COMMAND_STOP,
+                                 COMMAND_RECOVER, COMMAND_RESET, COMMAND_DESTRUCT, COMMAND_INITIALIZE}) {
     device.receive(device.command(kind));
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << to_text(kind);
     EXPECT_THAT(device.text(), HasSubstr("robot")) << to_text(kind);
@@ -352,6 +352,38 @@ TEST(Agent, FailsToPrepareIfItDoesNotFindAnotherDeviceOfTheCell) {
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   EXPECT_EQ(device.text(), "it has not found device line; check the network between the two devices");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+}
+
+TEST(Agent, UndoesADeploymentIfAConnectionCannotBeMade) {
+  FakeDevice device;
+  device.become_ready();
+  device.work.unmatched = "robot.arm.out -> line.panel.in";
+  device.published.replies.clear();
+  device.receive(device.command(COMMAND_CONNECT));
+  device.pass(seconds{10});
+  EXPECT_TRUE(device.published.replies.empty()) << "the ports may not have discovered each other yet";
+  device.pass(milliseconds{1});
+  EXPECT_TRUE(device.work.stop_called);
+  device.end();
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.text(),
+            "the connection robot.arm.out -> line.panel.in could not be made; check the network between the "
+            "devices");
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+}
+
+TEST(Agent, AnswersAsSoonAsItsConnectionsAreMade) {
+  FakeDevice device;
+  device.become_ready();
+  device.work.unmatched = "robot.arm.out -> line.panel.in";
+  device.published.replies.clear();
+  device.receive(device.command(COMMAND_CONNECT));
+  EXPECT_TRUE(device.published.replies.empty());
+  device.work.unmatched = "";
+  device.pass(milliseconds{10});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  device.run();
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
 }
 
 TEST(Agent, UndoesADeploymentIfAnotherDeviceIsNotArmedAtT0) {

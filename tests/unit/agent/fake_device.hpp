@@ -60,6 +60,7 @@ struct Work {
   std::vector<std::pair<std::uint32_t, std::string>> swaps;
   std::vector<std::function<void(const Outcome&)>> done;
   Standing standing;
+  std::string unmatched;
 };
 
 class FakeInspection final : public Inspection {
@@ -126,6 +127,7 @@ class FakeSupervised final : public Supervised {
              std::function<void(const Result<std::string>&)> done) override {
     done(std::to_string(last.count()) + " of " + std::to_string(most));
   }
+  [[nodiscard]] std::string unmatched() const override { return work_.unmatched; }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
   [[nodiscard]] bool stops_cell() const noexcept override { return work_.stops_cell; }

@@ -234,6 +234,28 @@ TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
   }
 }
 
+TEST_F(PlannedWiring, NamesAConnectionWhoseOtherEndWasNotFound) {
+  cell.devices.push_back({.name = "third", .executors = {{}}, .modules = {}});
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "a", "out"), end("there", "x", "in"));
+  connect(end("here", "a", "out"), end("there", "y", "in"));
+  connect(end("here", "a", "out"), end("third", "x", "in"));
+  connect(end("third", "x", "out"), end("here", "c", "in"));
+  connect(end("here", "c", "out"), {}).topic = "rt/out";
+  const auto wiring = Wiring::create(plan());
+  ASSERT_TRUE(wiring.ok());
+  const auto unmatched = [&](std::uint32_t readers, std::uint32_t writers) {
+    return wiring->unmatched([&](std::size_t link) -> std::optional<wire::FlowHealth> {
+      const LinkEnd& from = wiring->links()[link].plan.from;
+      if (from.port == "out" && from.module == 2U) return std::nullopt;  // no flow is open, nobody reads rt/out
+      return wire::FlowHealth{.matched = from.module ? readers : writers, .incompatible = {}};
+    });
+  };
+  EXPECT_EQ(unmatched(1, 1), "here.a.out -> there.x.in or here.a.out -> third.x.in");
+  EXPECT_EQ(unmatched(2, 0), "third.x.out -> here.c.in");
+  EXPECT_EQ(unmatched(2, 1), "");
+}
+
 TEST_F(PlannedWiring, CountsAConnectionToAMissingServiceAsUnmatched) {
   auto wiring = [&] {
     connect(end("here", "a", "out"), end("there", "x", "in")).carries = model::Carries::requests;

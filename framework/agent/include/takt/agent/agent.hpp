@@ -139,6 +139,9 @@ class Agent {
 
   // Deployments (deployments.cpp)
   void prepare(const wire::WholeCommand& command);
+  [[nodiscard]] bool is_prepared(const Command& command);
+  void connect(const Command& command);
+  void step_connectors();
   void run(const wire::WholeCommand& command);
   void undeploy(const Command& command);
   void begin(std::unique_ptr<Deployment> deployment);

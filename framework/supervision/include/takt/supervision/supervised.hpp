@@ -124,6 +124,9 @@ class Supervised {
   virtual void trace(Nanoseconds last, std::size_t most,
                      std::function<void(const Result<std::string>&)> done) = 0;
 
+  /// Returns a connection to another device whose other end has not been found yet, such as
+  /// "robot.arm.measured -> station.panel.arm". Empty if there is none.
+  [[nodiscard]] virtual std::string unmatched() const = 0;
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
   /// The reasons why the device failed as a whole, and the modules that were given up; empty if nothing
   /// failed.

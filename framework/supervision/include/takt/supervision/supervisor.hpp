@@ -80,6 +80,7 @@ class Supervisor final : public Supervised {
   [[nodiscard]] Result<void> may_swap(std::uint32_t module) const override;
   void swap(std::uint32_t module, const std::string& path, std::function<void(const Outcome&)> done) override;
 
+  [[nodiscard]] std::string unmatched() const override;
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
   [[nodiscard]] bool stops_cell() const noexcept override { return stops_cell_; }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,6 +65,9 @@ struct PlannedFlow {
   bool connected = false;
   std::vector<std::size_t> links{};  ///< indices in WiringPlan::links: one link if the flow is outgoing, one
                                      ///< or more if it is incoming
+  /// The devices of the cell that have the other end of a connection, each with its first connection, such as
+  /// "robot.arm.measured -> station.panel.arm". Without the programs outside the cell.
+  std::map<std::string, std::string> ends{};
 };
 
 struct WiringPlan {
@@ -128,6 +132,10 @@ class Wiring {
   /// from `on_dds`.
   [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
                                   const OnDds& on_dds) const;
+
+  /// Returns a connection of the cell whose other end has not been found on DDS, or several if it can be each
+  /// of them: "robot.arm.measured -> station.panel.arm". Empty if all other ends have been found.
+  [[nodiscard]] std::string unmatched(const OnDds& on_dds) const;
 
   /// The outgoing flow of a port; null if the module has no such output.
   [[nodiscard]] const PlannedFlow* flow_of(std::uint32_t module, const std::string& port) const;
