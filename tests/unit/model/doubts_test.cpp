@@ -98,7 +98,7 @@ TEST_F(Doubts, WarnOfValuesThatBecomeStaleBeforeTheNextOneIsWritten) {
   EXPECT_EQ(text(), "");
 }
 
-TEST_F(Doubts, WarnOfTimesWhoseUnitWasProbablyForgotten) {
+TEST_F(Doubts, WarnOfTimesThatProbablyLackAUnit) {
   writer().budget = microseconds{10};
   EXPECT_EQ(text(), "");
   writer().budget = Nanoseconds{500};
