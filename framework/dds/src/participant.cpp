@@ -25,6 +25,7 @@
 #include "discovery_listener.hpp"
 #include "inside.hpp"
 #include "log.hpp"
+#include "workarounds/deferred_timers.hpp"
 #include "workarounds/filtered_transport.hpp"
 #include "workarounds/participant_removal.hpp"
 #include "workarounds/reader_checks.hpp"
@@ -235,6 +236,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   check_what_readers_receive();
   send_again_to_returning_readers();
   prepare_to_rejoin();
+  defer_deletion_of_timers();
   log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
   library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
