@@ -12,8 +12,9 @@ Marks in a page:
   <!-- edit: NAME -->        before a diff: this file has the lines with "-" and " "; they become the lines with "+" and " "
   ```console                 "$ " begins a command, "> " continues it. The lines below it must be printed in this order, but lines of
                              different modules may come in any order, and further lines may come between them. A number, a time or a
-                             hash matches any other, "..." matches anything. The first line must be real. A command that only shows
-                             something is repeated for up to 30 s until it prints these lines
+                             hash matches any other, but one that changes from line to line must change in the output too. "..."
+                             matches anything. The first line must be real. A command that only shows something is repeated for up to
+                             30 s until it prints these lines
   <!-- status: N -->         before a console block: its last command exits with this status. All other commands exit with status 0
   <!-- runs on -->           before a console block: its last command is still running when it has printed the lines below it
   <!-- Ctrl-C -->            interrupts all commands that still run; they end with status 0. A block after it shows what they then print
@@ -72,12 +73,16 @@ def check_output(expected, printed):
     for line in printed.splitlines():
         lines[source_of(line)].append(line)
     rest = {source: iter(lines[source]) for source in lines}
+    last = (None, None, None)  # the last line: its pattern, the line on the page, the printed line
     for line in expected:
         if line.strip() in ("", "..."):
             continue
         pattern = pattern_of(line)
-        if not any(pattern.search(each) for each in rest.get(source_of(line), ())):
+        stuck = last[2] if pattern == last[0] and line != last[1] else None
+        found = next((each for each in rest.get(source_of(line), ()) if pattern.search(each) and each != stuck), None)
+        if found is None:
             raise Wrong(f"this line was not printed, or not in this order: {line}\nthe output was:\n{printed}")
+        last = (pattern, line, found)
 
 
 def edited(content, diff, name):
