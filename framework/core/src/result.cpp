@@ -1,5 +1,7 @@
 #include <takt/core/result.hpp>
 
+#include <takt/core/words.hpp>
+
 namespace takt {
 
 namespace {
@@ -8,7 +10,7 @@ std::string joined(const Problem& problem, const char* kind) {
   std::string text = problem.where.empty() ? "" : problem.where + ": ";
   text += kind + problem.what;
   if (!problem.fix.empty()) text += "; " + problem.fix;
-  return text;
+  return on_one_line(text);
 }
 
 }  // namespace

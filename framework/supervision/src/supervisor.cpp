@@ -353,7 +353,7 @@ void Supervisor::running_step(Instant now) {
     check_inputs(member, now);
     // Handle an error that the executor detected.
     if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
-      std::string text{member.block.error_text.view()};
+      std::string text = on_one_line(member.block.error_text.view());
       if (static_cast<ErrorType>(type) == ErrorType::budget) text += " of " + to_text(*member.model.budget);
       member.block.error.store(0, std::memory_order_relaxed);
       if (member.state() == State::start) apply(member, Event::run);  // the module's first run failed

@@ -73,7 +73,7 @@ class Recovery(takt_system.Case):
         self.assertEqual(1, run.status)
         modules = run.modules()
         threw = "recover() failed: recover() failed as it was asked to"
-        for module, attempts, backoff, reason in (("throws", 2, 0.05, threw), ("returns", 1, 0, threw),
+        for module, attempts, backoff, reason in (("throws", 2, 0.05, threw), ("returns", 1, 0, threw + r":\n\xc2\x9b31mred"),
                                                   ("in_c", 3, 0.05, "recover() failed: threw: recover() threw as it was asked to")):
             self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states(module))
             self.assertEqual(attempts, len(self.attempts(run, module)))
@@ -81,7 +81,8 @@ class Recovery(takt_system.Case):
             self.assert_backoff(run, module, backoff)
             self.assertEqual("after %d attempt%s: %s" % (attempts, "" if attempts == 1 else "s", reason), run.steps(module)[-1].text)
             self.assertEqual((100, 1), (modules[module]["cycles"], modules[module]["errors"]))
-            self.assertRegex("\n".join(run.other_lines), r"module gives_up\.%s: error: was given up: " % module)
+            self.assertIn("module gives_up.%s: error: was given up: %s; correct the module, or give it more attempts in <recovery>" %
+                          (module, reason), run.other_lines)
         # Module `again` recovers each time, but fails again before the recovery counts as successful.
         self.assertEqual(STARTED + AGAIN * 3 + ["RECOVER", "DESTRUCT"], run.states("again"))
         self.assertEqual((40, 4), (modules["again"]["cycles"], modules["again"]["errors"]))

@@ -7,6 +7,7 @@
 #include <takt/client/connection.hpp>
 #include <takt/client/deploy.hpp>
 #include <takt/client/update.hpp>
+#include <takt/core/words.hpp>
 #include <takt/os/signals.hpp>
 
 #include "commands/bring_up.hpp"
@@ -131,7 +132,7 @@ int undeploy(const UndeployOptions& options) {
     const bool had_it = std::count(devices->names.begin(), devices->names.end(), one.device) != 0;
     if (one.problems.empty() && had_it) names += (names.empty() ? "" : ", ") + one.device;
     for (const std::string& failure : one.failures)
-      std::fprintf(stderr, "failed earlier: %s\n", failure.c_str());
+      std::fprintf(stderr, "failed earlier: %s\n", on_one_line(failure).c_str());
   }
   if (!problems.empty()) complain(problems);
   const bool printed = names.empty() || print("cell " + options.cell + " is undeployed from " + names + "\n");

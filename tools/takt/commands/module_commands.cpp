@@ -69,7 +69,8 @@ int send(const ModuleCommand& command, const std::string& text, const client::Ne
             const auto why = each.at("text").get<std::string>();
             const auto state = each.at("state").get<std::string>();
             lines += fmt::format("{}.{}: {}\n", target->device, each.at("module").get<std::string>(),
-                                 why.empty() ? state_after(command.kind, state) : state + " (" + why + ")");
+                                 why.empty() ? state_after(command.kind, state)
+                                             : state + " (" + on_one_line(why) + ")");
           }
         });
     if (!read) return refuse(read.problems());

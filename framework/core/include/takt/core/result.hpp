@@ -27,12 +27,13 @@ struct Problem {
 /// A list of problems.
 using Problems = std::vector<Problem>;
 
-/// Returns the problem as one line without a line feed: "WHERE: error: WHAT; FIX". Empty parts are omitted.
+/// Returns the problem as one line: "WHERE: error: WHAT; FIX". Empty parts are omitted. Control characters
+/// are escaped, because a part may be the text of a component.
 std::string to_text(const Problem& problem);
 /// Returns the problems as text, one line for each problem.
 std::string to_text(const Problems& problems);
 /// Returns all problems on one line, for use within a sentence. Each problem is "WHERE: WHAT; FIX", and ". "
-/// separates two problems.
+/// separates two problems. Control characters are escaped.
 std::string in_words(const Problems& problems);
 
 /// A value or a list of problems. Not for real-time threads, because problems allocate memory.
