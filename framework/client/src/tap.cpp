@@ -31,6 +31,15 @@ std::pair<std::string, model::Type> topic_in(const json& answer) {
   return {std::move(topic), std::move(*type)};
 }
 
+/// Adds the names DEVICE.MODULE.SERVICE of a module's services.
+void add_services(std::set<std::string>& services, const std::string& module,
+                  const std::vector<model::Port>& ports) {
+  for (const model::Port& port : ports) {
+    if (port.role == model::Role::service || port.role == model::Role::handler)
+      services.insert(module + "." + model::name_of_service(port));
+  }
+}
+
 }  // namespace
 
 Result<dds::Flow> tapped(Operator& sender, const std::string& port) {
@@ -79,11 +88,18 @@ Result<ServiceTopics> opened_service(Operator& sender, const PortName& name, Nan
   const auto modules =
       description ? described_modules(name.device, description->data) : description.problems();
   if (modules) {
+    std::optional<std::vector<model::Port>> ports_of_module;
+    std::set<std::string> others;
     for (const json& module : *modules) {
-      if (module.at("name") != name.module) continue;
-      const auto ports = model::parse_ports(model::json_text({{"ports", module.at("ports")}}));
+      auto ports = model::parse_ports(model::json_text({{"ports", module.at("ports")}}));
       if (!ports) continue;
-      if (auto problem = not_a_service(name, *ports)) return std::move(*problem);
+      if (module.at("name") == name.module)
+        ports_of_module = std::move(*ports);
+      else
+        add_services(others, name.device + "." + module.at("name").get<std::string>(), *ports);
+    }
+    if (ports_of_module) {
+      if (auto problem = not_a_service(name, *ports_of_module, others)) return std::move(*problem);
     }
   }
   // Here the module has the service, or its ports are not known. So report the reason that the device gave.
@@ -102,27 +118,33 @@ Result<std::optional<ServiceTopics>> service_in(const std::string& data, const P
   return topics;
 }
 
-std::optional<Problem> not_a_service(const PortName& name, const std::vector<model::Port>& ports) {
+std::optional<Problem> not_a_service(const PortName& name, const std::vector<model::Port>& ports,
+                                     const std::set<std::string>& others) {
   const std::string module = name.device + "." + name.module;
-  std::set<std::string> services;
   for (const model::Port& port : ports) {
-    const bool is_service = port.role == model::Role::service || port.role == model::Role::handler;
-    if (is_service) services.insert(module + "." + model::name_of_service(port));
     if (port.role != model::Role::plain && model::name_of_service(port) == name.port) return std::nullopt;
   }
+  std::set<std::string> services;
+  add_services(services, module, ports);
+  const auto list = [](const std::set<std::string>& all) {
+    return std::vector<std::string_view>{all.begin(), all.end()};
+  };
+  const std::string there = !services.empty() ? "services of the module: " + one_of(list(services))
+                            : others.empty()  ? "no module of device " + name.device + " has one"
+                                              : "services of other modules: " + one_of(list(others));
+  const std::string none = "module " + module + " has no services";
+  if (name.port.empty()) return fail(services.empty() ? none : module + " is a module, not a service", there);
   const std::string text = path_of(name);
-  const std::vector<std::string_view> known{services.begin(), services.end()};
   const auto port = std::find_if(ports.begin(), ports.end(),
                                  [&](const model::Port& each) { return each.name == name.port; });
   if (port == ports.end()) {
     return fail("module " + module + " has no service " + in_quotes(name.port),
-                known.empty() ? "it has no services" : suggestion(text, known));
+                services.empty() ? there : suggestion(text, list(services)));
   }
   const bool output = port->direction == model::Direction::out;
   return fail(text + " is an " + (output ? "output" : "input") + " port, not a service",
               (output ? "show its samples with takt echo " + text + "; " : "") +
-                  (known.empty() ? "module " + module + " has no services"
-                                 : "services of the module: " + one_of(known)));
+                  (services.empty() ? none + "; " : "") + there);
 }
 
 }  // namespace takt::client

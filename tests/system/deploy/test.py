@@ -197,8 +197,8 @@ class Deploy(takt_system.Case):
             "set station.program x 1": r"^device station: error: program is a program",
             "echo line.source.nothing": r"^device line: error: module line\.source has no port 'nothing'; .*out",
             "call line.source.out": r"^error: line\.source\.out is an output port, not a service; show its samples with takt echo "
-                                    r"line\.source\.out; module line\.source has no services$",
-            "call station.sink.in": r"^error: station\.sink\.in is an input port, not a service; module station\.sink has no services$",
+                                    r"line\.source\.out; module line\.source has no services; no module of device line has one$",
+            "call station.sink.in": r"^error: station\.sink\.in is an input port, not a service; module station\.sink has no services; ",
             "echo station.sink.in": r"^device station: error: port station\.sink\.in is an input; .*line\.source\.out",
         })
         self.assertEqual(["7", "a b"], self.done("get line.properties count", "get line.properties label"))

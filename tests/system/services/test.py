@@ -51,10 +51,15 @@ class Services(takt_system.Case):
         run = self.running("cell.xml")
         run.wait_for_state("relay", "EXECUTING")
         self.done("call serve.answers.handled " + FIVE)
+        offered = set(self.takt("complete", "services").out.split())
+        self.assertLessEqual({"serve.answers.handled", "serve.answers.polled"}, offered)
+        self.assertFalse([name for name in offered if name.count(".") != 2 or name.endswith(".ask")], offered)
         self.refused({
-            "call serve.answers": "'serve.answers' is not the name of a service; write DEVICE.MODULE.SERVICE",
+            "call serve.answers": r"serve\.answers is a module, not a service; services of the module: serve\.answers\.handled",
+            "call serve": "'serve' is not the name of a service; write DEVICE.MODULE.SERVICE",
             "call serve.answers.handle": "module serve.answers has no service 'handle'; did you mean serve.answers.handled",
-            "call serve.near.nothing": "module serve.near has no service 'nothing'; it has no services",
+            "call serve.near.nothing": r"module serve\.near has no service 'nothing'; services of other modules: serve\.answers\.handled",
+            "call serve.near": r"module serve\.near has no services; services of other modules: serve\.answers\.handled",
             "call srve.answers.handled": r"^device srve: error: not found on domain \d+; did you mean serve\.answers\.handled\?$",
             "call serve.near.ask": "'ask' of module serve.near is a client and cannot be called",
             "call serve.answers.handled nummer=5": "samples::Count: error: has no field 'nummer'; did you mean number",

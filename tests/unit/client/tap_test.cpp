@@ -88,7 +88,19 @@ TEST(NotAService, SaysWhatTheNameIsAndListsTheServicesOfTheModule) {
   EXPECT_THAT(text("news"), HasSubstr("d.m.news is an input port"));
   EXPECT_EQ(text("coumt"), "error: module d.m has no service 'coumt'; did you mean d.m.count?");
   EXPECT_EQ(to_text(*not_a_service({"d", "m", "x"}, {port("state", out)})),
-            "error: module d.m has no service 'x'; it has no services");
+            "error: module d.m has no service 'x'; no module of device d has one");
+}
+
+TEST(NotAService, ListsTheServicesThatExist) {
+  using enum model::Direction;
+  const std::set<std::string> others{"d.a.count", "d.b.weigh"};
+  const std::vector<model::Port> count{port("count/request", in, model::Role::handler)};
+  EXPECT_EQ(to_text(*not_a_service({"d", "m", ""}, count, others)),
+            "error: d.m is a module, not a service; services of the module: d.m.count");
+  EXPECT_EQ(to_text(*not_a_service({"d", "m", ""}, {}, others)),
+            "error: module d.m has no services; services of other modules: d.a.count or d.b.weigh");
+  EXPECT_EQ(to_text(*not_a_service({"d", "m", "x"}, {port("state", out)}, others)),
+            "error: module d.m has no service 'x'; services of other modules: d.a.count or d.b.weigh");
 }
 
 }  // namespace

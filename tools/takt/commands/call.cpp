@@ -103,7 +103,10 @@ Result<std::vector<std::byte>> request_of(const client::ServiceTopics& topics, c
 }
 
 int call(const CallOptions& options) {
-  const auto name = client::parse_port(options.service);
+  auto name = client::parse_port(options.service);
+  // With the name of a module alone, list its services.
+  if (const auto module = module_of(options.service); module)
+    name = client::PortName{module->device, module->module, ""};
   if (!name)
     return refuse(
         {fail(in_quotes(options.service) + " is not the name of a service", "write DEVICE.MODULE.SERVICE")});
@@ -172,7 +175,10 @@ int call(const CallOptions& options) {
 void add_call(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<CallOptions>();
   auto* command = app.add_subcommand("call", "Send a request to a service and print its reply");
-  command->add_option("SERVICE", options->service, "DEVICE.MODULE.SERVICE")->required();
+  command
+      ->add_option("SERVICE", options->service,
+                   "DEVICE.MODULE.SERVICE; with DEVICE.MODULE alone, the message lists the services")
+      ->required();
   command
       ->add_option("REQUEST", options->request,
                    "FIELD=VALUE ..., with OUTER.INNER=VALUE for a nested field; or one JSON object. Fields "

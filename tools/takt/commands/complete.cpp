@@ -32,6 +32,12 @@ constexpr milliseconds kDescribed{1000};
 
 std::string name_in(const Json& value) { return value.at("name").get<std::string>(); }
 
+/// Returns true if the port, NAME/request or NAME/reply, belongs to a service that can be called.
+bool is_of_service(const Json& port) {
+  const auto role = port.find("role");
+  return role != port.end() && (*role == "service" || *role == "handler");
+}
+
 /// Asks all devices at the same time for their modules, and returns the modules by device. The result has no
 /// entry for a device that does not answer in time; such a device usually answers the next request at once.
 std::map<std::string, Json> described(client::Operator& sender, const std::vector<std::string>& devices) {
@@ -81,13 +87,19 @@ std::set<std::string> names_of(const std::string& kind, const std::string& word,
       for (const auto& [module, status] : seen.deployment.modules) add(device, module, "");
     }
     const std::string begin = (kind == "properties" ? target : word).substr(0, device.size() + 1);
-    if ((kind == "ports" || kind == "properties") && (device + ".").starts_with(begin))
+    if ((kind == "ports" || kind == "services" || kind == "properties") && (device + ".").starts_with(begin))
       asked.push_back(device);
   }
   for (const auto& [device, modules] : described(*client->sender, asked)) {
     for (const Json& module : modules) {
       if (kind == "ports") {
         for (const Json& port : module.at("ports")) add(device, name_in(module), name_in(port));
+      }
+      if (kind == "services") {
+        for (const Json& port : module.at("ports")) {
+          const std::string name = name_in(port);
+          if (is_of_service(port)) add(device, name_in(module), name.substr(0, name.find('/')));
+        }
       }
       if (kind == "properties" && device + "." + name_in(module) == target) {
         for (const Json& property : module.at("properties")) add(name_in(property), "", "");
@@ -106,7 +118,8 @@ void add_complete(CLI::App& app, Chosen& chosen) {
   auto network = std::make_shared<client::Network>();
   auto* command = app.add_subcommand("complete", "Print the names that the shell can complete");
   command->group("");  // hides it from --help, the manual and the completion
-  command->add_option("KIND", *kind, "devices, modules, targets (both), ports or properties")->required();
+  command->add_option("KIND", *kind, "devices, modules, targets (both), ports, services or properties")
+      ->required();
   command->add_option("WORD", *word, "the beginning of the name, which may be empty");
   command->add_option("TARGET", *target, "for properties: DEVICE.MODULE");
   add_network_options(*command, *network);

@@ -132,6 +132,7 @@ std::string completed(const std::string& value) {
   if (value == "TARGET") return "targets";
   if (value == "MODULE") return "modules";
   if (value == "PORT") return "ports";
+  if (value == "SERVICE") return "services";
   if (value == "PROPERTY") return "properties";
   return "-";
 }
@@ -202,7 +203,7 @@ _@FUNCTION@() {
     *files|folders) compopt -o filenames 2>/dev/null ;;
   esac
   case $kind in
-    devices*|targets|modules|ports|properties)
+    devices*|targets|modules|ports|services|properties)
       while read -r word; do
         [[ $word == "$cur"* ]] && COMPREPLY+=("$word")
       done < <("${COMP_WORDS[0]}" complete "${kind%+files}" "$cur" "${arguments[@]:0:1}" "${network[@]}" 2>/dev/null)

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,8 @@ struct ServiceTopics {
 };
 
 /// Asks the device of a service to open the service for this time to programs outside the cell. If the module
-/// has no such service, the problem says whether a port has this name, and lists the module's services.
+/// has no such service, the problem says whether a port has this name, and lists the services that exist. If
+/// `name.port` is empty, the problem only lists the services.
 Result<ServiceTopics> opened_service(Operator& sender, const PortName& name, Nanoseconds open_for);
 
 /// Parts of opened_service() that need no network.
@@ -47,7 +49,9 @@ Result<ServiceTopics> opened_service(Operator& sender, const PortName& name, Nan
 /// `data` is not such an answer.
 Result<std::optional<ServiceTopics>> service_in(const std::string& data, const PortName& name);
 /// Returns the problem that the name is a port, or that the module has no port or service of this name; none
-/// if the name is a service or a client.
-std::optional<Problem> not_a_service(const PortName& name, const std::vector<model::Port>& ports);
+/// if the name is a service or a client. `name.port` may be empty. `others` are the names of the services of
+/// the other modules of the device; the problem lists them if the module has no services.
+std::optional<Problem> not_a_service(const PortName& name, const std::vector<model::Port>& ports,
+                                     const std::set<std::string>& others = {});
 
 }  // namespace takt::client
