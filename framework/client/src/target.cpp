@@ -18,8 +18,9 @@ std::string instead_of(const std::string& device, const std::string& rest, const
   const std::set<std::string> devices = alive(observer.devices());
   const std::string_view near_device = nearest(device, {devices.begin(), devices.end()});
   const bool is_module = rest.empty() && reports.modules.contains(device);
+  const std::string found = found_there(observer.devices());
   if (!near_device.empty() && !is_module)
-    return "did you mean " + std::string{near_device} + (rest.empty() ? "" : "." + rest) + "?";
+    return found + "; did you mean " + std::string{near_device} + (rest.empty() ? "" : "." + rest) + "?";
   if (rest.empty()) {
     std::vector<std::string_view> names;
     for (const auto& [name, path] : reports.modules) names.emplace_back(name);
@@ -29,7 +30,7 @@ std::string instead_of(const std::string& device, const std::string& rest, const
     for (auto at = first; at != last; ++at) paths.emplace_back(at->second);
     if (!paths.empty()) return "for a module, write DEVICE.MODULE; did you mean " + one_of(paths) + "?";
   }
-  return "check that " + sender.node_command(device) + " is running; " + found_there(observer.devices());
+  return "check that " + sender.node_command(device) + " is running; " + found;
 }
 
 }  // namespace

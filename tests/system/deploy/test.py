@@ -209,7 +209,8 @@ class Deploy(takt_system.Case):
         self.refused({command: r"^device nobody: error: not found on domain %d; check that takt-node --device nobody --domain %d is running; "
                                r"devices found there: line, robot, station$" % (self.domain, self.domain) for command in asked})
         # If the name of a device is misspelled or missing, the message must suggest the correct name.
-        self.refused({"stop lien.source": r"^device lien: error: not found on domain %d; did you mean line\.source\?$" % self.domain,
+        self.refused({"stop lien.source": r"^device lien: error: not found on domain %d; devices found there: line, robot, station; did you mean "
+                                           r"line\.source\?$" % self.domain,
                       "stop lien": r"; did you mean line\?$",
                       "get lien.properties count": r"; did you mean line\.properties\?$",
                       "swap lien.source port_source.so": r"; did you mean line\.source\?$",

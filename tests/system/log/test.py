@@ -131,7 +131,7 @@ class Log(takt_system.Case):
             run = self.takt("log", *arguments)
             self.assertEqual((2, ""), (run.status, run.out), arguments)
             self.assertRegex(run.err, pattern)
-        self.refused({"log --module culprid": "did you mean culprit", "log lime": r"^device lime: error: not found on domain \d+; did you mean line\?$",
+        self.refused({"log --module culprid": "did you mean culprit", "log lime": r"^device lime: error: not found on domain \d+; devices found there: .*; did you mean line\?$",
                       "log robot.culprid": r"device robot has no module 'culprid', .*did you mean culprit\?",
                       "log robot.culprit --module slow": r"^error: both 'robot\.culprit' and --module name a module; leave out one of them$",
                       "log --file /nowhere/x.faults": "/nowhere/x.faults: error: there is no such file"})

@@ -60,7 +60,8 @@ class Services(takt_system.Case):
             "call serve.answers.handle": "module serve.answers has no service 'handle'; did you mean serve.answers.handled",
             "call serve.near.nothing": r"module serve\.near has no service 'nothing'; services of other modules: serve\.answers\.handled",
             "call serve.near": r"module serve\.near has no services; services of other modules: serve\.answers\.handled",
-            "call srve.answers.handled": r"^device srve: error: not found on domain \d+; did you mean serve\.answers\.handled\?$",
+            "call srve.answers.handled": r"^device srve: error: not found on domain \d+; devices found there: ask, serve; did you mean "
+                                         r"serve\.answers\.handled\?$",
             "call serve.near.ask": "'ask' of module serve.near is a client and cannot be called",
             "call serve.answers.handled nummer=5": "samples::Count: error: has no field 'nummer'; did you mean number",
             "call serve.answers.handled number": "'number' does not have the form field=value; write field=value",

@@ -189,7 +189,7 @@ class Trace(takt_system.Case):
                       "trace text.json": r"text\.json: error: is not a Takt trace",
                       "trace nothing.json": "is neither an existing file nor a valid device name",
                       "trace robot.m": "give the name of a device, without a module, or of a file that takt trace wrote",
-                      "trace robto": r"device robto: error: not found on domain \d+; did you mean robot\?",
+                      "trace robto": r"device robto: error: not found on domain \d+; devices found there: .*; did you mean robot\?",
                       "trace nobody": "device nobody: error: not found on domain"})
         self.assertEqual(2, self.takt("trace", "robot", "--last", "0").status)
         self.end({"robot": node})
