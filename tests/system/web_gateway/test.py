@@ -212,6 +212,7 @@ class Gateway(takt_system.Case):
         before = self.done("log --json --kind refused-command")[0].count("refused-command")
         properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
         self.assertEqual({"gain": "2.5", "label": "none", "log-level": "info"}, properties)
+        self.assertEqual(["2.5", "none"], self.done("get right.program gain", "get right.program label"))
         self.assertEqual(before, self.done("log --json --kind refused-command")[0].count("refused-command"))
         self.finish(run)
 

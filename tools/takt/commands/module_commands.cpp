@@ -68,9 +68,9 @@ int send(const ModuleCommand& command, const std::string& text, const client::Ne
           for (const auto& each : all) {
             const auto why = each.at("text").get<std::string>();
             const auto state = each.at("state").get<std::string>();
-            lines += fmt::format("{}.{}: {}\n", target->device, each.at("module").get<std::string>(),
-                                 why.empty() ? state_after(command.kind, state)
-                                             : state + " (" + on_one_line(why) + ")");
+            lines += fmt::format(
+                "{}.{}: {}\n", target->device, each.at("module").get<std::string>(),
+                why.empty() ? state_after(command.kind, state) : state + " (" + on_one_line(why) + ")");
           }
         });
     if (!read) return refuse(read.problems());
@@ -110,12 +110,58 @@ int restart(const std::string& text, const client::Network& network) {
   return print(fmt::format("{}: {}\n", text, to_text(answer->head.state()))) ? 0 : 1;
 }
 
+// Returns all properties of a module, with their values.
+Result<nlohmann::ordered_json> properties_of(client::Operator& sender, const Target& target) {
+  const auto answer = client::accepted(
+      sender.send({.kind = COMMAND_DESCRIBE, .device = target.device, .limit = std::chrono::seconds{10}}));
+  if (!answer) return answer.problems();
+  using Json = nlohmann::ordered_json;
+  const auto modules = client::described_modules(target.device, answer->data);
+  if (!modules) return modules.problems();
+  const auto module = std::find_if(modules->begin(), modules->end(),
+                                   [&](const Json& one) { return one.at("name") == target.module; });
+  if (module == modules->end()) {
+    std::vector<std::string> names;
+    for (const Json& one : *modules) names.push_back(one.at("name").get<std::string>());
+    return fail("device " + target.device + " has no module " + in_quotes(target.module),
+                suggestion(target.module, {names.begin(), names.end()}));
+  }
+  Json list = module->at("properties");
+  const auto running = client::accepted(sender.send({.kind = COMMAND_DESCRIPTOR, .device = target.device}));
+  if (!running) return running.problems();
+  const auto cell = descriptor::parse(running->data, running->head.value().to_string());
+  add_property_values(list, sender, target.device, target.module, cell ? &*cell : nullptr);
+  return list;
+}
+
+// Returns the value of a property of a process module; nothing if the module is a thread module, or has no
+// such property. A process module keeps the values with which it was started. So its node knows only those in
+// the descriptor, and rejects a request for any other.
+std::optional<std::string> value_in_program(client::Operator& sender, const Target& target,
+                                            const std::string& name) {
+  const auto running = client::accepted(sender.send({.kind = COMMAND_DESCRIPTOR, .device = target.device}));
+  if (!running) return std::nullopt;
+  const auto cell = descriptor::parse(running->data, running->head.value().to_string());
+  if (!cell || program_of(&*cell, target.device, target.module) == nullptr) return std::nullopt;
+  const auto list = properties_of(sender, target);
+  if (!list) return std::nullopt;
+  for (const auto& property : *list) {
+    if (property.at("name") == name && property.at("value").is_string())
+      return property.at("value").get<std::string>();
+  }
+  return std::nullopt;
+}
+
 int property(const std::string& text, const std::string& name, const std::optional<std::string>& value,
              const client::Network& network) {
   const auto target = target_of(text, "property");
   if (!target) return refuse(target.problems());
   const auto client = connect_to_device(network, target->device, target->module);
   if (!client) return refuse(client.problems());
+  if (!value) {
+    if (const auto given = value_in_program(*client->sender, *target, name))
+      return print(*given + "\n") ? 0 : 1;
+  }
   const auto answer = client::accepted(client->sender->send({.kind = value ? COMMAND_SET : COMMAND_GET,
                                                              .device = target->device,
                                                              .module = target->module,
@@ -131,28 +177,10 @@ int properties(const std::string& text, bool as_json, const client::Network& net
   if (!target) return refuse(target.problems());
   const auto client = connect_to_device(network, target->device, target->module);
   if (!client) return refuse(client.problems());
-  const auto answer = client::accepted(client->sender->send(
-      {.kind = COMMAND_DESCRIBE, .device = target->device, .limit = std::chrono::seconds{10}}));
-  if (!answer) return refuse(answer.problems());
-  using Json = nlohmann::ordered_json;
-  const auto modules = client::described_modules(target->device, answer->data);
-  if (!modules) return refuse(modules.problems());
-  const auto module = std::find_if(modules->begin(), modules->end(),
-                                   [&](const Json& one) { return one.at("name") == target->module; });
-  if (module == modules->end()) {
-    std::vector<std::string> names;
-    for (const Json& one : *modules) names.push_back(one.at("name").get<std::string>());
-    return refuse({fail("device " + target->device + " has no module " + in_quotes(target->module),
-                        suggestion(target->module, {names.begin(), names.end()}))});
-  }
-  Json list = module->at("properties");
-  const auto running =
-      client::accepted(client->sender->send({.kind = COMMAND_DESCRIPTOR, .device = target->device}));
-  if (!running) return refuse(running.problems());
-  const auto cell = descriptor::parse(running->data, running->head.value().to_string());
-  add_property_values(list, *client->sender, target->device, target->module, cell ? &*cell : nullptr);
-  return print(as_json ? model::json_text({{"module", text}, {"properties", list}}) + "\n"
-                       : properties_text(list, terminal_style()))
+  const auto list = properties_of(*client->sender, *target);
+  if (!list) return refuse(list.problems());
+  return print(as_json ? model::json_text({{"module", text}, {"properties", *list}}) + "\n"
+                       : properties_text(*list, terminal_style()))
              ? 0
              : 1;
 }

@@ -11,7 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Returns the module with this name if it is a process module of the cell; otherwise null.
+}  // namespace
+
 const model::Module* program_of(const model::Cell* cell, const std::string& device, const std::string& name) {
   if (cell == nullptr) return nullptr;
   for (const model::Device& each : cell->devices) {
@@ -22,8 +23,6 @@ const model::Module* program_of(const model::Cell* cell, const std::string& devi
   }
   return nullptr;
 }
-
-}  // namespace
 
 void add_property_values(Json& properties, client::Operator& sender, const std::string& device,
                          const std::string& module, const model::Cell* cell) {
