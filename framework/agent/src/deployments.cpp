@@ -669,7 +669,7 @@ void Agent::report_kept() const {
   if (!kept || !*kept) return;
   const auto found = find_device((*kept)->text, (*kept)->file, options_.device);
   log((found ? "cell " + found->cell.name : "a cell") +
-      " was running when this node ended and is not restored; to restore it, start the node with --resume");
+      " was deployed here before and is not restored; to restore it, start the node with --resume");
 }
 
 }  // namespace takt::agent

@@ -67,7 +67,7 @@ class Resume(takt_system.Case):
         node.wait()
         self.gone(node)
         node = self.node("robot")
-        node.wait_for_line("cell cell was running when this node ended.*--resume")
+        node.wait_for_line("cell cell was deployed here before and is not restored; .*--resume")
         self.assert_waits(node)
         # The node still accepts a new deployment.
         self.deploy("cell.xml")
