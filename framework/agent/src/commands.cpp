@@ -36,6 +36,14 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
   note_answer(command, code, text);
 }
 
+/// Answers a command to one module. If it was not carried out, the problem names the module.
+void Agent::answer_outcome(const Command& command, const Outcome& outcome) {
+  const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text, ""};
+  answer(command, outcome.code, outcome.text,
+         outcome.code == REPLY_OK ? "" : model::json_text(problems_json({why})), outcome.state,
+         outcome.value);
+}
+
 namespace {
 
 /// Returns true if two nodes with the same device name could both carry out the command, or give different
@@ -290,9 +298,7 @@ void Agent::property(const Command& command) {
   if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  const auto done = [this, command](const Outcome& outcome) {
-    answer(command, outcome.code, outcome.text, {}, outcome.state, outcome.value);
-  };
+  const auto done = [this, command](const Outcome& outcome) { answer_outcome(command, outcome); };
   const std::string name = command.property().to_string();
   if (command.kind() == COMMAND_GET) {
     deployment_->supervised->get(*module, name, done);
@@ -420,11 +426,9 @@ void Agent::check_swap() {
       if (index < swapped.found.builds.size()) swapped.found.builds[index] = build;
       swapped.description.clear();
     }
-    const bool ok = outcome.code == REPLY_OK;
-    const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text,
-                      ""};
-    answer(command, outcome.code, outcome.text, ok ? "" : model::json_text(problems_json({why})),
-           outcome.state, ok ? path : "");
+    Outcome with_path = outcome;
+    with_path.value = outcome.code == REPLY_OK ? path : "";
+    answer_outcome(command, with_path);
   });
 }
 
@@ -434,13 +438,8 @@ void Agent::command_module(const Command& command, Verb verb) {
   if (command.module_name().size() != 0) {
     const auto module = module_of(command);
     if (!module) return;
-    deployment_->supervised->command(*module, verb, [this, command](const Outcome& outcome) {
-      const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text,
-                        ""};
-      const bool failed = outcome.code == REPLY_FAILED;
-      answer(command, outcome.code, outcome.text, failed ? model::json_text(problems_json({why})) : "",
-             outcome.state);
-    });
+    deployment_->supervised->command(
+        *module, verb, [this, command](const Outcome& outcome) { answer_outcome(command, outcome); });
     return;
   }
   auto all = std::make_shared<WholeDevice>();

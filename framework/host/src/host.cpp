@@ -266,11 +266,11 @@ Result<std::string> Host::get(const Request& request) const {
 Result<void> Host::set(const Request& request) {
   ThreadModule& asked = instance(request.module);
   if (!asked.declares_properties()) {
-    return fail(module(request.module).name +
-                    " is written in C and declares no properties: it reads them, except log-level, in "
-                    "initialize()",
-                "change the descriptor and run takt deploy --update with it, which restarts device " +
-                    setup_.device.name);
+    return fail(
+        "its component is written in C and declares no properties: it reads them, except log-level, in "
+        "initialize()",
+        "change the descriptor and run takt deploy --update with it, which restarts device " +
+            setup_.device.name);
   }
   // The value is also stored in setup_, so that the module gets this value when it is loaded again.
   auto done = asked.set({{request.property, request.value}});

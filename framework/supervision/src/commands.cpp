@@ -40,15 +40,17 @@ bool allowed(Verb verb, State state) {
   return false;
 }
 
-std::string refusal(Verb verb, State state) {
+// Returns why a command is not allowed in a state, and which command is. `path` is DEVICE.MODULE.
+std::string refusal(Verb verb, State state, const std::string& path) {
   std::string states;
   for (const State each : lifecycle::kStates) {
     if (!allowed(verb, each)) continue;
     states += (states.empty() ? "" : " or ") + std::string{lifecycle::to_text(each)};
   }
   std::string cure;
-  if (verb == Verb::start && state == State::idle) cure = "; initialize the module first";
-  if (verb == Verb::start && state == State::destruct) cure = "; reset and initialize the module first";
+  if (verb == Verb::start && state == State::idle) cure = "; run takt initialize " + path + " first";
+  if (state == State::destruct && verb != Verb::stop && verb != Verb::destruct)
+    cure = "; run takt reset " + path + " first, or takt restart " + path;
   return std::string{name_of(verb)} + " is not allowed in state " + lifecycle::to_text(state) +
          "; it is allowed in " + states + cure;
 }
@@ -81,7 +83,8 @@ void Supervisor::command(std::uint32_t module, Verb verb, std::function<void(con
   if (phase_ != Phase::running) return refuse("the device is not running");
   if (member.command) return refuse(std::string{name_of(member.command->verb)} + " is still in progress");
   if (member.swap) return refuse("a swap is still in progress");
-  if (!allowed(verb, member.state())) return refuse(refusal(verb, member.state()));
+  const std::string path = device().name + "." + member.model.name;
+  if (!allowed(verb, member.state())) return refuse(refusal(verb, member.state(), path));
   log(member, std::string{"command: "} + name_of(verb));
   member.command = PendingCommand{.verb = verb, .done = std::move(done), .since = time()};
   step_command(member, time());
@@ -180,7 +183,8 @@ void Supervisor::step_command(Member& member, Instant now) {
   if (!command.begun) {
     if (member.pending) return;
     if (!allowed(command.verb, member.state()))
-      return end_command(member, REPLY_REFUSED, refusal(command.verb, member.state()));
+      return end_command(member, REPLY_REFUSED,
+                         refusal(command.verb, member.state(), device().name + "." + member.model.name));
     if (command.verb == Verb::recover && member.stale && has_stale_input(member, now))
       return end_command(member, REPLY_REFUSED, "it waits for its input: " + member.why);
     begin_command(member);

@@ -73,8 +73,7 @@ void Supervisor::set(std::uint32_t module, const std::string& property, const st
   }
   done({.code = REPLY_REFUSED,
         .state = member.state(),
-        .text = member.model.name +
-                " is a program, which gets its properties, except log-level, when it starts; change the "
+        .text = "a process module gets its properties, except log-level, when it starts; change the "
                 "descriptor and run takt deploy --update with it, which restarts device " +
                 device().name});
 }

@@ -88,8 +88,8 @@ class Deploy(takt_system.Case):
         self.assertEqual(["robot.%s: %s" % (module, state) for module in KINDS], self.each(verb))
 
     def assert_each_refused(self, verb, state, allowed):
-        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is not allowed in state %s; it is allowed in %s$" %
-                      (verb, state, allowed) for module in KINDS})
+        self.refused({"%s robot.%s" % (verb, module): r"^module robot\.%s: error: %s is not allowed in state %s; it is allowed in %s$" %
+                      (module, verb, state, allowed) for module in KINDS})
 
     def robot(self):
         return {m["name"]: m for m in self.status_of("robot")["modules"]}
@@ -111,7 +111,8 @@ class Deploy(takt_system.Case):
             self.assert_each_refused(verb, "EXECUTING", allowed)
         self.assert_each("destruct", "DESTRUCT")
         self.assertEqual([], nodes["robot"].processes("monitoring.exe") + nodes["robot"].processes("grid.exe"))
-        self.assert_each_refused("start", "DESTRUCT", "INITIALIZE or START; reset and initialize the module first")
+        for verb, allowed in (("start", "INITIALIZE or START"), ("recover", "RECOVER")):
+            self.assert_each_refused(verb, "DESTRUCT", allowed + r"; run takt reset robot\.\w+ first, or takt restart robot\.\w+")
         self.assert_each_refused("destruct", "DESTRUCT", "IDLE or INITIALIZE or START or EXECUTING or RECOVER")
         self.assert_each("reset", "IDLE")
         self.assert_each("initialize", "INITIALIZE")
@@ -187,14 +188,14 @@ class Deploy(takt_system.Case):
                                                          "get line.properties gain"))
         self.assertEqual(["7", "a b"], self.done("set line.properties count 7", "set line.properties label 'a b'"))
         self.refused({
-            "set line.properties count 70": r"^device line: error: property 'count' cannot be '70'; .*1 to 10",
-            "set line.properties count seven": r"^device line: error: property 'count' cannot be 'seven'; .*whole number",
-            "set line.properties cuont 7": r"^device line: error: component CppProperties has no property 'cuont'; .*count",
+            "set line.properties count 70": r"^module line\.properties: error: property 'count' cannot be '70'; .*1 to 10",
+            "set line.properties count seven": r"^module line\.properties: error: property 'count' cannot be 'seven'; .*whole number",
+            "set line.properties cuont 7": r"^module line\.properties: error: component CppProperties has no property 'cuont'; .*count",
             "get line.proprties count": r"^device line: error: device line has no module 'proprties'; .*properties",
             "get line.properties a\x01": r"^error: 'a\\x01' is not a valid name; a name has at most 63 bytes, and no control characters$",
             "get line.properties %s" % ("x" * 64): r"^error: 'x+' is not a valid name",
             "set line.properties label %s" % ("x" * 256): r"^error: the value 'x.*x' has 256 bytes; give a value of at most 255 bytes$",
-            "set station.program x 1": r"^device station: error: program is a program",
+            "set station.program x 1": r"^module station\.program: error: a process module gets its properties, except log-level, when it starts; ",
             "echo line.source.nothing": r"^device line: error: module line\.source has no port 'nothing'; .*out",
             "call line.source.out": r"^error: line\.source\.out is an output port, not a service; show its samples with takt echo "
                                     r"line\.source\.out; module line\.source has no services; no module of device line has one$",
@@ -243,8 +244,8 @@ class Deploy(takt_system.Case):
         modules = ("thread", "program", "plain", "never")
         in_recover = {module: "RECOVER" for module in modules}
         self.wait_for_states({"robot": in_recover})
-        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is not allowed in state RECOVER; it is allowed in %s$" %
-                      (verb, allowed)
+        self.refused({"%s robot.%s" % (verb, module): r"^module robot\.%s: error: %s is not allowed in state RECOVER; it is allowed in %s$" %
+                      (module, verb, allowed)
                       for verb, allowed in (("start", "INITIALIZE or START"), ("stop", "EXECUTING")) for module in modules})
         recovered = modules[:3]
         self.assertEqual(["robot.%s: EXECUTING" % module for module in recovered],

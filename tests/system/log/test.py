@@ -257,7 +257,7 @@ class Log(takt_system.Case):
         for module in ("cpp", "c", "program"):
             self.assertIn("log-level", self.takt("complete", "properties", "", "robot." + module).out.split())
         self.assertFalse([line for line in self.lines() if line[1] == "log-debug"])
-        self.refused({"set robot.cpp log-level loud": r"^device robot: error: property 'log-level' cannot be 'loud'; .*debug",
+        self.refused({"set robot.cpp log-level loud": r"^module robot\.cpp: error: property 'log-level' cannot be 'loud'; .*debug",
                       "set robot.cpp log-levl debug": "has no property 'log-levl'; did you mean log-level",
                       "set robot.program log-levl debug": "gets its properties, except log-level, when it starts"})
         self.assertEqual(["debug", "error"], self.done("set robot.cpp log-level debug", "set robot.program log-level error"))

@@ -103,14 +103,15 @@ TEST_F(DeviceProperties, AreReadOnlyInCModulesAndPrograms) {
   EXPECT_EQ(get(0, "every").text,
             "the descriptor does not set property 'every' of module c; use ns or log-level");
   EXPECT_EQ(set(0, "ns", "2000").text,
-            "c is written in C and declares no properties: it reads them, except log-level, in initialize(); "
+            "its component is written in C and declares no properties: it reads them, except log-level, in "
+            "initialize(); "
             "change the descriptor and run takt deploy --update with it, which restarts device d");
   EXPECT_EQ(get(1, "every").value, "3");
   EXPECT_EQ(get(1, "ns").code, REPLY_REFUSED);
   const Outcome refused = set(1, "every", "4");
   EXPECT_EQ(refused.code, REPLY_REFUSED);
   EXPECT_EQ(refused.text,
-            "p is a program, which gets its properties, except log-level, when it starts; change the "
+            "a process module gets its properties, except log-level, when it starts; change the "
             "descriptor and run takt deploy --update with it, which restarts device d");
   take_down();
 }

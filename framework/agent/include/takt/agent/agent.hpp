@@ -130,6 +130,7 @@ class Agent {
   std::optional<std::uint32_t> module_of(const Command& command);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
               std::optional<lifecycle::State> state = {}, const std::string& value = {});
+  void answer_outcome(const Command& command, const Outcome& outcome);
   [[nodiscard]] nlohmann::ordered_json lost_devices() const;
 
   // The fault record (faults.cpp)
