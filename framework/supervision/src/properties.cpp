@@ -84,6 +84,8 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
   if (member.lost || member.state() == State::idle || member.state() == State::destruct) {
     why = member.model.name + " is in " + lifecycle::to_text(member.state()) +
           "; its properties can be read and set once it is in INITIALIZE";
+  } else if (member.reload) {
+    why = "its host has crashed, and its component is not loaded again yet; try again when it is EXECUTING";
   } else if (member.swap && request.what == host::Request::Do::set) {
     why = "a swap of " + member.model.name + " is still in progress; try again later";
   } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_of(member).process->running()) {

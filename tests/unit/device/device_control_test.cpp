@@ -191,6 +191,21 @@ TEST_F(DeviceCommands, FailIfTheModuleCrashesInItsFirstRun) {
   EXPECT_EQ(story(), "START EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ");
 }
 
+TEST_F(DeviceCommands, SayThatAComponentIsNotLoadedYetAfterACrash) {
+  bring_up(R"(<executor name="own" host="own"/>)" +
+           module("culprit", "segv.so", kEvery, R"(<value name="after">1</value>)",
+                  R"(<executor>own</executor><recovery attempts="1" backoff="60000000000"/>)"));
+  ASSERT_TRUE(comes_to("culprit", "RECOVER"));
+  std::optional<Outcome> answer;
+  device->set(0, "after", "2", [&answer](const Outcome& outcome) { answer = outcome; });
+  ASSERT_TRUE(step_until([&] { return answer.has_value(); }));
+  EXPECT_EQ(
+      answer->text,
+      "its host has crashed, and its component is not loaded again yet; try again when it is EXECUTING");
+  EXPECT_EQ(send(Verb::destruct).code, REPLY_OK);
+  take_down();
+}
+
 TEST_F(DeviceCommands, FailIfTheHostIsKilledBeforeItAnswers) {
   bring_up(module("live", "live.so", kEvery, file("live")));
   ASSERT_TRUE(comes_to("live", "EXECUTING"));
