@@ -49,8 +49,12 @@ void CellState::receive(const ExecutorStatistics& statistics) {
 }
 
 void CellState::receive(const PortStatus& status) {
-  deployments_[device_path(status)].ports[status.name().to_string() + "." + status.port().to_string()] =
-      status;
+  ObservedPort& port =
+      deployments_[device_path(status)].ports[status.name().to_string() + "." + status.port().to_string()];
+  port.status = status;
+  const Nanoseconds at{status.time_ns()};
+  port.lost.update(status.lost(), at);
+  port.dropped.update(status.dropped(), at);
 }
 
 void CellState::remove(const DeviceStatus& key, WriterId writer) {

@@ -49,9 +49,9 @@ CellHealth running() {
                     {"line.belt", "RECOVER"},
                     {"station.dispatcher", "EXECUTING"}};
   health.connections[0].age = 1200us;
-  health.connections[1] = {.age = 3ms, .lost = 3, .dropped = 2};
+  health.connections[1] = {.age = 3ms, .losing = true, .lost = 3, .dropped = 2};
   health.connections[2] = {.matched = false};
-  health.connections[3] = {.stale = true, .age = 900ms, .late = 1};
+  health.connections[3] = {.age = 900ms, .deadline = 20ms, .late = 1};
   health.connections[4] = {.matched = false, .incompatible = "reliability"};
   return health;
 }
@@ -74,6 +74,7 @@ nlohmann::ordered_json status_of_three() {
   auto setpoint = port("setpoint", 1, 1);
   setpoint["age_us"] = 30000.5;
   setpoint["late"] = 2;
+  setpoint["dropping"] = true;
   auto arm = port("arm", 1, 0);
   arm["incompatible"] = "reliability";
   const auto module = [](const char* name, const char* state, nlohmann::ordered_json ports) {
@@ -104,7 +105,7 @@ TEST(CellHealth, TakesConnectionHealthFromTheReadingDevice) {
   EXPECT_EQ(health.modules.at("robot.arm"), "RECOVER");
   EXPECT_EQ(health.modules.at("station.dispatcher"), "EXECUTING");
   const auto& setpoint = health.connections.at(0);
-  EXPECT_TRUE(setpoint.matched && setpoint.stale);
+  EXPECT_TRUE(setpoint.matched && setpoint.stale() && setpoint.dropping);
   EXPECT_EQ(setpoint.age, 30'000'500ns);
   EXPECT_EQ(health_text(setpoint), "STALE, 30 ms old, late 2") << "rounded to a useful precision";
   EXPECT_EQ(setpoint.late, 2U);
@@ -115,28 +116,39 @@ TEST(CellHealth, TakesConnectionHealthFromTheReadingDevice) {
   EXPECT_FALSE(health.connections.contains(5));
 }
 
-TEST(CellHealth, RatesAQueueThatDroppedSamplesAsPoorInTextJsonAndDrawing) {
+TEST(CellHealth, RatesAQueueAsPoorInTextJsonAndDrawingWhileItDropsSamples) {
   auto cell = three();
   CellHealth health;
   health.connections[0] = {.age = 1ms};
-  EXPECT_EQ(rating_of(health.connections[0]), Rating::good);
+  const auto rating = [&] { return graph_json(cell, health)["connections"][0]["health"]["rating"]; };
   health.connections[0].dropped = 27757;
-  EXPECT_EQ(rating_of(health.connections[0]), Rating::poor);
-  EXPECT_EQ(health_text(health.connections[0]), "degraded, 1 ms old, dropped 27757");
-  EXPECT_EQ(graph_json(cell, health)["connections"][0]["health"]["rating"], "poor");
-  EXPECT_THAT(graph_svg(cell, health), HasSubstr("poor-word state\">degraded, 1 ms old, dropped 27757"));
+  EXPECT_EQ(rating(), "good") << "that was long ago";
+  EXPECT_EQ(health_text(health.connections[0]), "ok, 1 ms old, dropped 27757");
+  health.connections[0].dropping = true;
+  EXPECT_EQ(rating(), "poor");
+  EXPECT_EQ(health_text(health.connections[0]), "degraded: drops samples, 1 ms old, dropped 27757");
+  EXPECT_THAT(graph_svg(cell, health),
+              HasSubstr("poor-word state\">degraded: drops samples, 1 ms old, dropped 27757"));
+  const std::string amber = "\x1b[33m    ! degraded: drops samples, 1 ms old, dropped 27757\x1b[0m\n";
+  EXPECT_THAT(text(cell, health, {.colour = true}), HasSubstr(amber));
 }
 
-TEST(CellHealth, RatesAQueueWithoutEventsAsGood) {
-  const ObservedCell::Port quiet{.matched = true};
-  const auto of = [&](model::ConnectionKind kind) {
+TEST(CellHealth, HasNoConnectionsOfADeviceThatDoesNotRun) {
+  auto status = status_of_three();
+  status["devices"][0]["state"] = "running";
+  EXPECT_TRUE(health_of(three(), status).connections.contains(0));
+  status["devices"][0]["state"] = "ended";
+  EXPECT_FALSE(health_of(three(), status).connections.contains(0)) << "its values only grow old";
+}
+
+TEST(CellHealth, IsGoodWithoutAValueThatNoDeadlineDemands) {
+  for (const auto kind : {model::ConnectionKind::queue, model::ConnectionKind::latest}) {
     model::Connection connection = latest("a.m.y", "b.m.y");
     connection.kind = kind;
-    return health_of(quiet, &connection, false);
-  };
-  EXPECT_EQ(rating_of(of(model::ConnectionKind::queue)), Rating::good);
-  EXPECT_EQ(health_text(of(model::ConnectionKind::queue)), "ok, no value yet");
-  EXPECT_EQ(rating_of(of(model::ConnectionKind::latest)), Rating::poor) << "a latest value is expected";
+    const auto health = health_of({.matched = true}, &connection, false);
+    EXPECT_EQ(wire::judge(health).rating, wire::Rating::good);
+    EXPECT_EQ(health_text(health), "ok: no value yet");
+  }
 }
 
 TEST(CellHealth, IsGoodIfNoOtherProgramUsesTheTopicOfAConnectionWithoutADeadline) {
@@ -144,8 +156,9 @@ TEST(CellHealth, IsGoodIfNoOtherProgramUsesTheTopicOfAConnectionWithoutADeadline
   for (const auto& [from, to] : {std::pair{"", "b.m.y"}, std::pair{"a.m.y", ""}}) {
     model::Connection connection = on_topic(latest(from, to), "plant/speed");
     const auto health = [&] { return health_of(alone, &connection, false); };
-    EXPECT_EQ(rating_of(health()), Rating::good);
-    EXPECT_EQ(health_text(health()), "no other program");
+    EXPECT_EQ(wire::judge(health()).rating, wire::Rating::good);
+    EXPECT_EQ(health_text(health()),
+              *to == '\0' ? "no other program reads it" : "no other program writes it");
     EXPECT_EQ(health_text(health_of(alone, &connection, true)), "NOT MATCHED") << "its device is lost";
     EXPECT_EQ(health_text(health_of({.incompatible = "reliability"}, &connection, false)),
               "NOT MATCHED: reliability");
@@ -217,9 +230,10 @@ TEST(GraphText, ShowsTheHealthOfARunningCell) {
             HasSubstr("device station\n  LOST\n"),
             HasSubstr("belt    thread   periodic, every 2 ms  main      RECOVER\n"),
             HasSubstr("logger  process  non-real              -         -\n"),
-            HasSubstr("    ok, 1.2 ms old\n"), HasSubstr("    degraded, 3 ms old, lost 3, dropped 2\n"),
-            HasSubstr("    NOT MATCHED\n"), HasSubstr("    STALE, 900 ms old, late 1\n"),
-            HasSubstr("    NOT MATCHED: reliability\n")));
+            HasSubstr("    ok, 1.2 ms old\n"),
+            HasSubstr("    ! degraded: loses samples, 3 ms old, lost 3, dropped 2\n"),
+            HasSubstr("    X NOT MATCHED\n"), HasSubstr("    X STALE, 900 ms old, late 1\n"),
+            HasSubstr("    X NOT MATCHED: reliability\n")));
   const auto two =
       connected(cell("c", {device("a", {periodic("m", 1ms)}), device("b", {periodic("m", 1ms)})}),
                 {latest("a.m.x", "b.m.x"), latest("a.m.y", "b.m.y")});
@@ -228,7 +242,7 @@ TEST(GraphText, ShowsTheHealthOfARunningCell) {
   EXPECT_THAT(text(two, one), testing::EndsWith("connections\n"
                                                 "  from   to     kind    reliability  now\n"
                                                 "  a.m.x  b.m.x  latest  best-effort  -\n"
-                                                "  a.m.y  b.m.y  latest  best-effort  no value yet\n"));
+                                                "  a.m.y  b.m.y  latest  best-effort  ok: no value yet\n"));
 }
 
 TEST(GraphText, NeverExceedsTheWidthOfTheTerminal) {
@@ -301,7 +315,7 @@ TEST(GraphJson, ContainsTheHealthOfARunningCell) {
   EXPECT_FALSE(json["devices"][1]["modules"][1].contains("state"));
   EXPECT_EQ(
       json["connections"][1]["health"].dump(),
-      R"({"rating":"poor","matched":true,"stale":false,"age_ns":3000000,"lost":3,"dropped":2,"late":0})");
+      R"({"rating":"poor","reason":"degraded: loses samples","matched":true,"stale":false,"age_ns":3000000,"lost":3,"dropped":2,"late":0})");
   EXPECT_EQ(json["connections"][4]["health"]["incompatible"], "reliability");
   EXPECT_FALSE(json["connections"][5].contains("health"));
   EXPECT_FALSE(graph_json(three(), {}).dump().find("alive") != std::string::npos);
@@ -332,11 +346,13 @@ TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
                              HasSubstr(R"(class="poor-word state">alive, belt is in RECOVER<)"),
                              HasSubstr(R"(class="bad-word state">RECOVER<)"),
                              HasSubstr(R"(class="poor-word state">EXECUTING (last known)<)")));
-  EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),
-                             HasSubstr(R"(class="poor-word state">degraded, 3 ms old, lost 3, dropped 2<)"),
-                             HasSubstr(R"(class="bad-word state">STALE, 900 ms old, late 1<)"),
-                             HasSubstr(R"(class="bad-word state">NOT MATCHED<)"),
-                             HasSubstr(R"(class="bad-word state">NOT MATCHED: reliability<)")));
+  EXPECT_THAT(
+      drawing,
+      AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),
+            HasSubstr(R"(class="poor-word state">degraded: loses samples, 3 ms old, lost 3, dropped 2<)"),
+            HasSubstr(R"(class="bad-word state">STALE, 900 ms old, late 1<)"),
+            HasSubstr(R"(class="bad-word state">NOT MATCHED<)"),
+            HasSubstr(R"(class="bad-word state">NOT MATCHED: reliability<)")));
   EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="wire good")"), HasSubstr(R"(class="wire queue poor")"),
                              HasSubstr(R"(class="wire bad")"), HasSubstr(R"(class="wire queue broken")")));
   EXPECT_EQ(occurrences(drawing, "stroke-dasharray"), 3U) << "other programs, stale, not matched";
@@ -404,8 +420,9 @@ CellHealth health_of(const model::Cell& cell, unsigned seed) {
     if (random() % 4 == 0) continue;
     CellHealth::Connection& one = health.connections[i];
     one.matched = random() % 4 != 0;
-    one.stale = random() % 4 == 0;
+    if (random() % 4 == 0) one.deadline = 20ms;
     if (random() % 2 == 0) one.age = 123ms;
+    one.losing = random() % 3 == 0;
     one.lost = random() % 3 * 1000;
   }
   for (const model::Device& device : cell.devices) {

@@ -190,13 +190,15 @@ TEST(WatchState, NamesTheProblemOfAConnection) {
   };
   EXPECT_EQ(of({.age = std::chrono::milliseconds{2}}).text, "* ok, 2 ms old");
   EXPECT_EQ(of({.age = std::chrono::milliseconds{2}}).ink, Ink::good);
-  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .lost = 3}).ink, Ink::warning);
-  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .dropped = 27757}).text,
-            "! degraded, 2 ms old, dropped 27757");
+  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .losing = true, .lost = 3}).ink, Ink::warning);
+  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .lost = 3, .late = 4}).ink, Ink::good);
+  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .dropping = true, .dropped = 27757}).text,
+            "! degraded: drops samples, 2 ms old, dropped 27757");
   EXPECT_EQ(of({.matched = false}).text, "X NOT MATCHED");
-  EXPECT_EQ(of({.stale = true}).text, "! STALE");
-  EXPECT_EQ(of({.safe = true}).text, "! SAFE VALUE");
-  EXPECT_EQ(of({}).text, "o no value yet");
+  EXPECT_EQ(of({.deadline = std::chrono::milliseconds{2}}).text, "! STALE");
+  EXPECT_EQ(of({.safe = true, .age = std::chrono::seconds{1}}).text, "! SAFE VALUE, 1 s old");
+  EXPECT_EQ(of({}).text, "* ok: no value yet");
+  EXPECT_EQ(of({}).ink, Ink::good);
   EXPECT_EQ(of({.incompatible = "reliability"}).ink, Ink::bad);
 }
 

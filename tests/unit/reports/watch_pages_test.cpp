@@ -39,7 +39,7 @@ TEST(WatchDetails, ShowAllDataOfAModule) {
               .type = "motion::Setpoint",
               .connected = true,
               .samples = 77,
-              .health = {.stale = true}},
+              .health = {.deadline = std::chrono::milliseconds{20}}},
              {.name = "spare", .output = true, .type = "motion::State"}};
   m.transitions = {{.time_ns = 0, .text = "IDLE -> INITIALIZE"},
                    {.time_ns = 1, .text = "INITIALIZE -> START"}};

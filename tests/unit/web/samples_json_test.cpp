@@ -75,7 +75,7 @@ TEST(StatusJson, HasNoDevicesIfNoCellRuns) {
 TEST(StatusJson, SaysThatAModuleIsInASafeStopIfItsOutputsReportIt) {
   auto devices = cell_that_runs();
   EXPECT_FALSE(measures_json(devices, nullptr, 0)["modules"]["robot.servo"].contains("safe_stop"));
-  PortStatus& port = devices[1].deployment.ports.at("servo.angle");
+  PortStatus& port = devices[1].deployment.ports.at("servo.angle").status;
   port.safe(true);
   EXPECT_FALSE(in_safe_stop(devices[1], "servo")) << "an input says that its reader gets the safe value";
   port.output(true);
@@ -94,10 +94,38 @@ TEST(StatusJson, ContainsAllMeasurementsByName) {
   EXPECT_EQ(json["connections"]["1"]["matched"], true);
   EXPECT_EQ(to_line["stale"], true) << "30 ms is more than the deadline of 20 ms";
   EXPECT_EQ(to_line["rating"], "broken");
+  EXPECT_EQ(to_line["reason"], "not matched");
   EXPECT_EQ(to_line["age_us"], 30'000.0);
   EXPECT_EQ(to_line["lost"], 4);
   EXPECT_EQ(json["connections"]["1"]["stale"], false) << "a topic for other programs has only a writer";
   EXPECT_TRUE(measures_json(cell_that_runs(), nullptr, 0)["connections"].empty()) << "the cell is not known";
+}
+
+TEST(StatusJson, RatesAConnectionAsPoorOnlyWhileItsQueueDropsSamples) {
+  const model::Cell press = cell();
+  auto devices = cell_that_runs();
+  devices[0].alive = true;
+  wire::ObservedPort& port = devices[0].deployment.ports.at("vision.angle");
+  port.status.age_ns(1'000'000);
+  const auto rating = [&](std::uint64_t dropped, std::int64_t seconds) {
+    port.status.dropped(dropped);
+    port.status.time_ns(seconds * 1'000'000'000);
+    port.dropped.update(dropped, std::chrono::seconds{seconds});
+    const Json one = measures_json(devices, &press, 0)["connections"]["0"];
+    return one["rating"].get<std::string>() + ", " + one["reason"].get<std::string>();
+  };
+  EXPECT_EQ(rating(27756, 1), "good, ok") << "lost 4 samples before";
+  EXPECT_EQ(rating(27757, 2), "poor, degraded: drops samples");
+  EXPECT_EQ(rating(27757, 8), "good, ok");
+}
+
+TEST(StatusJson, DoesNotJudgeTheConnectionsOfADeviceThatDoesNotRun) {
+  const model::Cell press = cell();
+  auto devices = cell_that_runs();
+  devices[0].alive = true;
+  EXPECT_TRUE(measures_json(devices, &press, 0)["connections"].contains("0"));
+  devices[0].status.state(DEVICE_ENDED);
+  EXPECT_FALSE(measures_json(devices, &press, 0)["connections"].contains("0")) << "its values only grow old";
 }
 
 TEST(StatusJson, ReportsAConnectionToALostDeviceAsUnmatched) {

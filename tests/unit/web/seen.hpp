@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <takt/descriptor/descriptor.hpp>
 #include <takt/wire/cell_state.hpp>
 #include <takt/wire/words.hpp>
-#include <takt/descriptor/descriptor.hpp>
 
 namespace takt::tool::web::seen {
 
@@ -93,11 +93,11 @@ inline std::vector<wire::ObservedDevice> cell_that_runs() {
   main.missed(1);
   main.margin_us(50);
   robot.deployment.executors["main"] = main;
-  robot.deployment.ports["servo.angle"] = port(true, 500'000);
+  robot.deployment.ports["servo.angle"] = {port(true, 500'000)};
   wire::ObservedDevice line = device("line");
   line.alive = false;
   line.deployment.modules["vision"] = status("line", "vision", STATE_EXECUTING, 3);
-  line.deployment.ports["vision.angle"] = port(true, 30'000'000);
+  line.deployment.ports["vision.angle"] = {port(true, 30'000'000)};
   return {line, robot};
 }
 

@@ -176,6 +176,28 @@ TEST(CellState, RemovesAnUndeployedModuleAndItsPorts) {
   EXPECT_TRUE(left.ports.empty());
 }
 
+TEST(CellState, TellsWhetherAPortDropsSamplesNow) {
+  CellState cell_state;
+  cell_state.receive(device("cell", "robot", "a"), 1);
+  PortStatus status;
+  set(status.cell(), "cell");
+  set(status.device(), "robot");
+  set(status.name(), "servo");
+  set(status.port(), "effort");
+  std::int64_t now_ns = 0;
+  const auto is_dropping = [&](std::uint64_t dropped, std::int64_t seconds) {
+    now_ns += seconds * 1'000'000'000;
+    status.dropped(dropped);
+    status.time_ns(now_ns);
+    cell_state.receive(status);
+    return cell_state.devices()[0].deployment.ports.at("servo.effort").dropping();
+  };
+  EXPECT_FALSE(is_dropping(27757, 1)) << "nothing is known about the time of the drops";
+  EXPECT_TRUE(is_dropping(27758, 1));
+  EXPECT_TRUE(is_dropping(27758, 4));
+  EXPECT_FALSE(is_dropping(27758, 1));
+}
+
 TEST(CellState, SortsDevicesByName) {
   CellState cell_state;
   cell_state.receive(device("-", "station", "a"), 1);

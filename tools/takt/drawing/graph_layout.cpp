@@ -390,14 +390,14 @@ void Builder::find_ways() {
 std::size_t Port::lines() const { return std::max<std::size_t>({left.size(), right.size(), 1}); }
 
 Look look_of(const CellHealth::Connection& health) {
-  switch (rating_of(health)) {
-    case Rating::good:
+  switch (wire::judge(health).rating) {
+    case wire::Rating::good:
       return kGood;
-    case Rating::poor:
+    case wire::Rating::poor:
       return kPoor;
-    case Rating::bad:
+    case wire::Rating::bad:
       return kBad;
-    case Rating::broken:
+    case wire::Rating::broken:
       return kBroken;
   }
   return kUnknown;

@@ -233,7 +233,7 @@ void GraphDrawing::draw_legend() {
     };
   };
   sample("good", "ok", with(kGood));
-  sample("poor", "degraded: no value yet, or samples were lost, dropped or late", with(kPoor));
+  sample("poor", "degraded: samples are being lost or dropped", with(kPoor));
   sample("bad",
          "stale: the newest value is older than the connection's deadline; or the reader gets the safe value",
          with(kBad));

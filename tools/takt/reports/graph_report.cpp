@@ -1,6 +1,7 @@
 #include "reports/graph_report.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include <fmt/format.h>
@@ -84,7 +85,11 @@ Json module_json(const Device& device, const Module& module, const CellHealth& h
 Json end_json(const model::Endpoint& end) { return end.given() ? Json(to_text(end)) : Json(); }
 
 Json health_json(const CellHealth::Connection& health) {
-  Json json{{"rating", word_of(rating_of(health))}, {"matched", health.matched}, {"stale", health.stale}};
+  const wire::Judgement judgement = wire::judge(health);
+  Json json{{"rating", wire::to_text(judgement.rating)},
+            {"reason", judgement.reason()},
+            {"matched", health.matched},
+            {"stale", health.stale()}};
   if (health.age) json["age_ns"] = health.age->count();
   json["lost"] = health.lost;
   json["dropped"] = health.dropped;
@@ -151,14 +156,16 @@ CellHealth::Connection health_of(const ObservedCell::Port& port, const Connectio
   return {
       .matched = !end_lost && port.matched,
       .outside = !end_lost && connection != nullptr && !(connection->from.given() && connection->to.given()),
-      .stale = reads && connection->deadline && (!port.age || *port.age > *connection->deadline),
+      .output = connection != nullptr && !reads,
       .safe = port.safe,
       .age = port.age,
+      .deadline = reads ? connection->deadline : std::nullopt,
+      .losing = port.losing,
+      .dropping = port.dropping,
       .lost = port.lost,
       .dropped = port.dropped,
       .late = port.late,
-      .incompatible = port.incompatible,
-      .expects_value = connection != nullptr && connection->kind == model::ConnectionKind::latest};
+      .incompatible = port.incompatible};
 }
 
 CellHealth health_of(const Cell& cell, const Json& status) {
@@ -168,13 +175,17 @@ CellHealth health_of(const Cell& cell, const Json& status) {
   for (const Json& device : status.at("devices")) {
     const auto name = device.at("name").get<std::string>();
     observed.devices[name] = {.alive = device.at("alive").get<bool>()};
+    const std::string device_state = device.value("state", "running");
+    const bool runs = device_state == "running" || device_state == "started";
     for (const Json& module : device.at("modules")) {
       const std::string path = name + "." + module.at("name").get<std::string>();
       observed.modules[path] = module.at("state").get<std::string>();
-      if (!module.contains("ports")) continue;
+      if (!module.contains("ports") || !runs) continue;  // else its values only grow old
       for (const Json& port : module["ports"]) {
         ObservedCell::Port one{.matched = port.at("matched").get<std::uint64_t>() > 0,
                                .safe = port.value("safe", false),
+                               .losing = port.value("losing", false),
+                               .dropping = port.value("dropping", false),
                                .lost = port.at("lost").get<std::uint64_t>(),
                                .dropped = port.at("dropped").get<std::uint64_t>(),
                                .late = port.at("late").get<std::uint64_t>()};
@@ -201,45 +212,14 @@ Nanoseconds rounded(Nanoseconds age) {
 
 }  // namespace
 
-Rating rating_of(const CellHealth::Connection& health) {
-  if ((!health.matched && !health.outside) || !health.incompatible.empty()) return Rating::broken;
-  if (health.stale || health.safe) return Rating::bad;
-  const bool alone = !health.matched && health.outside;  // so there is nothing to read or to send
-  const bool missing = health.expects_value && !health.age && !alone;
-  return health.lost + health.dropped + health.late > 0 || missing ? Rating::poor : Rating::good;
-}
-
-const char* word_of(Rating rating) noexcept {
-  switch (rating) {
-    case Rating::good:
-      return "good";
-    case Rating::poor:
-      return "poor";
-    case Rating::bad:
-      return "bad";
-    case Rating::broken:
-      return "broken";
-  }
-  return "?";
-}
-
 std::string health_text(const CellHealth::Connection& health) {
-  if (!health.incompatible.empty()) return "NOT MATCHED: " + health.incompatible;
-  std::string text;
-  switch (rating_of(health)) {
-    case Rating::good:
-      text = !health.matched ? "no other program" : health.age ? "ok" : "ok, no value yet";
-      break;
-    case Rating::poor:
-      text = health.age || !health.expects_value ? "degraded" : "no value yet";
-      break;
-    case Rating::bad:
-      text = health.safe ? "SAFE VALUE" : "STALE";
-      break;
-    case Rating::broken:
-      text = "NOT MATCHED";
-      break;
+  const wire::Judgement judgement = wire::judge(health);
+  std::string text = judgement.reason();
+  if (judgement.rating == wire::Rating::bad || judgement.rating == wire::Rating::broken) {
+    std::transform(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(judgement.word.size()),
+                   text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   }
+  if (!health.incompatible.empty()) return text;
   if (health.age) text += ", " + to_text(rounded(*health.age)) + " old";
   const auto add = [&](std::uint64_t number, const char* what) {
     if (number > 0) text += fmt::format(", {} {}", what, number);
@@ -265,7 +245,8 @@ std::string graph_text(const Cell& cell, const CellHealth& health, Style style) 
     modules_text(page, device, health);
   }
   std::map<std::size_t, std::string> states;
-  for (const auto& [index, state] : health.connections) states[index] = health_text(state);
+  for (const auto& [index, state] : health.connections)
+    states[index] = mark_of(wire::judge(state).rating) + health_text(state);
   connections_text(page, cell, states);
   return std::move(page).take();
 }

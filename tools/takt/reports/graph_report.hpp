@@ -12,6 +12,7 @@
 
 #include <takt/core/time.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/wire/judgement.hpp>
 
 #include "reports/style.hpp"
 
@@ -24,18 +25,7 @@ struct CellHealth {
     bool alive = true;
     std::string text{};  ///< the reason if the device's health is not good, or empty
   };
-  struct Connection {
-    bool matched = true;               ///< the writer and the reader have found each other
-    bool outside = false;              ///< one end is another program, which may not run yet
-    bool stale = false;                ///< the newest value is older than the deadline
-    bool safe = false;                 ///< the reader gets the safe value now
-    std::optional<Nanoseconds> age{};  ///< the age of the newest value; none if there is no value yet
-    std::uint64_t lost = 0;            ///< samples lost between devices
-    std::uint64_t dropped = 0;         ///< samples dropped because the queue was full
-    std::uint64_t late = 0;            ///< how often the value became stale
-    std::string incompatible{};        ///< the QoS policy that prevents matching, or empty
-    bool expects_value = true;         ///< false for events: such a connection is healthy without a value
-  };
+  using Connection = wire::ConnectionReport;
   std::map<std::string, Device> devices;       ///< for each device, by its name
   std::map<std::string, std::string> modules;  ///< the state of each module ("EXECUTING"), by "device.module"
   std::map<std::size_t, Connection> connections;  ///< for each connection, by its index in Cell::connections
@@ -48,6 +38,8 @@ struct ObservedCell {
     bool matched = false;
     bool safe = false;
     std::optional<Nanoseconds> age{};
+    bool losing = false;
+    bool dropping = false;
     std::uint64_t lost = 0;
     std::uint64_t dropped = 0;
     std::uint64_t late = 0;
@@ -68,18 +60,8 @@ CellHealth::Connection health_of(const ObservedCell::Port& port, const model::Co
 /// of this cell.
 CellHealth health_of(const model::Cell& cell, const nlohmann::ordered_json& status);
 
-/// The rating of a connection. Every report, drawing and page that shows the health of a connection uses it.
-enum class Rating {
-  good,
-  poor,   ///< an expected value is missing, or samples were lost, dropped or late
-  bad,    ///< stale, or the reader gets the safe value
-  broken  ///< the writer and the reader have not found each other, although both belong to the cell
-};
-Rating rating_of(const CellHealth::Connection& health);
-const char* word_of(Rating rating) noexcept;
-
-/// The health of a connection as text: "NOT MATCHED: reliability", "STALE, 400 ms old, late 2",
-/// "degraded, 1.2 ms old, lost 3", "ok, 1.2 ms old", "no other program".
+/// The judgement of a connection as text, with the age and the counters: "NOT MATCHED: reliability",
+/// "STALE, 400 ms old, late 2", "degraded: loses samples, 1.2 ms old, lost 3", "ok, 1.2 ms old".
 std::string health_text(const CellHealth::Connection& health);
 
 /// Lists the devices, modules and connections as text, with the same width as check_text(). The text ends

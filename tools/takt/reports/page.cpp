@@ -14,9 +14,7 @@ Page::Page(Style style) : colour_{style.colour}, width_{std::clamp<std::size_t>(
 
 void Page::line(std::size_t indent, std::string_view text) { put(std::string(indent, ' ').append(text)); }
 
-void Page::dim(std::size_t indent, std::string_view text) {
-  put(std::string(indent, ' ').append(text), true);
-}
+void Page::dim(std::size_t indent, std::string_view text) { put(std::string(indent, ' ').append(text), "2"); }
 
 void Page::heading(std::size_t indent, const std::string& title, const std::string& rest) {
   if (indent + title.size() + 2 + rest.size() <= width_) {
@@ -59,8 +57,9 @@ void Page::words(std::size_t indent, std::string_view lead, Words words) {
 
 void Page::sentence(std::size_t indent, std::string_view text) {
   std::string line(indent, ' ');
+  const std::string_view code = code_of(text);
   const auto end_line = [&] {
-    put(line);
+    put(line, code);
     line.assign(indent, ' ');
   };
   while (!text.empty()) {
@@ -79,23 +78,24 @@ void Page::sentence(std::size_t indent, std::string_view text) {
     if (line.size() > indent) line += ' ';
     line += word;
   }
-  put(line);
+  put(line, code);
 }
 
 void Page::table(std::size_t indent, const std::vector<Words>& rows) {
   const std::vector<std::size_t> widths = widths_of(rows);
   const bool below = !fits(indent, rows);
   for (const Words& row : rows) {
+    const std::string_view code = &row == &rows.front() ? "2" : "";
     std::string line(indent, ' ');
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (i == 1 && below) {
-        put(line, &row == &rows.front());
+        put(line, code);
         line.assign(indent + 2, ' ');
       }
-      line += row[i];
+      line += in_colour(code_of(row[i]), row[i]);
       if (i + 1 < row.size() && !(i == 0 && below)) line.append(widths[i] - row[i].size() + 2, ' ');
     }
-    put(line, &row == &rows.front());
+    put(line, code);
   }
 }
 
@@ -114,13 +114,18 @@ std::vector<std::size_t> Page::widths_of(const std::vector<Words>& rows) {
   return widths;
 }
 
-void Page::put(std::string line, bool dim) {
+void Page::put(std::string line, std::string_view code) {
   while (!line.empty() && line.back() == ' ') line.pop_back();
-  text_ += (dim ? in_colour("2", line) : line) + "\n";
+  text_ += in_colour(code, line) + "\n";
+}
+
+std::string_view Page::code_of(std::string_view text) noexcept {
+  if (text.starts_with(mark_of(wire::Rating::poor))) return "33";
+  return text.starts_with(mark_of(wire::Rating::bad)) ? "31" : "";
 }
 
 std::string Page::in_colour(std::string_view code, std::string_view text) const {
-  return colour_ ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string{text};
+  return colour_ && !code.empty() ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string{text};
 }
 
 }  // namespace takt::tool

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include <takt/wire/judgement.hpp>
+
 #include "reports/style.hpp"
 
 namespace takt::tool {
@@ -13,8 +15,15 @@ namespace takt::tool {
 /// A number with its noun: "1 row", "2 rows".
 std::string count(std::size_t number, std::string_view noun);
 
+/// The mark before a text that reports trouble, also where there are no colours: "! " for a warning, "X " for
+/// an error, and nothing otherwise.
+constexpr const char* mark_of(wire::Rating rating) noexcept {
+  return rating == wire::Rating::good ? "" : rating == wire::Rating::poor ? "! " : "X ";
+}
+
 /// The text of a report. Aligns columns, highlights words, and wraps lists, sentences and headings to the
-/// report's width. If a table is too wide, its other columns go below the first column.
+/// report's width. A sentence or a cell of a table that begins with a mark has the colour of the mark. If a
+/// table is too wide, its other columns go below the first column.
 class Page {
  public:
   using Words = std::vector<std::string>;
@@ -49,7 +58,9 @@ class Page {
   [[nodiscard]] std::string take() && { return std::move(text_); }
 
  private:
-  void put(std::string line, bool dim = false);
+  void put(std::string line, std::string_view code = {});
+  /// The code of the colour of a text with a mark; empty if the text has no mark.
+  static std::string_view code_of(std::string_view text) noexcept;
   [[nodiscard]] std::string in_colour(std::string_view code, std::string_view text) const;
 
   bool colour_;

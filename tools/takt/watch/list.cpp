@@ -233,14 +233,14 @@ State state_of(const Connection& connection, ScreenStyle style) {
   if (!connection.health) return state(kNotYet, "not reported", Ink::dim, style);
   const CellHealth::Connection& health = *connection.health;
   const std::string text = health_text(health);
-  switch (rating_of(health)) {
-    case Rating::good:
+  switch (wire::judge(health).rating) {
+    case wire::Rating::good:
       return state(kRuns, text, Ink::good, style);
-    case Rating::poor:
-      return state(health.age ? kTrouble : kReady, text, Ink::warning, style);
-    case Rating::bad:
+    case wire::Rating::poor:
+      return state(kTrouble, text, Ink::warning, style);
+    case wire::Rating::bad:
       return state(kTrouble, text, Ink::bad, style);
-    case Rating::broken:
+    case wire::Rating::broken:
       break;
   }
   return state(kLost, text, Ink::bad, style);

@@ -105,7 +105,7 @@ std::vector<watch::Port> ports_of(const std::vector<wire::ObservedDevice>& devic
   const auto& all = device.deployment.ports;
   for (auto at = all.lower_bound(module + "."); at != all.end() && at->first.starts_with(module + ".");
        ++at) {
-    const PortStatus& status = at->second;
+    const PortStatus& status = at->second.status;
     const std::string name = status.port().to_string();
     const model::Connection* const connection =
         cell == nullptr ? nullptr : connection_of({device.name(), module, name}, *cell);
@@ -115,7 +115,7 @@ std::vector<watch::Port> ports_of(const std::vector<wire::ObservedDevice>& devic
          .type = status.type().to_string(),
          .connected = status.connections() > 0,
          .samples = status.samples(),
-         .health = health_of(web::observed(status), connection,
+         .health = health_of(web::observed(at->second), connection,
                              connection != nullptr && is_lost(devices, connection->from.device))});
   }
   return ports;

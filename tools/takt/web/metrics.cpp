@@ -206,7 +206,7 @@ std::string of_connections(const std::vector<wire::ObservedDevice>& devices, con
                         {"to", end(connection.to)},
                         {"topic", topic_of(cell, connection)}};
     matched.add(labels, health.matched);
-    stale.add(labels, health.stale);
+    stale.add(labels, health.stale());
     safe.add(labels, health.safe);
     if (health.age) age.add(labels, std::chrono::duration<double>(*health.age).count());
     lost.add(labels, health.lost);

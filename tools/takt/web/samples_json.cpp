@@ -108,19 +108,22 @@ bool in_safe_stop(const wire::ObservedDevice& device, const std::string& module)
   const auto& ports = device.deployment.ports;
   for (auto at = ports.lower_bound(module + "."); at != ports.end() && at->first.starts_with(module + ".");
        ++at) {
-    if (at->second.output() && at->second.safe()) return true;
+    if (at->second.status.output() && at->second.status.safe()) return true;
   }
   return false;
 }
 
-ObservedCell::Port observed(const PortStatus& port) {
-  ObservedCell::Port result{.matched = port.matched() > 0,
-                            .safe = !port.output() && port.safe(),
-                            .lost = port.lost(),
-                            .dropped = port.dropped(),
-                            .late = port.late(),
-                            .incompatible = port.incompatible().to_string()};
-  if (port.age_ns() >= 0) result.age = Nanoseconds{port.age_ns()};
+ObservedCell::Port observed(const wire::ObservedPort& port) {
+  const PortStatus& status = port.status;
+  ObservedCell::Port result{.matched = status.matched() > 0,
+                            .safe = !status.output() && status.safe(),
+                            .losing = port.losing(),
+                            .dropping = port.dropping(),
+                            .lost = status.lost(),
+                            .dropped = status.dropped(),
+                            .late = status.late(),
+                            .incompatible = status.incompatible().to_string()};
+  if (status.age_ns() >= 0) result.age = Nanoseconds{status.age_ns()};
   return result;
 }
 
@@ -129,6 +132,7 @@ CellHealth health_of(const model::Cell& cell, const std::vector<wire::ObservedDe
   for (const wire::ObservedDevice& device : devices) {
     if (device.status.cell().to_string() != cell.name) continue;
     result.devices[device.name()] = {.alive = device.alive, .text = device.status.text().to_string()};
+    if (device.alive && !wire::executes(device.status)) continue;  // else its values only grow old
     for (const auto& [name, port] : device.deployment.ports) {
       result.ports[device.name() + "." + name] = observed(port);
     }
@@ -164,9 +168,12 @@ Json measures_json(const std::vector<wire::ObservedDevice>& devices, const model
   if (cell != nullptr) {
     for (const auto& [index, c] : health_of(*cell, devices).connections) {
       Json& one = connections[std::to_string(index)];
-      one = {{"rating", word_of(rating_of(c))},
+      const wire::Judgement judgement = wire::judge(c);
+      one = {{"rating", wire::to_text(judgement.rating)},
+             {"word", judgement.word},
+             {"reason", judgement.reason()},
              {"matched", c.matched},
-             {"stale", c.stale},
+             {"stale", c.stale()},
              {"safe", c.safe},
              {"age_us", c.age ? Json(static_cast<double>(c.age->count()) / 1e3) : Json()},
              {"lost", c.lost},

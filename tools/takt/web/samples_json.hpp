@@ -37,7 +37,7 @@ inline constexpr std::size_t kMostRows = 200;
 /// True if the reports of the module's outputs say that the module is in a safe stop.
 bool in_safe_stop(const wire::ObservedDevice& device, const std::string& module);
 
-ObservedCell::Port observed(const PortStatus& port);
+ObservedCell::Port observed(const wire::ObservedPort& port);
 /// The health of a cell's devices, modules and connections.
 CellHealth health_of(const model::Cell& cell, const std::vector<wire::ObservedDevice>& devices);
 

@@ -25,10 +25,7 @@ class Row {
     this.mark.show(this.look);
     const age = ageOf(this.connection, health);
     this.age.show(age.share, this.connection.deadline_ns ? `${age.words} of ${exact(this.connection.deadline_ns)}` : age.words);
-    for (const { what, cell } of this.numbers) {
-      setText(cell, count(health?.[what]));
-      cell.classList.toggle("some", health?.[what] > 0);
-    }
+    for (const { what, cell } of this.numbers) setText(cell, count(health?.[what]));
   }
 }
 

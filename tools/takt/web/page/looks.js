@@ -39,25 +39,20 @@ export function lookOfSeverity(severity) {
   return { look: "plain", sign: "note", word: severity };
 }
 
-/// The look of a connection. `health` comes from the `measures` event, or is undefined if it is not known. `health.rating` is the
-/// rating that `takt watch` and `takt graph` also show. The worse the rating, the higher is `rank`.
+const kRatings = {
+  good: { rank: 0, look: "good", sign: "good", line: "good" },
+  poor: { rank: 2, look: "poor", sign: "poor", line: "poor" },
+  bad: { rank: 3, look: "bad", sign: "recover", line: "bad" },
+  broken: { rank: 4, look: "bad", sign: "lost", line: "broken" },
+};
+
+/// The look of a connection. `health` comes from the `measures` event, or is undefined if it is not known. The page does not judge: the
+/// gateway sends the rating and its reason, which `takt status`, `takt watch` and `takt graph` also show. The worse the rating, the higher
+/// is `rank`.
 export function lookOfConnection(health) {
-  if (!health) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
-  if (health.rating === "broken") {
-    const why = health.incompatible ? `not matched: ${health.incompatible} differs` : "not matched";
-    return { key: "broken", rank: 4, look: "bad", sign: "lost", word: why, short: "not matched", line: "broken" };
-  }
-  if (health.rating === "bad") {
-    const short = health.stale ? "stale" : "safe value";
-    const word = health.stale && health.safe ? "stale, reader uses the safe value" : short;
-    return { key: "stale", rank: 3, look: "bad", sign: "recover", word, short, line: "bad" };
-  }
-  if (health.rating === "poor") {
-    const why = ["lost", "dropped", "late"].filter((what) => health[what] > 0).map((what) => `${health[what]} ${what}`);
-    if (health.age_us === null || health.age_us === undefined) why.unshift("no value yet");
-    return { key: "poor", rank: 2, look: "poor", sign: "poor", word: why.join(", "), short: why[0], line: "poor" };
-  }
-  return { key: "good", rank: 0, look: "good", sign: "good", word: health.matched ? "ok" : "no other program", line: "good" };
+  const rating = kRatings[health?.rating];
+  if (!rating) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
+  return { ...rating, key: health.rating, word: health.reason, short: health.word };
 }
 
 /// The look of the page's own connection to the gateway.

@@ -12,16 +12,27 @@
 #include <vector>
 
 #include <takt/wire/takt.h>
+#include <takt/wire/judgement.hpp>
 #include <takt/wire/writer_id.hpp>
 
 namespace takt::wire {
+
+/// A port, with what its statuses say together.
+struct ObservedPort {
+  PortStatus status;
+  RisingCount lost{};
+  RisingCount dropped{};
+
+  [[nodiscard]] bool losing() const noexcept { return lost.rises(Nanoseconds{status.time_ns()}); }
+  [[nodiscard]] bool dropping() const noexcept { return dropped.rises(Nanoseconds{status.time_ns()}); }
+};
 
 /// The part of a deployment on one device, as last received.
 struct ObservedDeployment {
   std::map<std::string, LifecycleStatus> modules;       ///< by module name
   std::map<std::string, ModuleStatistics> statistics;   ///< by module name
   std::map<std::string, ExecutorStatistics> executors;  ///< by executor name
-  std::map<std::string, PortStatus> ports;              ///< by MODULE.PORT
+  std::map<std::string, ObservedPort> ports;            ///< by MODULE.PORT
 };
 
 struct ObservedDevice {
