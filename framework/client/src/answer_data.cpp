@@ -59,6 +59,8 @@ void check_module(const json& module) {
     if (!port.at("age_us").is_null()) check_times(port, {"age_us"});
     static_cast<void>(port.value("safe", false));
     if (!port.at("incompatible").is_null()) check_texts(port, {"incompatible"});
+    for (const char* flag : {"losing", "dropping"}) static_cast<void>(port.value(flag, false));
+    check_optional_texts(port, {"rating", "reason"});
   }
 }
 

@@ -13,9 +13,33 @@ PortHealth Health::of(const Member& member, const model::Port& port, Instant now
   PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), [this](std::size_t link) {
     return flows_ ? flows_->health(link) : std::nullopt;
   });
+  if (const auto noted = noted_ports_.find({member.index, port.name}); noted != noted_ports_.end())
+    health.losing = noted->second.losses.rises(now.time_since_epoch());
+  for (std::size_t i = 0; i < noted_queues_.size(); ++i) {
+    const PlannedLink& plan = parts_.wiring.links()[i].plan;
+    const LinkEnd here{member.index, port.name};
+    if (plan.from == here || plan.to == here)
+      health.dropping |= noted_queues_[i].drops.rises(now.time_since_epoch());
+  }
   const auto at_stop = matched_at_stop_.find({member.index, port.name});
   if (at_stop != matched_at_stop_.end()) health.matched = at_stop->second;
   return health;
+}
+
+std::optional<wire::Judgement> Health::judge(const model::Port& port, const PortHealth& health) const {
+  // Before its first row and after its last one, a device passes on no samples, and its values grow old.
+  if (stopped_ || ports_watched_at_ == Instant{} || health.connections == 0) return std::nullopt;
+  wire::ConnectionReport report{.matched = health.matched > 0 && health.missing == 0,
+                                .outside = health.missing == 0,
+                                .output = port.direction == model::Direction::out,
+                                .safe = health.safe,
+                                .age = std::nullopt,
+                                .deadline = health.deadline,
+                                .losing = health.losing,
+                                .dropping = health.dropping,
+                                .incompatible = health.incompatible};
+  if (health.age_ns >= 0) report.age = Nanoseconds{health.age_ns};
+  return wire::judge(report);
 }
 
 void Health::check_counts() {
@@ -42,10 +66,10 @@ void Health::check_ports(Instant now) {
     if (!ports) continue;
     for (const model::Port& port : *ports) check_port(*member, port, now);
   }
-  check_queues();
+  check_queues(now);
 }
 
-void Health::check_queues() {
+void Health::check_queues(Instant now) {
   const auto& links = parts_.wiring.links();
   noted_queues_.resize(links.size());
   for (std::size_t i = 0; i < links.size(); ++i) {
@@ -55,8 +79,7 @@ void Health::check_queues() {
     NotedQueue& noted = noted_queues_[i];
     const std::uint64_t before =
         std::exchange(noted.dropped, block.overwritten.load(std::memory_order_relaxed));
-    const bool dropped_before = std::exchange(noted.drops, noted.dropped > before);
-    if (!noted.drops || dropped_before) continue;
+    if (!noted.drops.update(noted.dropped, now.time_since_epoch())) continue;
     const bool has_reader = link.plan.to.module.has_value();
     const LinkEnd& end = has_reader ? link.plan.to : link.plan.from;
     std::uint64_t seen = before;
@@ -77,6 +100,7 @@ void Health::check_port(const Member& member, const model::Port& port, Instant n
     notes_.note_increase(&member, kind, seen, 1, cause, port.name);
   };
 
+  noted.losses.update(health.lost, now.time_since_epoch());
   if (health.late > noted.late) noted.stale = true;
   notes_.note_increase(&member, FaultKind::stale_input, noted.late, health.late,
                        "the newest value of input " + name + " is older than its deadline", port.name);
@@ -109,6 +133,7 @@ void Health::check_port(const Member& member, const model::Port& port, Instant n
 }
 
 void Health::stop(Instant now) {
+  stopped_ = true;
   for (const auto& member : members_) {
     const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports) continue;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include <takt/model/cell.hpp>
 #include <takt/supervision/parts.hpp>
 #include <takt/supervision/platform.hpp>
+#include <takt/wire/judgement.hpp>
 #include "fault_notes.hpp"
 
 namespace takt::supervision {
@@ -28,6 +30,8 @@ class Health {
       : parts_(parts), members_(members), flows_(flows), notes_(notes) {}
 
   [[nodiscard]] PortHealth of(const Member& member, const model::Port& port, Instant now) const;
+  /// Judges the connections of a port. Empty if the port has none, or if the device does not run.
+  [[nodiscard]] std::optional<wire::Judgement> judge(const model::Port& port, const PortHealth& health) const;
   void check_counts();
   /// Checks every port, but not more often than once per kPortsEvery.
   void check_ports(Instant now);
@@ -39,9 +43,9 @@ class Health {
 
  private:
   void check_port(const Member& member, const model::Port& port, Instant now);
-  /// Records each queue that has begun to drop samples. A queue is recorded again only after a check in which
-  /// the queue had dropped no sample.
-  void check_queues();
+  /// Records each queue that has begun to drop samples. A queue is recorded again only if it has dropped no
+  /// sample for wire::kRecently.
+  void check_queues(Instant now);
 
   /// The part of a port's health that the fault record already contains.
   struct NotedPort {
@@ -50,10 +54,11 @@ class Health {
     bool stale = false;
     std::uint64_t late = 0;
     std::uint64_t refused = 0;
+    wire::RisingCount losses{0};
   };
   struct NotedQueue {
     std::uint64_t dropped = 0;
-    bool drops = false;  ///< true if the queue dropped samples between the last two checks
+    wire::RisingCount drops{0};
   };
   using PortKey = std::pair<std::uint32_t, std::string>;  ///< index of the module, and name of the port
 
@@ -67,6 +72,7 @@ class Health {
   std::vector<NotedQueue> noted_queues_;  ///< one for each link
   std::map<PortKey, std::uint32_t> matched_at_stop_;
   Instant ports_watched_at_{};
+  bool stopped_ = false;
 };
 
 }  // namespace takt::supervision

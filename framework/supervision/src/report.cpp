@@ -51,21 +51,29 @@ bool is_faulty(const Member& member) {
          (member.state() == lifecycle::State::destruct && member.failed);
 }
 
-json in_json(const model::Port& port, const PortHealth& health) {
-  return {{"name", port.name},
-          {"direction", to_text(port.direction)},
-          {"type", port.type.name},
-          {"connections", health.connections},
-          {"matched", health.matched},
-          {"samples", health.samples},
-          {"lost", health.lost},
-          {"dropped", health.dropped},
-          {"refused", health.refused},
-          {"untimed", health.untimed},
-          {"late", health.late},
-          {"safe", health.safe},
-          {"age_us", health.age_ns < 0 ? json(nullptr) : json(static_cast<double>(health.age_ns) / 1e3)},
-          {"incompatible", health.incompatible.empty() ? json(nullptr) : json(health.incompatible)}};
+json in_json(const model::Port& port, const PortHealth& health,
+             const std::optional<wire::Judgement>& judgement) {
+  json json_of{{"name", port.name},
+               {"direction", to_text(port.direction)},
+               {"type", port.type.name},
+               {"connections", health.connections},
+               {"matched", health.matched},
+               {"samples", health.samples},
+               {"lost", health.lost},
+               {"dropped", health.dropped},
+               {"refused", health.refused},
+               {"untimed", health.untimed},
+               {"late", health.late},
+               {"safe", health.safe},
+               {"age_us", health.age_ns < 0 ? json(nullptr) : json(static_cast<double>(health.age_ns) / 1e3)},
+               {"incompatible", health.incompatible.empty() ? json(nullptr) : json(health.incompatible)},
+               {"losing", health.losing},
+               {"dropping", health.dropping}};
+  if (judgement) {
+    json_of["rating"] = to_text(judgement->rating);
+    json_of["reason"] = judgement->reason();
+  }
+  return json_of;
 }
 
 }  // namespace
@@ -193,7 +201,10 @@ json Supervisor::report() const {
     const model::ModulePorts& ports = parts_.ports.at(member->index);
     if (!ports || ports->empty()) continue;
     json& list = modules.back()["ports"] = json::array();
-    for (const model::Port& port : *ports) list.push_back(in_json(port, health_->of(*member, port, now)));
+    for (const model::Port& port : *ports) {
+      const PortHealth health = health_->of(*member, port, now);
+      list.push_back(in_json(port, health, health_->judge(port, health)));
+    }
   }
   json report{{"name", device().name},
               {"alive", true},

@@ -144,7 +144,7 @@ class Planner {
         return flow;
       }
     }
-    PlannedLink link{.from = {module, port.name}, .to = {}};
+    PlannedLink link{.from = {module, port.name}, .to = {}, .outside = true};
     link.options = {.depth = 1 + ahead(module, nullptr),
                     .payload = payload_of(port),
                     .wake_bits = channel::kGatewayBit,
@@ -187,6 +187,7 @@ class Planner {
     PlannedFlow& flow =
         flow_of(from->module, *from->port, model::topic_of(cell_, connection), connection.domain);
     flow.carries = connection.carries;
+    if (connection.to.given()) plan_.links[flow.links.front()].outside = false;
     channel::Link::Options& link = plan_.links[flow.links.front()].options;
     const auto depth = static_cast<std::uint32_t>(connection.depth);
     link.enabled = connection.carries != model::Carries::requests;  // a link for requests is enabled only
@@ -212,7 +213,7 @@ class Planner {
   void incoming(const Connection& connection) {
     const auto to = find(connection.to);
     if (!to) return;
-    PlannedLink link{.from = {}, .to = {to->module, to->port->name}};
+    PlannedLink link{.from = {}, .to = {to->module, to->port->name}, .outside = !connection.from.given()};
     if (connection.from.given() && !is_here(connection.from)) link.sender = connection.from.device;
     link.options = options_of(connection, *to->port);
     link.options.wake_bits = wake_bits(*to);
@@ -355,22 +356,25 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     const bool enabled = created.link.block().enabled.load(relaxed) != 0;
     const bool reaches = enabled && created.connected;
     const bool goes_on = !(output ? created.plan.to : created.plan.from).module;
+    bool matched = reaches && !goes_on;
     if (const auto flow = goes_on ? on_dds(i) : std::nullopt) {
-      health.matched += reaches && flow->matched > 0 ? 1 : 0;
+      matched = reaches && flow->matched > 0;
       health.lost += flow->lost + flow->failures;
       health.refused += flow->refused;
       health.untimed += flow->untimed;
       if (health.incompatible.empty()) health.incompatible = flow->incompatible;
-    } else {
-      health.matched += reaches && !goes_on ? 1 : 0;
     }
+    health.matched += matched ? 1 : 0;
+    health.missing += created.connected && !matched && !created.plan.outside ? 1 : 0;
     const channel::LinkBlock& block = created.link.block();
     const std::uint64_t written = block.written.load(relaxed);
     // An output writes each sample to all its enabled links, so the output's count is the highest count of
     // these links.
     health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
     health.connections += created.connected ? 1 : 0;
-    health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;
+    if (created.connected && block.is_queue != 0) health.dropped += block.overwritten.load(relaxed);
+    if (const Nanoseconds deadline{block.deadline_ns}; !output && deadline.count() > 0)
+      health.deadline = std::min(health.deadline.value_or(deadline), deadline);
     health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
     health.late += block.late.load(relaxed);
     newest = std::max(newest, block.newest_ns.load(relaxed));

@@ -3,10 +3,12 @@ import os
 import signal
 import sys
 import time
+import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 from takt_system import wait_until
+from terminal import Terminal
 
 
 class Ports(takt_system.Case):
@@ -39,6 +41,81 @@ class Ports(takt_system.Case):
         self.assertEqual(1, len(slow), "it drops samples all the time: %s" % slow)
         self.assertEqual("the queue of input 'in' is full and drops its oldest samples", slow[0]["cause"])
         self.assertGreater(slow[0]["count"], 0)
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait().status, run.err)
+
+    def judged(self, module, port):
+        """Returns the judgement of a port in takt status --json: (rating, reason)."""
+        for each in self.status_of("d")["modules"]:
+            for one in each.get("ports", []):
+                if (each["name"], one["name"]) == (module, port):
+                    return one.get("rating"), one.get("reason")
+
+    def live(self, descriptor):
+        """Returns the rating of each connection in takt graph --live, by the ends of the connection."""
+        run = self.takt("graph", descriptor, "--live", "--json")
+        self.assertEqual(0, run.status, run.err)
+        return {(c["from"], c["to"]): c["health"]["rating"] for c in run.report["connections"] if "health" in c}
+
+    def measures(self):
+        """Returns the ratings and reasons that the page of takt web gets once a second, by the number of the connection."""
+        web = self.start("web", "--port", "0")
+        web.wait_for_out(r"http://\S+")
+        with urllib.request.urlopen(web.out.split()[-1] + "api/events", timeout=takt_system.LONG) as events:
+            event = None
+            for line in events:
+                line = line.decode().rstrip("\n")
+                event = line[7:] if line.startswith("event: ") else event
+                if event == "measures" and line.startswith("data: "):
+                    yield {i: (c["rating"], c["reason"]) for i, c in json.loads(line[6:])["connections"].items()}
+
+    def test_a_queue_that_drops_samples_is_amber_everywhere_until_it_has_stopped(self):
+        run = self.start("run", "cell.xml")
+        run.wait_for_state("slow", "EXECUTING")
+        drops = ("poor", "degraded: drops samples")
+        wait_until(lambda: self.judged("slow", "in") == drops, "the queue to drop samples")
+        self.assertEqual(("good", "ok"), self.judged("bytes", "in"))
+        self.assertRegex(self.takt("status").out, r"(?m)^  slow\.in .* ! degraded: drops samples$")
+        ratings = self.live("cell.xml")
+        self.assertEqual("poor", ratings.pop(("d.source.out", "d.slow.in")))
+        self.assertEqual({"good"}, set(ratings.values()))
+        self.assertRegex(self.takt("graph", "cell.xml", "--live").out, r"! degraded: drops samples, ")
+        page = self.measures()
+        wait_until(lambda: next(page).get("4") == drops, "the page to get the judgement")
+        terminal = Terminal(30, 100)
+        self.addCleanup(terminal.close)
+        watch = self.start("watch", terminal=terminal.slave, become=terminal.become, environment={"LC_ALL": "C", "NO_COLOR": ""})
+        terminal.wait_for("source")
+        terminal.press("c")
+        terminal.wait_for(r"d\.slow\.in +! degraded: drops samples, ")
+
+        self.done("stop d.source")
+        wait_until(lambda: self.judged("slow", "in") == ("good", "ok"), "the judgement after the last dropped sample")
+        self.assertEqual({"good"}, set(self.live("cell.xml").values()))
+        wait_until(lambda: next(page).get("4") == ("good", "ok"), "the page to get the new judgement")
+        terminal.wait_for(r"d\.slow\.in +\* ok, ")
+        terminal.press("q")
+        watch.wait()
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait().status, run.err)
+
+    def test_what_is_no_fault_now_is_no_alarm(self):
+        run = self.start("run", "quiet.xml")
+        run.wait_for_state("sink", "EXECUTING")
+        wait_until(lambda: self.judged("sink", "in") == ("good", "ok"), "the first value")
+        self.assertEqual(("good", "ok: no value yet"), self.judged("alarm", "in"), "its event has never happened")
+        self.assertEqual(("good", "no other program reads it"), self.judged("lonely", "out"))
+        self.assertEqual({"good"}, set(self.live("quiet.xml").values()))
+        self.done("stop d.source")
+        wait_until(lambda: self.judged("sink", "in") == ("bad", "stale"), "the value to become stale")
+        self.assertEqual("bad", self.live("quiet.xml")[("d.source.out", "d.sink.in")])
+        self.done("start d.source")
+        wait_until(lambda: self.judged("sink", "in") == ("good", "ok"), "a new value")
+        sink = next(m for m in self.status_of("d")["modules"] if m["name"] == "sink")
+        self.assertGreater(sink["ports"][0]["late"], 0)
+        page = self.measures()
+        wait_until(lambda: next(page) == {"0": ("good", "ok"), "1": ("good", "no other program reads it"), "2": ("good", "ok: no value yet")},
+                   "the page to show no alarm")
         run.signal(signal.SIGINT)
         self.assertEqual(0, run.wait().status, run.err)
 

@@ -88,6 +88,8 @@ TEST_F(DevicePorts, DropTheOldestSamplesOfAFullQueue) {
   const json port = port_of("sink", "in");
   EXPECT_EQ(port["matched"], 1);
   EXPECT_GT(port["dropped"], 100);
+  EXPECT_EQ(port["rating"], "poor");
+  EXPECT_EQ(port["reason"], "degraded: drops samples");
   EXPECT_GT(port["samples"], 300);
   take_down();
   const json sink = seen("sink");

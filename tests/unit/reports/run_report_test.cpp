@@ -88,11 +88,23 @@ TEST(RunJson, OmitsTheWakeMarginsOfExecutors) {
   EXPECT_EQ(report["devices"][0]["modules"], cell()["devices"][0]["modules"]);
 }
 
-TEST(RunText, NamesTheQosPolicyThatPreventsAConnection) {
+TEST(RunText, ShowsTheJudgementOfEachPortWithAMarkAndAColour) {
   json status = cell();
-  status["devices"][0]["modules"][0]["ports"][0]["incompatible"] = "reliability";
-  status["devices"][0]["modules"][0]["ports"][0]["age_us"] = nullptr;
-  EXPECT_THAT(run_text(status), ContainsRegex("7 +-  not matched: incompatible reliability\n"));
+  json& port = status["devices"][0]["modules"][0]["ports"][0];
+  EXPECT_THAT(run_text(status), HasSubstr("   late        age\n")) << "a device that has ended judges none";
+  port["rating"] = "good";
+  port["reason"] = "ok";
+  EXPECT_THAT(run_text(status, {.colour = true}),
+              AllOf(HasSubstr("   late        age   now\n"), ContainsRegex("7 +1235   ok\n")));
+  port["rating"] = "poor";
+  port["reason"] = "degraded: drops samples";
+  EXPECT_THAT(run_text(status), ContainsRegex("7 +1235 ! degraded: drops samples\n"));
+  EXPECT_THAT(run_text(status, {.colour = true}), HasSubstr(" \x1b[33m! degraded: drops samples\x1b[0m\n"));
+  port["rating"] = "broken";
+  port["reason"] = "not matched: reliability";
+  port["age_us"] = nullptr;
+  EXPECT_THAT(run_text(status), ContainsRegex("7 +- X not matched: reliability\n"));
+  EXPECT_THAT(run_text(status, {.colour = true}), HasSubstr(" \x1b[31mX not matched: reliability\x1b[0m\n"));
 }
 
 TEST(RunText, ShowsTheLastKnownStatesOfALostDevice) {

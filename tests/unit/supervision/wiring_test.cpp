@@ -231,6 +231,7 @@ TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
     EXPECT_EQ(health_of(1, readers).matched, 0U);
     EXPECT_EQ(health_of(2, readers).connections, 1U) << "to an explicit topic";
     EXPECT_EQ(health_of(2, readers).matched, readers);
+    EXPECT_EQ(health_of(2, readers).missing, 0U) << "other programs need not run";
   }
 }
 
@@ -266,6 +267,7 @@ TEST_F(PlannedWiring, CountsAConnectionToAMissingServiceAsUnmatched) {
       wiring->health(0, (*ports[0])[2], 0, [](std::size_t) { return std::optional{wire::FlowHealth{}}; });
   EXPECT_EQ(health.connections, 1U);
   EXPECT_EQ(health.matched, 0U);
+  EXPECT_EQ(health.missing, 1U);
 }
 
 TEST_F(PlannedWiring, MakesALinkDeeperIfItsWriterMayRunAheadUnderLetTiming) {

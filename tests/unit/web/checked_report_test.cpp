@@ -33,7 +33,8 @@ json running() {
       "jitter_us": )" +
                      measured + R"(, "run_us": )" + measured + R"(,
       "ports": [{"name": "p", "direction": "in", "connections": 2, "matched": 1, "samples": 41, "lost": 5,
-                 "dropped": 6, "late": 7, "safe": true, "age_us": 1.5, "incompatible": "reliability"}]}],
+                 "dropped": 6, "late": 7, "safe": true, "age_us": 1.5, "incompatible": "reliability",
+                 "losing": true, "dropping": true, "rating": "poor", "reason": "degraded"}]}],
     "realtime_violations": [{"module": "arm", "hook": "run", "kind": "lock", "what": "mutex", "count": 2,
                              "backtrace": ["main"]}]}]})");
 }

@@ -30,7 +30,7 @@ int status(const StatusOptions& options) {
     complain(report.problems());
     return 1;
   }
-  return print(options.json ? run_json(*report) : run_text(*report)) ? 0 : 1;
+  return print(options.json ? run_json(*report) : run_text(*report, terminal_style())) ? 0 : 1;
 }
 
 }  // namespace

@@ -8,6 +8,9 @@
 
 #include <takt/model/build.hpp>
 #include <takt/model/json.hpp>
+#include <takt/wire/judgement.hpp>
+
+#include "reports/page.hpp"
 
 namespace takt::tool {
 
@@ -34,8 +37,19 @@ std::string clock_text(const Json& device) {
                      clock["bound_us"].get<double>() / 1000);
 }
 
+// The node's judgement of a port: "! degraded: drops samples" in amber, "X stale" in red, or "  ok".
+std::string judgement_text(const Json& port, Style style) {
+  const std::string rating = port.value("rating", "");
+  if (rating.empty()) return "";
+  const bool good = rating == wire::to_text(wire::Rating::good);
+  const bool poor = rating == wire::to_text(wire::Rating::poor);
+  const std::string text =
+      (good ? "  " : mark_of(poor ? wire::Rating::poor : wire::Rating::bad)) + port.value("reason", "");
+  return style.colour && !good ? fmt::format(" \033[{}m{}\033[0m", poor ? 33 : 31, text) : " " + text;
+}
+
 // A table of the device's connected ports.
-std::string ports_text(const Json& device) {
+std::string ports_text(const Json& device, Style style) {
   struct Row {
     std::string name;
     const Json* port;
@@ -51,18 +65,19 @@ std::string ports_text(const Json& device) {
     }
   }
   if (rows.empty()) return "";
-  std::string text = fmt::format("  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}\n", "port", width, "",
-                                 "matched", "samples", "lost", "dropped", "late", "age");
+  const bool judged =
+      std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.port->contains("rating"); });
+  std::string text =
+      fmt::format("  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}{}\n", "port", width, "", "matched",
+                  "samples", "lost", "dropped", "late", "age", judged ? "   now" : "");
   for (const auto& [name, pointer] : rows) {
     const Json& p = *pointer;
     const auto count = [&p](const char* key) { return p[key].get<std::uint64_t>(); };
-    text += fmt::format(
-        "  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}{}\n", name, width,
-        p["direction"].get<std::string>(), fmt::format("{}/{}", count("matched"), count("connections")),
-        count("samples"), count("lost"), count("dropped"), count("late"),
-        p["age_us"].is_null() ? "-" : us(p["age_us"]),
-        p["incompatible"].is_null() ? ""
-                                    : "  not matched: incompatible " + p["incompatible"].get<std::string>());
+    text += fmt::format("  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}{}\n", name, width,
+                        p["direction"].get<std::string>(),
+                        fmt::format("{}/{}", count("matched"), count("connections")), count("samples"),
+                        count("lost"), count("dropped"), count("late"),
+                        p["age_us"].is_null() ? "-" : us(p["age_us"]), judgement_text(p, style));
   }
   return text;
 }
@@ -87,7 +102,7 @@ std::string state_of(const Json& device, const Json& module) {
   return state_text(state, state == "START" && device.value("state", "") == "running");
 }
 
-std::string device_text(const Json& device, std::size_t width) {
+std::string device_text(const Json& device, std::size_t width, Style style) {
   // Name the device's state only if the device is not running.
   std::string state = device.value("state", "");
   if (state == "running") state.clear();
@@ -132,7 +147,7 @@ std::string device_text(const Json& device, std::size_t width) {
     if (const std::string text_of = one_line(m.value("text", "")); !text_of.empty())
       text += "    " + text_of + "\n";
   }
-  return text + components_text(device, width) + ports_text(device);
+  return text + components_text(device, width) + ports_text(device, style);
 }
 
 }  // namespace
@@ -156,7 +171,7 @@ void leave_out_components(Json& status) {
   }
 }
 
-std::string run_text(const Json& status) {
+std::string run_text(const Json& status, Style style) {
   std::size_t width = 8;
   for (const Json& device : status["devices"]) {
     for (const char* list : {"executors", "modules"}) {
@@ -164,7 +179,7 @@ std::string run_text(const Json& status) {
     }
   }
   std::string text = fmt::format("\ncell {}\n", status["cell"].get<std::string>());
-  for (const Json& device : status["devices"]) text += device_text(device, width);
+  for (const Json& device : status["devices"]) text += device_text(device, width, style);
   for (const Json& line : status.value("differences", Json::array()))
     text += "DIFFERENT DEPLOYMENTS: " + line.get<std::string>() + "\n";
   return text +

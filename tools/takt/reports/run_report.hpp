@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "reports/style.hpp"
+
 namespace takt::tool {
 
 /// The text of a module's state in all commands. `stopped` means: in START although the device runs.
@@ -22,7 +24,7 @@ void leave_out_components(nlohmann::ordered_json& status);
 /// Converts a status object to tables with one line per executor and per module. With names of at most 20
 /// characters, a table is at most 100 columns wide. Times are in microseconds. The text ends with a line
 /// feed.
-std::string run_text(const nlohmann::ordered_json& status);
+std::string run_text(const nlohmann::ordered_json& status, Style style = {});
 /// Explains the columns of run_text(), for `takt status --help`.
 inline constexpr const char* kColumns =
     "Times are in us. After the name of a device, `clock` is how far its clock is ahead of the clock of the\n"
@@ -35,7 +37,9 @@ inline constexpr const char* kColumns =
     "  matched      connections whose writer and reader have found each other, of all connections\n"
     "  lost         samples lost between writer and reader\n"
     "  dropped      samples dropped because the queue was full\n"
-    "  late         how often the newest value became older than its deadline";
+    "  late         how often the newest value became older than its deadline\n"
+    "  now          what the connections do now; `!` marks a poor connection, and `X` a bad one. The\n"
+    "               columns before cover the whole time since the deployment";
 /// Converts a status object to JSON, without the margins of the executors, which only the tables show. The
 /// text ends with a line feed.
 std::string run_json(nlohmann::ordered_json status);

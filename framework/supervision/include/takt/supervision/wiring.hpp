@@ -39,6 +39,7 @@ struct PlannedLink {
   /// The other device whose samples the gateway writes to this link; empty if the samples come from this
   /// device or from outside the cell.
   std::string sender{};
+  bool outside = false;  ///< true if only programs outside the cell are at the other end
   /// The output that writes to this link, if the reader gets a safe value while the writing module does not
   /// execute. Otherwise empty.
   model::Endpoint writer{};
@@ -91,13 +92,19 @@ struct PortHealth {
   std::uint32_t matched = 0;      ///< connections whose other end is available
   std::uint64_t samples = 0;      ///< samples that the output has written, or that the input has taken
   std::uint64_t lost = 0;         ///< samples lost between devices
-  std::uint64_t dropped = 0;      ///< samples dropped from full queues
+  std::uint64_t dropped = 0;      ///< samples dropped from the full queues of connections
   std::uint64_t refused = 0;      ///< samples rejected because they do not fit the port's type
   /// Samples whose time stamp cannot be right, so their age is measured from their arrival.
   std::uint64_t untimed = 0;
-  std::uint64_t late = 0;      ///< number of times that the newest value became older than its
-                               ///< connection's deadline
-  bool safe = false;           ///< true if the reader of this input gets the safe value now
+  std::uint64_t late = 0;  ///< number of times that the newest value became older than its
+                           ///< connection's deadline
+  bool safe = false;       ///< true if the reader of this input gets the safe value now
+  /// Connections whose other end belongs to the cell but is not available.
+  std::uint32_t missing = 0;
+  /// The shortest deadline of the input's connections; none for an output.
+  std::optional<Nanoseconds> deadline{};
+  bool losing = false;         ///< true if `lost` has risen recently
+  bool dropping = false;       ///< true if a queue has dropped samples recently
   std::int64_t age_ns = -1;    ///< age of the newest value; -1 if there is none
   std::string incompatible{};  ///< the QoS policy that prevented a match; empty if there is none
 };
