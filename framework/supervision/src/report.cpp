@@ -190,6 +190,8 @@ json Supervisor::report() const {
     // state, that it has finished, or that it is in a safe stop. The other members are counts for overrun
     // contracts and budgets, and the health of ports.
     if (is_faulty(*member) && !member->why.empty()) modules.back()["text"] = member->why;
+    if (is_faulty(*member) && member->state() == lifecycle::State::destruct)
+      modules.back()["given_up"] = true;
     if (member->has_finished()) modules.back()["text"] = kFinished;
     if (member->in_safe_stop()) {
       modules.back()["text"] = kSafeStop;

@@ -6,6 +6,8 @@ const char* to_text(Rating rating) noexcept {
   switch (rating) {
     case Rating::good:
       return "good";
+    case Rating::idle:
+      return "idle";
     case Rating::poor:
       return "poor";
     case Rating::bad:
@@ -32,6 +34,19 @@ Judgement judge(const ConnectionReport& connection) {
   // An event that has not happened yet sends no value, so a missing value alone is no fault.
   if (!connection.age && !connection.output) return {Rating::good, "ok", "no value yet"};
   return {Rating::good, "ok"};
+}
+
+Rating judge(const ModuleReport& module) noexcept {
+  if (module.lost || module.state == "RECOVER" || (module.state == "DESTRUCT" && module.given_up))
+    return Rating::bad;
+  if (module.state != "EXECUTING") return Rating::idle;
+  return module.safe_stop ? Rating::poor : Rating::good;
+}
+
+Rating judge(const DeviceReport& device) noexcept {
+  if (!device.alive || device.health == "failed") return Rating::bad;
+  if (device.health != "ok") return Rating::poor;
+  return device.state == "running" ? Rating::good : Rating::idle;
 }
 
 bool RisingCount::update(std::uint64_t count, Nanoseconds now) {

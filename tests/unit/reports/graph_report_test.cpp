@@ -183,6 +183,16 @@ TEST(CellHealth, ShowsConnectionsOfALostDeviceAsUnmatched) {
   }
 }
 
+TEST(CellHealth, DrawsDestructRedOnlyIfTheModuleWasGivenUp) {
+  auto status = status_of_three();
+  auto& arm = status["devices"][0]["modules"][1];
+  arm["state"] = "DESTRUCT";
+  const auto drawing = [&] { return graph_svg(three(), health_of(three(), status)); };
+  EXPECT_THAT(drawing(), HasSubstr("class=\"faint state\">DESTRUCT<")) << "it has finished, or was ended";
+  arm["given_up"] = true;
+  EXPECT_THAT(drawing(), HasSubstr("class=\"bad-word state\">DESTRUCT<"));
+}
+
 TEST(CellHealth, IsEmptyIfTheCellDoesNotRun) {
   auto status = status_of_three();
   status["cell"] = "palletizing2, other";
@@ -345,7 +355,7 @@ TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
                              HasSubstr(R"(class="good-word state">alive<)"),
                              HasSubstr(R"(class="poor-word state">alive, belt is in RECOVER<)"),
                              HasSubstr(R"(class="bad-word state">RECOVER<)"),
-                             HasSubstr(R"(class="poor-word state">EXECUTING (last known)<)")));
+                             HasSubstr(R"(class="bad-word state">EXECUTING (last known)<)")));
   EXPECT_THAT(
       drawing,
       AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),

@@ -28,7 +28,7 @@ TEST(StatusJson, ContainsTheStateEventAndReasonOfATransition) {
   s.time_ns(1'500'000);
   EXPECT_EQ(
       module_json(s).dump(),
-      R"({"name":"robot.servo","state":"RECOVER","previous":"EXECUTING","event":"error","error":"budget",)"
+      R"({"name":"robot.servo","state":"RECOVER","rating":"bad","previous":"EXECUTING","event":"error","error":"budget",)"
       R"("text":"took \"long\"\n","sequence":7,"time_ms":1.5})");
 }
 
@@ -99,6 +99,18 @@ TEST(StatusJson, ContainsAllMeasurementsByName) {
   EXPECT_EQ(to_line["lost"], 4);
   EXPECT_EQ(json["connections"]["1"]["stale"], false) << "a topic for other programs has only a writer";
   EXPECT_TRUE(measures_json(cell_that_runs(), nullptr, 0)["connections"].empty()) << "the cell is not known";
+}
+
+TEST(StatusJson, RatesDevicesAndModules) {
+  auto devices = cell_that_runs();
+  EXPECT_EQ(device_json(devices[0])["rating"], "bad") << "the line is lost";
+  EXPECT_EQ(device_json(devices[1])["rating"], "good");
+  EXPECT_EQ(module_json(devices[1].deployment.modules.at("servo"))["rating"], "good");
+  EXPECT_EQ(module_json(devices[1].deployment.modules.at("slow"))["rating"], "bad") << "in RECOVER";
+  LifecycleStatus ended = status("robot", "servo", STATE_DESTRUCT);
+  EXPECT_EQ(module_json(ended)["rating"], "idle");
+  ended.event(EVENT_GIVE_UP);
+  EXPECT_EQ(module_json(ended)["rating"], "bad");
 }
 
 TEST(StatusJson, RatesAConnectionAsPoorOnlyWhileItsQueueDropsSamples) {

@@ -63,6 +63,25 @@ TEST(ConnectionJudgement, NamesTheWorstTroubleFirst) {
   EXPECT_EQ(rating(one), Rating::poor);
 }
 
+TEST(ModuleJudgement, IsBadOnlyIfTheModuleFailedOrItsDeviceIsLost) {
+  EXPECT_EQ(judge(ModuleReport{.state = "EXECUTING"}), Rating::good);
+  EXPECT_EQ(judge(ModuleReport{.state = "EXECUTING", .safe_stop = true}), Rating::poor);
+  EXPECT_EQ(judge(ModuleReport{.state = "EXECUTING", .lost = true}), Rating::bad);
+  EXPECT_EQ(judge(ModuleReport{.state = "RECOVER"}), Rating::bad);
+  EXPECT_EQ(judge(ModuleReport{.state = "DESTRUCT", .given_up = true}), Rating::bad);
+  EXPECT_EQ(judge(ModuleReport{.state = "DESTRUCT"}), Rating::idle) << "it has finished, or was ended";
+  for (const char* state : {"IDLE", "INITIALIZE", "START"})
+    EXPECT_EQ(judge(ModuleReport{.state = state}), Rating::idle) << state;
+}
+
+TEST(DeviceJudgement, FollowsTheHealthThatTheDeviceReports) {
+  EXPECT_EQ(judge(DeviceReport{.state = "running", .health = "ok"}), Rating::good);
+  EXPECT_EQ(judge(DeviceReport{.state = "running", .health = "degraded"}), Rating::poor);
+  EXPECT_EQ(judge(DeviceReport{.state = "running", .health = "failed"}), Rating::bad);
+  EXPECT_EQ(judge(DeviceReport{.state = "running", .health = "ok", .alive = false}), Rating::bad);
+  EXPECT_EQ(judge(DeviceReport{.state = "waiting", .health = "ok"}), Rating::idle);
+}
+
 TEST(RisingCount, BeginsToRiseOnceAndEndsSomeTimeAfterTheLastRise) {
   RisingCount count;
   EXPECT_FALSE(count.update(27757, 1s)) << "it may have risen long ago";

@@ -29,9 +29,20 @@ constexpr double kPitchLive = 32;
 constexpr double kStepAtRest = 20;
 constexpr double kStepLive = 16;
 
-Look look_of_state(std::string_view state) {
-  if (state == "EXECUTING") return kGood;
-  return state == "RECOVER" || state == "DESTRUCT" ? kBad : kPoor;
+Look look_of(wire::Rating rating) {
+  switch (rating) {
+    case wire::Rating::good:
+      return kGood;
+    case wire::Rating::idle:
+      return kUnknown;
+    case wire::Rating::poor:
+      return kPoor;
+    case wire::Rating::bad:
+      return kBad;
+    case wire::Rating::broken:
+      return kBroken;
+  }
+  return kUnknown;
 }
 
 /// Replaces the middle of a long text with "...".
@@ -142,7 +153,10 @@ Box Builder::box_of(const model::Device& device, const Module& module, bool aliv
               (module.budget ? ", budget " + to_text(*module.budget) : "");
   if (const auto state = health_.modules.find(path); state != health_.modules.end()) {
     box.state = alive ? state->second : state->second + " (last known)";
-    box.look = alive ? look_of_state(state->second) : kPoor;
+    box.look = look_of(wire::judge(wire::ModuleReport{.state = state->second,
+                                                      .lost = !alive,
+                                                      .given_up = health_.given_up.contains(path),
+                                                      .safe_stop = health_.safe_stops.contains(path)}));
     box.title += "; " + box.state;
   }
   return box;
@@ -157,7 +171,8 @@ void Builder::add_device(const model::Device& device) {
     const std::string& why = known->second.text;
     alive = known->second.alive;
     column.state = (alive ? "alive" : "LOST") + (why.empty() ? "" : ", " + shortened(why, 40));
-    column.look = !alive ? kBad : why.empty() ? kGood : kPoor;
+    column.look = look_of(wire::judge(
+        wire::DeviceReport{.state = "running", .health = why.empty() ? "ok" : "degraded", .alive = alive}));
   }
   for (const Module& module : device.modules) {
     if (column.boxes.size() == kGraphModules) break;
@@ -389,19 +404,7 @@ void Builder::find_ways() {
 
 std::size_t Port::lines() const { return std::max<std::size_t>({left.size(), right.size(), 1}); }
 
-Look look_of(const CellHealth::Connection& health) {
-  switch (wire::judge(health).rating) {
-    case wire::Rating::good:
-      return kGood;
-    case wire::Rating::poor:
-      return kPoor;
-    case wire::Rating::bad:
-      return kBad;
-    case wire::Rating::broken:
-      return kBroken;
-  }
-  return kUnknown;
-}
+Look look_of(const CellHealth::Connection& health) { return look_of(wire::judge(health).rating); }
 
 std::string label_of(const Connection& connection) {
   std::string text = kind_text(connection);

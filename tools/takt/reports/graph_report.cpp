@@ -127,6 +127,8 @@ Json discovery_json(const Cell& cell) {
 
 CellHealth health_of(const Cell& cell, const ObservedCell& observed) {
   CellHealth health;
+  health.given_up = observed.given_up;
+  health.safe_stops = observed.safe_stops;
   for (const Device& device : cell.devices) {
     if (const auto* known = find(observed.devices, device.name)) health.devices[device.name] = *known;
     for (const Module& module : device.modules) {
@@ -180,6 +182,8 @@ CellHealth health_of(const Cell& cell, const Json& status) {
     for (const Json& module : device.at("modules")) {
       const std::string path = name + "." + module.at("name").get<std::string>();
       observed.modules[path] = module.at("state").get<std::string>();
+      if (module.value("given_up", false)) observed.given_up.insert(path);
+      if (module.value("safe_stop", false)) observed.safe_stops.insert(path);
       if (!module.contains("ports") || !runs) continue;  // else its values only grow old
       for (const Json& port : module["ports"]) {
         ObservedCell::Port one{.matched = port.at("matched").get<std::uint64_t>() > 0,

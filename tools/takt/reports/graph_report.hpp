@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -28,6 +29,8 @@ struct CellHealth {
   using Connection = wire::ConnectionReport;
   std::map<std::string, Device> devices;       ///< for each device, by its name
   std::map<std::string, std::string> modules;  ///< the state of each module ("EXECUTING"), by "device.module"
+  std::set<std::string> given_up{};    ///< the modules in DESTRUCT that the node gave up, by "device.module"
+  std::set<std::string> safe_stops{};  ///< the modules in a safe stop
   std::map<std::size_t, Connection> connections;  ///< for each connection, by its index in Cell::connections
 };
 
@@ -47,6 +50,8 @@ struct ObservedCell {
   };
   std::map<std::string, CellHealth::Device> devices{};
   std::map<std::string, std::string> modules{};
+  std::set<std::string> given_up{};
+  std::set<std::string> safe_stops{};
   std::map<std::string, Port> ports{};
 };
 /// Derives the health of a cell from the reports of its devices.

@@ -38,6 +38,22 @@ State state(const Sign& sign, const std::string& word, Ink ink, ScreenStyle styl
   return {std::string{style.unicode ? sign.unicode : sign.ascii} + " " + word, ink};
 }
 
+/// The colour of a rating.
+Ink ink_of(wire::Rating rating) {
+  switch (rating) {
+    case wire::Rating::good:
+      return Ink::good;
+    case wire::Rating::idle:
+      return Ink::plain;
+    case wire::Rating::poor:
+      return Ink::warning;
+    case wire::Rating::bad:
+    case wire::Rating::broken:
+      break;
+  }
+  return Ink::bad;
+}
+
 // The rank of a row in a list that is sorted by state: the worst state has rank 0.
 int rank_of(const Row& row) {
   if (!row.device->alive) return 0;
@@ -211,39 +227,47 @@ bool matches(const std::string& text, const std::string& filter) {
   return true;
 }
 
+wire::Rating rating_of(const Device& device) {
+  return wire::judge(
+      wire::DeviceReport{.state = device.state, .health = device.health, .alive = device.alive});
+}
+
+wire::Rating rating_of(const Device& device, const Module& module) {
+  return wire::judge(wire::ModuleReport{.state = module.state,
+                                        .lost = !device.alive,
+                                        .given_up = module.given_up,
+                                        .safe_stop = module.safe_stop});
+}
+
 State state_of(const Device& device, ScreenStyle style) {
   if (!device.alive) return state(kLost, "LOST", Ink::bad, style);
-  if (device.health != "ok")
-    return state(kTrouble, device.state, device.health == "failed" ? Ink::bad : Ink::warning, style);
-  if (device.state == "running") return state(kRuns, device.state, Ink::good, style);
-  return state(device.state == "waiting" ? kReady : kNotYet, device.state, Ink::warning, style);
+  const wire::Rating rating = rating_of(device);
+  const Sign& sign = rating == wire::Rating::good   ? kRuns
+                     : rating != wire::Rating::idle ? kTrouble
+                     : device.state == "waiting"    ? kReady
+                                                    : kNotYet;
+  return state(sign, device.state, ink_of(rating), style);
 }
 
 State state_of(const Device& device, const Module& module, ScreenStyle style) {
   if (!device.alive) return state(kLost, "LOST", Ink::bad, style);
-  if (module.safe_stop) return state(kTrouble, "safe stop", Ink::warning, style);
-  if (module.state == "EXECUTING") return state(kRuns, module.state, Ink::good, style);
-  if (module.state == "RECOVER") return state(kTrouble, module.state, Ink::bad, style);
+  const wire::Rating rating = rating_of(device, module);
   if (module.state == "DESTRUCT")
-    return state(kOver, module.state, module.given_up ? Ink::bad : Ink::dim, style);
-  return state(module.state == "START" ? kReady : kNotYet, module.state, Ink::warning, style);
+    return state(kOver, module.state, rating == wire::Rating::idle ? Ink::dim : ink_of(rating), style);
+  const Sign& sign = rating == wire::Rating::good   ? kRuns
+                     : rating != wire::Rating::idle ? kTrouble
+                     : module.state == "START"      ? kReady
+                                                    : kNotYet;
+  return state(sign, module.safe_stop ? "safe stop" : module.state, ink_of(rating), style);
 }
 
 State state_of(const Connection& connection, ScreenStyle style) {
   if (!connection.health) return state(kNotYet, "not reported", Ink::dim, style);
   const CellHealth::Connection& health = *connection.health;
   const std::string text = health_text(health);
-  switch (wire::judge(health).rating) {
-    case wire::Rating::good:
-      return state(kRuns, text, Ink::good, style);
-    case wire::Rating::poor:
-      return state(kTrouble, text, Ink::warning, style);
-    case wire::Rating::bad:
-      return state(kTrouble, text, Ink::bad, style);
-    case wire::Rating::broken:
-      break;
-  }
-  return state(kLost, text, Ink::bad, style);
+  const wire::Rating rating = wire::judge(health).rating;
+  const Sign& sign = rating == wire::Rating::good ? kRuns : rating == wire::Rating::broken ? kLost : kTrouble;
+  return state(sign, text, ink_of(rating), style);
 }
 
 std::vector<Row> rows_of(const Snapshot& snapshot, const View& view) {

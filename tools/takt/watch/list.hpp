@@ -36,6 +36,9 @@ struct State {
   std::string text;  ///< for example "● EXECUTING"
   Ink ink = Ink::plain;
 };
+/// How well a device or a module is, by the judgement that all commands share.
+wire::Rating rating_of(const Device& device);
+wire::Rating rating_of(const Device& device, const Module& module);
 State state_of(const Device& device, ScreenStyle style);
 State state_of(const Device& device, const Module& module, ScreenStyle style);
 State state_of(const Connection& connection, ScreenStyle style);

@@ -28,15 +28,15 @@ std::string cells_of(const Snapshot& snapshot) {
 Line title(const Snapshot& snapshot, std::size_t columns) {
   std::map<std::string, std::size_t> states;
   std::size_t modules = 0;
-  std::size_t given_up = 0;
+  std::set<std::string> bad;  // the states of modules that are bad
   std::size_t safe_stops = 0;
   for (const Device& device : snapshot.devices) {
     modules += device.modules.size();
     for (const Module& module : device.modules) {
-      ++states[device.alive ? module.state : "LOST"];
-      if (!device.alive) continue;
-      given_up += module.given_up ? 1 : 0;
-      safe_stops += module.safe_stop ? 1 : 0;
+      const std::string state = device.alive ? module.state : "LOST";
+      ++states[state];
+      if (rating_of(device, module) == wire::Rating::bad) bad.insert(state);
+      if (device.alive) safe_stops += module.safe_stop ? 1 : 0;
     }
   }
   const auto lost = std::count_if(snapshot.devices.begin(), snapshot.devices.end(),
@@ -50,11 +50,8 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
   for (const char* state : {"LOST", "RECOVER", "DESTRUCT", "IDLE", "INITIALIZE", "START"}) {
     const auto found = states.find(state);
     if (found == states.end()) continue;
-    const bool ended = found->first == "DESTRUCT";
-    const bool bad = found->first == "LOST" || found->first == "RECOVER" || (ended && given_up > 0);
-    counts.gap(2).add(fmt::format("{} {}", found->second, state), bad     ? Ink::bad
-                                                                  : ended ? Ink::dim
-                                                                          : Ink::warning);
+    counts.gap(2).add(fmt::format("{} {}", found->second, state),
+                      bad.contains(state) ? Ink::bad : Ink::plain);
   }
   if (safe_stops > 0) counts.gap(2).add(fmt::format("{} in a safe stop", safe_stops), Ink::warning);
   if (safe_stops == 0 && modules > 0 && states["EXECUTING"] == modules)

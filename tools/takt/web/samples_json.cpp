@@ -67,21 +67,26 @@ std::string graph_of(const model::Cell& cell) {
 
 Json device_json(const wire::ObservedDevice& device) {
   const DeviceStatus& s = device.status;
-  return {{"name", device.name()},
-          {"alive", device.alive},
-          {"state", to_text(s.state())},
-          {"health", to_text(s.health())},
-          {"text", s.text().to_string()},
-          {"machine", s.host_name().to_string()},
-          {"real_time", s.real_time()},
-          {"process_id", s.process_id()},
-          {"host_process_id", s.host_process_id()},
-          {"host_restarts", s.host_restarts()}};
+  return {
+      {"name", device.name()},
+      {"alive", device.alive},
+      {"state", to_text(s.state())},
+      {"health", to_text(s.health())},
+      {"rating", wire::to_text(wire::judge(wire::DeviceReport{
+                     .state = to_text(s.state()), .health = to_text(s.health()), .alive = device.alive}))},
+      {"text", s.text().to_string()},
+      {"machine", s.host_name().to_string()},
+      {"real_time", s.real_time()},
+      {"process_id", s.process_id()},
+      {"host_process_id", s.host_process_id()},
+      {"host_restarts", s.host_restarts()}};
 }
 
 Json module_json(const LifecycleStatus& s) {
   return {{"name", s.device().to_string() + "." + s.name().to_string()},
           {"state", to_text(s.state())},
+          {"rating", wire::to_text(wire::judge(wire::ModuleReport{.state = to_text(s.state()),
+                                                                  .given_up = s.event() == EVENT_GIVE_UP}))},
           {"previous", to_text(s.previous_state())},
           {"event", to_text(s.event())},
           {"error", to_text(s.error())},

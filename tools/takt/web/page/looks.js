@@ -2,14 +2,9 @@
 
 import { duration } from "./words.js";
 
-const kStates = {
-  EXECUTING: { look: "good", sign: "executing" },
-  START: { look: "plain", sign: "start" },
-  INITIALIZE: { look: "plain", sign: "initialize" },
-  IDLE: { look: "plain", sign: "idle" },
-  RECOVER: { look: "bad", sign: "recover" },
-  DESTRUCT: { look: "faint", sign: "destruct" },
-};
+const kSigns = { EXECUTING: "executing", START: "start", INITIALIZE: "initialize", IDLE: "idle", RECOVER: "recover", DESTRUCT: "destruct" };
+/// The look of the rating that the gateway sends with each device and module.
+const kLooks = { good: "good", idle: "plain", poor: "poor", bad: "bad" };
 const kLost = { look: "bad", sign: "lost" };
 
 /// The look of a module's state. `module` comes from Store.shown(). `key` identifies the state for sorting and filtering.
@@ -17,20 +12,19 @@ export function lookOfModule(module) {
   if (!module.state) return { key: "none", word: "not found", look: "faint", sign: "wait" };
   const word = module.state.state;
   if (module.lost) return { ...kLost, key: "lost", word: `lost, was ${word}` };
-  const look = kStates[word] ?? { look: "poor", sign: "poor" };
   if (word === "EXECUTING" && module.measures?.safe_stop) return { look: "poor", sign: "poor", key: word, word: "safe stop" };
-  const given_up = word === "DESTRUCT" && module.state.event === "give up";
-  return { ...look, key: word, word: module.stopped ? `${word} (stopped)` : word, look: given_up ? "bad" : look.look };
+  const ended = word === "DESTRUCT" && module.state.rating === "idle";
+  return { key: word, word: module.stopped ? `${word} (stopped)` : word, sign: kSigns[word] ?? "poor",
+    look: ended ? "faint" : kLooks[module.state.rating] ?? "poor" };
 }
 
 export function lookOfDevice(device) {
   if (!device) return { key: "none", word: "not found", look: "bad", sign: "lost" };
   if (!device.alive) return { ...kLost, key: "lost", word: "lost" };
-  const health = String(device.health ?? "ok").toLowerCase();
-  if (health === "failed") return { key: "failed", word: `${device.state}, failed`, look: "bad", sign: "recover" };
-  if (health === "degraded") return { key: "degraded", word: `${device.state}, degraded`, look: "poor", sign: "poor" };
-  if (device.state === "running") return { key: "running", word: "running", look: "good", sign: "executing" };
-  return { key: device.state, word: device.state, look: "plain", sign: "wait" };
+  const look = kLooks[device.rating] ?? "plain";
+  if (look === "bad") return { key: "failed", word: `${device.state}, failed`, look, sign: "recover" };
+  if (look === "poor") return { key: "degraded", word: `${device.state}, degraded`, look, sign: "poor" };
+  return { key: device.state, word: device.state, look, sign: look === "good" ? "executing" : "wait" };
 }
 
 export function lookOfSeverity(severity) {

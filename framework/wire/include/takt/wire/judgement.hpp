@@ -1,6 +1,6 @@
-// Judges the health of a connection. `takt status`, `takt watch`, `takt graph --live`, the page of `takt web`
-// and the node all use this judgement, so that one connection never looks good in one place and bad in
-// another.
+// Judges the health of connections, modules and devices. `takt status`, `takt watch`, `takt graph --live`,
+// the page of `takt web` and the node all use this judgement, so that one connection never looks good in one
+// place and bad in another.
 //
 // A judgement says what happens now. The counters of a report cover the whole time since the deployment, so
 // they do not decide: a connection that lost samples yesterday is good today.
@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <takt/core/time.hpp>
 
@@ -16,11 +17,12 @@ namespace takt::wire {
 
 enum class Rating {
   good,
-  poor,   ///< amber: samples are being lost or dropped
+  idle,   ///< grey: a module or device does not run, and this is no fault
+  poor,   ///< amber: samples are being lost or dropped, a module is in a safe stop, or a device is degraded
   bad,    ///< red: the value is stale, or the reader gets the safe value
   broken  ///< red: the writer and the reader have not found each other, although both belong to the cell
 };
-/// "good", "poor", "bad" or "broken".
+/// "good", "idle", "poor", "bad" or "broken".
 const char* to_text(Rating rating) noexcept;
 
 /// What is known of a connection now.
@@ -51,6 +53,23 @@ struct Judgement {
 };
 
 Judgement judge(const ConnectionReport& connection);
+
+/// What is known of a module now. `state` is its state as text, for example "EXECUTING".
+struct ModuleReport {
+  std::string_view state;
+  bool lost = false;       ///< its device is lost, so `state` is the last known one
+  bool given_up = false;   ///< the node gave the module up after an error
+  bool safe_stop = false;  ///< the module works as intended, and keeps its machine stopped for safety
+};
+Rating judge(const ModuleReport& module) noexcept;
+
+/// What is known of a device now. `state` and `health` are texts, for example "running" and "ok".
+struct DeviceReport {
+  std::string_view state;
+  std::string_view health;
+  bool alive = true;
+};
+Rating judge(const DeviceReport& device) noexcept;
 
 /// A queue that dropped a sample this recently is dropping samples.
 inline constexpr Nanoseconds kRecently = std::chrono::seconds{5};
