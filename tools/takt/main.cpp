@@ -50,6 +50,15 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
     argv = words.data();
   }
 
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  if (first.starts_with("-") && first != "-h" && first != "--help" && first != "--version") {
+    std::fprintf(
+        stderr,
+        "takt: the command must stand before its options, as in takt status --domain 7; %s is not a command\n"
+        "takt --help lists all commands\n",
+        takt::in_quotes(first).c_str());
+    return 2;
+  }
   const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
     std::vector<std::string> names;
@@ -64,7 +73,7 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
       std::fprintf(stderr, "%s; did you mean %s?\n", wrong.c_str(), std::string{meant}.c_str());
     return 2;
   }
-  if (argc > 2 && argv[2][0] != '-') {
+  if (argc > 2 && first[0] != '-' && argv[2][0] != '-') {
     const std::vector<CLI::App*> of_command = app.get_subcommand(argv[1])->get_subcommands({});
     std::string known;
     bool is_known = of_command.empty();

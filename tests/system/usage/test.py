@@ -42,6 +42,14 @@ class Usage(takt_system.Case):
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertIn("'line.belt.speed' is not the name of a module; write DEVICE.MODULE, a space and the property", run.err)
 
+    def test_takt_says_that_the_command_stands_before_its_options(self):
+        for arguments in (["--domain", "7", "status"], ["--json", "status"], ["--foo"]):
+            run = self.takt(*arguments)
+            self.assertEqual((2, ""), (run.status, run.out), run.err)
+            self.assertIn("takt: the command must stand before its options", run.err)
+            self.assertIn("'%s' is not a command" % arguments[0], run.err)
+        self.assertEqual(self.takt("status", "--help").out, self.takt("--help", "status").out)
+
     def test_wrong_addresses_are_rejected_before_the_network_is_used(self):
         for given, reason in ((("--server", "10.0.0.1"), "'10.0.0.1' is not an address and a port, as in 10.0.0.1:11811"),
                               (("--server", "10.0.0.1:0"), "'10.0.0.1:0' is not an address and a port"),
