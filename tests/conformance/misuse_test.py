@@ -50,7 +50,7 @@ LOG_CALLS = [
     ('log().info(std::string{"at "} + "{}", 1);', LITERAL),
     ('const char* text = "x"; log().info(text);', LITERAL),
     ("char text[10]{}; log().info(text);", LITERAL),
-    ('log().info("{}", std::vector<int>{});', "an argument of a log call is a number, a bool, a char, an enumerator or a text"),
+    ('log().info("{}", std::vector<int>{});', "an argument of a log call is a number, a bool, a char, an enumerator, a text or a property"),
     ('log("text");', 'log() has no arguments; write log().info("{}", text), or std::log(x) for the logarithm'),
 ]
 # Members of components, each in its own component of one source, and the expected message.

@@ -8,14 +8,13 @@ class Logs : public takt::Component {
   takt::Property<bool> fails{*this, "fails", false};
 
   takt::Result<void> initialize() override {
-    log().info("logs every {} cycles", every.value());
+    log().info("logs every {} cycles", every);
     return {};
   }
   void run(const takt::Cycle& cycle) noexcept override {
     if (cycle.number % static_cast<std::uint64_t>(every.value()) != 0) return;
     for (std::int64_t i = 0; i < lines; ++i)
-      log().info("line {} of {} in a period of {:.3f} s, {}", i + 1, lines.value(), cycle.seconds(),
-                 "as expected");
+      log().info("line {} of {} in a period of {:.3f} s, {}", i + 1, lines, cycle.seconds(), "as expected");
     log().debug("cycle {}", cycle.number);
     if (fails) log().error("failed in release {}", cycle.number);
   }

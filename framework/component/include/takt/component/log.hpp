@@ -102,11 +102,13 @@ channel::LogArgument log_argument(const T& value) noexcept {
     return {Kind::natural, value};
   } else if constexpr (std::floating_point<T>) {
     return {Kind::real, std::bit_cast<std::uint64_t>(static_cast<double>(value))};
+  } else if constexpr (requires { value.value_text(); }) {  // Property
+    return log_argument(value.value());
   } else if constexpr (requires { value.view(); }) {  // BoundedString
     return {Kind::text, value.view().size(), value.view().data()};
   } else {
     static_assert(std::is_convertible_v<const T&, std::string_view>,
-                  "an argument of a log call is a number, a bool, a char, an enumerator or a text");
+                  "an argument of a log call is a number, a bool, a char, an enumerator, a text or a property");
     const std::string_view text{value};
     return {Kind::text, text.size(), text.data()};
   }
@@ -116,7 +118,8 @@ channel::LogArgument log_argument(const T& value) noexcept {
 
 /// The log of the module whose hook the calling thread runs; see log(). A format has replacement fields {}
 /// with the format specifications of std::format, but width and precision must be below 100. The compiler
-/// checks the number of arguments. Arguments are numbers, bools, chars, enumerators and texts, at most 8.
+/// checks the number of arguments. Arguments are numbers, bools, chars, enumerators, texts and properties, at
+/// most 8.
 /// Takt keeps at most 216 bytes of the format and the text arguments together. If the ring is full, the line
 /// is dropped and counted. A real-time thread may call all functions.
 class Log {
