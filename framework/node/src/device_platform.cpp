@@ -55,7 +55,7 @@ Result<void> DevicePlatform::begin(supervision::Parts& parts) {
                               .wake_ups = options_.wake_ups};
   for (const std::string& warning : warnings_for(device, parts.plan, conditions))
     log("", "warning: " + warning);
-  parts.placement = schedule::place(device.executors, os::allowed_cpus());
+  parts.placement = schedule::place(device, os::allowed_cpus());
   for (const std::string& warning : parts.placement.warnings) log("", "warning: " + warning);
 
   if (options_.check_real_time) {

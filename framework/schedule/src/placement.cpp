@@ -7,7 +7,15 @@
 
 namespace takt::schedule {
 
-Placement place(const std::vector<model::Executor>& executors, const std::vector<int>& allowed) {
+namespace {
+
+bool is_program(const model::Module& module) {
+  return module.type == model::ModuleType::process && module.operation != model::Operation::non_real;
+}
+
+}  // namespace
+
+Placement place(const model::Device& device, const std::vector<int>& allowed) {
   TAKT_CHECK(!allowed.empty());
   Placement placement;
   const auto has = [](const std::vector<int>& cpus, int cpu) {
@@ -20,10 +28,10 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
     if (!has(taken, cpu)) taken.push_back(cpu);
     std::erase(free, cpu);
   };
-  for (const model::Executor& executor : executors) {
+  for (const model::Executor& executor : device.executors) {
     if (executor.cpu && has(allowed, *executor.cpu)) take(*executor.cpu);
   }
-  for (const model::Executor& executor : executors) {
+  for (const model::Executor& executor : device.executors) {
     if (executor.cpu && !has(allowed, *executor.cpu)) {
       placement.warnings.push_back(
           "executor " + executor.name +
@@ -41,17 +49,16 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
     take(cpu);
   }
   placement.background = free.empty() ? allowed : free;
-  if (free.empty()) {
+  if (free.empty() && std::any_of(device.modules.begin(), device.modules.end(), is_program)) {
     placement.warnings.emplace_back(
-        "no CPU is left for process modules: they share the CPUs of the executors");
+        "no CPU is left for process modules: they share the CPUs of the executors; give the device another "
+        "CPU");
   }
   return placement;
 }
 
 int programs_on_one(const model::Device& device, const Placement& placement) {
-  const auto programs = std::count_if(device.modules.begin(), device.modules.end(), [](const auto& module) {
-    return module.type == model::ModuleType::process && module.operation != model::Operation::non_real;
-  });
+  const auto programs = std::count_if(device.modules.begin(), device.modules.end(), is_program);
   const auto cpus = static_cast<std::ptrdiff_t>(placement.background.size());
   return static_cast<int>(std::max<std::ptrdiff_t>(1, (programs + cpus - 1) / cpus));
 }

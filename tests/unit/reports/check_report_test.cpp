@@ -432,7 +432,7 @@ Proof proof_of(const model::Cell& cell, const std::vector<std::optional<Nanoseco
   proof.cpus = 2;
   const model::Device& device = cell.devices[0];
   proof.devices = {
-      schedule::worst_cases(device, plans(cell)[0], schedule::place(device.executors, {0, 1}), runs)};
+      schedule::worst_cases(device, plans(cell)[0], schedule::place(device, {0, 1}), runs)};
   return proof;
 }
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace takt::schedule::placement_test {
@@ -21,41 +22,55 @@ model::Executor executor(const std::string& name, std::optional<int> cpu = std::
   return result;
 }
 
+/// A device with these executors and one process module.
+model::Device with(std::vector<model::Executor> executors) {
+  model::Device device;
+  device.executors = std::move(executors);
+  device.modules.emplace_back().type = model::ModuleType::process;
+  return device;
+}
+
+TEST(Placement, DoesNotWarnADeviceWithoutProcessModules) {
+  model::Device device = with({executor("main")});
+  device.modules[0].type = model::ModuleType::thread;
+  EXPECT_THAT(place(device, {0}).warnings, IsEmpty());
+}
+
 TEST(Placement, WarnsThatProcessModulesShareTheOnlyCpu) {
-  const Placement placement = place({executor("main")}, {0});
+  const Placement placement = place(with({executor("main")}), {0});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{0}));
   EXPECT_THAT(placement.background, ElementsAre(0));
   EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("no CPU is left")));
 }
 
 TEST(Placement, GivesTheExecutorTheHigherNumberedOfTwoCpus) {
-  const Placement placement = place({executor("main")}, {0, 1});
+  const Placement placement = place(with({executor("main")}), {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
 TEST(Placement, GivesEachExecutorItsOwnCpuFromTheHighestNumberDown) {
-  const Placement placement = place({executor("a"), executor("b")}, {0, 1, 2, 3});
+  const Placement placement = place(with({executor("a"), executor("b")}), {0, 1, 2, 3});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{3}, Cpus{2}));
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
 }
 
 TEST(Placement, LeavesACpuToOtherThreadsIfThereAreTooManyExecutors) {
-  const Placement placement = place({executor("a"), executor("b"), executor("c")}, {0, 1});
+  const Placement placement = place(with({executor("a"), executor("b"), executor("c")}), {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}, Cpus{1}, Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
 }
 
 TEST(Placement, UsesTheCpusOfTheDescriptor) {
-  const Placement placement = place({executor("a"), executor("b", 3), executor("c", 0)}, {0, 1, 2, 3});
+  const Placement placement = place(with({executor("a"), executor("b", 3), executor("c", 0)}), {0, 1, 2, 3});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{2}, Cpus{3}, Cpus{0}));
   EXPECT_THAT(placement.background, ElementsAre(1));
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
 TEST(Placement, AllowsTwoExecutorsToRequestTheSameCpu) {
-  const Placement placement = place({executor("a", 1), executor("b", 1)}, {0, 1});
+  const Placement placement = place(with({executor("a", 1), executor("b", 1)}), {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}, Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
 }
@@ -63,26 +78,26 @@ TEST(Placement, AllowsTwoExecutorsToRequestTheSameCpu) {
 TEST(Placement, WarnsAndUsesAnotherCpuIfTheRequestedOneIsMissing) {
   model::Executor motion = executor("motion", 5);
   motion.line = 7;
-  const Placement placement = place({motion}, {0, 1});
+  const Placement placement = place(with({motion}), {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
   EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("executor motion (line 7) requests CPU 5,")));
 }
 
 TEST(Placement, UsesOnlyAllowedCpus) {
-  const Placement placement = place({executor("a"), executor("b", 2)}, {4, 7});
+  const Placement placement = place(with({executor("a"), executor("b", 2)}), {4, 7});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{7}, Cpus{7}));
   EXPECT_THAT(placement.background, ElementsAre(4));
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
 TEST(Placement, LetsOtherThreadsUseAllCpusIfExecutorsRequestAll) {
-  const Placement placement = place({executor("a", 0), executor("b", 1)}, {0, 1});
+  const Placement placement = place(with({executor("a", 0), executor("b", 1)}), {0, 1});
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
 TEST(Placement, LeavesAllCpusToOtherThreadsWithoutExecutors) {
-  const Placement placement = place({}, {0, 1});
+  const Placement placement = place(with({}), {0, 1});
   EXPECT_THAT(placement.executors, IsEmpty());
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
 }

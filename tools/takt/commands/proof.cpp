@@ -53,7 +53,7 @@ Result<Proof> prove(const model::Cell& cell, const std::vector<schedule::DeviceP
   proof.cpus = cpus.size();
   for (std::size_t i = 0; i < cell.devices.size(); ++i) {
     const model::Device& device = cell.devices[i];
-    const schedule::Placement placement = schedule::place(device.executors, cpus);
+    const schedule::Placement placement = schedule::place(device, cpus);
     for (const std::string& warning : placement.warnings)
       proof.warnings.push_back({"device " + device.name, warning, ""});
     proof.devices.push_back(schedule::worst_cases(device, plans[i], placement, (*runs)[i]));

@@ -17,7 +17,7 @@ struct Placement {
 /// Chooses the CPUs. Each executor gets the CPU that the descriptor names for it. Each executor without such
 /// a CPU gets one of the remaining CPUs, highest number first. All other threads get the CPUs that are then
 /// left, or all CPUs if none is left. `allowed` must not be empty. Pure function.
-Placement place(const std::vector<model::Executor>& executors, const std::vector<int>& allowed);
+Placement place(const model::Device& device, const std::vector<int>& allowed);
 
 /// The number of periodic and sporadic process modules per background CPU, rounded up; at least 1. The time
 /// for which each of these modules may spin is divided by this number.
