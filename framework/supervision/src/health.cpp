@@ -75,7 +75,7 @@ void Health::check_queues(Instant now) {
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Wiring::CreatedLink& link = links[i];
     const channel::LinkBlock& block = link.link.block();
-    if (!link.connected || block.is_queue == 0) continue;
+    if (!link.connected() || block.is_queue == 0) continue;
     NotedQueue& noted = noted_queues_[i];
     const std::uint64_t before =
         std::exchange(noted.dropped, block.overwritten.load(std::memory_order_relaxed));

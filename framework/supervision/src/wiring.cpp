@@ -118,7 +118,9 @@ class Planner {
     const auto from = find(connection.from);
     const auto to = find(connection.to);
     if (!from || !to) return;
-    PlannedLink link{.from = {from->module, from->port->name}, .to = {to->module, to->port->name}};
+    PlannedLink link{.from = {from->module, from->port->name},
+                     .to = {to->module, to->port->name},
+                     .connections = {{device_.name, 1}}};
     link.options = options_of(connection, *from->port);
     link.options.depth = std::min(link.options.depth + ahead(from->module, &device_.modules[to->module]),
                                   channel::kMaxLinkDepth);
@@ -144,7 +146,7 @@ class Planner {
         return flow;
       }
     }
-    PlannedLink link{.from = {module, port.name}, .to = {}, .outside = true};
+    PlannedLink link{.from = {module, port.name}, .to = {}};
     link.options = {.depth = 1 + ahead(module, nullptr),
                     .payload = payload_of(port),
                     .wake_bits = channel::kGatewayBit,
@@ -187,7 +189,7 @@ class Planner {
     PlannedFlow& flow =
         flow_of(from->module, *from->port, model::topic_of(cell_, connection), connection.domain);
     flow.carries = connection.carries;
-    if (connection.to.given()) plan_.links[flow.links.front()].outside = false;
+    ++plan_.links[flow.links.front()].connections[connection.to.device];
     channel::Link::Options& link = plan_.links[flow.links.front()].options;
     const auto depth = static_cast<std::uint32_t>(connection.depth);
     link.enabled = connection.carries != model::Carries::requests;  // a link for requests is enabled only
@@ -213,7 +215,8 @@ class Planner {
   void incoming(const Connection& connection) {
     const auto to = find(connection.to);
     if (!to) return;
-    PlannedLink link{.from = {}, .to = {to->module, to->port->name}, .outside = !connection.from.given()};
+    PlannedLink link{
+        .from = {}, .to = {to->module, to->port->name}, .connections = {{connection.from.device, 1}}};
     if (connection.from.given() && !is_here(connection.from)) link.sender = connection.from.device;
     link.options = options_of(connection, *to->port);
     link.options.wake_bits = wake_bits(*to);
@@ -304,9 +307,6 @@ Result<Wiring> Wiring::create(WiringPlan plan) {
     link.give_safe(planned.safe);
     wiring.links_.push_back({std::move(planned), std::move(*memory), link});
   }
-  for (const PlannedFlow& flow : wiring.flows_) {
-    for (const std::size_t link : flow.links) wiring.links_[link].connected = flow.connected;
-  }
   return wiring;
 }
 
@@ -331,6 +331,30 @@ void Wiring::give_safe(const model::SafeOutput& output) {
   }
 }
 
+namespace {
+
+/// The connections of a link.
+struct Connections {
+  std::uint32_t all = 0;
+  std::uint32_t of_cell = 0;  ///< those whose other end belongs to the cell
+  std::uint32_t ends = 0;     ///< the number of devices, and of programs outside, that have the other ends
+
+  explicit Connections(const std::map<std::string, std::uint32_t>& connections)
+      : ends(static_cast<std::uint32_t>(connections.size())) {
+    for (const auto& [device, count] : connections) {
+      all += count;
+      of_cell += device.empty() ? 0 : count;
+    }
+  }
+  /// Returns how many connections are matched if `found` ends have been found. DDS does not tell which ends
+  /// these are, so each of them counts as one connection until all ends have been found.
+  [[nodiscard]] std::uint32_t matched(std::uint32_t found) const {
+    return found >= ends ? all : std::min(found, all);
+  }
+};
+
+}  // namespace
+
 std::string Wiring::unmatched(const OnDds& on_dds) const {
   for (const PlannedFlow& flow : flows_) {
     if (flow.ends.empty()) continue;
@@ -354,25 +378,26 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     const LinkEnd& end = output ? created.plan.from : created.plan.to;
     if (end.module != module || end.port != port.name) continue;
     const bool enabled = created.link.block().enabled.load(relaxed) != 0;
-    const bool reaches = enabled && created.connected;
     const bool goes_on = !(output ? created.plan.to : created.plan.from).module;
-    bool matched = reaches && !goes_on;
+    const Connections connections{created.plan.connections};
+    std::uint32_t others = goes_on ? 0 : connections.ends;
     if (const auto flow = goes_on ? on_dds(i) : std::nullopt) {
-      matched = reaches && flow->matched > 0;
+      others = flow->matched;
       health.lost += flow->lost + flow->failures;
       health.refused += flow->refused;
       health.untimed += flow->untimed;
       if (health.incompatible.empty()) health.incompatible = flow->incompatible;
     }
-    health.matched += matched ? 1 : 0;
-    health.missing += created.connected && !matched && !created.plan.outside ? 1 : 0;
+    const std::uint32_t matched = enabled ? connections.matched(others) : 0;
+    health.connections += connections.all;
+    health.matched += matched;
+    health.missing += connections.of_cell - std::min(matched, connections.of_cell);
     const channel::LinkBlock& block = created.link.block();
     const std::uint64_t written = block.written.load(relaxed);
     // An output writes each sample to all its enabled links, so the output's count is the highest count of
     // these links.
     health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
-    health.connections += created.connected ? 1 : 0;
-    if (created.connected && block.is_queue != 0) health.dropped += block.overwritten.load(relaxed);
+    if (created.connected() && block.is_queue != 0) health.dropped += block.overwritten.load(relaxed);
     if (const Nanoseconds deadline{block.deadline_ns}; !output && deadline.count() > 0)
       health.deadline = std::min(health.deadline.value_or(deadline), deadline);
     health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);

@@ -235,6 +235,31 @@ TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
   }
 }
 
+TEST_F(PlannedWiring, CountsEachConnectionOfAnOutputWhoseReadersShareAFlow) {
+  cell.devices.push_back({.name = "third", .executors = {{}}, .modules = {}});
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "a", "out"), end("there", "x", "in"));
+  connect(end("here", "a", "out"), end("there", "y", "in"));
+  connect(end("here", "a", "out"), end("third", "x", "in"));
+  connect(end("here", "a", "out"), {}).topic = "rt/out";
+  const auto wiring = Wiring::create(plan());
+  ASSERT_TRUE(wiring.ok());
+  const auto health_with = [&](std::uint32_t readers, std::uint32_t outside) {
+    return wiring->health(0, (*ports[0])[2], 0, [&](std::size_t link) {
+      const bool of_cell = wiring->links()[link].plan.connections.count("there") > 0;
+      return std::optional{wire::FlowHealth{.matched = of_cell ? readers : outside, .incompatible = {}}};
+    });
+  };
+  const std::vector<std::uint32_t> matched{health_with(0, 0).matched, health_with(1, 0).matched,
+                                           health_with(2, 0).matched, health_with(2, 1).matched};
+  EXPECT_EQ(matched, (std::vector<std::uint32_t>{1, 2, 4, 5}))
+      << "both devices read, so all connections match";
+  const std::vector<std::uint32_t> missing{health_with(0, 0).missing, health_with(1, 0).missing,
+                                           health_with(2, 0).missing};
+  EXPECT_EQ(missing, (std::vector<std::uint32_t>{3, 2, 0}));
+  EXPECT_EQ(health_with(2, 0).connections, 5U);
+}
+
 TEST_F(PlannedWiring, NamesAConnectionWhoseOtherEndWasNotFound) {
   cell.devices.push_back({.name = "third", .executors = {{}}, .modules = {}});
   connect(end("here", "a", "out"), end("here", "b", "in"));
@@ -248,7 +273,8 @@ TEST_F(PlannedWiring, NamesAConnectionWhoseOtherEndWasNotFound) {
   const auto unmatched = [&](std::uint32_t readers, std::uint32_t writers) {
     return wiring->unmatched([&](std::size_t link) -> std::optional<wire::FlowHealth> {
       const LinkEnd& from = wiring->links()[link].plan.from;
-      if (from.port == "out" && from.module == 2U) return std::nullopt;  // no flow is open, nobody reads rt/out
+      if (from.port == "out" && from.module == 2U)
+        return std::nullopt;  // no flow is open, nobody reads rt/out
       return wire::FlowHealth{.matched = from.module ? readers : writers, .incompatible = {}};
     });
   };

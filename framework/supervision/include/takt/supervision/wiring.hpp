@@ -39,7 +39,10 @@ struct PlannedLink {
   /// The other device whose samples the gateway writes to this link; empty if the samples come from this
   /// device or from outside the cell.
   std::string sender{};
-  bool outside = false;  ///< true if only programs outside the cell are at the other end
+  /// The number of connections of the descriptor that use the link, by the device at the other end; the name
+  /// is empty for programs outside the cell. Only a link from an output to the gateway has more than one
+  /// connection. A link for observers, or for calls from outside the cell, has none.
+  std::map<std::string, std::uint32_t> connections{};
   /// The output that writes to this link, if the reader gets a safe value while the writing module does not
   /// execute. Otherwise empty.
   model::Endpoint writer{};
@@ -117,8 +120,10 @@ class Wiring {
     PlannedLink plan;
     channel::Shared<std::byte> memory;
     channel::Link link;
-    bool late = false;      ///< whether the newest value was older than the link's deadline at the last check
-    bool connected = true;  ///< whether a connection of the descriptor uses the link
+    bool late = false;  ///< whether the newest value was older than the link's deadline at the last check
+
+    /// True if a connection of the descriptor uses the link.
+    [[nodiscard]] bool connected() const noexcept { return !plan.connections.empty(); }
   };
 
   static Result<Wiring> create(WiringPlan plan);
