@@ -338,6 +338,20 @@ TEST(Agent, UndoesAPreparedDeploymentThatTheClientNeverStarts) {
   EXPECT_THAT(device.text(), HasSubstr("has not prepared a deployment"));
 }
 
+// Expects that the pending command fails for `reason` after 10 s, but not earlier, because the nodes or their
+// ports may not have discovered each other yet. Then the deployment is undone.
+void expect_undone_after_10_s(FakeDevice& device, const std::string& reason) {
+  device.pass(seconds{10});
+  EXPECT_TRUE(device.published.replies.empty());
+  EXPECT_FALSE(device.work.stop_called);
+  device.pass(milliseconds{1});
+  EXPECT_TRUE(device.work.stop_called);
+  device.end();
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.text(), reason);
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+}
+
 TEST(Agent, FailsToPrepareIfItDoesNotFindAnotherDeviceOfTheCell) {
   FakeDevice device;
   device.prepare();
@@ -345,13 +359,7 @@ TEST(Agent, FailsToPrepareIfItDoesNotFindAnotherDeviceOfTheCell) {
   device.agent.step();
   device.work.phase = Phase::ready;
   device.pass(milliseconds{10});
-  device.pass(seconds{10});
-  EXPECT_TRUE(device.published.replies.empty()) << "the nodes may not have discovered each other yet";
-  device.pass(milliseconds{1});
-  device.end();
-  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
-  EXPECT_EQ(device.text(), "it has not found device line; check the network between the two devices");
-  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  expect_undone_after_10_s(device, "it has not found device line; check the network between the two devices");
 }
 
 TEST(Agent, UndoesADeploymentIfAConnectionCannotBeMade) {
@@ -360,16 +368,9 @@ TEST(Agent, UndoesADeploymentIfAConnectionCannotBeMade) {
   device.work.unmatched = "robot.arm.out -> line.panel.in";
   device.published.replies.clear();
   device.receive(device.command(COMMAND_CONNECT));
-  device.pass(seconds{10});
-  EXPECT_TRUE(device.published.replies.empty()) << "the ports may not have discovered each other yet";
-  device.pass(milliseconds{1});
-  EXPECT_TRUE(device.work.stop_called);
-  device.end();
-  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
-  EXPECT_EQ(device.text(),
-            "the connection robot.arm.out -> line.panel.in could not be made; check the network between the "
-            "devices");
-  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  expect_undone_after_10_s(device,
+                           "the connection robot.arm.out -> line.panel.in could not be made; check the "
+                           "network between the devices");
 }
 
 TEST(Agent, AnswersAsSoonAsItsConnectionsAreMade) {
