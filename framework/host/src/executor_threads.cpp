@@ -13,6 +13,7 @@ namespace takt::host {
 namespace {
 
 channel::Crash* crash_place = nullptr;
+channel::CheckReporter check_reporter;
 thread_local channel::Activity* my_activity = nullptr;
 std::atomic_flag walking_stack;
 
@@ -36,6 +37,7 @@ void add_frame(const os::CodeAt& place) noexcept {
 // Reports a crash. Stores the culprit first, because walking a broken stack may crash, too, and then
 // report_crash() is called again.
 void report_crash(int signal, std::uintptr_t at, const char* exception) noexcept {
+  if (check_reporter) check_reporter.leave(0);  // the thread never returns to the module
   if (crash_place == nullptr) return;
   if (exception != nullptr) crash_place->exception.assign(exception);
   store_culprit(signal);
@@ -61,8 +63,9 @@ void ring_pending(channel::WakeWord& wake_word) noexcept {
   if (const std::uint32_t bits = wake_word.take_pending(); bits != 0) ring(wake_word, bits);
 }
 
-void report_crashes_to(channel::Crash& crash) {
+void report_crashes_to(channel::Crash& crash, channel::CheckReporter reporter) {
   crash_place = &crash;
+  check_reporter = reporter;
   os::on_crash(report_crash);
   static_cast<void>(std::atexit(report_exit));
 }

@@ -75,7 +75,8 @@ void ring_pending(channel::WakeWord& wake_word) noexcept;
 /// Sets the activity that the crash report names if the calling thread crashes or hangs. Stores the id of the
 /// thread in the activity.
 void report_crashes_as(channel::Activity* activity);
-/// From now on, a crash of any thread of this process is stored in `crash`.
-void report_crashes_to(channel::Crash& crash);
+/// From now on, a crash of any thread of this process is stored in `crash`. The crash handler's own system
+/// calls are not reported to `reporter` as violations of the module.
+void report_crashes_to(channel::Crash& crash, channel::CheckReporter reporter);
 
 }  // namespace takt::host

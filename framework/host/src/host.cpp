@@ -210,7 +210,7 @@ Result<void> Host::prepare() {
   for (std::uint32_t i = 0; i < modules_.size(); ++i) {
     if (modules_[i] && records_[i] != nullptr) modules_[i]->record_to(records_[i], i);
   }
-  report_crashes_to(block().crash);
+  report_crashes_to(block().crash, reporter_);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   const auto done = [this](const Request& request, const Result<std::string>& result) {
     ring_pending(*wake_word_);  // wakes the readers of samples that a hook wrote

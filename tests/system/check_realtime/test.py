@@ -116,6 +116,19 @@ class CheckRealtime(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual([], run.device()["realtime_violations"])
 
+    def test_the_realtime_check_does_not_blame_a_module_for_the_system_calls_of_the_crash_handler(self):
+        cell = self.write("cell.xml", '<cell name="sins"><device name="d">%s</device></cell>' %
+                          (module("m", "segv.so", after=1).replace("<property>", '<recovery attempts="1" backoff="0"/><property>') +
+                           module("allocates", "sins.so", sin="allocate")))
+        run = self.start("run", cell, "--json", "--check-realtime")
+        run.wait_for_state("m", "DESTRUCT")
+        run.wait_for_line(r"\.allocates: WARNING: run\(\) is not real-time: ")
+        run.signal(signal.SIGINT)
+        run.wait()
+        self.assertRegex(run.err, r"m: .*SIGSEGV")
+        self.assertEqual([], [v for v in self.found(run, "m") if v["kind"] == "system call"])
+        self.assertTrue(self.found(run, "allocates"), "other violations are still reported")
+
     def test_a_run_without_the_realtime_check_reports_no_violations(self):
         run = self.run_these(module("m", "sins.so", sin="allocate"), options=())
         self.assertEqual(0, run.status, run.err)
