@@ -119,6 +119,41 @@ class Ports(takt_system.Case):
         run.signal(signal.SIGINT)
         self.assertEqual(0, run.wait().status, run.err)
 
+    def test_a_module_gets_the_events_that_arrived_while_it_was_stopped(self):
+        def module(name, filename, operation, time, more=""):
+            return ("<module><name>%s</name> <filename>%s</filename> <moduletype>%s</moduletype> <operationtype>%s</operationtype>"
+                    "%s <priority>1</priority>%s</module>" % (name, filename, "process" if filename.endswith("exe") else "thread",
+                                                              operation, time, more))
+        readers = {"object": ("port_events.so", "immediate"), "row": ("port_events.so", "row"),
+                   "program": ("port_events_program.exe", "immediate")}
+        cell = module("source", "port_source.so", "periodic", "<period>10ms</period>")
+        for name, (filename, dispatch) in readers.items():
+            cell += module(name, filename, "sporadic", "<deadline>10ms</deadline>", "<dispatch>%s</dispatch>" % dispatch)
+        connections = "".join('<connection from="d.source.out" to="d.%s.event" kind="queue" depth="4"/>' % name for name in readers)
+        run = self.start("run", self.write("stopped.xml", '<cell name="c"><device name="d">%s</device>%s</cell>' % (cell, connections)))
+        for name in readers:
+            run.wait_for_state(name, "EXECUTING")
+
+        def counts(name):
+            """Returns the number of events that the reader has taken, and the number of samples that the source has written."""
+            modules = {m["name"]: m for m in self.status_of("d")["modules"]}
+            taken = next(p["samples"] for p in modules[name]["ports"] if p["name"] == "event")
+            return taken, next(p["samples"] for p in modules["source"]["ports"] if p["name"] == "out")
+
+        for name in readers:
+            self.done("set d.source burst 1")
+            wait_until(lambda: counts(name)[0] > 0, "the first event of " + name)
+            self.done("stop d." + name)
+            taken, written = counts(name)
+            wait_until(lambda: counts(name)[1] > written + 8, "more events than the queue holds")
+            self.done("set d.source burst 0")
+            self.assertEqual(taken, counts(name)[0], "a stopped module reads nothing")
+            self.done("start d." + name)
+            wait_until(lambda: counts(name)[0] >= taken + 4, "%s to get the events" % name)
+            self.assertEqual(taken + 4, counts(name)[0], "the queue holds 4 events")
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait().status, run.err)
+
     def test_a_killed_program_continues_to_pass_on_samples_after_its_restart(self):
         run = self.start("run", "cell.xml", "--json")
         run.wait_for_state("relay", "EXECUTING")
