@@ -219,6 +219,10 @@ void Agent::bring_up() {
            [this](const std::string& device, const std::string& module) {
              return others_.executes(deployment_->cell.name, device, module);
            },
+       .is_lost =
+           [this](const std::string& device) {
+             return device != options_.device && others_.has_lost(device);
+           },
        .latest_clock = [this](const std::string& device) -> std::optional<std::int64_t> {
          const auto bounds = clock_of(device);
          return bounds ? std::optional{bounds->high_ns} : std::nullopt;

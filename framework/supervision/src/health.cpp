@@ -10,9 +10,8 @@ namespace takt::supervision {
 using model::FaultKind;
 
 PortHealth Health::of(const Member& member, const model::Port& port, Instant now) const {
-  PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), [this](std::size_t link) {
-    return flows_ ? flows_->health(link) : std::nullopt;
-  });
+  const auto on_dds = [this](std::size_t link) { return flows_ ? flows_->health(link) : std::nullopt; };
+  PortHealth health = parts_.wiring.health(member.index, port, to_ns(now), on_dds, is_lost_);
   if (const auto noted = noted_ports_.find({member.index, port.name}); noted != noted_ports_.end())
     health.losing = noted->second.losses.rises(now.time_since_epoch());
   for (std::size_t i = 0; i < noted_queues_.size(); ++i) {

@@ -23,11 +23,11 @@ struct Member;
 
 class Health {
  public:
-  /// All arguments must outlive this object. `flows` may be null at first, and stays null if the device
+  /// All references must outlive this object. `flows` may be null at first, and stays null if the device
   /// exchanges no samples with other devices.
   Health(Parts& parts, const std::vector<std::unique_ptr<Member>>& members,
-         const std::unique_ptr<Flows>& flows, const FaultNotes& notes)
-      : parts_(parts), members_(members), flows_(flows), notes_(notes) {}
+         const std::unique_ptr<Flows>& flows, const FaultNotes& notes, Wiring::IsLost is_lost)
+      : parts_(parts), members_(members), flows_(flows), notes_(notes), is_lost_(std::move(is_lost)) {}
 
   [[nodiscard]] PortHealth of(const Member& member, const model::Port& port, Instant now) const;
   /// Judges the connections of a port. Empty if the port has none, or if the device does not run.
@@ -66,6 +66,7 @@ class Health {
   const std::vector<std::unique_ptr<Member>>& members_;
   const std::unique_ptr<Flows>& flows_;
   const FaultNotes& notes_;
+  const Wiring::IsLost is_lost_;
   std::vector<std::uint64_t> noted_missed_;  ///< the recorded number of missed rows, for each executor
   std::map<std::uint32_t, std::uint64_t> noted_overruns_;
   std::map<PortKey, NotedPort> noted_ports_;

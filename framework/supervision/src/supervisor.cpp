@@ -26,7 +26,7 @@ Supervisor::Supervisor(Options options, std::shared_ptr<Platform> platform)
              .ports = std::move(options_.ports)},
       platform_(std::move(platform)),
       notes_(std::make_unique<FaultNotes>(options_.noted)),
-      health_(std::make_unique<Health>(parts_, members_, flows_, *notes_)),
+      health_(std::make_unique<Health>(parts_, members_, flows_, *notes_, options_.is_lost)),
       properties_(std::make_unique<Properties>()) {}
 
 Supervisor::~Supervisor() = default;

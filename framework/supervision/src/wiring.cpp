@@ -337,19 +337,22 @@ namespace {
 struct Connections {
   std::uint32_t all = 0;
   std::uint32_t of_cell = 0;  ///< those whose other end belongs to the cell
-  std::uint32_t ends = 0;     ///< the number of devices, and of programs outside, that have the other ends
+  std::uint32_t present = 0;  ///< those whose other end is not on a lost device
+  std::uint32_t ends = 0;     ///< the devices that are not lost, and programs outside, at the other ends
 
-  explicit Connections(const std::map<std::string, std::uint32_t>& connections)
-      : ends(static_cast<std::uint32_t>(connections.size())) {
+  Connections(const std::map<std::string, std::uint32_t>& connections, const Wiring::IsLost& is_lost) {
     for (const auto& [device, count] : connections) {
       all += count;
       of_cell += device.empty() ? 0 : count;
+      if (!device.empty() && is_lost && is_lost(device)) continue;
+      present += count;
+      ++ends;
     }
   }
   /// Returns how many connections are matched if `found` ends have been found. DDS does not tell which ends
   /// these are, so each of them counts as one connection until all ends have been found.
   [[nodiscard]] std::uint32_t matched(std::uint32_t found) const {
-    return found >= ends ? all : std::min(found, all);
+    return found >= ends ? present : std::min(found, present);
   }
 };
 
@@ -368,7 +371,7 @@ std::string Wiring::unmatched(const OnDds& on_dds) const {
 }
 
 PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
-                          const OnDds& on_dds) const {
+                          const OnDds& on_dds, const IsLost& is_lost) const {
   constexpr auto relaxed = std::memory_order_relaxed;
   const bool output = port.direction == model::Direction::out;
   PortHealth health;
@@ -379,7 +382,7 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     if (end.module != module || end.port != port.name) continue;
     const bool enabled = created.link.block().enabled.load(relaxed) != 0;
     const bool goes_on = !(output ? created.plan.to : created.plan.from).module;
-    const Connections connections{created.plan.connections};
+    const Connections connections{created.plan.connections, is_lost};
     std::uint32_t others = goes_on ? 0 : connections.ends;
     if (const auto flow = goes_on ? on_dds(i) : std::nullopt) {
       others = flow->matched;

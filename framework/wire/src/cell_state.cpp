@@ -96,6 +96,16 @@ bool CellState::executes(const std::string& cell, const std::string& device,
   return found != deployment->second.modules.end() && found->second.state() == STATE_EXECUTING;
 }
 
+bool CellState::has_lost(const std::string& device) const {
+  bool known = false;
+  for (const auto& [id, node] : nodes_) {
+    if (node.status.device() != device) continue;
+    if (node.alive) return false;
+    known = true;
+  }
+  return known;
+}
+
 std::vector<CellState::LastStatus> CellState::of_deployment(const std::string& id,
                                                             const std::string& but) const {
   std::vector<LastStatus> found;

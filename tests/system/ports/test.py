@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import signal
 import sys
 import time
@@ -8,7 +9,7 @@ import urllib.request
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 from takt_system import wait_until
-from terminal import Terminal
+from terminal import DOWN, ENTER, ESCAPE, Terminal
 
 
 class Ports(takt_system.Case):
@@ -44,9 +45,9 @@ class Ports(takt_system.Case):
         run.signal(signal.SIGINT)
         self.assertEqual(0, run.wait().status, run.err)
 
-    def judged(self, module, port):
+    def judged(self, module, port, device="d"):
         """Returns the judgement of a port in takt status --json: (rating, reason)."""
-        for each in self.status_of("d")["modules"]:
+        for each in self.status_of(device)["modules"]:
             for one in each.get("ports", []):
                 if (each["name"], one["name"]) == (module, port):
                     return one.get("rating"), one.get("reason")
@@ -118,6 +119,44 @@ class Ports(takt_system.Case):
                    "the page to show no alarm")
         run.signal(signal.SIGINT)
         self.assertEqual(0, run.wait().status, run.err)
+
+    def test_a_connection_to_a_lost_device_is_red_everywhere(self):
+        nodes = self.nodes("robot", "line")
+        self.deploy("lost.xml")
+        for port in (("source", "out"), ("sink", "in")):
+            wait_until(lambda: self.judged(*port, "robot") == ("good", "ok"), "the first value")
+        page = self.measures()
+        wait_until(lambda: next(page) == {"0": ("good", "ok"), "1": ("good", "ok")}, "the page to show both connections")
+        terminal = Terminal(30, 100)
+        self.addCleanup(terminal.close)
+        watch = self.start("watch", terminal=terminal.slave, become=terminal.become, environment={"LC_ALL": "C", "NO_COLOR": ""})
+        terminal.wait_for("robot")
+        terminal.press("/robot.source" + ENTER)
+        terminal.wait_for("robot.source")
+        terminal.press(DOWN + ENTER)  # from the row of the device
+        terminal.wait_for(r"out +out .* \* ok, ")
+
+        nodes["line"].kill_all()
+        terminal.wait_for("1 LOST")
+        def known():
+            """The status once the node of robot knows that line is lost: only this node still knows the modules of line."""
+            run = self.takt("status")
+            return run.out if re.search(r"(?m)^device line  LOST$\n  source +LOST, was EXECUTING$", run.out) else None
+        # DDS itself keeps the connections matched for some seconds. A status in which line is lost must not show them as matched.
+        status = wait_until(known, "robot to lose line")
+        for port in (r"sink\.in +in ", r"source\.out +out"):
+            self.assertRegex(status, r"(?m)^  %s +0/1 .* X not matched$" % port)
+        graph = self.takt("graph", "lost.xml", "--live").out
+        self.assertRegex(graph, r"(?m)^  sink .* LOST, was EXECUTING$")
+        self.assertEqual(2, len(re.findall("X NOT MATCHED", graph)), graph)
+        wait_until(lambda: next(page) == {"0": ("broken", "not matched"), "1": ("broken", "not matched")}, "the page to show the loss")
+        terminal.wait_for(r"out +out .* X NOT MATCHED")
+        terminal.press(ESCAPE + "c")
+        terminal.wait_for(r"line\.sink\.in +X NOT MATCHED")
+        terminal.press("q")
+        watch.wait()
+        self.takt("undeploy", "lost")
+        self.end({"robot": nodes["robot"]})
 
     def test_a_module_gets_the_events_that_arrived_while_it_was_stopped(self):
         def module(name, filename, operation, time, more=""):

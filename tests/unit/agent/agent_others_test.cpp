@@ -121,11 +121,16 @@ TEST(AgentWithOtherNodes, ListsLostDevicesOfItsCellInItsReport) {
   device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["lost"].size(), 0U);
   EXPECT_EQ(device.data()["devices"].size(), 2U);
+  EXPECT_FALSE(device.work.is_lost("line"));
   device.agent.others().lost(3);
   device.receive(device.command(COMMAND_REPORT));
   ASSERT_EQ(device.data()["lost"].size(), 1U);
   EXPECT_EQ(device.data()["lost"][0]["name"], "line");
   EXPECT_EQ(device.data()["lost"][0]["modules"][0]["state"], "EXECUTING");
+  EXPECT_TRUE(device.work.is_lost("line")) << "the supervisor judges the connections";
+  device.agent.others().receive(other("robot", "a former node of this device"), 4);
+  device.agent.others().lost(4);
+  EXPECT_FALSE(device.work.is_lost("robot")) << "this device itself";
 }
 
 // Returns the descriptor of a cell that stops if `module` fails.

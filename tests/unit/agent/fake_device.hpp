@@ -53,6 +53,7 @@ struct Work {
   std::vector<std::string> paths;
   std::function<void(const Step&)> stepped;
   std::function<void(model::Fault, const std::string&)> noted;
+  std::function<bool(const std::string& device)> is_lost;
   std::vector<std::pair<std::uint32_t, Verb>> commands;
   /// Requests for properties of modules: "0 gain" reads `gain` of module 0, and "0 gain = 2" sets it to 2.
   std::vector<std::string> properties;
@@ -81,6 +82,7 @@ class FakeSupervised final : public Supervised {
     work_.paths = options.paths;
     work_.stepped = options.stepped;
     work_.noted = options.noted;
+    work_.is_lost = options.is_lost;
   }
   ~FakeSupervised() override { --work_.supervised; }
 

@@ -18,6 +18,7 @@ namespace {
 using namespace cells;
 using namespace drawings;
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -109,7 +110,8 @@ TEST(CellHealth, TakesConnectionHealthFromTheReadingDevice) {
   EXPECT_EQ(setpoint.age, 30'000'500ns);
   EXPECT_EQ(health_text(setpoint), "STALE, 30 ms old, late 2") << "rounded to a useful precision";
   EXPECT_EQ(setpoint.late, 2U);
-  EXPECT_FALSE(health.connections.contains(1)) << "the station has reported nothing";
+  EXPECT_EQ(health_text(health.connections.at(1)), "NOT MATCHED")
+      << "the station is lost, and reports nothing";
   EXPECT_FALSE(health.connections.at(2).matched);
   EXPECT_EQ(health.connections.at(3).incompatible, "reliability");
   EXPECT_TRUE(health.connections.at(4).matched) << "a topic for other programs has only a writer";
@@ -237,7 +239,7 @@ TEST(GraphText, ShowsTheHealthOfARunningCell) {
   EXPECT_THAT(
       text(three(), running()),
       AllOf(HasSubstr("device robot\n  alive\n"), HasSubstr("device line\n  alive\n  belt is in RECOVER\n"),
-            HasSubstr("device station\n  LOST\n"),
+            ContainsRegex("device station\n  LOST\n  dispatcher\n .*, LOST, was\n +EXECUTING\n"),
             HasSubstr("belt    thread   periodic, every 2 ms  main      RECOVER\n"),
             HasSubstr("logger  process  non-real              -         -\n"),
             HasSubstr("    ok, 1.2 ms old\n"),
@@ -355,7 +357,7 @@ TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
                              HasSubstr(R"(class="good-word state">alive<)"),
                              HasSubstr(R"(class="poor-word state">alive, belt is in RECOVER<)"),
                              HasSubstr(R"(class="bad-word state">RECOVER<)"),
-                             HasSubstr(R"(class="bad-word state">EXECUTING (last known)<)")));
+                             HasSubstr(R"(class="bad-word state">LOST, was EXECUTING<)")));
   EXPECT_THAT(
       drawing,
       AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),

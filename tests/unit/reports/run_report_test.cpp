@@ -111,8 +111,7 @@ TEST(RunText, ShowsTheLastKnownStatesOfALostDevice) {
   json status = cell();
   status["devices"][0]["alive"] = false;
   const std::string text = run_text(status);
-  EXPECT_THAT(
-      text, AllOf(HasSubstr("device robot  LOST"), ContainsRegex("arm +EXECUTING +\\(last known state\\)")));
+  EXPECT_THAT(text, AllOf(HasSubstr("device robot  LOST"), ContainsRegex("\n  arm +LOST, was EXECUTING\n")));
   EXPECT_THAT(text, Not(HasSubstr("arm.setpoint")));
 }
 

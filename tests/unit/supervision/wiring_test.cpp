@@ -260,6 +260,33 @@ TEST_F(PlannedWiring, CountsEachConnectionOfAnOutputWhoseReadersShareAFlow) {
   EXPECT_EQ(health_with(2, 0).connections, 5U);
 }
 
+TEST_F(PlannedWiring, CountsAConnectionToALostDeviceAsMissingAlthoughDdsStillMatchesIt) {
+  cell.devices.push_back({.name = "third", .executors = {{}}, .modules = {}});
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "a", "out"), end("there", "x", "in"));
+  connect(end("here", "a", "out"), end("there", "y", "in"));
+  connect(end("here", "a", "out"), end("third", "x", "in"));
+  connect(end("there", "x", "out"), end("here", "c", "in"));
+  const auto wiring = Wiring::create(plan());
+  ASSERT_TRUE(wiring.ok());
+  const auto health_of = [&](std::uint32_t module, std::size_t port, const std::string& lost) {
+    const PortHealth health = wiring->health(
+        module, (*ports[module])[port], 0,
+        [&](std::size_t link) {
+          const std::uint32_t ends = wiring->links()[link].plan.from.module ? 2 : 1;
+          return std::optional{wire::FlowHealth{.matched = ends, .incompatible = {}}};
+        },
+        [&](const std::string& device) { return device == lost; });
+    return std::pair{health.matched, health.missing};
+  };
+  using Counts = std::pair<std::uint32_t, std::uint32_t>;
+  EXPECT_EQ(health_of(0, 2, ""), (Counts{4, 0}));
+  EXPECT_EQ(health_of(0, 2, "there"), (Counts{2, 2}));
+  EXPECT_EQ(health_of(0, 2, "third"), (Counts{3, 1}));
+  EXPECT_EQ(health_of(2, 0, ""), (Counts{1, 0}));
+  EXPECT_EQ(health_of(2, 0, "there"), (Counts{0, 1})) << "an input";
+}
+
 TEST_F(PlannedWiring, NamesAConnectionWhoseOtherEndWasNotFound) {
   cell.devices.push_back({.name = "third", .executors = {{}}, .modules = {}});
   connect(end("here", "a", "out"), end("here", "b", "in"));

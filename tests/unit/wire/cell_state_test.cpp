@@ -95,6 +95,20 @@ TEST(CellState, KeepsTheLastStateOfALostDevice) {
   EXPECT_TRUE(cell_state.devices("line")[0].alive);
 }
 
+TEST(CellState, HasLostADeviceOnlyIfAllItsNodesAreLost) {
+  CellState cell_state;
+  EXPECT_FALSE(cell_state.has_lost("robot")) << "it has never been known";
+  cell_state.receive(device("cell", "robot", "a"), 1);
+  cell_state.receive(device("-", "robot", "b"), 2);
+  cell_state.lost(1);
+  EXPECT_FALSE(cell_state.has_lost("robot"));
+  cell_state.lost(2);
+  EXPECT_TRUE(cell_state.has_lost("robot"));
+  EXPECT_FALSE(cell_state.has_lost("line"));
+  cell_state.receive(device("cell", "robot", "a"), 1);
+  EXPECT_FALSE(cell_state.has_lost("robot"));
+}
+
 TEST(CellState, ShowsALostDeviceAsAliveAfterANewStatus) {
   CellState cell_state;
   cell_state.receive(device("cell", "robot", "a"), 1);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "reports/connections_report.hpp"
+#include "reports/run_report.hpp"
 
 namespace takt::tool::graph {
 namespace {
@@ -152,7 +153,7 @@ Box Builder::box_of(const model::Device& device, const Module& module, bool aliv
               (module.executor.empty() ? "" : ", executor " + module.executor) +
               (module.budget ? ", budget " + to_text(*module.budget) : "");
   if (const auto state = health_.modules.find(path); state != health_.modules.end()) {
-    box.state = alive ? state->second : state->second + " (last known)";
+    box.state = alive ? state->second : lost_text(state->second);
     box.look = look_of(wire::judge(wire::ModuleReport{.state = state->second,
                                                       .lost = !alive,
                                                       .given_up = health_.given_up.contains(path),

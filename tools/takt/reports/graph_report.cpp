@@ -8,6 +8,7 @@
 
 #include "reports/connections_report.hpp"
 #include "reports/page.hpp"
+#include "reports/run_report.hpp"
 
 namespace takt::tool {
 
@@ -34,11 +35,14 @@ void device_state(Page& page, const CellHealth& health, const Device& device) {
 
 /// Adds a table of a device's modules, or, if the table would be too wide, a list with two lines per module.
 void modules_text(Page& page, const Device& device, const CellHealth& health) {
-  const auto state_of = [&](const Module& module) {
-    return find(health.modules, device.name + "." + module.name);
+  const auto* known = find(health.devices, device.name);
+  const auto state_of = [&](const Module& module) -> std::optional<std::string> {
+    const auto* state = find(health.modules, device.name + "." + module.name);
+    if (state == nullptr) return std::nullopt;
+    return known != nullptr && !known->alive ? lost_text(*state) : *state;
   };
   const bool states = std::any_of(device.modules.begin(), device.modules.end(),
-                                  [&](const Module& module) { return state_of(module) != nullptr; });
+                                  [&](const Module& module) { return state_of(module).has_value(); });
   const std::size_t shown = std::min(device.modules.size(), kGraphModules);
   std::vector<Page::Words> rows{{"module", "type", "operation", "executor"}};
   if (states) rows.front().emplace_back("state");
@@ -46,7 +50,7 @@ void modules_text(Page& page, const Device& device, const CellHealth& health) {
     const Module& module = device.modules[i];
     rows.push_back({module.name, model::to_text(module.type), operation_text(module),
                     module.executor.empty() ? "-" : module.executor});
-    if (states) rows.back().push_back(state_of(module) == nullptr ? "-" : *state_of(module));
+    if (states) rows.back().push_back(state_of(module).value_or("-"));
   }
   if (page.fits(2, rows)) {
     page.table(2, rows);
@@ -56,7 +60,7 @@ void modules_text(Page& page, const Device& device, const CellHealth& health) {
       page.line(2, module.name);
       page.sentence(4, std::string{model::to_text(module.type)} + ", " + operation_text(module) +
                            (module.executor.empty() ? "" : ", executor " + module.executor) +
-                           (state_of(module) == nullptr ? "" : ", " + *state_of(module)));
+                           (state_of(module) ? ", " + *state_of(module) : ""));
     }
   }
   if (shown < device.modules.size()) {
@@ -139,15 +143,15 @@ CellHealth health_of(const Cell& cell, const ObservedCell& observed) {
   for (std::size_t i = 0; i < cell.connections.size(); ++i) {
     const Connection& connection = cell.connections[i];
     // Use the reader's report if there is one, because it has more data than the writer's. On a topic for
-    // other programs, the cell has only a writer.
+    // other programs, the cell has only a writer. A lost device reports nothing.
     const auto* port = find(observed.ports, to_text(connection.to.given() ? connection.to : connection.from));
-    if (port == nullptr) continue;
     const auto is_lost = [&](const model::Endpoint& end) {
       const auto* device = find(health.devices, end.device);
       return device != nullptr && !device->alive;
     };
     const bool lost = is_lost(connection.from) || is_lost(connection.to);
-    health.connections[i] = health_of(*port, &connection, lost);
+    if (port == nullptr && !lost) continue;
+    health.connections[i] = health_of(port == nullptr ? ObservedCell::Port{} : *port, &connection, lost);
   }
   return health;
 }

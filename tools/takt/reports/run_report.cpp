@@ -117,8 +117,8 @@ std::string device_text(const Json& device, std::size_t width, Style style) {
       device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME", state);
   if (!device["alive"].get<bool>()) {
     for (const Json& m : device["modules"]) {
-      text += fmt::format("  {:<{}} {:<10} (last known state)\n", m["name"].get<std::string>(), width,
-                          m["state"].get<std::string>());
+      text += fmt::format("  {:<{}} {}\n", m["name"].get<std::string>(), width,
+                          lost_text(m["state"].get<std::string>()));
     }
     return text;
   }

@@ -84,6 +84,15 @@ bool is_lost(const std::vector<wire::ObservedDevice>& devices, const std::string
   return device != nullptr && !device->alive;
 }
 
+/// True if the device at the other end of a connection of the port is lost.
+bool has_lost_end(const std::vector<wire::ObservedDevice>& devices, const model::Endpoint& port,
+                  const model::Cell& cell) {
+  return std::any_of(cell.connections.begin(), cell.connections.end(), [&](const model::Connection& each) {
+    return (each.from == port && is_lost(devices, each.to.device)) ||
+           (each.to == port && is_lost(devices, each.from.device));
+  });
+}
+
 /// Returns the connection by which the health of a port is judged: the connection into an input, or the
 /// connection of an output that only other programs read. None for an output with readers in the cell, each
 /// of which has a health of its own.
@@ -107,16 +116,15 @@ std::vector<watch::Port> ports_of(const std::vector<wire::ObservedDevice>& devic
        ++at) {
     const PortStatus& status = at->second.status;
     const std::string name = status.port().to_string();
-    const model::Connection* const connection =
-        cell == nullptr ? nullptr : connection_of({device.name(), module, name}, *cell);
-    ports.push_back(
-        {.name = name,
-         .output = status.output(),
-         .type = status.type().to_string(),
-         .connected = status.connections() > 0,
-         .samples = status.samples(),
-         .health = health_of(web::observed(at->second), connection,
-                             connection != nullptr && is_lost(devices, connection->from.device))});
+    const model::Endpoint here{device.name(), module, name};
+    const model::Connection* const connection = cell == nullptr ? nullptr : connection_of(here, *cell);
+    const bool end_lost = !device.alive || (cell != nullptr && has_lost_end(devices, here, *cell));
+    ports.push_back({.name = name,
+                     .output = status.output(),
+                     .type = status.type().to_string(),
+                     .connected = status.connections() > 0,
+                     .samples = status.samples(),
+                     .health = health_of(web::observed(at->second), connection, end_lost)});
   }
   return ports;
 }

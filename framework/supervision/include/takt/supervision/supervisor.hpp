@@ -54,6 +54,8 @@ class Supervisor final : public Supervised {
     /// Returns true if a module of another device is known to be in EXECUTING. If this function is empty, the
     /// supervisor treats every module of another device as not executing.
     std::function<bool(const std::string& device, const std::string& module)> executes{};
+    /// Returns true if another device is known to be lost. If this function is empty, no device is.
+    std::function<bool(const std::string& device)> is_lost{};
     /// Returns an upper bound of the wall clock of another device minus the monotonic clock of this device;
     /// nothing if no bound is known. If this function is empty, no bound is known for any device.
     std::function<std::optional<std::int64_t>(const std::string& device)> latest_clock{};

@@ -140,10 +140,13 @@ class Wiring {
   /// A function that returns the health of the flow of the link with this index, or nothing if the flow is
   /// not open.
   using OnDds = std::function<std::optional<wire::FlowHealth>(std::size_t link)>;
+  /// A function that returns true if another device is lost.
+  using IsLost = std::function<bool(const std::string& device)>;
   /// Returns the health of a port at `now_ns` (monotonic clock), from its links and, for links with a flow,
-  /// from `on_dds`.
+  /// from `on_dds`. A connection to a lost device is not matched, although DDS keeps the match for some
+  /// seconds. An empty `is_lost` means that no device is lost.
   [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
-                                  const OnDds& on_dds) const;
+                                  const OnDds& on_dds, const IsLost& is_lost = {}) const;
 
   /// Returns a connection of the cell whose other end has not been found on DDS, or several if it can be each
   /// of them: "robot.arm.measured -> station.panel.arm". Empty if all other ends have been found.

@@ -66,6 +66,8 @@ class CellState {
   /// arrive after the first status.
   [[nodiscard]] bool executes(const std::string& cell, const std::string& device,
                               const std::string& module) const;
+  /// Returns true if the device is known, and each node with its name is lost.
+  [[nodiscard]] bool has_lost(const std::string& device) const;
   /// The last received status of a node.
   struct LastStatus {
     DeviceStatus status;
