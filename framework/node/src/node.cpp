@@ -167,9 +167,9 @@ int run_node(const NodeOptions& options) {
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
   if (!model::is_valid_name(options.device)) {
-    return refuse({{"takt-node", "'" + options.device + "' is not a valid device name",
-                    model::kNameRule}});
+    return refuse({{"takt-node", "'" + options.device + "' is not a valid device name", model::kNameRule}});
   }
+  LogThread log_thread;  // outlives all that logs
   const bool keeps_files = !options.state_folder.empty() && (!temporary || options.state_folder_given);
   if (keeps_files) {
     if (auto writers = os::check_writers(options.state_folder); !writers) return refuse(writers.problems());
@@ -309,6 +309,7 @@ int run_node(const NodeOptions& options) {
   if (!server) return refuse(server.problems());
   (*dds_publisher)->set_reply_sender([&server](const wire::WholeReply& reply) { server->reply(reply); });
 
+  log_thread.start();
   if (!temporary)
     log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
   std::uint64_t refused = 0;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <climits>
 #include <cstdlib>
 #include <exception>
 #include <memory>
@@ -87,6 +88,15 @@ bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms) {
     if (*fd) wanted.push_back({.fd = fd->get(), .events = POLLIN, .revents = 0});
   }
   return ::poll(wanted.data(), wanted.size(), limit_ms) > 0;
+}
+
+std::size_t write_to_standard_error(std::string_view text, int limit_ms) noexcept {
+  pollfd ready{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
+  if (::poll(&ready, 1, limit_ms) <= 0) return 0;
+  // A pipe that is ready takes at least PIPE_BUF bytes.
+  const ssize_t written = ::write(STDERR_FILENO, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
+  if (written < 0) return errno == EAGAIN || errno == EINTR ? 0 : text.size();
+  return static_cast<std::size_t>(written);
 }
 
 void on_crash(CrashHandler handler) {

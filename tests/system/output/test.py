@@ -1,9 +1,23 @@
+import fcntl
 import json
 import os
+import pty
+import select
+import signal
 import sys
+import termios
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
+from takt_system import wait_until
+
+CHATTY = """<cell name="chatty"><device name="bench">
+  <module>
+    <name>prints</name> <filename>prints.exe</filename> <moduletype>process</moduletype> <operationtype>periodic</operationtype>
+    <period>2ms</period> <priority>1</priority> <property><value name="lines">1000000</value></property>
+  </module>
+</device></cell>
+"""
 
 
 class Output(takt_system.Case):
@@ -50,6 +64,33 @@ class Output(takt_system.Case):
         self.assertTrue(device["alive"])
         self.assertGreater(device["executors"][0]["cycles"] + device["executors"][0]["missed"], 200)
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in device["modules"]})
+
+    def assert_commands_work(self, error, block):
+        """Runs a chatty program on a node with this standard error, which nothing reads after block()."""
+        node = self.program("takt-node", "--device", "bench", error=error)
+        self.assertEqual(0, self.takt("deploy", self.write("chatty.xml", CHATTY)).status)
+        block()
+        writable = select.poll()
+        writable.register(error, select.POLLOUT)
+        wait_until(lambda: not writable.poll(0), "standard error takes nothing")
+        self.done("stop bench.prints")
+        self.assertEqual({"prints": "START"}, self.states_of("bench"))
+        self.done("undeploy chatty")
+        node.signal(signal.SIGTERM)
+        self.assertEqual(0, node.wait().status)
+
+    def test_a_node_carries_out_commands_while_nothing_reads_its_output(self):
+        reader, writer = os.pipe()
+        self.addCleanup(os.close, reader)
+        self.addCleanup(os.close, writer)
+        fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+        self.assert_commands_work(writer, lambda: None)
+
+    def test_a_node_carries_out_commands_while_ctrl_s_stops_its_terminal(self):
+        master, slave = pty.openpty()
+        self.addCleanup(os.close, master)
+        self.addCleanup(os.close, slave)
+        self.assert_commands_work(slave, lambda: termios.tcflow(slave, termios.TCOOFF))
 
 
 if __name__ == "__main__":

@@ -32,6 +32,12 @@ void survive_broken_pipes();
 /// `limit_ms` ms. Returns false if this limit has passed.
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
 
+/// Waits until standard error takes data, but at most `limit_ms` ms, and then writes as much of `text` as it
+/// takes. Returns the number of bytes written; 0 if the limit has passed, because nobody reads the pipe, or
+/// the user has stopped the terminal (Ctrl-S). If standard error cannot be written at all, `text` counts as
+/// written. If other processes write to the same pipe at this moment, the call may wait longer.
+std::size_t write_to_standard_error(std::string_view text, int limit_ms) noexcept;
+
 /// The signal that a supervisor sends to a thread that hangs. The thread calls the CrashHandler, and the
 /// process then ends without a core dump. Nothing else sends this signal.
 extern const int kHangSignal;
