@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <takt/channel/activity.hpp>
@@ -103,6 +104,7 @@ struct Member {
                                   ///< crashed its host or a hook hangs
   bool failed = false;            ///< true if the module was given up after an error
   std::string why;                ///< the text of the module's last failure
+  std::set<std::string> set;      ///< the properties that an operator has set since the deployment
   std::uint64_t errors = 0;       ///< number of steps to RECOVER, plus the number of crashes and hangs in a
                                   ///< state from which no such step is possible
   std::uint64_t recoveries = 0;   ///< number of successful recoveries

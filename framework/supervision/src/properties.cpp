@@ -80,13 +80,18 @@ void Supervisor::set(std::uint32_t module, const std::string& property, const st
 
 void Supervisor::ask_property(host::Request request, std::function<void(const Outcome&)> done) {
   const Member& member = *members_.at(request.module);
+  const bool sets = request.what == host::Request::Do::set;
   std::string why;
-  if (member.lost || member.state() == State::idle || member.state() == State::destruct) {
-    why = member.model.name + " is in " + lifecycle::to_text(member.state()) +
-          "; its properties can be read and set once it is in INITIALIZE";
+  if (member.lost || member.state() == State::destruct) {
+    const std::string path = device().name + "." + member.model.name;
+    why = path + " is in " + lifecycle::to_text(member.state()) + ", in which its properties cannot be " +
+          (sets ? "set" : "read") + "; run takt reset " + path +
+          (sets ? "" : " and takt initialize " + path) + " first";
+  } else if (!sets && member.state() == State::idle) {
+    why = member.model.name + " is in IDLE; its properties can be read once it is in INITIALIZE";
   } else if (member.reload) {
     why = "its host has crashed, and its component is not loaded again yet; try again when it is EXECUTING";
-  } else if (member.swap && request.what == host::Request::Do::set) {
+  } else if (member.swap && sets) {
     why = "a swap of " + member.model.name + " is still in progress; try again later";
   } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_of(member).process->running()) {
     why = "the host of device " + device().name + " is not running";
@@ -105,6 +110,19 @@ void Supervisor::property_answered(const host::Answer& answer) {
   // Keep the value, so that the module also has it after a restart of the host.
   model::give_property(parts_.cell.devices[parts_.device].modules[member->index], answer.request.property,
                        answer.request.value);
+  members_[member->index]->set.insert(answer.request.property);
+}
+
+// Returns how to leave DESTRUCT if a value that an operator has set may keep the module there; empty if no
+// property was set.
+std::string Supervisor::way_out(const Member& member) const {
+  if (member.set.empty()) return {};
+  std::string names;
+  for (const std::string& name : member.set) names += (names.empty() ? "" : ", ") + name;
+  const std::string path = device().name + "." + member.model.name;
+  return "; takt restart keeps what takt set has set: " + names + "; to change it, run takt reset " + path +
+         ", takt set " + path + " " + (member.set.size() == 1 ? names : "PROPERTY") +
+         " VALUE and takt restart " + path;
 }
 
 }  // namespace takt::supervision

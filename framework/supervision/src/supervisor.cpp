@@ -507,6 +507,7 @@ void Supervisor::not_recovered(Member& member, const std::string& text) {
 
 void Supervisor::give_up(Member& member) {
   member.failed = true;
+  member.why += way_out(member);
   const auto attempts = member.recovery.attempts();
   const std::string after = "after " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts");
   apply(member, Event::give_up, after + ": " + member.why);
@@ -529,8 +530,9 @@ void Supervisor::give_up(Member& member) {
 // Gives up a module whose hooks cannot be called again, because its host crashed or a hook hangs.
 void Supervisor::lose(Member& member, const std::string& text, ErrorType type, const std::string& more,
                       const std::string& attachment) {
+  const std::string why = text + way_out(member);
   notes_->note(member, model::FaultKind::error, text + more, type, attachment);
-  notes_->note(member, model::FaultKind::given_up, text);
+  notes_->note(member, model::FaultKind::given_up, why);
   if (member.swap) {
     host_of(member).process->ask({.what = host::Request::Do::give_up_swap, .module = member.index});
     end_swap(member, REPLY_FAILED, text);
@@ -539,16 +541,16 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   member.lost = true;
   member.failed = true;
   member.pending.reset();
-  member.why = text;
+  member.why = why;
   const bool starting = phase_ == Phase::preparing;
   if (member.machine.accepts(Event::error)) apply(member, Event::error, text, type);
   if (member.machine.accepts(Event::give_up)) {
-    apply(member, Event::give_up, text, type);  // with the text again, because a client that joins later
-                                                // receives only the last step
+    apply(member, Event::give_up, why, type);  // with the text again, because a client that joins later
+                                               // receives only the last step
   } else if (member.machine.accepts(Event::destruct)) {
-    apply(member, Event::destruct, text, type);
+    apply(member, Event::destruct, why, type);
   }
-  Problem problem{"module " + device().name + "." + member.model.name, text, ""};
+  Problem problem{"module " + device().name + "." + member.model.name, why, ""};
   const bool whole_device = starting || member.model.recovery.then != model::GiveUp::destruct;
   stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
   if (whole_device && phase_ != Phase::stopping && phase_ != Phase::ended) {

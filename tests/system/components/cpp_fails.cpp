@@ -9,9 +9,15 @@ class CppFails : public takt::Component {
   takt::Property<std::int64_t> after{*this, "after", 100, {.min = 1, .text = "The run that fails."}};
   takt::Property<std::string> how{*this, "how", "throw", {.text = "throw or fail"}};
   takt::Property<bool> recoverable{*this, "recoverable", true, {.text = "Whether recover() succeeds."}};
+  takt::Property<bool> initializable{
+      *this, "initializable", true, {.text = "Whether initialize() succeeds."}};
   takt::Property<std::string> more{*this, "more", ""};
   std::int64_t runs_ = 0;
 
+  takt::Result<void> initialize() override {
+    if (!initializable) return takt::fail("initialize() failed as it was asked to" + more.value());
+    return {};
+  }
   void run(const takt::Cycle&) override {
     if (++runs_ < after) return;
     if (how.value() == "throw") throw std::runtime_error("run() threw as it was asked to");

@@ -16,6 +16,9 @@ using testing::MatchesRegex;
 
 class DeviceProperties : public RealDevice {
  protected:
+  Outcome command(Verb verb) {
+    return wait([&](auto done) { device->command(0, verb, done); });
+  }
   std::string live(const std::string& properties = "", const std::string& what = kEvery) const {
     return module("live", "live.so", what, file("live") + properties);
   }
@@ -149,6 +152,43 @@ TEST_F(DeviceProperties, SurviveARestartOfTheHost) {
   ASSERT_TRUE(step_until([&] { return module_of("live")["state"] == "EXECUTING"; }));
   EXPECT_EQ(get(0, "step").value, "6");
   take_down();
+}
+
+TEST_F(DeviceProperties, CanBeCorrectedAfterAValueThatInitializeRejects) {
+  bring_up(module("live", "cpp_fails.so", kEvery, value("after", "1000000")));
+  EXPECT_EQ(set(0, "initializable", "false").code, REPLY_OK);
+  EXPECT_EQ(command(Verb::destruct).code, REPLY_OK);
+  EXPECT_EQ(command(Verb::reset).code, REPLY_OK);
+  EXPECT_EQ(
+      command(Verb::initialize).text,
+      "it went to DESTRUCT: initialize() failed: initialize() failed as it was asked to; takt restart "
+      "keeps what takt set has set: initializable; to change it, run takt reset d.live, takt set d.live "
+      "initializable VALUE and takt restart d.live");
+  EXPECT_EQ(set(0, "initializable", "true").text,
+            "d.live is in DESTRUCT, in which its properties cannot be set; run takt reset d.live first");
+  EXPECT_EQ(command(Verb::reset).code, REPLY_OK);
+  EXPECT_EQ(set(0, "initializable", "true").code, REPLY_OK);
+  EXPECT_EQ(get(0, "initializable").text,
+            "live is in IDLE; its properties can be read once it is in INITIALIZE");
+  for (const Verb verb : {Verb::initialize, Verb::start}) EXPECT_EQ(command(verb).text, "");
+  EXPECT_EQ(get(0, "initializable").value, "true");
+  device->stop();
+  ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
+}
+
+TEST_F(DeviceProperties, AreNamedWhenAModuleIsGivenUpAfterTheyWereSet) {
+  bring_up(module("live", "cpp_fails.so", kEvery, value("after", "1000000"),
+                  R"(<recovery attempts="1" backoff="0"/>)"));
+  EXPECT_EQ(set(0, "recoverable", "false").code, REPLY_OK);
+  EXPECT_EQ(set(0, "after", "1").code, REPLY_OK);
+  ASSERT_TRUE(step_until([&] { return module_of("live")["state"] == "DESTRUCT"; }));
+  EXPECT_EQ(
+      module_of("live")["text"],
+      "recover() failed: recover() failed as it was asked to; takt restart keeps what takt set has set: "
+      "after, recoverable; to change it, run takt reset d.live, takt set d.live PROPERTY VALUE and takt "
+      "restart d.live");
+  device->stop();
+  ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
 }
 
 class DeviceCommands : public RealDevice {

@@ -131,6 +131,7 @@ class Supervisor final : public Supervised {
   void end_command(Member& member, ReplyCode code, const std::string& text = {});
   /// Returns a text that names the target state of a recovery; empty if the module is not in RECOVER.
   static std::string what_follows(const Member& member);
+  std::string way_out(const Member& member) const;
 
   // Swaps (swaps.cpp)
   void end_swap(Member& member, ReplyCode code, const std::string& text);
