@@ -270,6 +270,19 @@ class Log(takt_system.Case):
         self.done("undeploy shop")
         self.end(nodes)
 
+    def test_a_successful_restart_leaves_no_rejected_command_in_the_fault_record(self):
+        nodes = self.nodes("robot")
+        self.deploy("lines.xml")
+        for before in ((), ("destruct",), ("destruct", "reset")):
+            for command in before:
+                self.done(command + " robot.cpp")
+            self.assertEqual(["robot.cpp: EXECUTING"], self.done("restart robot.cpp"))
+        commands = [e["cause"].split()[0] for e in self.log("--module", "cpp") if e["kind"].endswith("command")]
+        self.assertEqual(3 * ["destruct", "reset", "initialize", "start"], commands)
+        self.assertEqual([], self.of(self.log(), "refused-command"))
+        self.done("undeploy shop")
+        self.end(nodes)
+
     def test_log_lines_of_a_module_above_the_rate_limit_are_dropped_and_counted(self):
         nodes = self.nodes("robot")
         self.deploy("lines.xml")

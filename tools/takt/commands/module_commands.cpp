@@ -83,6 +83,22 @@ int send(const ModuleCommand& command, const std::string& text, const client::Ne
   return refuse(client::problems_of(*answer));
 }
 
+// Returns the state of a module; empty if the device has no such module.
+Result<std::string> state_of(client::Operator& sender, const Target& target) {
+  const auto answer = client::accepted(
+      sender.send({.kind = COMMAND_REPORT, .device = target.device, .limit = std::chrono::seconds{10}}));
+  if (!answer) return answer.problems();
+  std::string state;
+  const auto read =
+      client::read_answer(target.device, answer->data, [&](const nlohmann::ordered_json& report) {
+        for (const auto& module : report.at("modules")) {
+          if (module.at("name") == target.module) state = module.at("state").get<std::string>();
+        }
+      });
+  if (!read) return read.problems();
+  return state;
+}
+
 // Ends a module if it has not ended, and starts it from the beginning.
 int restart(const std::string& text, const client::Network& network) {
   const auto target = module_of(text);
@@ -95,17 +111,14 @@ int restart(const std::string& text, const client::Network& network) {
                                  .module = target->module,
                                  .limit = std::chrono::seconds{20}});
   };
-  auto answer = command(COMMAND_RESET);
-  // The device refuses to reset a module that has not ended.
-  if (answer && answer->head.code() == REPLY_REFUSED && answer->head.state() != STATE_DESTRUCT) {
-    answer = client::accepted(command(COMMAND_DESTRUCT));
-    if (answer) answer = command(COMMAND_RESET);
-  }
-  for (const CommandKind kind : {COMMAND_INITIALIZE, COMMAND_START}) {
-    answer = client::accepted(std::move(answer));
-    if (answer) answer = command(kind);
-  }
-  answer = client::accepted(std::move(answer));
+  const auto state = state_of(*client->sender, *target);
+  if (!state) return refuse(state.problems());
+  std::vector<CommandKind> steps{COMMAND_INITIALIZE, COMMAND_START};
+  if (*state != to_text(STATE_IDLE)) steps.insert(steps.begin(), COMMAND_RESET);
+  if (!state->empty() && *state != to_text(STATE_IDLE) && *state != to_text(STATE_DESTRUCT))
+    steps.insert(steps.begin(), COMMAND_DESTRUCT);
+  auto answer = client::accepted(command(steps[0]));
+  for (std::size_t i = 1; answer && i < steps.size(); ++i) answer = client::accepted(command(steps[i]));
   if (!answer) return refuse(answer.problems());
   return print(fmt::format("{}: {}\n", text, to_text(answer->head.state()))) ? 0 : 1;
 }
