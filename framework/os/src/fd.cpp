@@ -24,6 +24,25 @@ Problem error_problem(std::string call, int error, std::string fix) {
   return fail(std::move(call) + ": " + std::strerror(error), std::move(fix));
 }
 
+std::string advice_to_write(int error) {
+  switch (error) {
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "name a folder that this user may write to";
+    case ENOSPC:
+    case EDQUOT:
+      return "free space on its disk, or name a folder on another disk";
+    case ENOTDIR:
+    case EEXIST:
+      return "a file stands where a folder is needed: name another folder";
+    case EISDIR:
+      return "name a file, not a folder";
+    default:
+      return "name another folder";
+  }
+}
+
 Problem errno_problem(std::string call, std::string fix) {
   return error_problem(std::move(call), errno, std::move(fix));
 }

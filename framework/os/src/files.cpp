@@ -99,12 +99,11 @@ Result<void> replace_file(const std::string& path, const std::string& content, R
   const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) return error_problem(folder, error.value(), "name a folder that this user may write to");
+  if (error) return error_problem(folder, error.value(), advice_to_write(error.value()));
 
   const std::string temporary = path + ".new";
   const auto failed = [&] {
-    Problem problem =
-        errno_problem(temporary, "name a folder that this user may write to, on a disk with free space");
+    Problem problem = errno_problem(temporary, advice_to_write(errno));
     ::unlink(temporary.c_str());
     return problem;
   };
@@ -170,9 +169,9 @@ Result<void> make_private_folder(const std::string& path) {
   std::error_code error;
   const std::filesystem::path above = std::filesystem::path{path}.parent_path();
   if (!above.empty()) std::filesystem::create_directories(above, error);
-  if (error) return error_problem(above.string(), error.value(), "name a folder that this user may write to");
+  if (error) return error_problem(above.string(), error.value(), advice_to_write(error.value()));
   if (::mkdir(path.c_str(), 0700) != 0) {
-    if (errno != EEXIST) return errno_problem(path, "name a folder that this user may write to");
+    if (errno != EEXIST) return errno_problem(path, advice_to_write(errno));
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0) return errno_problem(path);
     if (!S_ISDIR(status.st_mode)) return fail(path + " is a file", "name a folder");

@@ -14,24 +14,18 @@
 
 namespace takt::os {
 
-namespace {
-
-constexpr const char* kRoom = "name a folder that this user may write to, on a disk with free space";
-
-}  // namespace
-
 Result<FixedFile> FixedFile::open(const std::string& path) {
   const std::string folder = std::filesystem::path{path}.parent_path().string();
   std::error_code error;
   if (!folder.empty()) std::filesystem::create_directories(folder, error);
-  if (error) return error_problem(folder, error.value(), kRoom);
+  if (error) return error_problem(folder, error.value(), advice_to_write(error.value()));
   FixedFile file;
   file.path_ = path;
   file.fd_ = Fd{::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644)};
-  if (!file.fd_) return errno_problem(path, kRoom);
+  if (!file.fd_) return errno_problem(path, advice_to_write(errno));
   struct stat status {};
   if (::fstat(file.fd_.get(), &status) != 0 || !S_ISREG(status.st_mode))
-    return Problem{path, "is not a regular file", kRoom};
+    return Problem{path, "is not a regular file", "name another folder"};
   if (::flock(file.fd_.get(), LOCK_EX | LOCK_NB) != 0)
     return Problem{path, "is in use by another process", "end that process, or name another folder"};
   return file;
@@ -44,7 +38,7 @@ Result<void> FixedFile::reserve(std::size_t bytes) {
   if (error == 0) return {};
   // Free the space that posix_fallocate() had allocated before it failed.
   if (::ftruncate(fd_.get(), before.st_size) != 0) return errno_problem(path_);
-  return error_problem(path_, error, kRoom);
+  return error_problem(path_, error, advice_to_write(error));
 }
 
 Result<std::string> FixedFile::read(std::size_t most) const {

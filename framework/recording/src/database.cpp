@@ -1,11 +1,11 @@
 #include <takt/recording/database.hpp>
 
-#include <filesystem>
 #include <utility>
 
 #include <sqlite3.h>
 
 #include <takt/core/words.hpp>
+#include <takt/os/output_file.hpp>
 
 namespace takt::recording {
 
@@ -52,11 +52,9 @@ Result<Database> Database::open(const std::string& file, Access access) {
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
   std::unique_ptr<sqlite3, Close> opened{raw};
-  if (const auto folder = std::filesystem::path{file}.parent_path();
-      code == SQLITE_CANTOPEN && access == Access::create && !folder.empty() &&
-      !std::filesystem::is_directory(folder))
-    return Problem{on_one_line(file), "cannot be written: there is no folder " + on_one_line(folder.string()),
-                   "create it, or choose another file"};
+  if (code == SQLITE_CANTOPEN && access == Access::create) {
+    if (const auto missing = os::missing_folder(file)) return *missing;
+  }
   if (code != SQLITE_OK) return problem_of(raw, file);
   sqlite3_busy_timeout(raw, kBusy_ms);
   return Database{file, std::move(opened)};

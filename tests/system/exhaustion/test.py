@@ -88,7 +88,7 @@ class FullDisk(Exhaustion):
     def test_a_node_writes_its_missing_files_when_a_full_disk_has_space_again(self):
         self.mount("64k")
         filler = fill(self.state)
-        full = r"warning: .*%s/.*No space left on device; name a folder that this user may write to, on a disk with free space"
+        full = r"warning: .*%s/.*No space left on device; free space on its disk, or name a folder on another disk"
         node = self.node("robot")
         node.wait_for_line(r"the fault record: .*robot\.\d+\.faults: No space left on device")
         self.deploy("cell.xml")

@@ -192,7 +192,7 @@ class Log(takt_system.Case):
     def test_a_node_keeps_running_if_it_cannot_write_its_fault_record(self):
         place = self.write("file", "")
         node = self.node("robot", "--state-dir", os.path.join(place, "folder"))
-        self.assertRegex(node.err, "warning: the fault record: ")
+        self.assertRegex(node.err, "warning: the fault record: .*(Not a directory|File exists); a file stands where a folder is needed: name another folder")
         self.assertEqual(["node-start", "error"], [e["kind"] for e in self.log()])
         self.end({"robot": node})
 

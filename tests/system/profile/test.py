@@ -125,7 +125,7 @@ class Profile(takt_system.Case):
     def test_takt_run_reports_a_profile_file_that_it_cannot_write(self):
         run = self.takt("run", EXAMPLE, "--for", "0.1", "--json", "--profile", os.path.join(self.folder, "nowhere", "p.json"))
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, r"nowhere/p\.json: error: cannot be written; choose a file in a folder that you may write to")
+        self.assertRegex(run.err, r"nowhere/p\.json: error: cannot be written: the folder \S+/nowhere does not exist; create it, or choose another file")
         self.assertEqual("module", run.report["cell"])
 
     def test_takt_check_exits_with_status_2_on_invalid_profile_options(self):

@@ -212,7 +212,7 @@ class Recording(takt_system.Case):
         self.write("text.takt", "This is a text of more than a few words, and no recording whatever it is called.\n" * 50)
         self.refused({
             "record d --out x.takt": r"'d' is not a port name; write DEVICE\.MODULE\.PORT",
-            "record d.m.p --out no/x.takt": r"no/x\.takt: error: cannot be written: there is no folder no; create it",
+            "record d.m.p --out no/x.takt": r"no/x\.takt: error: cannot be written: the folder no does not exist; create it",
             "record d.m.p --out text.takt": r"text\.takt: error: exists already",
             "record d.m.p --out text.takt --append": r"text\.takt: error: is not a recording",
             "record d.m.p --out y.takt --max-size 0.5": r"use at least 1 MB",

@@ -1,10 +1,13 @@
 import hashlib
+import json
 import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 
+TRACE = json.dumps({"otherData": {"format": "takt trace 1", "cell": "c", "device": "d", "machine": "m", "kernel": "k", "why": "requested",
+                                  "taken_utc_ns": 0, "lasts_us": 1000.0, "lost": 0, "threads": []}, "traceEvents": []})
 EXAMPLE = os.path.join(takt_system.SOURCE, "deploy", "module.xml")
 
 
@@ -92,11 +95,26 @@ class Usage(takt_system.Case):
             with self.subTest(command=command):
                 self.assertEqual((2, ""), (run.status, run.out))
                 self.assertIn("--svg: 'out.png' ends in .png, but the drawing is an SVG file; write out.svg", run.err)
-        path = self.write("recorded.trace", "{}")
-        run = self.takt("trace", path, "-o", os.path.join(self.folder, "none", "copy.trace"))
-        self.assertEqual((1, ""), (run.status, run.out))
-        self.assertRegex(run.err, r"cannot be written: there is no folder \S+/none; create it")
-        self.assertFalse(os.path.exists(os.path.join(self.folder, "none")))
+
+    def test_a_file_in_a_missing_folder_is_rejected_alike_by_every_command(self):
+        recorded = self.write("recorded.trace", TRACE)
+        for arguments in (["graph", EXAMPLE, "--svg"], ["check", EXAMPLE, "--svg"], ["simulate", EXAMPLE, "--for", "0.01", "--trace"],
+                          ["trace", recorded, "-o"], ["trace", recorded, "--svg"], ["bench", "table1", "--html"], ["record", "d.m.p", "--out"]):
+            path = os.path.join(self.folder, "none", "file.svg")
+            run = self.takt(*arguments, path)
+            with self.subTest(arguments=arguments):
+                self.assertEqual((1, ""), (run.status, run.out))
+                self.assertIn("%s: error: cannot be written: the folder %s does not exist; create it, or choose another file"
+                              % (path, os.path.dirname(path)), run.err)
+                self.assertFalse(os.path.exists(os.path.dirname(path)))
+
+    def test_all_users_may_read_a_drawing_as_the_umask_says(self):
+        recorded = self.write("recorded.trace", TRACE)
+        for number, arguments in enumerate((["graph", EXAMPLE, "--svg"], ["trace", recorded, "-o"], ["trace", recorded, "--svg"])):
+            path = os.path.join(self.folder, "%d.svg" % number)
+            run = self.takt(*arguments, path, become=lambda: os.umask(0o027))
+            self.assertEqual((0, ""), (run.status, run.err))
+            self.assertEqual(0o640, os.stat(path).st_mode & 0o777, arguments)
 
     def test_takt_echo_accepts_n_and_count_as_options_for_the_number_of_lines(self):
         for option in ("-n", "--count"):
@@ -106,6 +124,9 @@ class Usage(takt_system.Case):
             run = self.takt("echo", option, "x", "line.belt.scene")
             self.assertEqual((2, ""), (run.status, run.out))
             self.assertIn("error: --count takes a number, not 'x'\n", run.err)
+
+    def test_takt_trace_names_what_is_neither_a_file_nor_a_device(self):
+        self.refused({"trace line.belt": r"^error: 'line\.belt' is neither an existing file nor a valid device name; give the name of a device, "})
 
     def test_takt_log_lists_the_valid_event_kinds_after_an_unknown_kind(self):
         kinds = self.takt("log", "--help").out.split("Kinds:")[1].rstrip(".\n").replace(",", " ").split()

@@ -160,7 +160,7 @@ TEST_F(RecordingFile, IsRejectedIfItIsNotARecording) {
   EXPECT_THAT(to_text(Recording::open(file()).problems()), HasSubstr("is not a recording"));
   EXPECT_THAT(to_text(Recording::open(file("none.takt")).problems()), HasSubstr("does not exist"));
   EXPECT_THAT(to_text(RecordingWriter::create(quick(file("no/folder.takt"))).problems()),
-              HasSubstr("cannot be written: there is no folder"));
+              HasSubstr("/no does not exist; create it, or choose another file"));
   options.max_bytes = 1000;
   EXPECT_THAT(to_text(RecordingWriter::create(options).problems()), HasSubstr("use at least 1 MB"));
 }

@@ -1,11 +1,11 @@
 // takt bench: measures how fast and how punctual Takt is on this machine, and compares it with a reference.
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <optional>
 
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/output_file.hpp>
 #include <takt/os/real_time.hpp>
 
 #include <takt/client/network.hpp>
@@ -54,13 +54,14 @@ Problems lock_memory() {
 
 int table1(const BenchOptions& options) {
   static_cast<void>(lock_memory());  // if this fails, real-time scheduling fails too, and that is reported
-  std::ofstream page;
+  std::optional<os::OutputFile> page;
   if (!options.html.empty()) {
-    page.open(options.html);  // if this fails, it must fail before the measurements, which take minutes
-    if (!page) {
-      complain({{options.html, "cannot be written", "choose a file in a folder that you may write to"}});
+    auto opened = os::OutputFile::open(options.html);  // before the measurements, which take minutes
+    if (!opened) {
+      complain(opened.problems());
       return 1;
     }
+    page = std::move(*opened);
   }
   const auto print_text = [&options](const std::string& text) { return options.json || print(text); };
   Progress progress;
@@ -76,10 +77,10 @@ int table1(const BenchOptions& options) {
   }
   if (!print_text(bench::table1_foot())) return 1;
   if (options.json && !print(model::json_text(bench::table1_json(*result)) + "\n")) return 1;
-  if (options.html.empty()) return 0;
-  page << bench::table1_page(*result);
-  if (!page.flush()) {
-    complain({{options.html, "could not be written completely", "free space on the disk of this file"}});
+  if (!page) return 0;
+  page->write(bench::table1_page(*result));
+  if (const auto written = page->close(); !written) {
+    complain(written.problems());
     return 1;
   }
   return 0;

@@ -1,10 +1,10 @@
 #include <cstdio>
-#include <fstream>
 
 #include <takt/client/network.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/doubts.hpp>
 #include <takt/model/json.hpp>
+#include <takt/os/output_file.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -59,10 +59,8 @@ int check(const CheckOptions& options) {
     warn(proof->warnings);
   }
   if (!options.svg.empty()) {
-    std::ofstream out{options.svg};
-    out << check_svg(loaded->cell, loaded->plans);
-    if (!out.flush()) {
-      complain({{options.svg, "cannot be written", "choose a file in a folder that you may write to"}});
+    if (const auto written = os::write_output(options.svg, check_svg(loaded->cell, loaded->plans)); !written) {
+      complain(written.problems());
       return 1;
     }
   }

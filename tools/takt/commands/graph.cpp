@@ -1,13 +1,12 @@
 // takt graph: prints or draws the devices, modules and connections of a cell; with --live, also the states of
 // the running cell.
-#include <fstream>
-
 #include <nlohmann/json.hpp>
 
 #include <takt/client/connection.hpp>
 #include <takt/client/status.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
+#include <takt/os/output_file.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -60,10 +59,8 @@ int graph(const GraphOptions& options) {
     health = std::move(*answer);
   }
   if (!options.svg.empty()) {
-    std::ofstream out{options.svg};
-    out << graph_svg(*cell, health);
-    if (!out.flush()) {
-      complain({{options.svg, "cannot be written", "choose a file in a folder that you may write to"}});
+    if (const auto written = os::write_output(options.svg, graph_svg(*cell, health)); !written) {
+      complain(written.problems());
       return 1;
     }
     if (!options.json) return 0;

@@ -1,9 +1,7 @@
 // takt plot: shows the fields of a recording as a drawing, as CSV, or as statistics.
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +11,7 @@
 #include <takt/client/port_names.hpp>
 #include <takt/core/words.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/output_file.hpp>
 #include <takt/recording/amounts.hpp>
 #include <takt/recording/columns.hpp>
 #include <takt/recording/csv.hpp>
@@ -100,38 +99,6 @@ Result<Choice> choose(const recording::Recording& recording, const PlotOptions& 
   return problems;
 }
 
-/// An output file, or standard output for "-". An existing file is overwritten.
-class Output {
- public:
-  static Result<Output> open(const std::string& file) {
-    std::FILE* to = file == "-" ? stdout : std::fopen(file.c_str(), "wb");
-    if (to == nullptr)
-      return Problem{on_one_line(file), std::string{"cannot be written: "} + std::strerror(errno), ""};
-    return Output{file, to};
-  }
-  void write(const std::string& text) {
-    whole_ &= std::fwrite(text.data(), 1, text.size(), to_.get()) == text.size();
-  }
-  Result<void> close() {
-    std::FILE* const to = to_.release();
-    whole_ &= std::fflush(to) == 0;
-    if (to != stdout) whole_ &= std::fclose(to) == 0;
-    if (whole_) return {};
-    return Problem{on_one_line(file_), "was not written completely", "check whether the disk is full"};
-  }
-
- private:
-  struct Close {
-    void operator()(std::FILE* file) const {
-      if (file != stdout) std::fclose(file);
-    }
-  };
-  Output(std::string file, std::FILE* to) : file_(std::move(file)), to_(to) {}
-  std::string file_;
-  std::unique_ptr<std::FILE, Close> to_;
-  bool whole_ = true;
-};
-
 class Plotter {
  public:
   Plotter(recording::Recording& recording, const PlotOptions& options, Choice chosen)
@@ -154,7 +121,7 @@ class Plotter {
       });
       if (!looked) return looked;
     }
-    auto output = Output::open(options_.csv);
+    auto output = os::OutputFile::open_or_standard(options_.csv);
     if (!output) return output.problems();
     std::vector<std::string> line{"time_ns", "seconds"};
     std::vector<std::size_t> place(chosen_.wanted.size(), 0);  // the position of each column in the line
@@ -248,10 +215,7 @@ class Plotter {
     if (plot.panels.empty())
       return Problem{on_one_line(options_.file), "has no numeric field to draw",
                      "use --csv for fields that are text"};
-    auto output = Output::open(options_.svg);
-    if (!output) return output.problems();
-    output->write(plot_svg(plot));
-    return output->close();
+    return os::write_output(options_.svg, plot_svg(plot));
   }
 
   int numbers() {

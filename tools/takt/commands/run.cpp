@@ -18,6 +18,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/message_socket.hpp>
+#include <takt/os/output_file.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/real_time.hpp>
 #include <takt/os/signals.hpp>
@@ -319,14 +320,6 @@ std::map<std::string, std::string> machine() {
   return facts;
 }
 
-Result<void> write_profile(const std::string& file, const Json& report) {
-  std::ofstream out{file};
-  out << model::profile_json(profile_of(report), machine());
-  if (!out.flush())
-    return Problem{file, "cannot be written", "choose a file in a folder that you may write to"};
-  return {};
-}
-
 int run(const RunOptions& options) {
   const auto loaded = load(options.file);
   if (!loaded) {
@@ -367,7 +360,8 @@ int run(const RunOptions& options) {
   Json report = run.report();
   leave_out_components(report);
   if (run.started() && !options.profile.empty()) {
-    const auto written = write_profile(options.profile, report);
+    const auto written =
+        os::write_output(options.profile, model::profile_json(profile_of(report), machine()));
     if (!written) problems.insert(problems.end(), written.problems().begin(), written.problems().end());
   }
   const bool printed = print(options.json    ? run_json(report)

@@ -1,7 +1,5 @@
 // takt simulate: runs a whole cell on virtual time, in a single process.
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +12,7 @@
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/output_file.hpp>
 #include <takt/schedule/longest_runs.hpp>
 #include <takt/simulation/random_cell.hpp>
 #include <takt/simulation/simulation.hpp>
@@ -51,52 +50,29 @@ struct SimulateOptions {
 /// Writes the trace of a simulation: one line for each event.
 class Trace final : public simulation::Listener {
  public:
-  /// Opens the trace's file, or standard output for "-".
-  static Result<std::unique_ptr<Trace>> open(const std::string& file, const model::Cell& cell) {
-    std::FILE* to = file == "-" ? stdout : std::fopen(file.c_str(), "w");
-    if (to == nullptr)
-      return Problem{file, std::string{"cannot be written: "} + std::strerror(errno),
-                     "choose another file for the trace"};
-    return std::unique_ptr<Trace>(new Trace{to, cell});
-  }
-  ~Trace() override { close(); }
-  Trace(const Trace&) = delete;
-  Trace& operator=(const Trace&) = delete;
+  Trace(os::OutputFile file, const model::Cell& cell) : file_(std::move(file)), cell_(cell) {}
 
   void on_event(const simulation::Event& event) override {
-    line_ = simulation::to_text(event, cell_, simulation::kT0);
-    line_ += '\n';
-    written_ &= std::fwrite(line_.data(), 1, line_.size(), to_) == line_.size();
+    file_.write(simulation::to_text(event, cell_, simulation::kT0) + '\n');
   }
-  /// Closes the trace. Returns true if the whole trace was written.
-  bool close() {
-    if (to_ == nullptr) return written_;
-    written_ &= std::fflush(to_) == 0;
-    if (to_ != stdout) written_ &= std::fclose(to_) == 0;
-    to_ = nullptr;
-    return written_;
-  }
+  Result<void> close() { return file_.close(); }
 
  private:
-  Trace(std::FILE* to, const model::Cell& cell) : to_(to), cell_(cell) {}
-  std::FILE* to_;
+  os::OutputFile file_;
   const model::Cell& cell_;
-  std::string line_;
-  bool written_ = true;
 };
 
 int show_simulation(const SimulateOptions& options, const model::Cell& cell,
                     const std::vector<schedule::DevicePlan>& plans, const model::CellPorts& ports,
                     simulation::Options simulated) {
-  std::unique_ptr<Trace> trace;
+  std::optional<Trace> trace;
   if (!options.trace.empty()) {
-    auto opened = Trace::open(options.trace, cell);
-    if (!opened) {
-      complain(opened.problems());
+    auto file = os::OutputFile::open_or_standard(options.trace);
+    if (!file) {
+      complain(file.problems());
       return 1;
     }
-    trace = std::move(*opened);
-    simulated.listener = trace.get();
+    simulated.listener = &trace.emplace(std::move(*file), cell);
   }
   const Instant begun = os::now();
   Progress progress;
@@ -119,9 +95,11 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
     complain(course.problems());
     return 1;
   }
-  if (trace && !trace->close()) {
-    complain({{options.trace, "the trace was not written completely", "check whether the disk is full"}});
-    return 1;
+  if (trace) {
+    if (const auto written = trace->close(); !written) {
+      complain(written.problems());
+      return 1;
+    }
   }
   const bool printed =
       print(options.json ? model::json_text(course->report) + "\n" : run_text(course->report));

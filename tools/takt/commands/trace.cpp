@@ -1,14 +1,15 @@
 // takt trace: shows what the executors of a device did in the last few seconds, and why rows or modules were
 // late.
 #include <cstdio>
-#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <takt/client/connection.hpp>
+#include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/output_file.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -54,16 +55,13 @@ int trace(const TraceOptions& options) {
   if (!content) return refuse(content.problems());
   const bool is_file = content->has_value();
   if (!is_file && options.target.find_first_of("/.") != std::string::npos) {
-    return refuse({{options.target, "is neither an existing file nor a valid device name",
-                    "give the name of a device, without a module, or of a file that takt trace wrote"}});
+    return refuse({fail(in_quotes(options.target) + " is neither an existing file nor a valid device name",
+                        "give the name of a device, without a module, or of a file that takt trace wrote")});
   }
   const auto text = is_file ? Result<std::string>{std::move(**content)} : read_trace_of_device(options);
   if (!text) return refuse(text.problems());
   if (!options.output.empty()) {
-    const std::filesystem::path folder = std::filesystem::path{options.output}.parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder))
-      return refuse({{options.output, "cannot be written: there is no folder " + folder.string(), "create it"}});
-    if (const auto written = os::replace_file(options.output, *text); !written)
+    if (const auto written = os::write_output(options.output, *text); !written)
       return refuse(written.problems());
   }
   const auto refuse_target = [&](Problems problems) {
@@ -76,7 +74,7 @@ int trace(const TraceOptions& options) {
   if (!options.svg.empty()) {
     const auto drawing = trace_svg(trace);
     if (!drawing) return refuse_target(drawing.problems());
-    if (const auto written = os::replace_file(options.svg, *drawing); !written)
+    if (const auto written = os::write_output(options.svg, *drawing); !written)
       return refuse(written.problems());
   }
   return print(options.json ? model::json_text(trace_json_report(*summary)) + "\n"
