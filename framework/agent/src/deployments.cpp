@@ -249,7 +249,9 @@ void Agent::abandon(const Problems& problems) {
     update_->taken_down(problems);
     return;
   }
-  if (deployment_->preparers.empty()) {
+  if (!deployment_->undeployers.empty() || deployment_->ended_elsewhere) {
+    log("cell " + deployment_->cell.name + " is undeployed");
+  } else if (deployment_->preparers.empty()) {
     log("cell " + deployment_->cell.name + " could not be restored: " + in_words(problems));
     last_refusal_ = to_text(problems[0]);
   }
@@ -580,15 +582,15 @@ void Agent::finish() {
     last_refusal_ = to_text(failures[0]);
 
   filter_.flush();
-  if (started) {
+  // Until an update is complete, the cell runs on; then the update records itself.
+  if (started && !(in_transit && failures.empty())) {
     note({.kind = model::FaultKind::undeployed,
           .cause = "cell " + d.cell.name + " has ended" +
-                   (!failures.empty()      ? ": " + in_words({failures[0]})
-                    : !undeployers.empty() ? ": it was undeployed"
-                    : !d.undone.empty()    ? ": " + d.undone
-                    : in_transit           ? ": it is being updated"
-                    : ending_              ? ": its node is shutting down"
-                                           : "")});
+                   (!failures.empty()                   ? ": " + in_words({failures[0]})
+                    : !undeployers.empty() || passed_on ? ": it was undeployed"
+                    : !d.undone.empty()                 ? ": " + d.undone
+                    : ending_                           ? ": its node is shutting down"
+                                                        : "")});
   }
   devices_seen_.clear();
   if (in_transit) {

@@ -9,6 +9,7 @@
 #include <takt/core/span.hpp>
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
+#include <takt/wire/question.hpp>
 #include <takt/wire/words.hpp>
 #include "deployment.hpp"
 
@@ -22,9 +23,8 @@ namespace {
 /// Returns the text of a command for the fault record, such as "stop" or "set gain = 2".
 std::string command_text(const Command& command) {
   std::string text = takt::to_text(command.kind());
-  if (command.kind() == COMMAND_GET || command.kind() == COMMAND_SET || command.kind() == COMMAND_TAP)
-    text += " " + command.property().to_string();
-  if (command.kind() == COMMAND_SET) text += " = " + command.value().to_string();
+  if (command.kind() == COMMAND_SET)
+    text += " " + command.property().to_string() + " = " + command.value().to_string();
   if (command.kind() == COMMAND_SWAP || command.kind() == COMMAND_UPDATE)
     text += " to " + command.value().to_string();
   return text;
@@ -100,12 +100,15 @@ void Agent::note_answer(const Command& command, ReplyCode code, const std::strin
     note({.module = module, .kind = FaultKind::command, .cause = cause});
     return;
   }
+  if (wire::is_question(command.kind())) return;
+  const std::string what = command_text(command);
+  const bool begins_with_it = text.starts_with(what + " ");  // as in "stop is not allowed in state START"
   // The ids of one client's commands differ only after the last '-', so the part before the '-' identifies
   // the client.
   const std::string id = command.id().to_string();
   note({.module = module,
         .kind = code == REPLY_FAILED ? FaultKind::failed_command : FaultKind::refused_command,
-        .cause = command_text(command) + ": " + text},
+        .cause = begins_with_it ? text : what + ": " + text},
        id.substr(0, id.rfind('-')));
 }
 

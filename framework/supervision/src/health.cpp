@@ -100,9 +100,11 @@ void Health::check_port(const Member& member, const model::Port& port, Instant n
   };
 
   noted.losses.update(health.lost, now.time_since_epoch());
-  if (health.late > noted.late) noted.stale = true;
-  notes_.note_increase(&member, FaultKind::stale_input, noted.late, health.late,
-                       "the newest value of input " + name + " is older than its deadline", port.name);
+  if (port.direction != model::Direction::out) {
+    if (health.late > noted.late) noted.stale = true;
+    notes_.note_increase(&member, FaultKind::stale_input, noted.late, health.late,
+                         "the newest value of input " + name + " is older than its deadline", port.name);
+  }
   const bool late =
       std::any_of(member.inputs.begin(), member.inputs.end(), [&](const Wiring::CreatedLink* created) {
         const std::int64_t newest = created->link.block().newest_ns.load(std::memory_order_relaxed);

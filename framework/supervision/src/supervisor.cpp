@@ -514,7 +514,7 @@ void Supervisor::give_up(Member& member) {
   notes_->note(member, model::FaultKind::given_up, after + ": " + member.why);
   if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
   member.lost |= member.reload;
-  Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
+  Problem problem{"module " + device().name + "." + member.model.name, "it was given up: " + member.why,
                   "correct the module, or give it more attempts in <recovery>"};
   const bool whole_device =
       phase_ == Phase::preparing || member.model.recovery.then != model::GiveUp::destruct;

@@ -75,7 +75,7 @@ class Containment(takt_system.Case):
                 self.assertRegex(step.text, r"^crash: %s was killed by SIGSEGV .* in run\(\), in .* in segv\.so$" % HOST)
         self.assertEqual(3, modules["culprit"]["errors"])
         self.assertIn(modules["culprit"]["cycles"], range(72, 76), "25 runs of each of 3 instances, whose last run crashed")
-        self.assertRegex(run.err, r"module d\.culprit: error: was given up: .*SIGSEGV")
+        self.assertRegex(run.err, r"module d\.culprit: error: it was given up: .*SIGSEGV")
         # The other module of the host was loaded three more times, and continued to read where it had stopped in the queue.
         self.assertEqual(STARTED + (["DESTRUCT"] + STARTED) * 3 + LIFE[4:], run.states("far"))
         self.assertEqual(LIFE, run.states("program"))

@@ -40,7 +40,7 @@ class NonReal(takt_system.Case):
         self.assertEqual(3, len(run.printed("ends_badly")))
         self.assertEqual(2, len(run.other_lines), run.other_lines)
         self.assertRegex("\n".join(run.other_lines),
-                         r"module cell\.ends_badly: error: was given up: crash: the process ended with status 3; its last line "
+                         r"module cell\.ends_badly: error: it was given up: crash: the process ended with status 3; its last line "
                          r"was: started \d+; ")
 
         # The non-real-time programs must start after the first row.

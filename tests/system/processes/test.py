@@ -26,7 +26,7 @@ class Processes(takt_system.Case):
         self.assertEqual({reason}, reasons)
         self.assertEqual(attempts + 1, run.modules()[module]["errors"])
         device = run.device()["name"]
-        self.assertEqual(1, sum(line.startswith("module %s.%s: error: was given up: %s; " % (device, module, reason))
+        self.assertEqual(1, sum(line.startswith("module %s.%s: error: it was given up: %s; " % (device, module, reason))
                                 for line in run.other_lines), run.other_lines)
 
     def test_a_program_that_ends_after_every_restart_is_given_up(self):
@@ -103,8 +103,8 @@ class Processes(takt_system.Case):
     def test_a_program_that_does_not_reach_its_wait_function_prevents_the_start_of_the_device(self):
         reasons = {
             "never_waits": "did not call waitPeriod() within 5 s",
-            "exits_at_once": "was given up: the process ended with status 7",
-            "crashes_at_once": "was given up: the process was killed by SIGSEGV (Segmentation fault)",
+            "exits_at_once": "it was given up: the process ended with status 7",
+            "crashes_at_once": "it was given up: the process was killed by SIGSEGV (Segmentation fault)",
         }
         runs = {name: self.start("run", name + ".xml", "--for", "5", "--json") for name in reasons}  # in parallel, because no module runs
         for name, run in runs.items():

@@ -65,7 +65,7 @@ class Recovery(takt_system.Case):
         self.assertEqual(3, modules["throws"]["errors"])
         self.assertLessEqual(modules["throws"]["cycles"], 300)
         self.assertEqual(1, run.status)
-        self.assertIn("module recovers.throws: error: was given up: failure: run() threw as it was asked to; correct the module, "
+        self.assertIn("module recovers.throws: error: it was given up: failure: run() threw as it was asked to; correct the module, "
                       "or give it more attempts in <recovery>", run.other_lines)
 
     def test_a_module_that_cannot_recover_is_given_up(self):
@@ -81,7 +81,7 @@ class Recovery(takt_system.Case):
             self.assert_backoff(run, module, backoff)
             self.assertEqual("after %d attempt%s: %s" % (attempts, "" if attempts == 1 else "s", reason), run.steps(module)[-1].text)
             self.assertEqual((100, 1), (modules[module]["cycles"], modules[module]["errors"]))
-            self.assertIn("module gives_up.%s: error: was given up: %s; correct the module, or give it more attempts in <recovery>" %
+            self.assertIn("module gives_up.%s: error: it was given up: %s; correct the module, or give it more attempts in <recovery>" %
                           (module, reason), run.other_lines)
         # Module `again` recovers each time, but fails again before the recovery counts as successful.
         self.assertEqual(STARTED + AGAIN * 3 + ["RECOVER", "DESTRUCT"], run.states("again"))
@@ -97,7 +97,7 @@ class Recovery(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertEqual(STARTED + AGAIN + ["RECOVER", "DESTRUCT"], run.states("needed"))
         self.assertEqual(1, len(run.other_lines), run.other_lines)
-        self.assertRegex(run.other_lines[0], "^module stop_device.needed: error: was given up: failure: run\\(\\) threw")
+        self.assertRegex(run.other_lines[0], "^module stop_device.needed: error: it was given up: failure: run\\(\\) threw")
         self.assert_others_unaffected(run)
 
 

@@ -46,7 +46,7 @@ class RefusedStart(takt_system.Case):
                 reason = "start() failed: " + (words % "start" if "%s" in words else words)
                 self.assert_refused(run)
                 self.assertEqual(1, len(run.other_lines), run.other_lines)
-                self.assertIn("module start_%s.bad: error: was given up: " % how, run.other_lines[0])
+                self.assertIn("module start_%s.bad: error: it was given up: " % how, run.other_lines[0])
                 self.assertIn(reason, run.other_lines[0])
                 self.assertEqual(["IDLE", "INITIALIZE", "RECOVER", "DESTRUCT"], run.states("bad"))
                 attempts = [line for line in run.said("bad") if line.text.startswith("recovery, attempt")]

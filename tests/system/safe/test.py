@@ -162,12 +162,12 @@ class ACell(Readers, takt_system.Case):
         for name, module in (("a", "source"), ("b", "reader"), ("c", "reader")):
             nodes[name].wait_for_state(module, "DESTRUCT")
         print("a cell stopped %.0f ms after one module was told to fail" % (1000 * (time.monotonic() - since)))
-        nodes["a"].wait_for_line(r"module a\.source: error: was given up: failure: it was told to")
+        nodes["a"].wait_for_line(r"module a\.source: error: it was given up: failure: it was told to")
         for other in ("b", "c"):
-            nodes[other].wait_for_line(r"device %s: error: stops with its cell: .*module a\.source: error: was given up" % other)
+            nodes[other].wait_for_line(r"device %s: error: stops with its cell: .*module a\.source: error: it was given up" % other)
         self.assert_never_wrong(nodes["b"])
         undeployed = self.takt("undeploy", "stop_cell")
-        self.assertRegex(undeployed.err, "module a.source: error: was given up")
+        self.assertRegex(undeployed.err, "module a.source: error: it was given up")
         self.end(nodes)
 
     def test_the_cell_stops_if_a_device_is_lost_whose_module_stops_the_cell_when_it_fails(self):

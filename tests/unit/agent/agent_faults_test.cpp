@@ -125,6 +125,23 @@ TEST_F(AgentRecordingFaults, RecordsRejectedAndCompletedCommands) {
   EXPECT_EQ(newest().kind(), FAULT_COMMAND);
   EXPECT_EQ(newest().name(), "servo");
   EXPECT_EQ(newest().cause(), "stop was carried out");
+
+  wire::WholeCommand recover = device_.command(COMMAND_RECOVER);
+  recover.head.module_name("servo");
+  device_.receive(recover);
+  const std::string why = "recover is not allowed in state START; it is allowed in RECOVER";
+  device_.work.done.back()({.code = REPLY_REFUSED, .state = lifecycle::State::start, .text = why});
+  EXPECT_EQ(newest().cause(), why) << "the command must not be named twice";
+}
+
+TEST_F(AgentRecordingFaults, DoesNotRecordARejectedQuestion) {
+  device_.become_running();
+  const std::size_t before = device_.published.faults.size();
+  wire::WholeCommand tap = device_.command(COMMAND_TAP);
+  tap.head.module_name("no_such_module");
+  device_.receive(tap);
+  EXPECT_EQ(device_.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device_.published.faults.size(), before);
 }
 
 TEST_F(AgentRecordingFaults, MergesRejectedCommandsIntoOneCountedEventPerSecond) {

@@ -159,13 +159,13 @@ TEST(AgentWithOtherNodes, StopsWhenAnotherDeviceStopsTheCell) {
   line.state(DEVICE_STOPPING);
   line.health(HEALTH_FAILED);
   line.stops_cell(true);
-  wire::set(line.text(), "module line.belt: error: was given up");
+  wire::set(line.text(), "module line.belt: error: it was given up");
   device.agent.others().receive(line, 3);
   device.agent.step();
   EXPECT_TRUE(device.work.stop_called);
   ASSERT_EQ(device.work.failures.size(), 1U);
   EXPECT_EQ(device.work.failures[0].where, "device robot");
-  EXPECT_EQ(device.work.failures[0].what, "stops with its cell: module line.belt: error: was given up");
+  EXPECT_EQ(device.work.failures[0].what, "stops with its cell: module line.belt: error: it was given up");
   EXPECT_TRUE(device.status().stops_cell())
       << "so that devices which do not receive the status of line stop too";
 }

@@ -147,6 +147,31 @@ TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
+TEST_F(ResumingAgent, IsNotSaidToHaveFailedIfItsCellIsUndeployedMeanwhile) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+  }
+  for (const bool elsewhere : {false, true}) {
+    FakeDevice device{file_};
+    device.resume();
+    ASSERT_EQ(device.status().state(), DEVICE_PREPARING);
+    if (elsewhere) {
+      DeviceStatus line = device.of_line(DEVICE_WAITING);
+      wire::set(line.undeployed(), "d1");
+      device.agent.others().receive(line, FakeDevice::kLine);
+      device.agent.step();
+    } else {
+      const auto kept = *file_.kept();
+      device.undeploy();
+      ASSERT_TRUE(file_.keep(*kept).ok());
+    }
+    EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+    EXPECT_EQ(device.status().health(), HEALTH_OK);
+    EXPECT_EQ(device.logged.back(), "cell cell is undeployed");
+  }
+}
+
 TEST_F(ResumingAgent, RejectsASavedDeploymentThatStartsFarInTheFuture) {
   {
     FakeDevice device{file_};

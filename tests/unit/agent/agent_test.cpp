@@ -452,6 +452,8 @@ TEST(Agent, UndeploysADeploymentThatAnotherDeviceHasUndeployed) {
   device.end();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_OK) << "an operator wanted this";
+  EXPECT_EQ(device.published.faults.back().cause(), "cell cell has ended: it was undeployed")
+      << "all devices record the same reason";
   device.undeploy("d1");
   EXPECT_EQ(device.data()["failures"].size(), 0U);
 }
@@ -498,12 +500,12 @@ TEST(Agent, ReturnsTheFinalReportWhenItUndeploysADevice) {
   EXPECT_TRUE(device.published.replies.empty());
   EXPECT_TRUE(device.work.stop_called);
   EXPECT_EQ(device.status().state(), DEVICE_STOPPING);
-  device.work.failures = {{"module robot.arm", "was given up", ""}};
+  device.work.failures = {{"module robot.arm", "it was given up", ""}};
   device.end();
   ASSERT_EQ(device.published.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.data()["report"]["name"], "robot");
-  EXPECT_EQ(device.data()["failures"][0], "module robot.arm: error: was given up");
+  EXPECT_EQ(device.data()["failures"][0], "module robot.arm: error: it was given up");
   EXPECT_EQ(device.status().path(), "-/robot");
   EXPECT_EQ(device.published.withdrawn.size(), 2U);
   device.work.inspected.reset();
@@ -532,7 +534,7 @@ TEST(Agent, UndeploysDuringAnyStageOfPreparation) {
 TEST(Agent, KeepsAFailedDeploymentUntilItIsUndeployed) {
   FakeDevice device;
   device.become_running();
-  device.work.failures = {{"module robot.arm", "was given up: it broke", ""}};
+  device.work.failures = {{"module robot.arm", "it was given up: it broke", ""}};
   device.work.phase = Phase::stopping;
   device.agent.step();
   device.end();

@@ -306,6 +306,8 @@ TEST_F(AgentUpdate, KeepsTheGridWhenItRestartsTheDevice) {
   EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
   keep();
   EXPECT_EQ((*file_.kept())->text, kPeriod);
+  for (const FaultEvent& event : device.published.faults)
+    EXPECT_NE(event.kind(), FAULT_UNDEPLOYED) << event.cause();
 }
 
 TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneCannotStart) {

@@ -172,7 +172,7 @@ class FakeDevice {
                .store = file ? std::make_shared<node::DeploymentFile>(*file) : nullptr,
                .boot = "since today",
                .record = record ? record : std::make_shared<node::FaultRecord>(),
-               .log = [](const std::string&) {},
+               .log = [this](const std::string& text) { logged.push_back(text); },
                .now = [this] { return now; },
                .wall_ns = [this] { return wall(); },
                .instant_of_wall = [this](std::int64_t ns) { return now + Nanoseconds{ns - wall()}; }},
@@ -301,6 +301,7 @@ class FakeDevice {
   std::int64_t t0_wall = 0;
   int asked = 0;
   Work work;
+  std::vector<std::string> logged;  ///< the lines that the agent has logged
   RecordingPublisher published;
   Agent agent;
 };

@@ -1,6 +1,8 @@
 // Tests the ports of modules on a real device.
 #include <signal.h>
 
+#include <set>
+
 #include "real_device.hpp"
 
 namespace takt::node::device_ports_test {
@@ -267,6 +269,11 @@ TEST_F(DevicePorts, RaiseAnErrorForAStaleInputIfTheConnectionSaysSo) {
   run_for(milliseconds{100});
   EXPECT_LT(port_of("strict", "in")["age_us"], 50'000.0);
   take_down();
+  std::set<std::string> stale;
+  for (const model::Fault& fault : faults) {
+    if (fault.kind == model::FaultKind::stale_input) stale.insert(fault.module);
+  }
+  EXPECT_EQ(stale, (std::set<std::string>{"calm", "program", "strict"})) << "the writer has no stale input";
 }
 
 TEST_F(DevicePorts, TreatAnInputWithoutAValueAsStaleAfterItsDeadline) {

@@ -77,11 +77,13 @@ class RealDevice : public testing::Test {
     ASSERT_TRUE(components.ok()) << to_text(components.problems());
     platform = std::make_shared<DevicePlatform>(DevicePlatform::Options{});
     device = std::make_unique<Supervisor>(
-        Supervisor::Options{.cell = *cell,
-                            .device = 0,
-                            .paths = components->paths[0],
-                            .ports = components->ports[0],
-                            .stepped = [this](const Step& step) { steps.push_back(step); }},
+        Supervisor::Options{
+            .cell = *cell,
+            .device = 0,
+            .paths = components->paths[0],
+            .ports = components->ports[0],
+            .stepped = [this](const Step& step) { steps.push_back(step); },
+            .noted = [this](const model::Fault& fault, const std::string&) { faults.push_back(fault); }},
         platform);
     const auto prepared = device->prepare();
     ASSERT_TRUE(prepared.ok()) << to_text(prepared.problems());
@@ -129,7 +131,8 @@ class RealDevice : public testing::Test {
 
   static inline const std::string kComponents = build_path("tests/components");
   std::filesystem::path folder;
-  std::vector<Step> steps;  ///< the transitions of all modules so far
+  std::vector<model::Fault> faults;  ///< the events so far
+  std::vector<Step> steps;           ///< the transitions of all modules so far
   std::shared_ptr<DevicePlatform> platform;
   std::unique_ptr<Supervisor> device;
 };

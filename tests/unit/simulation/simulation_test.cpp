@@ -100,7 +100,7 @@ TEST(Simulation, AModuleThatCannotRecoverIsGivenUp) {
   EXPECT_THAT(steps_of(alone, "d.a"),
               testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
   EXPECT_EQ(200, module_of(alone, "b")["cycles"]);
-  EXPECT_THAT(to_text(alone.course.failures), HasSubstr("module d.a: error: was given up"));
+  EXPECT_THAT(to_text(alone.course.failures), HasSubstr("module d.a: error: it was given up"));
   EXPECT_LT(module_of(with("stop-device"), "b")["cycles"], 100);
 }
 
@@ -164,7 +164,7 @@ TEST(Simulation, AModuleThatRepeatedlyCrashesItsHostIsGivenUp) {
   const Outcome run = two_hosts("<recovery attempts=\"2\" backoff=\"0\" then=\"destruct\"/>")
                           .run({.length = milliseconds{500}}, crashes);
   EXPECT_EQ("DESTRUCT", steps_of(run, "d.a").back());
-  EXPECT_THAT(to_text(run.course.failures), HasSubstr("module d.a: error: was given up"));
+  EXPECT_THAT(to_text(run.course.failures), HasSubstr("module d.a: error: it was given up"));
   EXPECT_EQ(500, module_of(run, "b")["cycles"]);
 }
 
