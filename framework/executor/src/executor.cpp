@@ -1,7 +1,9 @@
 #include <takt/executor/executor.hpp>
 
 #include <algorithm>
+#include <array>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include <takt/core/check.hpp>
@@ -337,6 +339,23 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::F
   return end;
 }
 
+namespace {
+/// Appends a duration, rounded up to a thousandth of its unit, so that a run over its budget does not seem to
+/// have met it. Unlike to_text(), allocates no memory.
+void append(FixedText<96>& text, Nanoseconds duration) noexcept {
+  const bool in_ms = duration >= std::chrono::milliseconds{1};
+  const std::int64_t thousandth = in_ms ? 1000 : 1;
+  const std::int64_t count = (duration.count() + thousandth - 1) / thousandth;
+  text.append(count / 1000);
+  std::array<char, 4> decimals{'.', static_cast<char>('0' + count / 100 % 10),
+                               static_cast<char>('0' + count / 10 % 10), static_cast<char>('0' + count % 10)};
+  std::size_t length = decimals.size();
+  while (length > 1 && decimals[length - 1] == '0') --length;
+  if (length > 1) text.append(std::string_view{decimals.data(), length});
+  text.append(in_ms ? " ms" : " us");
+}
+}  // namespace
+
 void Executor::check_budget(const Unit& unit, std::uint64_t number, Nanoseconds took) noexcept {
   channel::ModuleBlock& block = *unit.block;
   if (took <= unit.budget) {
@@ -345,11 +364,17 @@ void Executor::check_budget(const Unit& unit, std::uint64_t number, Nanoseconds 
   }
   add(block.over_budget);
   const auto& [times, in_a_row] = unit.tolerance;
-  if (!times && !in_a_row)
-    return raise(unit, ErrorType::budget, number, "one run() took longer than its budget");
+  FixedText<96> text;
+  if (!times && !in_a_row) {
+    text.assign("one run() took ");
+    append(text, took);
+    text.append(", longer than its budget");
+    return raise(unit, ErrorType::budget, number, text.c_str());
+  }
   if (times && took > unit.budget * *times) {
-    FixedText<96> text;
-    text.assign("one run() took longer than ");
+    text.assign("one run() took ");
+    append(text, took);
+    text.append(", longer than ");
     text.append(*times);
     text.append(" times its budget");
     return raise(unit, ErrorType::budget, number, text.c_str());
@@ -359,10 +384,11 @@ void Executor::check_budget(const Unit& unit, std::uint64_t number, Nanoseconds 
   block.in_a_row.store(row, relaxed);
   if (row < static_cast<std::uint32_t>(*in_a_row)) return;
   block.in_a_row.store(0, relaxed);
-  FixedText<96> text;
-  text.assign("run() took longer than its budget ");
+  text.assign("the last of ");
   text.append(*in_a_row);
-  text.append(" times in a row");
+  text.append(" runs in a row took ");
+  append(text, took);
+  text.append(", longer than its budget");
   raise(unit, ErrorType::budget, number, text.c_str());
 }
 

@@ -68,7 +68,7 @@ TEST_F(Error, IsRaisedByARunOneNanosecondOverItsBudget) {
   takes += Nanoseconds{1};
   device->cycle();
   EXPECT_EQ(device->blocks[1].error.load(), static_cast<std::uint32_t>(ErrorType::budget));
-  EXPECT_EQ(device->blocks[1].error_text.view(), "one run() took longer than its budget");
+  EXPECT_EQ(device->blocks[1].error_text.view(), "one run() took 100.001 us, longer than its budget");
   EXPECT_EQ(device->blocks[1].error_cycle.load(), 1U);
   EXPECT_EQ(device->blocks[1].in_tables.load(), 0U);
   EXPECT_EQ(device->blocks[2].cycles.load(), 2U);

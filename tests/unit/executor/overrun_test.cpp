@@ -222,14 +222,17 @@ TEST_F(Budget, RaisesAnErrorOnAnyExcessWithoutATolerance) {
   make_with({});
   EXPECT_FALSE(is_error(100));
   EXPECT_TRUE(is_error(101));
+  EXPECT_EQ(device->blocks[0].error_text.view(), "one run() took 101 us, longer than its budget");
   EXPECT_EQ(device->blocks[0].over_budget.load(), 1U);
+  EXPECT_TRUE(is_error(1300));
+  EXPECT_EQ(device->blocks[0].error_text.view(), "one run() took 1.3 ms, longer than its budget");
 }
 
 TEST_F(Budget, ToleratesAnExcessUpToAMultipleOfTheBudget) {
   make_with({.times = 3, .in_a_row = {}});
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(is_error(300));
   EXPECT_TRUE(is_error(301));
-  EXPECT_EQ(device->blocks[0].error_text.view(), "one run() took longer than 3 times its budget");
+  EXPECT_EQ(device->blocks[0].error_text.view(), "one run() took 301 us, longer than 3 times its budget");
   EXPECT_EQ(device->blocks[0].over_budget.load(), 11U);
 }
 
@@ -241,7 +244,8 @@ TEST_F(Budget, ToleratesFewerExcessesInARowThanTheLimit) {
   EXPECT_FALSE(is_error(101));
   EXPECT_FALSE(is_error(101));
   EXPECT_TRUE(is_error(101));
-  EXPECT_EQ(device->blocks[0].error_text.view(), "run() took longer than its budget 3 times in a row");
+  EXPECT_EQ(device->blocks[0].error_text.view(),
+            "the last of 3 runs in a row took 101 us, longer than its budget");
   EXPECT_FALSE(is_error(101)) << "the count starts again";
 }
 
