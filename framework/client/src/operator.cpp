@@ -154,13 +154,13 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
   const auto advance = [&](const CommandRequest& q, State& state) {
     const Nanoseconds find_within = std::min(q.limit.value_or(search_limit_), search_limit_);
     std::vector<wire::ObservedDevice> alive;
-    bool lost = false;
+    bool is_lost = false;
     for (const wire::ObservedDevice& seen : observer_.devices(q.device)) {
       if (!meant(q, seen)) continue;
       if (seen.alive)
         alive.push_back(seen);
       else
-        lost = true;
+        is_lost = true;
     }
     if (state.sent) {
       const auto seen = std::find_if(alive.begin(), alive.end(), [&](const wire::ObservedDevice& one) {
@@ -205,9 +205,7 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
     }
     if (alive.empty()) {
       if (Clock::now() - begun <= find_within) return;
-      state.outcome = lost ? Problem{device_of(q), "it is lost: its node no longer answers",
-                                     "start its node again; with --resume, the node restores its deployment"}
-                           : not_found(q.device, find_within);
+      state.outcome = is_lost ? lost(q.device) : not_found(q.device, find_within);
       return;
     }
     state.sent = state.heard = Clock::now();
@@ -266,6 +264,13 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
     outcomes.push_back(std::move(*state.outcome));
   }
   return outcomes;
+}
+
+Problem Operator::lost(const std::string& device) {
+  return {
+      "device " + device, "it is lost: its node no longer answers",
+      "start its node again; with --resume, the node restores its deployment; takt log --kind device-lost "
+      "shows since when it is lost"};
 }
 
 Problem Operator::not_found(const std::string& device, Nanoseconds within) const {

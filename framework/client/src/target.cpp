@@ -44,6 +44,10 @@ Result<void> find_device(Operator& sender, const std::string& device, const std:
   if (!reports) return sender.not_found(device, limit);
   // If a node has not answered or does not know all other nodes yet, the device may still be discovered.
   const bool complete = reports->problems.empty() && reports->complete(observer);
+  if (reports->lost.contains(device)) {
+    if (observer.wait(is_found, kQuiet)) return {};  // it may just have come back
+    return Operator::lost(device);
+  }
   if (reports->named.contains(device) || observer.wait(is_found, complete ? Nanoseconds{0} : limit))
     return {};
   return Problem{"device " + device, "not found on domain " + std::to_string(sender.domain()),

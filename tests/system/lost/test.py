@@ -123,7 +123,7 @@ class Lost(takt_system.Case):
         gone = 1000 * (self.watch.wait_for_out(r"^\S+ robot: LOST", after=after) - killed)
         status = self.told_by_the_line()
         self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
-        self.refused({"stop robot": "^device robot: error: (it is lost|not found: no answer)"})
+        self.refused({"stop robot": "^device robot: error: it is lost: its node no longer answers; .*takt log --kind device-lost"})
         self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
         wait_until(lambda: not [p for p in self.robot.processes() if p.alive], "the host and the program of robot to end")
         self.assertFalse(host.alive)

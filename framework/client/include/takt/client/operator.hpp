@@ -62,6 +62,8 @@ class Operator {
   std::vector<Result<wire::WholeReply>> send(const std::vector<CommandRequest>& requests,
                                              const std::function<bool()>& give_up = {});
 
+  /// Returns the problem that a device of a running cell is lost.
+  static Problem lost(const std::string& device);
   /// Returns the problem that a device was not found within this time.
   [[nodiscard]] Problem not_found(const std::string& device, Nanoseconds within) const;
 
