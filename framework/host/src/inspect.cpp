@@ -253,8 +253,7 @@ void add_at(const model::Cell& cell, const model::Module& module, model::Line ot
 
 /// Like the function above, with the line of the component's file.
 void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
-  add_at(cell, module, module.lines.filename == model::Line{} ? module.line : module.lines.filename, found,
-         problems);
+  add_at(cell, module, model::line_of_file(module), found, problems);
 }
 
 /// Returns a problem if the init function that a program calls does not match the module's operation type.

@@ -176,6 +176,10 @@ bool has_log(const Module& module) {
   return module.type == ModuleType::thread || module.operation != Operation::non_real;
 }
 
+Line line_of_file(const Module& module) {
+  return module.lines.filename.given() ? module.lines.filename : module.line;
+}
+
 std::string in_one_line(const std::vector<std::string>& arguments) {
   std::string line;
   for (const std::string& argument : arguments) {

@@ -161,7 +161,7 @@ json inspect_here(const InspectionRequest& request) {
         found.push_back(module);
       } else {
         for (const Problem& problem : path.problems()) {
-          problems.push_back(model::problem_at(cell->texts(), module.line,
+          problems.push_back(model::problem_at(cell->texts(), model::line_of_file(module),
                                                "module " + module.name + ": " + problem.what, problem.fix));
         }
       }

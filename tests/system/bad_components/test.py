@@ -53,6 +53,15 @@ class BadComponents(takt_system.Case):
         self.assert_all_told(run)
         self.assertEqual([], run.lines)
 
+    def test_takt_deploy_names_the_same_line_as_takt_check_for_a_missing_component(self):
+        cell = self.write("cell.xml", "<cell name='c'><device name='d'>\n<module>\n<name>m</name>\n<filename>no_such.so</filename>\n"
+                          "<moduletype>thread</moduletype><operationtype>periodic</operationtype><period>1ms</period><priority>1</priority>\n"
+                          "</module></device></cell>")
+        node = self.node("d")
+        for command in ("check", "deploy"):
+            self.assertRegex(self.takt(command, cell).err, r"(?m)cell\.xml:4: error: .*module m: there is no file no_such\.so ")
+        self.end({"d": node})
+
     def test_with_the_option_remote_takt_check_only_warns_about_missing_components(self):
         run = self.takt("check", "cell.xml", "--remote")
         self.assertEqual(1, run.status)

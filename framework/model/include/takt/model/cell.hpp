@@ -272,6 +272,8 @@ Timing timing_of(const Device& device, const Module& module);
 /// Returns true if the module has a log, and so the property kLogLevelProperty. All modules have one, except
 /// a non-real process module.
 bool has_log(const Module& module);
+/// Returns the line of the file name of a module's component; the line of the module if it gives none.
+Line line_of_file(const Module& module);
 /// Returns the arguments in one line. An argument that is empty or contains a space is in quotes.
 std::string in_one_line(const std::vector<std::string>& arguments);
 /// Returns the value that the descriptor sets for a property of a module. Fails if the descriptor does not
