@@ -130,6 +130,13 @@ class Describe(takt_system.Case):
         self.assertNotIn("c_properties", here.out)
         self.assertIn("control2.so", here.out)
 
+    def test_takt_describe_describes_the_good_components_among_bad_ones(self):
+        for files in (["cpp_properties.so", "no_such.so"], ["no_such.so", "cpp_properties.so"]):
+            run = self.takt("describe", *files)
+            self.assertEqual(1, run.status)
+            self.assertRegex(run.out, r"(?m)^CppProperties\b")
+            self.assertRegex(run.err, r"^error: there is no file no_such\.so ")
+
     def test_takt_describe_lists_the_same_properties_for_a_c_component_built_as_a_module_and_as_a_program(self):
         of_module, of_program = (self.takt("describe", "c_properties." + kind, "--json").report for kind in ("so", "exe"))
         self.assertEqual(("c", "process"), (of_module["interface"], of_program["interface"]))

@@ -47,7 +47,8 @@ Result<Described> describe_module(const model::Cell& cell, const model::Device& 
                                   const model::Module& module) {
   const auto at_line = [&](Problems problems) {
     for (Problem& problem : problems)
-      problem = model::problem_at(cell.texts(), module.line, std::move(problem.what), std::move(problem.fix));
+      problem = model::problem_at(cell.texts(), model::line_of_file(module), std::move(problem.what),
+                                  std::move(problem.fix));
     return problems;
   };
   auto path = host::find_component(module.filename, cell.file);
@@ -59,12 +60,15 @@ Result<Described> describe_module(const model::Cell& cell, const model::Device& 
 }
 
 /// Describes the modules of a descriptor with the given names, each DEVICE.MODULE or MODULE. If `names` is
-/// empty, describes all modules.
-Result<std::vector<Described>> describe_cell(const std::string& file, const std::vector<std::string>& names) {
+/// empty, describes all modules. Adds to `problems` why a module cannot be described.
+std::vector<Described> describe_cell(const std::string& file, const std::vector<std::string>& names,
+                                     Problems& problems) {
   auto cell = descriptor::load(file);
-  if (!cell) return cell.problems();
+  if (!cell) {
+    problems = cell.problems();
+    return {};
+  }
   std::vector<Described> all;
-  Problems problems;
   std::vector<std::string> known;
   std::vector<bool> found(names.size());
   for (const model::Device& device : cell->devices) {
@@ -90,14 +94,13 @@ Result<std::vector<Described>> describe_cell(const std::string& file, const std:
       choices.push_back(names[i].find('.') == std::string::npos ? path.substr(path.find('.') + 1) : path);
     problems.push_back({file, "there is no module " + in_quotes(names[i]), suggestion(names[i], choices)});
   }
-  if (!problems.empty()) return problems;
   return all;
 }
 
-Result<std::vector<Described>> describe_files(const std::vector<std::string>& files,
-                                              const host::Arguments& properties) {
+/// Describes components. Adds to `problems` why a component cannot be described.
+std::vector<Described> describe_files(const std::vector<std::string>& files,
+                                      const host::Arguments& properties, Problems& problems) {
   std::vector<Described> all;
-  Problems problems;
   for (const std::string& file : files) {
     auto path = host::find_component(file, "");
     if (!path && !file.ends_with(".so") && !file.ends_with(".exe")) {
@@ -112,7 +115,6 @@ Result<std::vector<Described>> describe_files(const std::vector<std::string>& fi
     else
       std::copy(component.problems().begin(), component.problems().end(), std::back_inserter(problems));
   }
-  if (!problems.empty()) return problems;
   return all;
 }
 
@@ -140,15 +142,17 @@ int describe(const DescribeOptions& options) {
                 : "property " + in_quotes(properties[0]) + " is not allowed together with several components",
         of_cell ? "leave out the property; the descriptor sets the properties of its modules"
                 : "give only one program")});
-  auto all =
-      of_cell ? describe_cell(files[0], {files.begin() + 1, files.end()}) : describe_files(files, properties);
-  if (!all) return refuse(all.problems());
-  if (options.iso && all->size() != 1)
-    return refuse({fail(
-        "--iso22166 describes one module, but the number of modules here is " + std::to_string(all->size()),
-        of_cell ? "add DEVICE.MODULE after the descriptor to choose one" : "give only one file")});
+  Problems problems;
+  const auto all = of_cell ? describe_cell(files[0], {files.begin() + 1, files.end()}, problems)
+                           : describe_files(files, properties, problems);
+  if (all.empty() && !problems.empty()) return refuse(problems);
+  if (options.iso && all.size() + problems.size() != 1)
+    return refuse(
+        {fail("--iso22166 describes one module, but the number of modules here is " +
+                  std::to_string(all.size() + problems.size()),
+              of_cell ? "add DEVICE.MODULE after the descriptor to choose one" : "give only one file")});
   std::string text;
-  for (const Described& described : *all) {
+  for (const Described& described : all) {
     if (options.json)
       text += describe_json(described);
     else if (options.xml)
@@ -159,7 +163,9 @@ int describe(const DescribeOptions& options) {
     else
       text += (text.empty() ? "" : "\n") + describe_text(described, terminal_style());
   }
-  return print(text) ? 0 : 1;
+  const bool printed = print(text);
+  complain(problems);
+  return printed && problems.empty() ? 0 : 1;
 }
 
 }  // namespace
