@@ -63,6 +63,8 @@ def test_a_new_component_of_every_kind_builds_and_runs(folder):
         described = json.loads(run("takt", "describe", file, "--json", cwd=place).stdout)
         assert {p["name"] for p in described["ports"]} == {"in", "out"} and [p["name"] for p in described["properties"]] == ["gain"], described
         run("takt", "check", name + ".xml", cwd=place)
+        with open(os.path.join(place, name + ".xml"), encoding="utf-8") as file:
+            assert re.search(r"<(period|deadline)>1ms</", file.read()), "times have units"
         report = json.loads(run("takt", "run", name + ".xml", "--for", "3", "--json", cwd=place).stdout)
         module, executor = report["devices"][0]["modules"][0], report["devices"][0]["executors"][0]
         assert (module["type"], module["operation"], module["state"], module["errors"]) == (kind[0], kind[1], "DESTRUCT", 0), module

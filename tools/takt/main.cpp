@@ -65,12 +65,15 @@ Exit status: 0 success, 1 rejected or failed, with the reason on standard error,
     for (const CLI::App* command : app.get_subcommands({})) {
       if (!command->get_group().empty()) names.push_back(command->get_name());
     }
-    const std::string_view meant = takt::nearest(argv[1], {names.begin(), names.end()});
-    const std::string wrong = "takt: there is no command " + takt::in_quotes(argv[1]);
-    if (meant.empty())
-      std::fprintf(stderr, "%s\n\n%s", wrong.c_str(), app.help().c_str());
-    else
-      std::fprintf(stderr, "%s; did you mean %s?\n", wrong.c_str(), std::string{meant}.c_str());
+    std::string_view meant = takt::nearest(argv[1], {names.begin(), names.end()});
+    // A command of which only the beginning was entered is meant, rather than one that is spelled alike.
+    const auto begins = [&](const std::string& name) { return name.starts_with(argv[1]); };
+    if (std::count_if(names.begin(), names.end(), begins) == 1)
+      meant = *std::find_if(names.begin(), names.end(), begins);
+    const std::string next =
+        meant.empty() ? "takt --help lists all commands" : "did you mean " + std::string{meant} + "?";
+    std::fprintf(stderr, "takt: there is no command %s; %s\n", takt::in_quotes(argv[1]).c_str(),
+                 next.c_str());
     return 2;
   }
   if (argc > 2 && first[0] != '-' && argv[2][0] != '-') {

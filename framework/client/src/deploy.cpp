@@ -114,7 +114,7 @@ Problems Deployment::find() {
         if (now != missing && !now.empty()) {
           std::string names;
           for (const std::string& name : now) names += (names.empty() ? "" : ", ") + name;
-          show_progress("waiting for " + names);
+          show_progress((now.size() == 1 ? "waiting for device " : "waiting for devices ") + names);
         }
         missing = now;
         return missing.empty() || cancelled();

@@ -161,7 +161,8 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
       std::string known;
       for (const std::string& each : mine) known += (known.empty() ? "" : ", ") + each;
       return fail("this machine has no interface with the address '" + address + "'",
-                  known.empty() ? "no network interface is up" : "its addresses are " + known);
+                  known.empty() ? "no network interface is up"
+                                : "set TAKT_INTERFACE to one of its addresses: " + known);
     }
     udp->interfaceWhiteList.push_back(address);
   }

@@ -197,6 +197,7 @@ class Deploy(takt_system.Case):
             "set line.properties label %s" % ("x" * 256): r"^error: the value 'x.*x' has 256 bytes; give a value of at most 255 bytes$",
             "set station.program x 1": r"^module station\.program: error: a process module gets its properties, except log-level, when it starts; ",
             "echo line.source.nothing": r"^device line: error: module line\.source has no port 'nothing'; .*out",
+            "echo line.source": r"^error: line\.source is a module, not a port; its outputs are line\.source\.out",
             "call line.source.out": r"^error: line\.source\.out is an output port, not a service; show its samples with takt echo "
                                     r"line\.source\.out; module line\.source has no services; no module of device line has one$",
             "call station.sink.in": r"^error: station\.sink\.in is an input port, not a service; module station\.sink has no services; ",

@@ -32,7 +32,7 @@ class Progress(takt_system.Case):
 
     def test_takt_deploy_shows_its_progress(self):
         terminal, run = self.in_terminal("deploy", "cell.xml")
-        terminal.wait_for("^waiting for line, robot ")
+        terminal.wait_for("^waiting for devices line, robot ")
         nodes = self.nodes("robot", "line")
         self.ends(terminal, run, "^cell cell runs on robot, line$")
         self.assertIn("preparing 2 devices ...", terminal.lines)

@@ -20,8 +20,11 @@ class Usage(takt_system.Case):
             with self.subTest(arguments=arguments):
                 run = self.takt(*arguments)
                 self.assertEqual((2, ""), (run.status, run.out), run.err)
+                if arguments == ["nonsense"]:
+                    self.assertEqual("takt: there is no command 'nonsense'; takt --help lists all commands", run.err.strip())
+                    continue
                 self.assertIn("Usage: takt", run.err)
-                self.assertRegex(run.err, "^error: |^takt: there is no command 'nonsense'")
+                self.assertRegex(run.err, "^error: ")
                 if arguments and arguments[0] in ("run", "check", "graph", "describe"):
                     self.assertEqual(3, len(run.err.splitlines()), run.err)
                     self.assertEqual("takt %s --help explains all options" % arguments[0], run.err.splitlines()[2])
@@ -35,6 +38,8 @@ class Usage(takt_system.Case):
     def test_takt_suggests_the_correct_spelling_of_a_misspelled_command(self):
         run = self.takt("staus")
         self.assertEqual((2, "", "takt: there is no command 'staus'; did you mean status?"), (run.status, run.out, run.err.strip()))
+        run = self.takt("stat")
+        self.assertEqual((2, "takt: there is no command 'stat'; did you mean status?"), (run.status, run.err.strip()))
         run = self.takt("secure", "list")
         self.assertEqual((2, "", "takt secure: there is no command 'list'; the commands are init, add, update, renew, revoke, show"),
                          (run.status, run.out, run.err.splitlines()[0]))
@@ -121,9 +126,17 @@ class Usage(takt_system.Case):
             run = self.takt("echo", option, "1", "line.belt")
             self.assertEqual((1, ""), (run.status, run.out))
             self.assertEqual("error: 'line.belt' is not a port name; write DEVICE.MODULE.PORT", run.err.strip())
+            run = self.takt("echo", option, "0", "line.belt.scene")
+            self.assertEqual((2, ""), (run.status, run.out))
+            self.assertIn("--count: it must be at least 1; leave it out to print until Ctrl-C", run.err)
             run = self.takt("echo", option, "x", "line.belt.scene")
             self.assertEqual((2, ""), (run.status, run.out))
             self.assertIn("error: --count takes a number, not 'x'\n", run.err)
+
+    def test_takt_undeploy_names_the_cell_of_a_file(self):
+        cell = self.write("cell.xml", "<cell name='belt'><device name='d'><module><filename>fine.so</filename><moduletype>thread</moduletype>"
+                          "<operationtype>periodic</operationtype><period>1ms</period><priority>1</priority></module></device></cell>")
+        self.refused({"undeploy " + cell: r"^error: '%s' is a file, but the name of a cell is needed; write takt undeploy belt$" % cell})
 
     def test_takt_trace_names_what_is_neither_a_file_nor_a_device(self):
         self.refused({"trace line.belt": r"^error: 'line\.belt' is neither an existing file nor a valid device name; give the name of a device, "})

@@ -1,6 +1,7 @@
 // takt deploy and takt undeploy: deploy a cell to the nodes on the network, or take it down.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
@@ -8,6 +9,7 @@
 #include <takt/client/deploy.hpp>
 #include <takt/client/update.hpp>
 #include <takt/core/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
 #include <takt/os/signals.hpp>
 
 #include "commands/bring_up.hpp"
@@ -108,6 +110,12 @@ struct UndeployOptions {
 };
 
 int undeploy(const UndeployOptions& options) {
+  if (std::filesystem::is_regular_file(options.cell)) {
+    const auto cell = descriptor::load(options.cell);
+    return refuse(
+        {fail(in_quotes(options.cell) + " is a file, but the name of a cell is needed",
+              cell ? "write takt undeploy " + cell->name : "takt status shows the names of the cells")});
+  }
   const auto client = client::connect(options.network);
   if (!client) {
     complain(client.problems());

@@ -10,12 +10,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <takt/client/answer_data.hpp>
 #include <takt/client/connection.hpp>
 #include <takt/client/port_names.hpp>
 #include <takt/client/tap.hpp>
 #include <takt/core/words.hpp>
 #include <takt/dds/gateway.hpp>
 #include <takt/model/json.hpp>
+#include <takt/model/ports.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
@@ -81,6 +83,32 @@ std::string cause_of_quiet(const client::Connection& client, const client::PortN
   return {};
 }
 
+/// Returns the problem that a name is not that of a port. If it is the name of a module, the problem lists
+/// the outputs of this module.
+Problem no_port(const EchoOptions& options) {
+  const Problem problem = fail(in_quotes(options.port) + " is not a port name", "write DEVICE.MODULE.PORT");
+  const auto module = module_of(options.port);
+  if (!module) return problem;
+  const auto client = connect_to_device(options.network, module->device, module->module);
+  if (!client) return problem;
+  const auto answer = client::accepted(client->sender->send(
+      {.kind = COMMAND_DESCRIBE, .device = module->device, .limit = std::chrono::seconds{10}}));
+  const auto described = answer ? client::described_modules(module->device, answer->data) : answer.problems();
+  if (!described) return problem;
+  for (const auto& one : *described) {
+    if (one.at("name") != module->module) continue;
+    const auto ports = model::parse_ports(model::json_text({{"ports", one.at("ports")}}));
+    std::vector<std::string> outputs;
+    for (const model::Port& port : ports ? *ports : std::vector<model::Port>{}) {
+      if (port.direction == model::Direction::out) outputs.push_back(options.port + "." + port.name);
+    }
+    return fail(options.port + " is a module, not a port",
+                outputs.empty() ? "it has no outputs"
+                                : "its outputs are " + one_of({outputs.begin(), outputs.end()}));
+  }
+  return problem;
+}
+
 int echo(const EchoOptions& options) {
   const auto refuse = [](const Problems& problems) {
     complain(problems);
@@ -89,8 +117,7 @@ int echo(const EchoOptions& options) {
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
   const auto name = client::parse_port(options.port);
-  if (!name)
-    return refuse({fail(in_quotes(options.port) + " is not a port name", "write DEVICE.MODULE.PORT")});
+  if (!name) return refuse({no_port(options)});
   const auto client = connect_to_device(options.network, name->device, name->module + "." + name->port);
   if (!client) return refuse(client.problems());
 
@@ -165,7 +192,12 @@ void add_echo(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand("echo", "Print the samples of a port, one per line, until Ctrl-C");
   command->add_option("PORT", options->port, "DEVICE.MODULE.PORT")->required();
   command->add_flag("--hz", options->rate, "print the number of samples per second instead of the samples");
-  command->add_option("-n,--count", options->count, "end after this many lines")->type_name("N");
+  command->add_option("-n,--count", options->count, "end after this many lines")
+      ->type_name("N")
+      ->check([](const std::string& text) {
+        return text == "0" ? std::string{"it must be at least 1; leave it out to print until Ctrl-C"}
+                           : std::string{};
+      });
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return echo(*options); }; });
 }
