@@ -5,6 +5,7 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -183,6 +184,13 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, options.stack_bytes);
+  if (!options.handles_signals) {
+    sigset_t blocked;
+    ::sigfillset(&blocked);
+    for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT, SIGSYS})
+      ::sigdelset(&blocked, own);
+    ::pthread_attr_setsigmask_np(&attributes, &blocked);
+  }
   // The new thread itself sets its priority and CPU before it runs `body`. If the system denies them, the
   // thread runs without them.
   auto ready = std::make_shared<std::atomic<bool>>(false);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -38,6 +39,20 @@ TEST(Thread, HasTheRequestedStackSize) {
       nullptr);
   thread->join();
   EXPECT_GE(size, 2U * 1024 * 1024) << "the C library may reuse a larger stack of an ended thread";
+}
+
+TEST(Thread, LeavesSignalsToOtherThreadsIfItShallHandleNone) {
+  for (const bool handles : {true, false}) {
+    sigset_t blocked;
+    auto thread = Thread::start(
+        {.name = "t", .handles_signals = handles},
+        [&blocked] { ::pthread_sigmask(SIG_BLOCK, nullptr, &blocked); }, nullptr);
+    ASSERT_TRUE(thread.ok());
+    thread->join();
+    for (const int to_process : {SIGTERM, SIGINT, SIGUSR1, SIGCHLD, SIGRTMIN})
+      EXPECT_EQ(::sigismember(&blocked, to_process), handles ? 0 : 1) << to_process;
+    for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGSYS}) EXPECT_EQ(::sigismember(&blocked, own), 0) << own;
+  }
 }
 
 // A thread-local variable, which glibc places on the stack of each thread. The variable leaves less than half

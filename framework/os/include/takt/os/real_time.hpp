@@ -64,6 +64,9 @@ class Thread {
     /// The CPUs on which the thread may run. If the list is empty, these are the CPUs of its creating thread.
     std::vector<int> cpus{};
     std::size_t stack_bytes = 512 * 1024;
+    /// False: the kernel never chooses this thread to handle a signal to the process. A signal that the
+    /// thread itself causes, such as SIGSEGV, still reaches it.
+    bool handles_signals = true;
   };
 
   Thread() = default;
