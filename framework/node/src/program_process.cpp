@@ -33,6 +33,7 @@ Result<void> ProgramProcess::start() {
                            .arguments = host::arguments_of(model()),
                            .environment = {},
                            .inherit = {},
+                           .cpus = parts_.placement.background,
                            .capture_output = true};
   const bool released = static_cast<bool>(parts_.slots[module_]);
   if (released) {
@@ -58,7 +59,6 @@ Result<void> ProgramProcess::start() {
   child_ = std::move(*child);
   output_ = Output{std::move(child_.output), std::move(child_.error)};
   pid_ = child_.pid();
-  static_cast<void>(os::pin(pid_, parts_.placement.background));
   if (!released) static_cast<void>(os::make_background(pid_));
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -139,6 +140,9 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
   std::vector<std::string> environment = with_environment(options.environment);
   const std::vector<char*> argv = pointers(arguments);
   const std::vector<char*> envp = pointers(environment);
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  for (const int cpu : options.cpus) CPU_SET(static_cast<unsigned>(cpu), &cpus);
   const int parent = ::getpid();
   std::array<char, 2> begin{};
   const bool script = options.copy != nullptr &&
@@ -158,6 +162,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
       if (::getppid() != parent) ::_exit(127);  // the parent ended before prctl() took effect
     }
     if (options.new_group) ::setpgid(0, 0);
+    if (!options.cpus.empty()) ::sched_setaffinity(0, sizeof cpus, &cpus);
     if (options.capture_output) {
       ::dup2(output.write.get(), STDOUT_FILENO);
       ::dup2(error.write.get(), STDERR_FILENO);

@@ -18,6 +18,7 @@
 
 #include <takt/os/clock.hpp>
 #include <takt/os/message_socket.hpp>
+#include <takt/os/real_time.hpp>
 #include <takt/os/sealed_copy.hpp>
 #include <takt/os/shared_memory.hpp>
 
@@ -121,6 +122,16 @@ TEST(Child, CanHaveItsOutputCaptured) {
   EXPECT_EQ(read_all(child->output), "out\ntold\n") << "cat must find an empty input";
   EXPECT_EQ(read_all(child->error), "err\n");
   EXPECT_EQ(child->wait().code, 0);
+}
+
+TEST(Child, RunsOnTheGivenCpusFromItsFirstInstruction) {
+  SpawnOptions options = shell("grep Cpus_allowed_list /proc/self/status");
+  options.cpus = {allowed_cpus().back()};
+  options.capture_output = true;
+  auto child = Child::spawn(options);
+  ASSERT_TRUE(child.ok());
+  EXPECT_EQ(read_all(child->output), "Cpus_allowed_list:\t" + std::to_string(options.cpus[0]) + "\n");
+  child->wait();
 }
 
 TEST(Child, InheritsOnlyTheGivenFileDescriptors) {

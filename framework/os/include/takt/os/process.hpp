@@ -41,6 +41,9 @@ struct SpawnOptions {
   /// The only file descriptors, besides standard input, output and error, that the program inherits. They
   /// keep their numbers.
   std::vector<const Fd*> inherit{};
+  /// The CPUs on which the program may run; an empty list means the CPUs of the calling thread. If the system
+  /// denies them, the program runs on the CPUs of the calling thread.
+  std::vector<int> cpus{};
   /// True: the parent reads the program's output from Child::output and Child::error.
   bool capture_output = false;
   bool new_group = true;  ///< true: Ctrl-C in the terminal does not reach the program
