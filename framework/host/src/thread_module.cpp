@@ -153,7 +153,7 @@ Result<void> ThreadModule::take_properties(const std::string& path) {
     if (!model::is_valid_name(property->name())) return wrong_name(path, "property", property->name());
   }
   if (Problems problems = check_declared(properties_, path); !problems.empty()) return problems;
-  live_.serve(properties_, component_ != nullptr ? factory_->name : model::file_stem(path));
+  live_.serve(properties_, "component " + (component_ != nullptr ? factory_->name : model::file_stem(path)));
   return {};
 }
 

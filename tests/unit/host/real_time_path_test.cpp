@@ -4,7 +4,7 @@
 
 #include <takt/channel/saved_state.hpp>
 #include <takt/component.hpp>
-#include <takt/host/live_properties.hpp>
+#include <takt/component/live_properties.hpp>
 #include <takt/process.hpp>
 
 #include "../../system/components/sample.hpp"
@@ -58,7 +58,7 @@ TEST_F(RealTimePath, AppliesPropertiesWithoutAllocatingOrLocking) {
     void run(const Cycle&) noexcept override {}
   } component;
   LiveProperties live;
-  live.serve(component.properties(), "Named");
+  live.serve(component.properties(), "component Named");
   std::atomic<std::uint64_t> changes{0};
   double last = 0;
   bodies[1].on_run = [&](const Cycle&) {

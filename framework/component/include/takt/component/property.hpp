@@ -10,9 +10,9 @@
 // receive it.
 //
 // Two threads use a property: the thread that sets it, and the thread that calls the component's hooks. Each
-// thread has its own copy of the value, and the threads pass a third copy to each other. The host
-// synchronises this exchange with one atomic word (see LiveProperties in framework/host). So run() reads a
-// plain value that no other thread changes, and neither waits nor frees the former value.
+// thread has its own copy of the value, and the threads pass a third copy to each other. One atomic word
+// synchronises this exchange (see LiveProperties). So run() reads a plain value that no other thread changes,
+// and neither waits nor frees the former value.
 #pragma once
 
 #include <cmath>

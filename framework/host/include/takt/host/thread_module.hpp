@@ -13,11 +13,11 @@
 #include <takt/channel/link.hpp>
 #include <takt/channel/saved_state.hpp>
 #include <takt/component.hpp>
+#include <takt/component/live_properties.hpp>
 #include <takt/component/port.hpp>
 #include <takt/core/clock.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/body.hpp>
-#include <takt/host/live_properties.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/os/library.hpp>
 

@@ -14,16 +14,16 @@
 
 #include <takt/component/property.hpp>
 
-namespace takt::host {
+namespace takt {
 
 class LiveProperties {
  public:
   using Values = std::vector<std::pair<std::string, std::string>>;
 
-  /// From now on, set() and get() refer to these properties of the component `name`. With an empty list, the
-  /// component has no properties any more. Call serve() before the other functions, and while no hook is
-  /// being called.
-  void serve(std::vector<PropertyBase*> properties, std::string name);
+  /// From now on, set() and get() refer to these properties of `owner`, which is the subject of messages:
+  /// "component Drive". With an empty list, the owner has no properties any more. Call serve() before the
+  /// other functions, and while no hook is being called.
+  void serve(std::vector<PropertyBase*> properties, std::string owner);
 
   /// Sets all these properties or none. Fails with one problem for each property that the component does not
   /// have, and for each value that its property does not accept. The values take effect when the component is
@@ -47,7 +47,7 @@ class LiveProperties {
   void take_over_waiting() noexcept;
 
   std::vector<PropertyBase*> properties_;
-  std::string name_;
+  std::string owner_;
   std::vector<PropertyBase*> waiting_;  // owned by the setting thread, except while the state is `waiting` or
                                         // `taken_over`
   // The setting thread changes `none` to `waiting`, and may change `waiting` back to `none`. The calling
@@ -55,4 +55,4 @@ class LiveProperties {
   std::atomic<State> state_{State::none};
 };
 
-}  // namespace takt::host
+}  // namespace takt

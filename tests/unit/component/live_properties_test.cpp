@@ -1,5 +1,5 @@
 // Tests that the properties of a component can be set while it runs.
-#include <takt/host/live_properties.hpp>
+#include <takt/component/live_properties.hpp>
 
 #include <takt/component.hpp>
 
@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-namespace takt::host::live_properties_test {
+namespace takt::live_properties_test {
 namespace {
 
 using testing::HasSubstr;
@@ -28,7 +28,7 @@ struct Drive : Component {
 
 class PropertiesOfARunningModule : public testing::Test {
  protected:
-  void SetUp() override { live.serve(drive.properties(), "Drive"); }
+  void SetUp() override { live.serve(drive.properties(), "component Drive"); }
   std::string reason(const LiveProperties::Values& values) {
     const auto set = live.set(values);
     return set ? "" : to_text(set.problems());
@@ -103,7 +103,7 @@ TEST_F(PropertiesOfARunningModule, NeverChangeDuringACall) {
   std::vector<std::unique_ptr<Property<std::string>>> more;
   for (int i = 0; i < 30; ++i)
     more.push_back(std::make_unique<Property<std::string>>(drive, "more" + std::to_string(i), "0"));
-  live.serve(drive.properties(), "Drive");
+  live.serve(drive.properties(), "component Drive");
   const std::int64_t requests = full_form() && !kSanitized ? 20'000 : 2'000;
   const auto text_of = [](std::int64_t n) {
     std::string text(static_cast<std::size_t>(n % 60), 'x');  // long strings are on the heap
@@ -152,4 +152,4 @@ TEST_F(PropertiesOfARunningModule, NeverChangeDuringACall) {
 }
 
 }  // namespace
-}  // namespace takt::host::live_properties_test
+}  // namespace takt::live_properties_test

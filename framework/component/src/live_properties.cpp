@@ -1,4 +1,4 @@
-#include <takt/host/live_properties.hpp>
+#include <takt/component/live_properties.hpp>
 
 #include <algorithm>
 #include <string_view>
@@ -7,11 +7,11 @@
 #include <takt/core/log_level.hpp>
 #include <takt/core/words.hpp>
 
-namespace takt::host {
+namespace takt {
 
-void LiveProperties::serve(std::vector<PropertyBase*> properties, std::string name) {
+void LiveProperties::serve(std::vector<PropertyBase*> properties, std::string owner) {
   properties_ = std::move(properties);
-  name_ = std::move(name);
+  owner_ = std::move(owner);
   waiting_.clear();
   state_.store(State::none, std::memory_order_relaxed);
 }
@@ -23,7 +23,7 @@ Result<PropertyBase*> LiveProperties::find(const std::string& name) const {
     names.emplace_back(property->name());
   }
   names.emplace_back(kLogLevelProperty);
-  return fail("component " + name_ + " has no property " + in_quotes(name), suggestion(name, names));
+  return fail(owner_ + " has no property " + in_quotes(name), suggestion(name, names));
 }
 
 Result<std::string> LiveProperties::get(const std::string& name) const {
@@ -80,4 +80,4 @@ void LiveProperties::take_over_waiting() noexcept {
   state_.store(State::none, std::memory_order_release);  // after the values are taken over
 }
 
-}  // namespace takt::host
+}  // namespace takt
