@@ -91,7 +91,7 @@ foreach(room core component testing)
   install(DIRECTORY framework/${room}/include/takt DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 endforeach()
 install(FILES framework/lifecycle/include/takt/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
-foreach(header activity flight layout link log_ring release_slot saved_state turn)  # the installed headers above include these headers
+foreach(header activity flight layout link log_ring property_mailbox release_slot saved_state turn)  # the installed headers above include these headers
   install(FILES framework/channel/include/takt/channel/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/channel COMPONENT dev)
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)

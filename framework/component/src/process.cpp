@@ -312,6 +312,8 @@ void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
   if (!reporter) refuse(function, in_words(reporter.problems()));
   reporter_ = *reporter;
   if (reporter_) reported_as_ = static_cast<std::uint32_t>(std::strtoul(index.c_str(), nullptr, 10));
+  if (const auto served = serve_program_properties(*slot_); !served)
+    refuse(function, in_words(served.problems()));
   attached_here = true;
   slot_->thread.store(os::thread_id(), std::memory_order_relaxed);
   slot_->phase.store(channel::ReleaseSlotPhase::attached, std::memory_order_release);
@@ -423,6 +425,7 @@ void Guest::wait(channel::ReleaseSlotKind kind, const char* function) {
   }
   taken_ = channel::take(*slot_, taken_.count);
   if (turn_ != nullptr) await_turn();
+  take_over_program_properties();
   started_ = os::now();
   const bool logical = slot_->logical != 0;
   context_.start_ns = logical ? taken_.release_ns : to_ns(started_);

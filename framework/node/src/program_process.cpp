@@ -3,6 +3,7 @@
 #include <takt/host/component_path.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/node/log.hpp>
+#include <takt/os/futex.hpp>
 #include <takt/os/real_time.hpp>
 #include <takt/schedule/levels.hpp>
 
@@ -74,6 +75,10 @@ Result<void> ProgramProcess::make_real_time() {
   const schedule::ExecutorPlan& plan = parts_.plan.executors[parts_.executor_of(model())];
   return os::make_real_time(parts_.slots[module_][0].thread.load(),
                             schedule::program_level(parts_.of_device(), plan, module_));
+}
+
+void ProgramProcess::wake_for_property() {
+  os::futex_wake(parts_.slots[module_][0].property_request.number, ~0U);
 }
 
 void ProgramProcess::step(const std::string& device) {

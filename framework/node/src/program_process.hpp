@@ -26,6 +26,7 @@ class ProgramProcess final : public supervision::Program {
   void terminate() override { child_.signal(os::kTerminate); }
   void kill() override { child_.signal(os::kKill); }
   Result<void> make_real_time() override;
+  void wake_for_property() override;
   [[nodiscard]] bool running() const override { return child_.running(); }
   [[nodiscard]] int pid() const override { return pid_; }
   [[nodiscard]] std::string last_line() const override { return output_.last_words(); }

@@ -80,6 +80,7 @@ class VirtualProgram final : public supervision::Program {
   void terminate() override;
   void kill() override;
   Result<void> make_real_time() override { return {}; }
+  void wake_for_property() override {}  // virtual programs declare no properties
   [[nodiscard]] bool running() const override { return alive_; }
   [[nodiscard]] int pid() const override { return 0; }
   [[nodiscard]] std::string last_line() const override { return {}; }

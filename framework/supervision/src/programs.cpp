@@ -5,6 +5,7 @@
 #include <takt/supervision/supervisor.hpp>
 #include "limits.hpp"
 #include "member.hpp"
+#include "properties.hpp"
 
 namespace takt::supervision {
 
@@ -148,6 +149,7 @@ void Supervisor::check_body(Member& member, Instant now) {
 }
 
 void Supervisor::process_ended(Member& member, const ProcessEnd& end) {
+  properties_->fail(member, "the program of module " + member.model.name + " has ended");
   platform_->wake(~0U);  // the process may have written samples without waking their readers
   std::string text = "the process " + end.text;
   if (!member.hung.empty()) text = "the process " + member.hung + " and was killed";

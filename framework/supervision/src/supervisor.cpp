@@ -137,6 +137,7 @@ void Supervisor::step() {
   for (auto& member : members_) {
     if (member->is_process()) check_process(*member, now);
   }
+  step_properties(now);
   if (phase_ == Phase::ended) return;
   if (flows_) flows_->step(now);
   check_writers();

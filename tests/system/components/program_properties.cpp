@@ -1,4 +1,4 @@
-// A sporadic process module in C++ with properties.
+// A sporadic process module in C++ with properties. Prints their values at the start, and when they change.
 #include <takt/process.hpp>
 
 #include <cstdio>
@@ -19,5 +19,8 @@ void print() { std::fprintf(stderr, "gain %g, label %s\n", gain.value(), label.v
 int main() {
   print();  // the properties already have the values from the descriptor here
   initSporadicExe();
-  while (true) waitSporadic();
+  for (double last = gain;; last = gain) {
+    waitSporadic();
+    if (gain != last) print();
+  }
 }

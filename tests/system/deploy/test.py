@@ -195,7 +195,8 @@ class Deploy(takt_system.Case):
             "get line.properties a\x01": r"^error: 'a\\x01' is not a valid name; a name has at most 63 bytes, and no control characters$",
             "get line.properties %s" % ("x" * 64): r"^error: 'x+' is not a valid name",
             "set line.properties label %s" % ("x" * 256): r"^error: the value 'x.*x' has 256 bytes; give a value of at most 255 bytes$",
-            "set station.program x 1": r"^module station\.program: error: a process module gets its properties, except log-level, when it starts; ",
+            "set station.program x 1": r"^module station\.program: error: its program declares no properties: it gets them, except log-level, as "
+                                  r"arguments when it starts; ",
             "echo line.source.nothing": r"^device line: error: module line\.source has no port 'nothing'; .*out",
             "echo line.source": r"^error: line\.source is a module, not a port; its outputs are line\.source\.out",
             "call line.source.out": r"^error: line\.source\.out is an output port, not a service; show its samples with takt echo "

@@ -259,7 +259,7 @@ class Log(takt_system.Case):
         self.assertFalse([line for line in self.lines() if line[1] == "log-debug"])
         self.refused({"set robot.cpp log-level loud": r"^module robot\.cpp: error: property 'log-level' cannot be 'loud'; .*debug",
                       "set robot.cpp log-levl debug": "has no property 'log-levl'; did you mean log-level",
-                      "set robot.program log-levl debug": "gets its properties, except log-level, when it starts"})
+                      "set robot.program log-levl debug": "declares no properties: it gets them, except log-level, as arguments when it starts"})
         self.assertEqual(["debug", "error"], self.done("set robot.cpp log-level debug", "set robot.program log-level error"))
         self.assertEqual(["debug", "error"], self.done("get robot.cpp log-level", "get robot.program log-level"))
         self.assertRegex(self.done("get robot.program")[0], r"(?m)^log-level +error +")

@@ -64,6 +64,50 @@ class Processes(takt_system.Case):
         described = json.loads(self.takt("describe", "arguments.xml", "--json").out)
         self.assertEqual(given[:5], described["module"]["arguments"])
 
+    def test_an_operator_can_set_the_properties_of_a_running_program(self):
+        cell = self.write("live.xml", '<cell name="live"><device name="d">' + "".join(
+            "<module><name>%s</name><filename>%s</filename><moduletype>process</moduletype>%s<priority>1</priority></module>" % module for module in (
+                ("p", "program_properties.exe", "<operationtype>sporadic</operationtype><deadline>1s</deadline>"
+                 '<recovery attempts="1" backoff="10ms"/><property><value name="label">mine</value></property>'),
+                ("grid", "grid.exe", "<operationtype>periodic</operationtype><period>10ms</period>"))) + "</device></cell>")
+        run = self.start("run", cell, "--json")
+        run.wait_for_line(r"p: \| gain 1\.5, label mine")
+        run.wait_for_state("p", "EXECUTING")
+        self.assertEqual(["1.5", "mine"], self.done("get d.p gain", "get d.p label"))
+        self.assertEqual(["2.5"], self.done("set d.p gain 2.5"))
+        run.wait_for_line(r"p: \| gain 2\.5, label mine")
+        run.wait_for_line(r"d\.p: gain = 2\.5")
+        self.assertRegex(self.done("get d.p")[0], r"(?m)^gain +2\.5 +1/s +0 to 100 +double$")
+        self.refused({
+            "set d.p gain 100.5": r"^module d\.p: error: property 'gain' cannot be '100\.5'; it takes a number, 0 to 100, in 1/s$",
+            "set d.p gain fast": r"^module d\.p: error: property 'gain' cannot be 'fast'; it takes a number, 0 to 100, in 1/s$",
+            "set d.p gian 1": r"^module d\.p: error: this program has no property 'gian'; did you mean gain\?$",
+            "get d.p gian": r"^module d\.p: error: this program has no property 'gian'; did you mean gain\?$",
+            "set d.p label %s" % ("x" * 256): r"has 256 bytes; give a value of at most 255 bytes$",
+            "set d.grid file x": r"^module d\.grid: error: its program declares no properties: it gets them, except log-level, as arguments when it starts; ",
+        })
+        self.assertEqual(["2.5"], self.done("get d.p gain"))
+
+        killed = len(run.raw)
+        run.one("program_properties.exe").kill()
+        run.wait_for_line(r"p: \| gain 2\.5, label mine", after=killed)
+        run.wait_for_line(r"d\.p: RECOVER -> EXECUTING", after=killed)
+        self.assertEqual(["2.5"], self.done("get d.p gain"))
+
+        self.done("stop d.p")  # in START the program has no releases, so the node does not kill it when it is stopped
+        process = run.one("program_properties.exe")
+        process.kill(signal.SIGSTOP)
+        self.refused({"set d.p gain 3": r"^module d\.p: error: the program of module p has not answered within 2 s: it is stopped, or gets no CPU "
+                                        r"time; the value takes effect if the program still answers$"})
+        process.kill(signal.SIGCONT)
+        run.wait_for_line(r"d\.p: gain = 3")
+        self.assertEqual(["4"], self.done("set d.p gain 4"))
+        self.done("start d.p")
+        run.wait_for_line(r"p: \| gain 4, label mine")
+        run.signal(signal.SIGINT)
+        run.wait()
+        self.assertEqual(0, run.status, run.err)
+
     def test_a_program_keeps_running_after_an_overrun(self):
         run = self.takt("run", "late.xml", "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)

@@ -207,13 +207,15 @@ class Gateway(takt_system.Case):
         status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "8" + " " * 255}, token=self.token)
         self.assertEqual((400, "give a value of at most 255 bytes"), (status, said.get("fix")), said)
         self.assertEqual(["7"], self.done("get right.live step"))
-        # For a program, the gateway shows the property values with which the program started. The gateway does not ask the node for the
-        # current values, because the node would reject this request.
+        # A program answers for its own properties, including those that the descriptor does not set. No request is rejected.
         before = self.done("log --json --kind refused-command")[0].count("refused-command")
         properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
         self.assertEqual({"gain": "2.5", "label": "none", "log-level": "info"}, properties)
         self.assertEqual(["2.5", "none"], self.done("get right.program gain", "get right.program label"))
         self.assertEqual(before, self.done("log --json --kind refused-command")[0].count("refused-command"))
+        self.assertEqual((200, {"value": "3"}), self.ask("api/property", {"module": "right.program", "property": "gain", "value": "3"}, token=self.token))
+        properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
+        self.assertEqual({"gain": "3", "label": "none", "log-level": "info"}, properties)
         self.finish(run)
 
     def test_a_web_client_can_request_port_values_executor_tables_and_history(self):

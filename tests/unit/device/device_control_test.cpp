@@ -22,6 +22,11 @@ class DeviceProperties : public RealDevice {
   std::string live(const std::string& properties = "", const std::string& what = kEvery) const {
     return module("live", "live.so", what, file("live") + properties);
   }
+  static std::string program(const std::string& properties = "") {
+    return module("p", "program_properties.exe", kSporadic, properties,
+                  R"(<recovery attempts="1" backoff="10000000"/>)") +
+           module("tick", "fine.so", kEvery);
+  }
   static std::string value(const std::string& name, const std::string& text) {
     return "<value name=\"" + name + "\">" + text + "</value>";
   }
@@ -113,9 +118,110 @@ TEST_F(DeviceProperties, AreReadOnlyInCModulesAndPrograms) {
   EXPECT_EQ(get(1, "ns").code, REPLY_REFUSED);
   const Outcome refused = set(1, "every", "4");
   EXPECT_EQ(refused.code, REPLY_REFUSED);
-  EXPECT_EQ(refused.text,
-            "a process module gets its properties, except log-level, when it starts; change the "
-            "descriptor and run takt deploy --update with it, which restarts device d");
+  EXPECT_EQ(
+      refused.text,
+      "its program declares no properties: it gets them, except log-level, as arguments when it starts; "
+      "change the descriptor and run takt deploy --update with it, which restarts device d");
+  take_down();
+}
+
+TEST_F(DeviceProperties, OfAProgramThatDeclaresThemCanBeReadAndSetWhileItRuns) {
+  bring_up(program(value("label", "first")));
+  ASSERT_TRUE(step_until([&] { return module_of("p")["state"] == "EXECUTING"; }));
+  EXPECT_EQ(get(0, "gain").value, "1.5") << "the descriptor does not set this property";
+  EXPECT_EQ(get(0, "label").value, "first");
+  const Outcome outcome = set(0, "gain", "2.50");
+  EXPECT_EQ(outcome.code, REPLY_OK) << outcome.text;
+  EXPECT_EQ(outcome.value, "2.50");
+  EXPECT_EQ(get(0, "gain").value, "2.5");
+  EXPECT_EQ(set(0, "label", std::string(255, 'x')).code, REPLY_OK);
+  EXPECT_EQ(get(0, "label").value, std::string(255, 'x'));
+
+  const std::pair<std::pair<std::string, std::string>, std::string> rejected[] = {
+      {{"gain", "100.5"}, "property 'gain' cannot be '100.5'; it takes a number, 0 to 100, in 1/s"},
+      {{"gain", "fast"}, "property 'gain' cannot be 'fast'; it takes a number, 0 to 100, in 1/s"},
+      {{"gian", "1"}, "this program has no property 'gian'; did you mean gain?"},
+      {{"label", std::string(256, 'x')},
+       "the name of a property has at most 63 bytes, and a value that is set at most 255"},
+      {{std::string(64, 'x'), "1"},
+       "the name of a property has at most 63 bytes, and a value that is set at most 255"}};
+  for (const auto& [request, text] : rejected) {
+    const Outcome no = set(0, request.first, request.second);
+    EXPECT_EQ(no.code, REPLY_REFUSED);
+    EXPECT_EQ(no.text, text);
+  }
+  EXPECT_EQ(get(0, "gian").text, "this program has no property 'gian'; did you mean gain?");
+  EXPECT_EQ(get(0, "gain").value, "2.5");
+  take_down();
+  EXPECT_EQ(
+      get(0, "gain").text,
+      "d.p is in DESTRUCT, in which its properties cannot be read; run takt reset d.p and takt initialize "
+      "d.p first");
+}
+
+TEST_F(DeviceProperties, OfAProgramCanBeSetBeforeItsFirstRelease) {
+  bring_up(program(), "", false);
+  EXPECT_EQ(set(0, "gain", "3").code, REPLY_OK);
+  EXPECT_EQ(get(0, "gain").value, "3");
+  take_down();
+}
+
+TEST_F(DeviceProperties, OfAProgramAreAnsweredInTheOrderOfTheRequests) {
+  bring_up(program());
+  std::string answers;
+  const auto note = [&answers](const Outcome& outcome) { answers += outcome.value + " "; };
+  for (const char* gain : {"2", "3"}) {
+    device->set(0, "gain", gain, note);
+    device->get(0, "gain", note);
+  }
+  EXPECT_TRUE(step_until([&] { return answers.size() >= 8; }));
+  EXPECT_EQ(answers, "2 2 3 3 ");
+  take_down();
+}
+
+TEST_F(DeviceProperties, OfAProgramSurviveItsCrash) {
+  bring_up(program());
+  ASSERT_TRUE(step_until([&] { return module_of("p")["state"] == "EXECUTING"; }));
+  EXPECT_EQ(set(0, "gain", "6").code, REPLY_OK);
+  const int process = module_of("p")["pid"];
+  ASSERT_EQ(::kill(process, SIGSTOP), 0);
+  std::optional<Outcome> answer;
+  device->set(0, "gain", "7", [&answer](const Outcome& outcome) { answer = outcome; });
+  run_for(milliseconds{20});
+  EXPECT_FALSE(answer);
+  ASSERT_EQ(::kill(process, SIGKILL), 0);
+  ASSERT_TRUE(step_until([&] { return answer.has_value(); }));
+  EXPECT_EQ(answer->code, REPLY_FAILED);
+  EXPECT_EQ(answer->text, "the program of module p has ended");
+  EXPECT_EQ(get(0, "gain").text, "the program of module p is not running; try again when it is EXECUTING");
+  ASSERT_TRUE(step_until([&] { return module_of("p")["state"] == "EXECUTING"; }));
+  EXPECT_EQ(get(0, "gain").value, "6");
+  take_down();
+}
+
+TEST_F(DeviceProperties, OfAStoppedProgramAreReportedAsFailedAndSetWhenItContinues) {
+  bring_up(program());
+  ASSERT_TRUE(step_until([&] { return module_of("p")["state"] == "EXECUTING"; }));
+  // The node kills a program that does not take its releases. In START, the program has none.
+  device->command(0, Verb::stop, [](const Outcome&) {});
+  ASSERT_TRUE(step_until([&] { return module_of("p")["state"] == "START"; }));
+  const int process = module_of("p")["pid"];
+  ASSERT_EQ(::kill(process, SIGSTOP), 0);
+  std::vector<Outcome> answers;
+  const auto note = [&answers](const Outcome& outcome) { answers.push_back(outcome); };
+  device->set(0, "gain", "7", note);
+  device->set(0, "gain", "8", note);
+  ASSERT_TRUE(step_until([&] { return answers.size() == 2; }));
+  const std::string text =
+      "the program of module p has not answered within 2 s: it is stopped, or gets no CPU time";
+  EXPECT_EQ(answers[0].code, REPLY_FAILED);
+  EXPECT_EQ(answers[0].text, text + "; the value takes effect if the program still answers");
+  EXPECT_EQ(answers[1].code, REPLY_FAILED);
+  EXPECT_EQ(answers[1].text, text);
+  ASSERT_EQ(::kill(process, SIGCONT), 0);
+  EXPECT_EQ(get(0, "gain").value, "7") << "the program did not get the second request";
+  EXPECT_EQ(set(0, "gain", "9").code, REPLY_OK);
+  EXPECT_EQ(get(0, "gain").value, "9");
   take_down();
 }
 
@@ -174,6 +280,19 @@ TEST_F(DeviceProperties, CanBeCorrectedAfterAValueThatInitializeRejects) {
   EXPECT_EQ(get(0, "initializable").value, "true");
   device->stop();
   ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
+}
+
+TEST_F(DeviceProperties, OfAProgramCanBeCorrectedInIdleBeforeTheProgramStartsAgain) {
+  bring_up(program());
+  for (const Verb verb : {Verb::destruct, Verb::reset}) EXPECT_EQ(command(verb).text, "");
+  EXPECT_EQ(set(0, "gain", "1000").code, REPLY_OK) << "no program runs that could check the value";
+  EXPECT_THAT(command(Verb::initialize).text, AllOf(HasSubstr("property 'gain' cannot be '1000'"),
+                                                    HasSubstr("run takt reset d.p, takt set d.p gain")));
+  EXPECT_EQ(command(Verb::reset).text, "");
+  EXPECT_EQ(set(0, "gain", "4").code, REPLY_OK);
+  for (const Verb verb : {Verb::initialize, Verb::start}) EXPECT_EQ(command(verb).text, "");
+  EXPECT_EQ(get(0, "gain").value, "4");
+  take_down();
 }
 
 TEST_F(DeviceProperties, AreNamedWhenAModuleIsGivenUpAfterTheyWereSet) {

@@ -9,7 +9,6 @@
 #include <takt/client/answer_data.hpp>
 #include <takt/client/connection.hpp>
 #include <takt/core/words.hpp>
-#include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
 #include <takt/wire/words.hpp>
 
@@ -140,29 +139,8 @@ Result<nlohmann::ordered_json> properties_of(client::Operator& sender, const Tar
                 suggestion(target.module, {names.begin(), names.end()}));
   }
   Json list = module->at("properties");
-  const auto running = client::accepted(sender.send({.kind = COMMAND_DESCRIPTOR, .device = target.device}));
-  if (!running) return running.problems();
-  const auto cell = descriptor::parse(running->data, running->head.value().to_string());
-  add_property_values(list, sender, target.device, target.module, cell ? &*cell : nullptr);
+  add_property_values(list, sender, target.device, target.module);
   return list;
-}
-
-// Returns the value of a property of a process module; nothing if the module is a thread module, or has no
-// such property. A process module keeps the values with which it was started. So its node knows only those in
-// the descriptor, and rejects a request for any other.
-std::optional<std::string> value_in_program(client::Operator& sender, const Target& target,
-                                            const std::string& name) {
-  const auto running = client::accepted(sender.send({.kind = COMMAND_DESCRIPTOR, .device = target.device}));
-  if (!running) return std::nullopt;
-  const auto cell = descriptor::parse(running->data, running->head.value().to_string());
-  if (!cell || program_of(&*cell, target.device, target.module) == nullptr) return std::nullopt;
-  const auto list = properties_of(sender, target);
-  if (!list) return std::nullopt;
-  for (const auto& property : *list) {
-    if (property.at("name") == name && property.at("value").is_string())
-      return property.at("value").get<std::string>();
-  }
-  return std::nullopt;
 }
 
 int property(const std::string& text, const std::string& name, const std::optional<std::string>& value,
@@ -171,10 +149,6 @@ int property(const std::string& text, const std::string& name, const std::option
   if (!target) return refuse(target.problems());
   const auto client = connect_to_device(network, target->device, target->module);
   if (!client) return refuse(client.problems());
-  if (!value) {
-    if (const auto given = value_in_program(*client->sender, *target, name))
-      return print(*given + "\n") ? 0 : 1;
-  }
   const auto answer = client::accepted(client->sender->send({.kind = value ? COMMAND_SET : COMMAND_GET,
                                                              .device = target->device,
                                                              .module = target->module,

@@ -140,8 +140,7 @@ Answer DeviceRequests::ports(const std::string& device) {
   return answer_of(Json{{"ports", std::move(ports)}, {"components", std::move(components)}});
 }
 
-Answer DeviceRequests::properties(const std::string& module,
-                                  const std::shared_ptr<const model::Cell>& running) {
+Answer DeviceRequests::properties(const std::string& module) {
   const auto name = split(module);
   if (!name)
     return answer_of(400, fail(in_quotes(module) + " is not the name of a module", "write DEVICE.MODULE"));
@@ -152,7 +151,7 @@ Answer DeviceRequests::properties(const std::string& module,
   if (found == modules.end())
     return answer_of(404, fail("there is no module " + module, "list the modules with takt status"));
   Json properties = found->at("properties");
-  add_property_values(properties, sender_, name->first, name->second, running.get());
+  add_property_values(properties, sender_, name->first, name->second);
   return answer_of(Json{{"properties", std::move(properties)}});
 }
 

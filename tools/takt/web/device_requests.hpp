@@ -22,7 +22,7 @@ class DeviceRequests {
   Answer command(const std::string& body);
   Answer set_property(const std::string& body);
   /// `running`, here and in table(), is the running cell, or null if none is known.
-  Answer properties(const std::string& module, const std::shared_ptr<const model::Cell>& running);
+  Answer properties(const std::string& module);
   Answer ports(const std::string& device);
   Answer table(const std::string& device, const std::shared_ptr<const model::Cell>& running);
 

@@ -45,7 +45,7 @@ class Gateway {
 
   DeviceRequests& device_requests() noexcept { return *device_requests_; }
   Answer table(const std::string& device) { return device_requests_->table(device, cell()); }
-  Answer properties(const std::string& module) { return device_requests_->properties(module, cell()); }
+  Answer properties(const std::string& module) { return device_requests_->properties(module); }
   Answer watch(const std::string& stream, const std::string& body);
 
   Answer history(const std::string& module);

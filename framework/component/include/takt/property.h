@@ -13,9 +13,9 @@
  * -INFINITY and INFINITY, or INT64_MIN and INT64_MAX, mean no bound. The text is one sentence for
  * `takt describe`.
  *
- * The variable has the value of the descriptor. In a thread module, it has this value from initialize() on;
- * after `takt set`, the next call of a hook sees the new value. In a process module, it has this value from
- * the first line of main() on, and the value never changes. A real-time thread may read the variable.
+ * The variable has the value of the descriptor: in a thread module from initialize() on, in a process module
+ * from the first line of main() on. After `takt set`, the next hook or the next body sees the new value. Read
+ * the variable only in the thread that calls the hooks, or waitPeriod(). This thread may be real-time.
  *
  * If a module declares properties, `takt check` rejects other names in the descriptor, and values out of
  * range. Takt rejects them also when the module starts. A module that declares no properties accepts any name

@@ -19,6 +19,7 @@
 
 #include <takt/channel/layout.hpp>
 #include <takt/channel/log_ring.hpp>
+#include <takt/channel/property_mailbox.hpp>
 #include <takt/channel/saved_state.hpp>
 #include <takt/channel/turn.hpp>
 #include <takt/core/statistics.hpp>
@@ -93,7 +94,7 @@ enum class ReleaseSlotPhase : std::uint32_t {
 };
 
 struct alignas(64) ReleaseSlot {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0008;  // layout 8
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0009;  // layout 9
 
   // The node writes these fields before the program starts.
   std::uint64_t magic;
@@ -118,6 +119,7 @@ struct alignas(64) ReleaseSlot {
   std::atomic<std::uint32_t> open;  ///< 1 while the module is in the tables, so that the program may release
                                     ///< itself
   std::atomic<std::int64_t> t0_ns;  ///< T0 of the rows
+  PropertyRequest property_request;
   PageGap gap_before_releases;
 
   // The scheduler writes these fields, or the program if it releases itself.
@@ -147,6 +149,7 @@ struct alignas(64) ReleaseSlot {
   Statistics jitter;                     ///< P_n - T_n of the paper's Eq. (1), with T_n measured by the
                                          ///< program
   Statistics run;
+  PropertyAnswer property_answer;  ///< a thread of the program that is not real-time writes it
   SavedState saved;  ///< the program writes it after each body; the node writes it while no program runs
   LogRing log;
 
@@ -292,6 +295,9 @@ inline void clear_for_new_program(ReleaseSlot& slot) noexcept {
   slot.done.store(0, std::memory_order_relaxed);
   slot.end.store(0, std::memory_order_relaxed);
   slot.body_ended_ns.store(0, std::memory_order_relaxed);
+  slot.property_request.number.store(0, std::memory_order_relaxed);
+  slot.property_answer.serves.store(0, std::memory_order_relaxed);
+  slot.property_answer.number.store(0, std::memory_order_relaxed);
   slot.thread.store(0, std::memory_order_release);
 }
 

@@ -4,12 +4,12 @@
 //   takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Belt speed."}};
 //
 // A process module gets the values of its descriptor as arguments, and each property takes its value from the
-// arguments when the property is constructed. So the value is valid from the first line of main() on.
-// initPeriodExe() or initSporadicExe() rejects invalid values, and arguments that name no property. The name
-// `log-level` is reserved: this property of every module sets the level of its log, and the module does not
-// receive it.
+// arguments when it is constructed, before main(). initPeriodExe() or initSporadicExe() rejects invalid
+// values, and arguments that name no property. A value that is set later is current when waitPeriod() or
+// waitSporadic() returns. The name `log-level` is reserved: this property of every module sets the level of
+// its log, and the module does not receive it.
 //
-// Two threads use a property: the thread that sets it, and the thread that calls the component's hooks. Each
+// Two threads use a property: the one that sets it, and the one that calls the hooks, or waitPeriod(). Each
 // thread has its own copy of the value, and the threads pass a third copy to each other. One atomic word
 // synchronises this exchange (see LiveProperties). So run() reads a plain value that no other thread changes,
 // and neither waits nor frees the former value.

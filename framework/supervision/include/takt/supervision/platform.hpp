@@ -75,6 +75,8 @@ class Program {
   virtual void kill() = 0;
   /// Gives a real-time priority to the program's thread that waits for releases.
   virtual Result<void> make_real_time() = 0;
+  /// Wakes the program's thread that answers the request in the program's release slot (see PropertyRequest).
+  virtual void wake_for_property() = 0;
   [[nodiscard]] virtual bool running() const = 0;
   /// The PID of the last process; 0 if there was none.
   [[nodiscard]] virtual int pid() const = 0;

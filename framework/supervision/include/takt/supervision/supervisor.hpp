@@ -132,6 +132,7 @@ class Supervisor final : public Supervised {
   /// Returns a text that names the target state of a recovery; empty if the module is not in RECOVER.
   static std::string what_follows(const Member& member);
   std::string way_out(const Member& member) const;
+  void keep_property(Member& member, const std::string& property, const std::string& value);
 
   // Swaps (swaps.cpp)
   void end_swap(Member& member, ReplyCode code, const std::string& text);
@@ -157,6 +158,7 @@ class Supervisor final : public Supervised {
                  const std::function<void(const Outcome&)>& done);
   // Properties (properties.cpp)
   void ask_property(host::Request request, std::function<void(const Outcome&)> done);
+  void step_properties(Instant now);
   void property_answered(const host::Answer& answer);
 
   // Lifecycle (supervisor.cpp)
