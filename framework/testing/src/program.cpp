@@ -18,6 +18,7 @@
 #include <takt/process.h>
 #include <takt/channel/release_slot.hpp>
 #include <takt/component/current_cycle.hpp>
+#include <takt/component/live_properties.hpp>
 #include <takt/component/property.hpp>
 #include <takt/component/saved.hpp>
 #include <takt/core/check.hpp>
@@ -87,6 +88,9 @@ class ProgramRun {
   /// True if the run ended with status 0.
   [[nodiscard]] bool succeeded() const { return ended_ && status_ == 0; }
   [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
+  /// True if the program has called its init function, and declares properties.
+  [[nodiscard]] bool declares_properties() const { return attached_ && !properties_.empty(); }
+  [[nodiscard]] LiveProperties& properties() { return live_; }
   std::vector<std::string> arguments;
 
   // The program calls the following functions.
@@ -119,6 +123,7 @@ class ProgramRun {
   std::vector<PortBase*> ports_;
   std::vector<PropertyBase*> properties_of_file_;
   std::vector<PropertyBase*> properties_;  // all properties, including those that main() constructed
+  LiveProperties live_;                    // sets `properties_` while the program runs
   Problems rejected_;                      // values that the properties rejected
   std::vector<SavedBase*> saved_by_;       // the saved variables: global ones, and those that main()
                                            // constructed
@@ -291,6 +296,7 @@ void ProgramRun::attach(bool sporadic, const char* function) {
   attached_ = true;
   give(take_loose_properties());  // properties that main() constructed
   check_properties(function);
+  live_.serve(properties_, "this program");
   for (PortBase* port : take_loose_ports()) ports_.push_back(port);  // constructed by main()
   for (const PortBase* port : ports_) {
     for (const PortBase* other : ports_) {
@@ -329,6 +335,7 @@ void ProgramRun::wait(const char* function) {
   leave();
   if (slot_.end != 0) exit(0);
   taken_ = channel::take(slot_, taken_.count);
+  live_.take_over();
   context_.start_ns = to_ns(clock_.now());
   cycle_.number = taken_.cycle;
   cycle_.time = from_ns(taken_.release_ns);
@@ -376,12 +383,17 @@ class ProgramSubject final : public Subject {
   channel::LogRing& log_ring() override { return life_->slot.log; }
 
   Result<void> check(const std::string&, const std::string&) override { return {}; }
-  Result<void> set(const std::string&, const std::string&) override {
-    return fail("the properties of a program are arguments, which it gets only when it starts",
-                "set them before initialize(), or after destruct() and reset()");
+  Result<void> set(const std::string& name, const std::string& text) override {
+    if (ended()) return fail("the program has ended", "set the property after recover()");
+    if (!life_->run.declares_properties())
+      return fail("the program declares no properties: it gets them as arguments when it starts",
+                  "set them before initialize(), or after destruct() and reset()");
+    const ProgramAllocations memory;  // the property may be on the program's stack
+    return life_->run.properties().set({{name, text}});
   }
-  [[nodiscard]] std::optional<Result<std::string>> get(const std::string&) const override {
-    return std::nullopt;
+  [[nodiscard]] std::optional<Result<std::string>> get(const std::string& name) const override {
+    if (ended() || !life_->run.declares_properties()) return std::nullopt;
+    return life_->run.properties().get(name);
   }
 
   [[nodiscard]] const std::vector<PortBase*>& ports() const override { return life_->run.ports(); }

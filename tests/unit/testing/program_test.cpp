@@ -209,11 +209,12 @@ TEST(Program, HasThePortsDeclaredInMainAfterInitialization) {
   EXPECT_EQ(module.step(2), 2U);
 }
 
-TEST(Program, AcceptsPropertiesOnlyBeforeItStarts) {
+TEST(Program, AcceptsPropertiesOnlyBeforeItStartsIfItDeclaresNone) {
   Module module;
   ASSERT_TRUE(module.set("speed", "1"));
   ASSERT_TRUE(module.start());
-  EXPECT_THAT(module.set("speed", "2").text(), HasSubstr("the properties of a program are arguments"));
+  EXPECT_THAT(module.set("speed", "2").text(),
+              HasSubstr("the program declares no properties: it gets them as arguments when it starts"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 TAKT_EVENT_PORT(basic_Count, order);
 TAKT_OUT_PORT(basic_Count, bodies);
+TAKT_INTEGER(step, 1, 1, 100, "", "What a body adds if it was not ordered.");
 
 static int releases = 0;
 
@@ -19,7 +20,7 @@ int main(void) {
   initSporadicExe();
   while (1) {
     if (!condition()) continue;
-    count.value += takt_read(&order, &ordered) ? ordered.value : 1;
+    count.value += takt_read(&order, &ordered) ? ordered.value : step;
     takt_write(&bodies, &count);
   }
 }

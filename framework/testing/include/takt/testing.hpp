@@ -298,11 +298,12 @@ class Module {
   Module& operator=(const Module&) = delete;
 
   /// Sets a property: before initialize() as the descriptor does, and afterwards as `takt set` does. A C++
-  /// component sees a value that is set between two cycles from the next cycle on. Other modules take
-  /// properties only before initialize(). Every module takes `log-level` at any time.
+  /// component, and a program that declares properties, see a value that is set between two cycles from the
+  /// next cycle on. Other modules take properties only before initialize(). Every module takes `log-level` at
+  /// any time.
   Answer set(const std::string& property, const std::string& text);
-  /// The value of a property. For a C++ component this is the current value, otherwise the value that was set
-  /// last.
+  /// The value of a property. For a C++ component, and for a program that declares properties and runs, this
+  /// is the current value, otherwise the value that was set last.
   [[nodiscard]] Result<std::string> get(const std::string& property) const;
 
   /// Connects an input or event port with the default Connection; further calls for the port return the same
