@@ -140,7 +140,7 @@ void Supervisor::set(std::uint32_t module, const std::string& property, const st
   if (member.is_process() && member.state() == State::idle) {
     // No program runs that could check the value. The next one gets the value as an argument, and checks it.
     keep_property(member, property, value);
-    done({.code = REPLY_OK, .state = member.state(), .value = value});
+    done({.code = REPLY_OK, .state = member.state(), .text = "", .value = value});
     return;
   }
   ask_property({.what = host::Request::Do::set, .module = module, .property = property, .value = value},

@@ -11,6 +11,7 @@ namespace {
 
 using nlohmann::json;
 using std::chrono::milliseconds;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
@@ -292,7 +293,8 @@ TEST_F(DeviceProperties, OfAProgramCanBeCorrectedInIdleBeforeTheProgramStartsAga
   EXPECT_EQ(set(0, "gain", "4").code, REPLY_OK);
   for (const Verb verb : {Verb::initialize, Verb::start}) EXPECT_EQ(command(verb).text, "");
   EXPECT_EQ(get(0, "gain").value, "4");
-  take_down();
+  device->stop();
+  ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
 }
 
 TEST_F(DeviceProperties, AreNamedWhenAModuleIsGivenUpAfterTheyWereSet) {
