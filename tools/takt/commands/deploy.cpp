@@ -10,6 +10,7 @@
 #include <takt/client/update.hpp>
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
+#include <takt/model/findings.hpp>
 #include <takt/os/signals.hpp>
 
 #include "commands/bring_up.hpp"
@@ -110,7 +111,7 @@ struct UndeployOptions {
 };
 
 int undeploy(const UndeployOptions& options) {
-  if (std::filesystem::is_regular_file(options.cell)) {
+  if (!model::is_valid_name(options.cell) && std::filesystem::is_regular_file(options.cell)) {
     const auto cell = descriptor::load(options.cell);
     return refuse(
         {fail(in_quotes(options.cell) + " is a file, but the name of a cell is needed",
