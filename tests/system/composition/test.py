@@ -58,7 +58,7 @@ class Composition(takt_system.Case):
         cell, parts = self.with_parts(lambda text: text.replace("<name>mirror</name> <filename>arm.so", "<name>mirror</name> <filename>nobody.so"))
         run = self.takt("deploy", cell)
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, r"(?m)^%s:22: error: device far: module pair_mirror: there is no file nobody\.so on .* \(used at %s:13\);" %
+        self.assertRegex(run.err, r"(?m)^%s:23: error: device far: module pair_mirror: there is no file nobody\.so on .* \(used at %s:13\);" %
                          (re.escape(parts), re.escape(cell)))
         self.end(nodes)
 
