@@ -241,7 +241,7 @@ class Watch(takt_system.Case):
         for module in ("robot.grid", "robot.program", "line.fails"):
             for step in ("IDLE -> INITIALIZE", "INITIALIZE -> START", "START -> EXECUTING"):
                 run.wait_for_out(r"^\d\d:\d\d:\d\d\.\d{3} %s: %s$" % (re.escape(module), step))
-        for state in ("waiting", "preparing", "ready", "running"):
+        for state in ("waiting", "preparing", "running"):  # the state "ready" can be too short for an observer to see
             run.wait_for_out(r"^\S+ robot: %s" % state)
         run.wait_for_out(r"^\S+ line\.fails: EXECUTING -> RECOVER \(failure: run\(\) threw as it was asked to\)$")
         self.finish()
