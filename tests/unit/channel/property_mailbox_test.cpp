@@ -40,7 +40,7 @@ TEST(PropertyMailbox, HoldsTheLongestNameAndValue) {
   EXPECT_EQ(request.value.view(), value);
 }
 
-TEST(PropertyMailbox, CutsOffAnAnswerThatIsTooLong) {
+TEST(PropertyMailbox, CutsOffLongAnswers) {
   PropertyAnswer answer{};
   answer.answer(1, true, std::string(PropertyAnswer::kMostText + 1, 'x'));
   EXPECT_EQ(answer.text.view(), std::string(PropertyAnswer::kMostText, 'x'));
@@ -73,7 +73,7 @@ TEST(PropertyMailbox, ForgetsAnUnansweredRequestBeforeTheProgramIsStartedAgain) 
   EXPECT_EQ(slot.property_answer.serves, 0U);
 }
 
-TEST(PropertyMailbox, PassesEachRequestAndAnswerWholeBetweenTwoThreads) {
+TEST(PropertyMailbox, PassesCompleteRequestsAndAnswersBetweenTwoThreads) {
   const int requests = how_often(20'000);
   PropertyRequest request{};
   PropertyAnswer answer{};

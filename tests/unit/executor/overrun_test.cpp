@@ -204,9 +204,10 @@ class Budget : public OverrunContract {
     module.tolerance = tolerance;
     make({module});
   }
-  /// Runs the module once for `us` microseconds. Returns true if the run raised an error.
-  bool is_error(int us) {
-    takes[0] = microseconds{us};
+  /// Runs the module once for this time. Returns true if the run raised an error.
+  bool is_error(int us) { return is_error(microseconds{us}); }
+  bool is_error(Nanoseconds takes_now) {
+    takes[0] = takes_now;
     cycle();
     const bool is = error(0) != ErrorType::none;
     if (is) {
@@ -226,6 +227,8 @@ TEST_F(Budget, RaisesAnErrorOnAnyExcessWithoutATolerance) {
   EXPECT_EQ(device->blocks[0].over_budget.load(), 1U);
   EXPECT_TRUE(is_error(1300));
   EXPECT_EQ(device->blocks[0].error_text.view(), "one run() took 1.3 ms, longer than its budget");
+  EXPECT_TRUE(is_error(Nanoseconds{1'300'001}));
+  EXPECT_EQ(device->blocks[0].error_text.view(), "one run() took 1.301 ms, longer than its budget");
 }
 
 TEST_F(Budget, ToleratesAnExcessUpToAMultipleOfTheBudget) {

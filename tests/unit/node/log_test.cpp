@@ -1,6 +1,6 @@
 #include <takt/node/log.hpp>
 
-#include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <array>
@@ -9,6 +9,7 @@
 
 #include <gmock/gmock.h>
 
+#include <long_enough.hpp>
 #include <takt/os/fd.hpp>
 
 namespace takt::node::log_test {
@@ -28,10 +29,12 @@ class PipedError {
   PipedError(const PipedError&) = delete;
   PipedError& operator=(const PipedError&) = delete;
 
-  // Reads until the text contains `what`, and returns everything.
+  // Reads until the text contains `what`, or nothing more arrives, and returns everything.
   std::string read_until(const std::string& what) {
     std::array<char, 65536> bytes{};
     while (text_.find(what) == std::string::npos) {
+      pollfd ready{.fd = reader_.get(), .events = POLLIN, .revents = 0};
+      if (::poll(&ready, 1, static_cast<int>(long_enough().count())) <= 0) break;
       const ssize_t got = ::read(reader_.get(), bytes.data(), bytes.size());
       if (got <= 0) break;
       text_.append(bytes.data(), static_cast<std::size_t>(got));

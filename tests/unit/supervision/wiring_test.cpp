@@ -235,7 +235,7 @@ TEST_F(PlannedWiring, DoesNotCountObserversAsConnections) {
   }
 }
 
-TEST_F(PlannedWiring, CountsEachConnectionOfAnOutputWhoseReadersShareAFlow) {
+TEST_F(PlannedWiring, CountsEachConnectionOfReadersThatShareAFlow) {
   cell.devices.push_back({.name = "third", .executors = {{}}, .modules = {}});
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "a", "out"), end("there", "x", "in"));

@@ -24,7 +24,7 @@ TEST(SporadicProgram, RunsItsBodyWhenItsConditionIsTrue) {
   EXPECT_EQ(bodies.value().value(), 13);
 }
 
-TEST(SporadicProgram, SeesAPropertyThatIsSetWhileItRunsFromTheNextBodyOn) {
+TEST(SporadicProgram, UsesANewPropertyValueFromTheNextBodyOn) {
   Module module{{.sporadic = true}};
   auto& bodies = module.out<basic::Count>("bodies");
   ASSERT_TRUE(module.start());
@@ -42,7 +42,7 @@ TEST(SporadicProgram, SeesAPropertyThatIsSetWhileItRunsFromTheNextBodyOn) {
   EXPECT_EQ(bodies.value().value(), 41);
 }
 
-TEST(SporadicProgram, KeepsAPropertyThatWasSetWhileItRanWhenItIsStartedAgain) {
+TEST(SporadicProgram, KeepsTheNewPropertyValueAfterARestart) {
   Module module{{.sporadic = true}};
   auto& bodies = module.out<basic::Count>("bodies");
   ASSERT_TRUE(module.start());
