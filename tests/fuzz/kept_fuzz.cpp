@@ -191,7 +191,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view rest{reinterpret_cast<const char*>(data) + 1, size - 1};
   switch (data[0]) {
     case 'd':
-      check_deployment(whole("takt deployment 2", rest));
+      check_deployment(whole("takt deployment 3", rest));
       break;
     case 'D':
       check_deployment(rest);

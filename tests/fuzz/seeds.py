@@ -70,6 +70,7 @@ def device(state, name="line", health=0, stops=False, deployment="d1", undeploye
     cdr.number("I", state).number("I", health).text("why").number("B", stops).text(deployment).number("q", NOW).text(undeployed).text(update).number("I", update_state).number("B", 1)
     cdr.number("i", 42).number("i", 43).number("I", 0).number("I", 1).number("I", 1).number("Q", 5).number("q", NOW)
     cdr.number("q", 7 * 10**9).number("I", 1).text("here").number("q", 5 * 10**9 - 10**6).number("q", 10**5)  # an answer
+    cdr.text(deployment).number("I", 4)  # its stage is final
     return b"d" + counted(cdr.bytes())
 
 
@@ -121,7 +122,8 @@ COMMANDS = {
 
 # ---- Seeds of kept_fuzz
 
-DEPLOYMENT = json.dumps({"id": "d1", "file": "cell.xml", "text": CELL, "require_real_time": False, "t0_ns": NOW, "safe": "[]"},
+DEPLOYMENT = json.dumps({"id": "d1", "file": "cell.xml", "text": CELL, "require_real_time": False, "final": True,
+                         "t0_ns": NOW, "boot": "3f1c", "t0_monotonic_ns": 1, "safe": "[]", "update": ""},
                         separators=(",", ":")).encode()
 
 
@@ -137,7 +139,7 @@ def slots(number, *placed):
 
 KEPT = {
     "deployment": b"d" + DEPLOYMENT,
-    "damaged": b"Dtakt deployment 2 0123456789abcdef\n" + DEPLOYMENT,
+    "damaged": b"Dtakt deployment 3 0123456789abcdef\n" + DEPLOYMENT,
     "saved": b"s" + json.dumps({"version": 2, "bytes": "00ff10"}).encode(),
     "other": b"Stakt saved 2 0123456789abcdef\n{}",
     "faults": slots(8, (0, slot(1, 14)), (1, slot(2)), (2, slot(3, 20))),

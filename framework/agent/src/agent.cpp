@@ -64,6 +64,7 @@ void Agent::step() {
   check_undeployed();
   check_disk();
   check_inspection();
+  step_transaction();
   step_supervised();
   check_description();
   check_swap();
@@ -129,7 +130,6 @@ DeviceStatus Agent::status() const {
   if (d != nullptr) {
     wire::set(status.deployment(), d->id);
     status.state(DEVICE_PREPARING);
-    status.t0_ns(d->t0_wall_ns.value_or(0));
     status.uninterrupted_s(static_cast<std::uint32_t>(uninterrupted().count()));
     status.modules(static_cast<std::uint32_t>(d->of_device().modules.size()));
   }
@@ -144,12 +144,12 @@ DeviceStatus Agent::status() const {
       case Phase::preparing:
         break;
       case Phase::ready:
-        status.state(d->start ? DEVICE_ARMED : DEVICE_READY);
+        status.state(d->transaction.stage == transaction::Stage::prepared ? DEVICE_READY : DEVICE_ARMED);
         break;
       case Phase::running:
-        status.state(!d->is_starting()                                 ? DEVICE_RUNNING
-                     : d->start->stage() == JointStart::Stage::started ? DEVICE_STARTED
-                                                                       : DEVICE_ARMED);
+        status.state(d->is_final()                         ? DEVICE_RUNNING
+                     : time_of(*d) >= d->transaction.t0_ns ? DEVICE_STARTED
+                                                           : DEVICE_ARMED);
         break;
       case Phase::stopping:
         status.state(DEVICE_STOPPING);
@@ -172,6 +172,11 @@ DeviceStatus Agent::status() const {
   wire::set(status.undeployed(), undeployed_but_held());
   wire::set(status.update(), update_ ? update_->id() : update_id_);
   status.update_state(update_ ? update_->state() : update_end_);
+  if (const Deployment* const newest = d != nullptr ? d : undone_.get(); newest != nullptr) {
+    wire::set(status.transaction(), newest->id);
+    status.stage(static_cast<TransactionStage>(newest->transaction.stage));
+    status.t0_ns(newest->transaction.t0_ns);
+  }
   return status;
 }
 
@@ -184,6 +189,7 @@ void Agent::publish_status() {
            [](const auto& s) { return s.deployment(); }, [](const auto& s) { return s.t0_ns(); },
            [](const auto& s) { return s.uninterrupted_s(); }, [](const auto& s) { return s.undeployed(); },
            [](const auto& s) { return s.update(); }, [](const auto& s) { return s.update_state(); },
+           [](const auto& s) { return s.transaction(); }, [](const auto& s) { return s.stage(); },
            [](const auto& s) { return s.real_time(); }, [](const auto& s) { return s.host_process_id(); },
            [](const auto& s) { return s.host_restarts(); }, [](const auto& s) { return s.modules(); },
            [](const auto& s) { return s.executing(); })) {

@@ -10,6 +10,7 @@ using model::Change;
 
 void Agent::begin_again(const Deployment& description) {
   last_refusal_.clear();
+  drop_undone();
   deployment_ = description.afresh();
   log("preparing cell " + deployment_->cell.name);
   bring_up();

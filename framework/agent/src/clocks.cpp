@@ -94,7 +94,7 @@ json Agent::clock_report() const {
 
 // Records when the clock of another device of the cell begins to differ too much, and when it agrees again.
 void Agent::check_clocks() {
-  if (!deployment_ || !deployment_->t0_wall_ns || deployment_->is_starting() || deployment_->over) return;
+  if (!deployment_ || !deployment_->is_final() || deployment_->over) return;
   for (const model::Device& device : deployment_->cell.devices) {
     const auto bounds = ahead(device.name);
     if (!bounds) continue;

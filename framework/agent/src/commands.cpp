@@ -97,9 +97,9 @@ void Agent::receive(const wire::WholeCommand& command) {
     case COMMAND_PREPARE:
       return prepare(command);
     case COMMAND_CONNECT:
-      return connect(head);
+      return connect(command);
     case COMMAND_RUN:
-      return run(command);
+      return run(head);
     case COMMAND_UNDEPLOY:
       return undeploy(head);
     case COMMAND_INITIALIZE:

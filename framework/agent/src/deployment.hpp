@@ -10,7 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <takt/agent/agent.hpp>
-#include <takt/agent/joint_start.hpp>
+#include <takt/transaction/transaction.hpp>
 
 namespace takt::agent {
 
@@ -41,20 +41,23 @@ struct Agent::Deployment {
   std::optional<Instant> prepared_at;       ///< when every module was in START
   std::optional<Instant> ready_since;       ///< since when this node has also found all other devices
   std::optional<Instant> connecting_since;  ///< when the first of `connectors` arrived
-  std::optional<std::int64_t> t0_wall_ns;   ///< T0 on the wall clock
+  transaction::State transaction;           ///< its T0 is on the wall clock
   std::optional<Instant> t0;                ///< T0 on the monotonic clock, converted once
-  std::optional<JointStart> start;          ///< set when T0 has arrived; empty if the deployment was restored
+  bool complete = false;                    ///< the device has everything that it needs to run
   bool unsaved = false;  ///< the deployment could not be written to disk; the agent will try again
   std::string update;    ///< id of the last update of this deployment; empty if there was none
   std::string safe;      ///< safe values of the cell's outputs, in the format of model::parse_safe()
-  std::string undone;    ///< the reason why the agent undoes the deployment without a command; empty if the
+  std::string undone;    ///< the reason why the agent ends the deployment without a command; empty if the
                          ///< agent does not
-  bool ended_elsewhere = false;  ///< `undone` says that another device has ended the deployment
+  bool ended_elsewhere = false;  ///< `undone` says that the deployment was undeployed on another device
   bool over = false;             ///< true: the deployment has ended by itself; its status can still be read
 
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
-  /// True if the device has not heard yet that all other devices run.
-  [[nodiscard]] bool is_starting() const { return start && start->stage() != JointStart::Stage::running; }
+  [[nodiscard]] bool is_final() const { return transaction.stage == transaction::Stage::final; }
+  /// True if the device is going to begin, or has begun.
+  [[nodiscard]] bool has_begun() const {
+    return transaction.stage == transaction::Stage::running || is_final();
+  }
   /// Returns the index of a module, which the device must have.
   [[nodiscard]] std::size_t index_of(const std::string& module) const;
   /// Returns the file and build of a module's component, for example "servo.so 1.2.0 3fa91c02". Empty if the

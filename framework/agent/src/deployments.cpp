@@ -18,6 +18,7 @@ namespace takt::agent {
 
 using json = nlohmann::ordered_json;
 using Phase = Supervised::Phase;
+using transaction::Stage;
 
 namespace {
 
@@ -77,8 +78,9 @@ std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
   again->found = found;
   again->swapped = swapped;
   again->set = set;
-  again->t0_wall_ns = t0_wall_ns;
+  again->transaction = transaction;
   again->t0 = t0;
+  again->complete = complete;
   again->update = update;
   again->safe = safe;
   return again;
@@ -107,7 +109,7 @@ void Agent::prepare(const wire::WholeCommand& command) {
     answer(head, REPLY_REFUSED, "device " + options_.device + " is being updated; try again later");
     return;
   }
-  if (std::find(undeployed_.begin(), undeployed_.end(), id) != undeployed_.end()) {
+  if ((undone_ && undone_->id == id) || was_undeployed(id)) {
     answer(head, REPLY_REFUSED, "device " + options_.device + " has already ended this deployment");
     return;
   }
@@ -136,6 +138,7 @@ void Agent::prepare(const wire::WholeCommand& command) {
 void Agent::begin(std::unique_ptr<Deployment> deployment) {
   resuming_ = false;
   last_refusal_.clear();
+  drop_undone();
   deployment_ = std::move(deployment);
   auto found = find_device(deployment_->text, deployment_->file, options_.device);
   if (!found) {
@@ -251,6 +254,8 @@ void Agent::abandon(const Problems& problems) {
   }
   if (!deployment_->undeployers.empty() || deployment_->ended_elsewhere) {
     log("cell " + deployment_->cell.name + " is undeployed");
+  } else if (deployment_->transaction.stage == Stage::undone && deployment_->t0) {
+    last_refusal_ = "cell " + deployment_->cell.name + " was not started: " + deployment_->undone;
   } else if (deployment_->preparers.empty()) {
     log("cell " + deployment_->cell.name + " could not be restored: " + in_words(problems));
     last_refusal_ = to_text(problems[0]);
@@ -265,14 +270,15 @@ void Agent::step_supervised() {
   if (!deployment_ || !deployment_->supervised || deployment_->over) return;
   Deployment& d = *deployment_;
   d.supervised->step();
-  step_start();
   switch (d.supervised->phase()) {
     case Phase::preparing:
     case Phase::running:
+      break;
     case Phase::stopping:
+      note_failure();
       break;
     case Phase::ready:
-      if (!d.ready_since && !d.t0_wall_ns && !check_others()) break;
+      if (!d.ready_since && d.transaction.stage == Stage::prepared && !check_others()) break;
       if (!d.ready_since) {
         // Count from the end of the preparation, not from now: the client sent no message while this node
         // searched for the other devices.
@@ -280,18 +286,19 @@ void Agent::step_supervised() {
         for (const Command& preparer : d.preparers)
           answer(preparer, REPLY_OK, "", model::json_text(Deployment::ports_of(d.of_device(), d.found)));
         d.preparers.clear();
-        if (d.t0_wall_ns) {
+        if (d.has_begun()) {
           go();
           if (!update_) keep_for_restart();
         }
         if (update_ && update_->in_transit()) update_->brought_up();
-      } else if (!d.start && options_.now() - *d.ready_since > kRunAwaited) {
-        undo("no run command arrived within " + takt::to_text(kRunAwaited));
+      } else if (d.has_begun()) {
+        go();
       } else {
         step_connectors();
       }
       break;
     case Phase::ended:
+      note_failure();
       finish();
       break;
   }
@@ -323,19 +330,24 @@ bool Agent::check_others() {
 bool Agent::is_prepared(const Command& command) {
   const std::string id = command.deployment().to_string();
   if (deployment_ && (id.empty() || deployment_->id == id)) return true;
-  answer(command, REPLY_REFUSED,
-         "device " + options_.device + " has not prepared " +
-             (deployment_ ? "this deployment" : "a deployment"));
+  const std::string device = "device " + options_.device;
+  if (undone_ && undone_->id == id)
+    answer(command, REPLY_REFUSED, device + " has undone this deployment: " + undone_->undone);
+  else
+    answer(command, REPLY_REFUSED,
+           device + " has not prepared " + (deployment_ ? "this deployment" : "a deployment"));
   return false;
 }
 
-void Agent::connect(const Command& command) {
+void Agent::connect(const wire::WholeCommand& whole) {
+  const Command& command = whole.head;
   if (!is_prepared(command)) return;
   Deployment& d = *deployment_;
-  if (!d.ready_since || d.supervised->phase() != Phase::ready || d.start) {
+  if (!d.ready_since || d.supervised->phase() != Phase::ready || d.transaction.stage != Stage::prepared) {
     answer(command, REPLY_REFUSED, occupied());
     return;
   }
+  d.safe = whole.data;
   if (!d.connecting_since) d.connecting_since = options_.now();
   d.connectors.push_back(command);
 }
@@ -347,89 +359,107 @@ void Agent::step_connectors() {
   if (d.connectors.empty()) return;
   const std::string unmatched = d.supervised->unmatched();
   if (unmatched.empty()) {
+    d.complete = true;
     for (const Command& connector : std::exchange(d.connectors, {})) answer(connector, REPLY_OK, "");
   } else if (options_.now() - *d.connecting_since > kConnected) {
     undo("the connection " + unmatched + " could not be made; check the network between the devices");
   }
 }
 
-void Agent::run(const wire::WholeCommand& whole) {
-  const Command& command = whole.head;
+void Agent::run(const Command& command) {
   if (!is_prepared(command)) return;
-  if (deployment_->t0_wall_ns == command.time_ns()) {  // the client has repeated the command
-    answer(command, REPLY_OK, "");
-    return;
-  }
-  if (!deployment_->supervised || deployment_->supervised->phase() != Phase::ready || deployment_->start) {
+  Deployment& d = *deployment_;
+  if (d.transaction.stage == Stage::prepared && (!d.complete || d.supervised->phase() != Phase::ready)) {
     answer(command, REPLY_REFUSED, occupied());
     return;
   }
-  const Nanoseconds ahead = span(options_.wall_ns(), command.time_ns());
-  if (ahead <= Nanoseconds{0} || ahead > kFurthestStart) {
-    answer(command, REPLY_REFUSED,
-           ahead <= Nanoseconds{0}
-               ? "the start time passed " + takt::to_text(-ahead) + " ago on device " + options_.device +
-                     "; synchronise the clocks of the devices"
-               : "the start time is " + takt::to_text(ahead) + " in the future on device " + options_.device +
-                     ", more than the allowed " + takt::to_text(kFurthestStart) +
-                     "; synchronise the clocks of the devices");
+  const auto accepted = transaction::receive_t0(d.transaction, command.time_ns(), time_of(d));
+  if (!accepted) {
+    answer(command, REPLY_REFUSED, in_words(accepted.problems()));
     return;
   }
-  Deployment& d = *deployment_;
-  d.safe = whole.data;
-  d.t0_wall_ns = command.time_ns();
-  d.t0 = options_.instant_of_wall(command.time_ns());
-  d.start.emplace(*d.t0);
+  arm(*accepted);
   answer(command, REPLY_OK, "");
 }
 
-Heard Agent::heard_from(const DeviceStatus& status) const {
-  const Deployment& d = *deployment_;
-  if (status.deployment() != d.id || status.undeployed() == d.id) return Heard::ended;
-  if (status.t0_ns() != *d.t0_wall_ns) return Heard::prepared;
-  switch (status.state()) {
-    case DEVICE_ARMED:
-      return Heard::armed;
-    case DEVICE_STARTED:
-      return Heard::started;
-    case DEVICE_RUNNING:
-      return Heard::running;
-    case DEVICE_STOPPING:
-    case DEVICE_ENDED:  // if T0 has passed, the device ran, and then failed by itself
-      return options_.now() < *d.t0 ? Heard::ended : Heard::running;
-    default:
-      return Heard::prepared;
-  }
+// Accepts T0 from the operator or from another device, and saves it before this is published.
+void Agent::arm(const transaction::State& armed) {
+  Deployment& d = *deployment_;
+  if (d.transaction.stage != Stage::prepared) return;
+  d.transaction = armed;
+  d.t0 = options_.instant_of_wall(armed.t0_ns);
+  keep_for_restart();
 }
 
-// Returns what was heard last from each other device of the cell.
-std::map<std::string, Heard> Agent::heard() const {
-  const Deployment& d = *deployment_;
-  std::map<std::string, Heard> others;
-  for (const model::Device& device : d.cell.devices) {
+// The time of the transaction: the wall clock, but the monotonic clock continues it once T0 is known, so it
+// does not matter if the wall clock is set then.
+std::int64_t Agent::time_of(const Deployment& deployment) const {
+  if (!deployment.t0) return options_.wall_ns();
+  return deployment.transaction.t0_ns + (options_.now() - *deployment.t0).count();
+}
+
+// Returns what was heard last from each other device of the cell about the deployment.
+transaction::Others Agent::heard(const Deployment& deployment) const {
+  transaction::Others others;
+  for (const model::Device& device : deployment.cell.devices) {
     if (device.name == options_.device) continue;
-    Heard& what = others[device.name];
+    std::optional<transaction::Heard>& what = others[device.name];
     for (const auto& [status, alive] : others_.of_device(device.name)) {
-      what = std::max(what, alive ? heard_from(status) : Heard::nothing);
+      if (!alive || status.transaction() != deployment.id) continue;
+      const auto stage = static_cast<Stage>(status.stage());
+      // Before this device is complete, no other device can be armed for the same deployment.
+      if (!deployment.complete && stage != Stage::undone) continue;
+      if (!what || stage > what->stage) what = transaction::Heard{stage, status.t0_ns()};
     }
   }
   return others;
 }
 
-void Agent::step_start() {
-  Deployment& d = *deployment_;
-  const Phase phase = d.supervised->phase();
-  if (!d.is_starting() || (phase != Phase::ready && phase != Phase::running)) return;
-  d.start->step(options_.now(), heard());
-  if (d.start->stage() == JointStart::Stage::failed) return undo("not all devices run: " + d.start->why());
-  if (phase == Phase::running || d.start->stage() == JointStart::Stage::armed) return;
-  go();
+// Decides, by what was heard from the other devices, whether the deployment takes place. A device is armed or
+// final on disk before it publishes this. If its node is restarted before it is final, it has failed.
+void Agent::step_transaction() {
+  if (!deployment_) return step_undone();
+  if (!deployment_->undone.empty() || !deployment_->undeployers.empty()) return;
+  while (true) {
+    Deployment& d = *deployment_;
+    const Stage before = d.transaction.stage;
+    if (before == Stage::undone) return;
+    const std::int64_t now = time_of(d);
+    d.transaction.operator_heard_ns = d.ready_since ? now - (options_.now() - *d.ready_since).count() : now;
+    const transaction::State after = transaction::next(d.transaction, heard(d), now);
+    if (after.stage == before) return;
+    if (after.stage == Stage::undone)
+      return undo((before == Stage::prepared ? "" : "not all devices run: ") + after.why);
+    if (after.stage == Stage::armed) {
+      arm(after);
+      continue;
+    }
+    d.transaction = after;
+    if (after.stage == Stage::final) keep_for_restart();
+  }
+}
+
+// Begins the deployment again that this device has undone, if every device had begun before. Once no device
+// can be final any more, the deployment need not be on disk.
+void Agent::step_undone() {
+  if (!undone_ || update_ || ending_ || resuming_) return;
+  const transaction::Others others = heard(*undone_);
+  if (!undone_->text.empty() && transaction::settled(undone_->transaction, others)) {
+    undone_->text.clear();
+    forget_kept();
+  }
+  const transaction::State after = transaction::next(undone_->transaction, others, time_of(*undone_));
+  if (after.stage != Stage::final) return;
+  log("cell " + undone_->cell.name + " begins again, because every device of the cell had begun");
+  deployment_ = std::move(undone_);
+  deployment_->transaction = after;
+  deployment_->undone.clear();
   keep_for_restart();
+  begin(std::move(deployment_));
 }
 
 void Agent::go() {
   Deployment& d = *deployment_;
-  if (!d.t0) d.t0 = options_.instant_of_wall(*d.t0_wall_ns);
   d.supervised->give_safe(model::parse_safe(d.safe));
   d.supervised->go(*d.t0);
   std::string components;
@@ -441,13 +471,30 @@ void Agent::go() {
         .cause = "cell " + d.cell.name + " runs, from " + d.file + components});
 }
 
-// Ends the deployment without a command. The other devices hear this, and end it too.
+// Undoes the deployment without a command. The other devices hear this, and undo it too, unless one of them
+// is final.
 void Agent::undo(const std::string& why) {
   Deployment& d = *deployment_;
-  d.undone = why;
+  d.transaction = transaction::fail(d.transaction, why);
   log("the deployment of cell " + d.cell.name + " is undone: " + why);
-  remember_undeployed(d.id);
-  forget_kept();
+  take_back(why);
+}
+
+// Undoes the deployment if the device has failed before T0. A device that fails after T0 fails as a running
+// device does.
+void Agent::note_failure() {
+  Deployment& d = *deployment_;
+  const bool starts = d.transaction.stage == Stage::armed || d.transaction.stage == Stage::running;
+  if (!starts || time_of(d) >= d.transaction.t0_ns || !d.undone.empty() || !d.undeployers.empty()) return;
+  const Problems& failures = d.supervised->failures();
+  d.undone = !failures.empty() ? in_words({failures[0]}) : "its node is shutting down";
+  d.transaction = transaction::fail(d.transaction, d.undone);
+}
+
+// Ends the deployment without a command.
+void Agent::take_back(const std::string& why) {
+  Deployment& d = *deployment_;
+  d.undone = why;
   if (update_) update_->drop("its deployment is undone");
   if (!d.supervised)
     abandon({fail(why)});
@@ -461,19 +508,34 @@ void Agent::undo(const std::string& why) {
 // command, because it was lost then, or because the operator was lost before sending the command to all
 // devices.
 void Agent::check_undeployed() {
-  if (!deployment_ || !deployment_->undone.empty() || !deployment_->undeployers.empty() || ending_) return;
-  for (const model::Device& device : deployment_->cell.devices) {
+  const Deployment* const d = deployment_ ? deployment_.get() : undone_.get();
+  if (d == nullptr || !d->undeployers.empty() || ending_) return;
+  for (const model::Device& device : d->cell.devices) {
     if (device.name == options_.device) continue;
     for (const auto& [status, alive] : others_.of_device(device.name)) {
-      if (!alive || status.undeployed() != deployment_->id) continue;
+      if (!alive || status.undeployed() != d->id) continue;
+      if (!deployment_) {
+        forget_kept();
+        return drop_undone();
+      }
+      if (d->ended_elsewhere) return;
       deployment_->ended_elsewhere = true;
-      return undo("device " + device.name + " has ended it");
+      remember_undeployed(deployment_->id);
+      forget_kept();
+      if (!d->undone.empty()) return;
+      const std::string why = "it was undeployed on device " + device.name;
+      log("cell " + d->cell.name + " ends: " + why);
+      return take_back(why);
     }
   }
 }
 
+bool Agent::was_undeployed(const std::string& id) const {
+  return std::find(undeployed_.begin(), undeployed_.end(), id) != undeployed_.end();
+}
+
 void Agent::remember_undeployed(const std::string& id) {
-  if (std::find(undeployed_.begin(), undeployed_.end(), id) != undeployed_.end()) return;
+  if (was_undeployed(id)) return;
   undeployed_.push_back(id);
   if (undeployed_.size() > kUndeployedKept) undeployed_.erase(undeployed_.begin());
   if (!options_.store) return;
@@ -501,7 +563,8 @@ void Agent::keep_for_restart() {
                                           .file = d.file,
                                           .text = d.text,
                                           .require_real_time = d.require_real_time,
-                                          .t0_ns = *d.t0_wall_ns,
+                                          .is_final = d.is_final(),
+                                          .t0_ns = d.transaction.t0_ns,
                                           .boot = options_.boot,
                                           .t0_monotonic_ns = to_ns(*d.t0),
                                           .safe = d.safe,
@@ -537,6 +600,7 @@ void Agent::undeploy(const Command& command) {
   if (!deployment_) {
     resuming_ = false;
     if (!id.empty()) remember_undeployed(id);
+    drop_undone();
     forget_kept();
     last_refusal_.clear();
     answer(command, REPLY_OK, "device " + options_.device + " has no deployment",
@@ -571,10 +635,9 @@ void Agent::finish() {
   ended_at_ = options_.now();
   nlohmann::ordered_json texts = nlohmann::ordered_json::array();
   for (const Problem& problem : failures) texts.push_back(to_text(problem));
-  // An operator has undeployed the cell, and another device received the command earlier. This is no failure,
-  // except while the devices start together.
-  const bool passed_on = !d.undone.empty() && (d.t0_wall_ns ? !d.is_starting() : d.ended_elsewhere);
-  if (!d.undone.empty() && !passed_on)
+  // An operator has undeployed the cell, and another device received the command earlier. This is no failure.
+  const bool passed_on = d.ended_elsewhere;
+  if (!d.undone.empty() && !passed_on && (failures.empty() || d.undone != in_words({failures[0]})))
     texts.push_back(to_text(Problem{"device " + options_.device, d.undone, ""}));
   last_id_ = d.id;
   last_data_ = model::json_text({{"report", d.supervised->report()}, {"failures", texts}});
@@ -607,7 +670,7 @@ void Agent::finish() {
   }
   if (!undeployers.empty()) forget_kept();
   if (!undeployers.empty() || passed_on) log("cell " + d.cell.name + " is undeployed");
-  if (!d.undone.empty() && d.is_starting() && undeployers.empty())
+  if (d.transaction.stage == Stage::undone && d.t0 && undeployers.empty())
     last_refusal_ = "cell " + d.cell.name + " was not started: " + d.undone;
   clear();
   publish_status();  // before the answers, so that a client with an answer sees that the device is free
@@ -622,11 +685,22 @@ void Agent::forget_kept() {
     log("warning: " + in_words(forgotten.problems()));
 }
 
+// Forgets the deployment that this device has undone, because the operator has replaced it. The other devices
+// of its cell end it.
+void Agent::drop_undone() {
+  if (undone_) remember_undeployed(std::exchange(undone_, nullptr)->id);
+}
+
 void Agent::clear() {
   if (!deployment_->describers.empty()) described(fail("the deployment ended before it was described"));
   if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device is stopping");
   if (deployment_->supervised && !deployment_->modules.empty() && !has_given_way_)
     publisher_.withdraw(deployment_->modules, deployment_->supervised->measures());
+  const Deployment& d = *deployment_;
+  if (d.transaction.stage == Stage::undone && !was_undeployed(d.id)) {
+    undone_ = d.afresh();
+    undone_->undone = d.undone;
+  }
   deployment_.reset();
 }
 
@@ -646,7 +720,7 @@ void Agent::restore() {
   // years if a clock is wrong.
   const Nanoseconds ahead =
       t0 ? span(to_ns(options_.now()), to_ns(*t0)) : span(options_.wall_ns(), (*kept)->t0_ns);
-  if (ahead > kFurthestStart) {
+  if (ahead > transaction::kFurthestStart) {
     last_refusal_ = "the start time of the saved deployment is " + takt::to_text(ahead) +
                     " in the future, which is too far; set the clock of device " + options_.device +
                     ", or deploy the cell again";
@@ -658,21 +732,37 @@ void Agent::restore() {
   deployment->file = (*kept)->file;
   deployment->text = (*kept)->text;
   deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
-  deployment->t0_wall_ns = (*kept)->t0_ns;
-  deployment->t0 = t0;
+  deployment->transaction = {.stage = (*kept)->is_final ? Stage::final : Stage::undone,
+                             .t0_ns = (*kept)->t0_ns};
+  deployment->t0 = t0 ? *t0 : options_.instant_of_wall((*kept)->t0_ns);
+  deployment->complete = true;
   deployment->safe = (*kept)->safe;
   deployment->update = (*kept)->update;
   if (!deployment->update.empty()) {
     update_id_ = deployment->update;
     update_end_ = UPDATE_KEPT;
   }
-  begin(std::move(deployment));
+  if ((*kept)->is_final)
+    begin(std::move(deployment));
+  else
+    restore_undone(std::move(deployment));
+}
+
+// Publishes that this device has undone the saved deployment, and begins it if another device is final.
+void Agent::restore_undone(std::unique_ptr<Deployment> deployment) {
+  auto found = find_device(deployment->text, deployment->file, options_.device);
+  if (!found) return;  // the descriptor was valid when it was saved, so Takt has another version now
+  deployment->cell = std::move(found->cell);
+  deployment->device = found->device;
+  deployment->undone = "it was undone before all devices ran";
+  log("cell " + deployment->cell.name + " is not restored: " + deployment->undone);
+  undone_ = std::move(deployment);
 }
 
 void Agent::report_kept() const {
   if (!options_.store) return;
   const auto kept = options_.store->kept();
-  if (!kept || !*kept) return;
+  if (!kept || !*kept || !(*kept)->is_final) return;
   const auto found = find_device((*kept)->text, (*kept)->file, options_.device);
   log((found ? "cell " + found->cell.name : "a cell") +
       " was deployed here before and is not restored; to restore it, start the node with --resume");

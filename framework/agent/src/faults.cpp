@@ -114,7 +114,7 @@ void Agent::note_answer(const Command& command, ReplyCode code, const std::strin
 
 // Records when other devices of the running cell are lost or come back.
 void Agent::check_devices() {
-  if (!deployment_ || !deployment_->t0_wall_ns || deployment_->is_starting() || deployment_->over) return;
+  if (!deployment_ || !deployment_->is_final() || deployment_->over) return;
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
     const auto seen = others_.devices(device.name);

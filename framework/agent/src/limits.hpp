@@ -15,12 +15,8 @@ inline constexpr Nanoseconds kConnected = std::chrono::seconds{10};
 /// over the network (chrony, ptp4l, systemd-timesyncd) keeps clocks much closer than this; a clock that no
 /// service sets soon differs by more than this.
 inline constexpr Nanoseconds kClocksDiffer = std::chrono::milliseconds{100};
-/// If the client sends no message for this time, the agent undoes a prepared deployment.
-inline constexpr Nanoseconds kRunAwaited = std::chrono::seconds{20};
 /// If the client sends no message for this time, the agent gives up an update that it has not begun to make.
 inline constexpr Nanoseconds kChangeAwaited = std::chrono::seconds{10};
-/// The agent rejects a T0 that lies further in the future than this.
-inline constexpr Nanoseconds kFurthestStart = std::chrono::seconds{60};
 /// A node that `takt run` started waits, before it ends, until `takt run` has received the final report, but
 /// at most for this time.
 inline constexpr Nanoseconds kReportFetched = std::chrono::seconds{2};

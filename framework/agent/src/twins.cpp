@@ -1,9 +1,9 @@
 // Decides between two nodes with one device name, so that only one of them executes.
 //
 // A node that executes keeps the device. If both execute, each of them began while it could not hear the
-// other. Each node counts how long it has executed in contact with the other devices of the cell, and the node
-// with the longer time keeps the device. A node that was cut off, or that began while it was cut off, starts to
-// count when it is back.
+// other. Each node counts how long it has executed in contact with the other devices of the cell, and the
+// node with the longer time keeps the device. A node that was cut off, or that began while it was cut off,
+// starts to count when it is back.
 #include <algorithm>
 #include <utility>
 
@@ -101,7 +101,7 @@ void Agent::give_way() {
   Deployment& d = *deployment_;
   const bool is_over = d.over || !d.undone.empty() || !d.undeployers.empty() || ending_;
   if (is_over || (d.supervised && d.supervised->phase() >= Phase::stopping)) return;
-  const bool restored = d.t0_wall_ns && !d.start;
+  const bool restored = d.transaction.stage != transaction::Stage::prepared && !d.ready_since;
   if (!restored && !both_execute_since_) return undo(name_clash_);
   if (!d.supervised) {
     deployment_.reset();

@@ -109,8 +109,8 @@ void Agent::update(const wire::WholeCommand& command) {
     return refused({device, "one of its modules is being swapped", "try again later"});
   if (deployment_ && deployment_->id != head.deployment().to_string())
     return refused({device, "it has another deployment, of cell " + deployment_->cell.name, ""});
-  const bool runs = deployment_ && !deployment_->over && !deployment_->is_starting() &&
-                    deployment_->supervised && deployment_->supervised->phase() == Phase::running;
+  const bool runs = deployment_ && !deployment_->over && deployment_->is_final() && deployment_->supervised &&
+                    deployment_->supervised->phase() == Phase::running;
   if (deployment_ && !runs)
     return refused({device, std::string{"it is not running: its state is "} + takt::to_text(status().state()),
                     "undeploy the cell and deploy it again"});
@@ -269,7 +269,7 @@ void Agent::Update::inspected(const Result<Inspected>& result) {
   data["change"] = model::to_text(change);
   data["words"] = model::in_words(difference_);
   if (agent_.deployment_) {
-    data["t0_ns"] = *agent_.deployment_->t0_wall_ns;
+    data["t0_ns"] = agent_.deployment_->transaction.t0_ns;
     data["require_real_time"] = agent_.deployment_->require_real_time;
   }
   stage_ = Stage::held;
@@ -335,7 +335,7 @@ Result<void> Agent::Update::may_change_in_place() const {
 
 void Agent::Update::change(const wire::WholeCommand& command) {
   const Change change = difference_.change;
-  const bool far = span(agent_.options_.wall_ns(), command.head.time_ns()) > kFurthestStart;
+  const bool far = span(agent_.options_.wall_ns(), command.head.time_ns()) > transaction::kFurthestStart;
   if (stage_ != Stage::held || (change == Change::added && (far || command.head.time_ns() <= 0))) {
     agent_.reply_problems(
         command.head, REPLY_REFUSED,
@@ -358,7 +358,8 @@ void Agent::Update::change(const wire::WholeCommand& command) {
     case Change::removed:
       return agent_.deployment_->supervised->stop();
     case Change::added:
-      after_->t0_wall_ns = command.head.time_ns();
+      after_->transaction = {.stage = transaction::Stage::final, .t0_ns = command.head.time_ns()};
+      after_->t0 = agent_.options_.instant_of_wall(command.head.time_ns());
       after_->require_real_time =
           agent_.options_.require_real_time || command.head.value() == wire::kRequireRealTime;
       is_after_ = true;

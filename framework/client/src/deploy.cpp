@@ -177,21 +177,18 @@ Problems Deployment::prepare(const std::string& text) {
   return model::check_connections(cell_, *ports);
 }
 
-// Waits until the ports of different devices are connected. Each device has prepared the cell before, so no
-// device waits for the ports of a device that failed.
+// Sends each device the safe values, and waits until the ports of different devices are connected. Each
+// device has prepared the cell before, so no device waits for the ports of a device that failed. Afterwards
+// each device has everything that it needs, and can also receive T0 from another device.
 Problems Deployment::connect() {
-  std::set<std::string> devices;
-  for (const model::Connection& connection : cell_.connections) {
-    if (!connection.from.given() || !connection.to.given() || connection.from.device == connection.to.device)
-      continue;
-    devices.insert({connection.from.device, connection.to.device});
-  }
   std::vector<CommandRequest> requests;
-  for (const std::string& device : devices) {
-    requests.push_back(request(COMMAND_CONNECT, device));
-    requests.back().limit.reset();
+  for (const model::Device& device : cell_.devices) {
+    CommandRequest q = request(COMMAND_CONNECT, device.name);
+    q.data = safe_;
+    q.limit.reset();
+    requests.push_back(std::move(q));
   }
-  return requests.empty() ? Problems{} : send(requests);
+  return send(requests);
 }
 
 Problems Deployment::run(std::int64_t t0_ns) {
@@ -199,7 +196,6 @@ Problems Deployment::run(std::int64_t t0_ns) {
   for (const model::Device& device : cell_.devices) {
     CommandRequest q = request(COMMAND_RUN, device.name);
     q.time_ns = t0_ns;
-    q.data = safe_;
     const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - options_.margin;
     q.limit = std::max(std::chrono::floor<std::chrono::milliseconds>(left), std::chrono::milliseconds{1});
     requests.push_back(std::move(q));
@@ -208,7 +204,7 @@ Problems Deployment::run(std::int64_t t0_ns) {
   return send(requests);
 }
 
-// Waits until each device has heard that all others run. From then on no device undoes the deployment.
+// Waits until each device is final. From then on no device undoes the deployment.
 Problems Deployment::wait_until_all_run(std::int64_t t0_ns) {
   enum class Is { running, starting, lost, not_running };
   const auto is = [&](const std::vector<wire::ObservedDevice>& devices, const model::Device& device) {
@@ -216,16 +212,12 @@ Problems Deployment::wait_until_all_run(std::int64_t t0_ns) {
     for (const wire::ObservedDevice& seen : devices) {
       if (!seen.alive || seen.name() != device.name) continue;
       const DeviceStatus& status = seen.status;
-      const bool after_t0 = wall_ns() > t0_ns;
-      const bool has_t0 = status.deployment() == id_ && status.t0_ns() == t0_ns;
-      if (!has_t0 || status.undeployed() == id_) {
+      const bool has_t0 = status.transaction() == id_ && status.t0_ns() == t0_ns;
+      if (!has_t0 || status.stage() == STAGE_UNDONE || status.undeployed() == id_) {
         // Before T0, an older status may still be on its way.
-        if (found == Is::lost) found = after_t0 ? Is::not_running : Is::starting;
+        if (found == Is::lost) found = wall_ns() > t0_ns ? Is::not_running : Is::starting;
       } else {
-        // A device that is stopping or has ended after T0 ran, and then failed by itself.
-        found = status.state() == DEVICE_RUNNING || (after_t0 && status.state() > DEVICE_RUNNING)
-                    ? Is::running
-                    : Is::starting;
+        found = status.stage() == STAGE_FINAL ? Is::running : Is::starting;
       }
     }
     return found;

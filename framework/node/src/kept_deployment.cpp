@@ -19,7 +19,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr const char* kDeploymentFormat = "takt deployment 2";
+constexpr const char* kDeploymentFormat = "takt deployment 3";
 /// The size limit of the file. In JSON, each byte of the descriptor becomes at most six bytes; the rest of
 /// the file is small.
 constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
@@ -44,6 +44,7 @@ Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
                                              {"file", deployment.file},
                                              {"text", deployment.text},
                                              {"require_real_time", deployment.require_real_time},
+                                             {"final", deployment.is_final},
                                              {"t0_ns", deployment.t0_ns},
                                              {"boot", deployment.boot},
                                              {"t0_monotonic_ns", deployment.t0_monotonic_ns},
@@ -64,21 +65,18 @@ Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
                         .file = value.at("file"),
                         .text = value.at("text"),
                         .require_real_time = value.at("require_real_time"),
-                        .boot = value.value("boot", ""),
+                        .is_final = value.at("final"),
+                        .boot = value.at("boot"),
                         .safe = value.at("safe"),
-                        .update = value.value("update", "")};
+                        .update = value.at("update")};
     const auto t0_ns = model::whole_number(value.at("t0_ns"));
     if (!t0_ns || *t0_ns > std::numeric_limits<std::int64_t>::max()) return wrong;
     kept.t0_ns = static_cast<std::int64_t>(*t0_ns);
-    if (!kept.boot.empty()) {                               // an earlier version of Takt did not write the
-                                                            // boot id
-      const json& monotonic = value.at("t0_monotonic_ns");  // negative if T0 was before the boot
-      const auto positive = model::whole_number(monotonic);
-      if (!monotonic.is_number_integer() ||
-          (positive && *positive > std::numeric_limits<std::int64_t>::max()))
-        return wrong;
-      kept.t0_monotonic_ns = monotonic;
-    }
+    const json& monotonic = value.at("t0_monotonic_ns");  // negative if T0 was before the boot
+    const auto positive = model::whole_number(monotonic);
+    if (!monotonic.is_number_integer() || (positive && *positive > std::numeric_limits<std::int64_t>::max()))
+      return wrong;
+    kept.t0_monotonic_ns = monotonic;
     return std::optional{std::move(kept)};
   } catch (const json::exception&) {
     return wrong;

@@ -110,7 +110,7 @@ std::vector<CellState::LastStatus> CellState::of_deployment(const std::string& i
                                                             const std::string& but) const {
   std::vector<LastStatus> found;
   for (const auto& [node_id, node] : nodes_) {
-    if (node.status.deployment() == id && node.status.device() != but)
+    if (node.status.transaction() == id && node.status.device() != but)
       found.push_back({node.status, node.alive});
   }
   return found;

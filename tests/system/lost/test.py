@@ -151,7 +151,7 @@ class Lost(takt_system.Case):
                          "is back, unless their nodes are restarted before", run.err.rstrip())
         self.assertEqual("-", self.status_of()["cell"])
         self.robot = self.node("robot", "--resume")
-        self.robot.wait_for_line("the deployment of cell cell is undone: device line has ended it")
+        self.robot.wait_for_line("cell cell ends: it was undeployed on device line")
         wait_until(lambda: self.status_of("robot")["state"] == "waiting", "robot to wait for a deployment")
         self.end({"robot": self.robot, "line": self.line})
 

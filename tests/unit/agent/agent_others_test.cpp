@@ -145,6 +145,7 @@ DeviceStatus runs_with_us(const std::string& device, const std::string& node) {
   wire::set(status.path(), "cell/" + device);
   wire::set(status.cell(), "cell");
   wire::set(status.deployment(), "d1");
+  wire::set(status.transaction(), "d1");
   status.state(DEVICE_RUNNING);
   return status;
 }
@@ -175,6 +176,7 @@ TEST(AgentWithOtherNodes, KeepsRunningWhenACellOfAnotherDeploymentStops) {
   device.become_running();
   DeviceStatus line = runs_with_us("line", "there");
   wire::set(line.deployment(), "d0");
+  wire::set(line.transaction(), "d0");
   line.stops_cell(true);
   device.agent.others().receive(line, 3);
   device.agent.step();

@@ -23,24 +23,27 @@ class ResumingAgent : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
-  node::DeploymentFile file_{folder_, "robot", 7};
+  std::shared_ptr<node::DeploymentFile> file_ = std::make_shared<node::DeploymentFile>(folder_, "robot", 7);
 };
 
 TEST_F(ResumingAgent, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
   device.become_ready();
-  EXPECT_FALSE(file_.kept()->has_value()) << "the deployment does not run yet";
+  EXPECT_FALSE(file_->kept()->has_value()) << "the deployment does not run yet";
+  device.connect();
+  EXPECT_FALSE(file_->kept()->has_value()) << "T0 is not known yet";
   device.run();
-  EXPECT_FALSE(file_.kept()->has_value()) << "the other device may not be armed";
+  EXPECT_FALSE((*file_->kept())->is_final) << "the other device may not be armed";
   device.start_with_line();
-  const auto kept = file_.kept();
+  const auto kept = file_->kept();
   ASSERT_TRUE(kept.ok() && *kept);
   EXPECT_EQ((*kept)->id, "d1");
   EXPECT_EQ((*kept)->text, FakeDevice::kCell);
+  EXPECT_TRUE((*kept)->is_final);
   EXPECT_EQ((*kept)->t0_ns, device.t0_wall);
   device.undeploy();
   device.end();
-  EXPECT_FALSE(file_.kept()->has_value());
+  EXPECT_FALSE(file_->kept()->has_value());
 }
 
 TEST_F(ResumingAgent, PassesOnAnUndeploymentFromBeforeItsRestart) {
@@ -61,7 +64,7 @@ TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {
   {
     FakeDevice device{file_};
     device.become_running();
-    t0 = (*file_.kept())->t0_ns;
+    t0 = (*file_->kept())->t0_ns;
     device.agent.end(false);
     device.end();
   }
@@ -75,7 +78,7 @@ TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {
   device.agent.step();
   EXPECT_EQ(device.work.t0, device.now + Nanoseconds{t0 - device.wall()});
   EXPECT_LT(*device.work.t0, device.now);
-  EXPECT_EQ((*file_.kept())->t0_ns, t0);
+  EXPECT_EQ((*file_->kept())->t0_ns, t0);
   EXPECT_TRUE(device.published.replies.empty()) << "no command was sent";
 }
 
@@ -97,9 +100,9 @@ TEST_F(ResumingAgent, KeepsTheGridIfTheWallClockChangesWithinTheSameBoot) {
     device.agent.step();
     EXPECT_EQ(device.work.t0, t0) << hours;
   }
-  KeptDeployment kept = **file_.kept();
+  KeptDeployment kept = **file_->kept();
   kept.boot = "another";
-  ASSERT_TRUE(file_.keep(kept).ok());
+  ASSERT_TRUE(file_->keep(kept).ok());
   FakeDevice device{file_};
   device.set = std::chrono::hours{-1};
   device.resume();
@@ -120,13 +123,13 @@ TEST_F(ResumingAgent, RetriesAFailedSaveAndReportsItOnlyOnce) {
   EXPECT_EQ(reports(), 1);
   std::filesystem::remove(folder_);
   for (int i = 0; i < 10; ++i) device.pass(seconds{1});
-  ASSERT_TRUE(file_.kept().ok() && *file_.kept());
-  EXPECT_EQ((*file_.kept())->id, "d1");
+  ASSERT_TRUE(file_->kept().ok() && *file_->kept());
+  EXPECT_EQ((*file_->kept())->id, "d1");
   EXPECT_EQ(reports(), 1);
   device.undeploy();
   device.end();
   for (int i = 0; i < 10; ++i) device.pass(seconds{1});
-  EXPECT_FALSE(file_.kept()->has_value());
+  EXPECT_FALSE(file_->kept()->has_value());
 }
 
 TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
@@ -141,10 +144,10 @@ TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_FAILED);
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("no file servo.so"));
-  EXPECT_TRUE(file_.kept()->has_value());
+  EXPECT_TRUE(file_->kept()->has_value());
   device.undeploy();
   EXPECT_EQ(device.status().health(), HEALTH_OK);
-  EXPECT_FALSE(file_.kept()->has_value());
+  EXPECT_FALSE(file_->kept()->has_value());
 }
 
 TEST_F(ResumingAgent, IsNotSaidToHaveFailedIfItsCellIsUndeployedMeanwhile) {
@@ -162,9 +165,9 @@ TEST_F(ResumingAgent, IsNotSaidToHaveFailedIfItsCellIsUndeployedMeanwhile) {
       device.agent.others().receive(line, FakeDevice::kLine);
       device.agent.step();
     } else {
-      const auto kept = *file_.kept();
+      const auto kept = *file_->kept();
       device.undeploy();
-      ASSERT_TRUE(file_.keep(*kept).ok());
+      ASSERT_TRUE(file_->keep(*kept).ok());
     }
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
     EXPECT_EQ(device.status().health(), HEALTH_OK);
@@ -177,19 +180,19 @@ TEST_F(ResumingAgent, RejectsASavedDeploymentThatStartsFarInTheFuture) {
     FakeDevice device{file_};
     device.become_running();
   }
-  KeptDeployment kept = **file_.kept();
+  KeptDeployment kept = **file_->kept();
   for (const std::int64_t ahead :
        {std::int64_t{3600'000'000'000}, std::numeric_limits<std::int64_t>::max() - kept.t0_ns}) {
     KeptDeployment later = kept;
     later.t0_ns += ahead;
     later.boot = "another";
-    ASSERT_TRUE(file_.keep(later).ok());
+    ASSERT_TRUE(file_->keep(later).ok());
     FakeDevice device{file_};
     device.resume();
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
     EXPECT_EQ(device.status().health(), HEALTH_FAILED);
     EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
-    EXPECT_TRUE(file_.kept()->has_value());
+    EXPECT_TRUE(file_->kept()->has_value());
   }
 }
 

@@ -79,6 +79,7 @@ TEST(Agent, RejectsExtremeTimesInCommandsWithoutOverflow) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   FakeDevice device;
   device.become_ready();
+  device.connect();
   for (const std::int64_t time : {kMin, std::int64_t{-1}, std::int64_t{1}, kMax}) {
     wire::WholeCommand run = device.command(COMMAND_RUN);
     run.head.time_ns(time);
@@ -135,6 +136,9 @@ TEST(Agent, RunsAPreparedDeploymentOnCommand) {
   EXPECT_EQ(device.status().state(), DEVICE_READY);
   EXPECT_FALSE(device.work.t0);
 
+  device.run(milliseconds{300});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "it does not have the safe values yet";
+  device.connect();
   device.run(milliseconds{300});
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.status().state(), DEVICE_ARMED);
@@ -284,6 +288,7 @@ TEST(Agent, RejectsASecondDeployment) {
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.become_prepared();
+  device.connect();
   device.run();
   device.start_with_line();
   device.prepare("d2");
@@ -312,6 +317,7 @@ TEST(Agent, AnswersARepeatedPrepareCommand) {
 TEST(Agent, RejectsAStartTimeInThePastOrFarInTheFuture) {
   FakeDevice device;
   device.become_ready();
+  device.connect();
   device.run(milliseconds{-30});
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(), HasSubstr("passed 30 ms ago"));
@@ -335,7 +341,8 @@ TEST(Agent, UndoesAPreparedDeploymentThatTheClientNeverStarts) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
   device.run();
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("has not prepared a deployment"));
+  EXPECT_THAT(device.text(),
+              HasSubstr("has undone this deployment: no message of the operator arrived within 20 s"));
 }
 
 // Expects that the pending command fails for `reason` after 10 s, but not earlier, because the nodes or their
@@ -367,7 +374,7 @@ TEST(Agent, UndoesADeploymentIfAConnectionCannotBeMade) {
   device.become_ready();
   device.work.unmatched = "robot.arm.out -> line.panel.in";
   device.published.replies.clear();
-  device.receive(device.command(COMMAND_CONNECT));
+  device.connect();
   expect_undone_after_10_s(device,
                            "the connection robot.arm.out -> line.panel.in could not be made; check the "
                            "network between the devices");
@@ -378,7 +385,11 @@ TEST(Agent, AnswersAsSoonAsItsConnectionsAreMade) {
   device.become_ready();
   device.work.unmatched = "robot.arm.out -> line.panel.in";
   device.published.replies.clear();
-  device.receive(device.command(COMMAND_CONNECT));
+  device.connect();
+  device.run();
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  device.published.replies.clear();
+  device.agent.step();
   EXPECT_TRUE(device.published.replies.empty());
   device.work.unmatched = "";
   device.pass(milliseconds{10});
@@ -390,6 +401,7 @@ TEST(Agent, AnswersAsSoonAsItsConnectionsAreMade) {
 TEST(Agent, UndoesADeploymentIfAnotherDeviceIsNotArmedAtT0) {
   FakeDevice device;
   device.become_ready();
+  device.connect();
   device.run();
   device.hear_line(DEVICE_READY);
   device.pass(milliseconds{499});
@@ -397,30 +409,137 @@ TEST(Agent, UndoesADeploymentIfAnotherDeviceIsNotArmedAtT0) {
   device.pass(milliseconds{1});
   EXPECT_TRUE(device.work.stop_called);
   EXPECT_FALSE(device.work.t0) << "nothing has run";
-  EXPECT_EQ(device.status().undeployed(), "d1") << "so that line undoes the deployment too";
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE) << "so that line undoes the deployment too";
   device.end();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-  EXPECT_EQ(device.status().undeployed(), "d1") << "line still has it";
+  EXPECT_EQ(device.status().transaction(), "d1");
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
   EXPECT_EQ(device.status().text(),
             "cell cell was not started: not all devices run: T0 came before it was heard from line");
-  DeviceStatus free = device.of_line(DEVICE_WAITING);
-  wire::set(free.deployment(), "");
-  device.agent.others().receive(free, FakeDevice::kLine);
-  device.agent.step();
-  EXPECT_EQ(device.status().undeployed(), "");
   device.prepare("d1");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a late command must not prepare it again";
+}
+
+TEST(Agent, AcceptsT0FromAnotherDeviceIfTheOperatorIsLost) {
+  FakeDevice device;
+  device.become_ready();
+  device.t0_wall = device.wall() + 500'000'000;
+  device.hear_line(DEVICE_ARMED);
+  EXPECT_EQ(device.status().state(), DEVICE_READY) << "it does not have the safe values yet";
+  device.connect(model::safe_json({{{"line", "belt", "state"}, R"({"speed": 0})"}}));
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_ARMED);
+  EXPECT_EQ(device.status().t0_ns(), device.t0_wall);
+  device.start_with_line();
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+  EXPECT_EQ(device.work.safe.size(), 1U);
+}
+
+TEST(Agent, UndoesADeploymentThatAnotherDeviceHasUndone) {
+  for (const bool armed : {false, true}) {
+    FakeDevice device;
+    device.become_ready();
+    if (armed) {
+      device.connect();
+      device.run();
+    }
+    DeviceStatus line = device.of_line(DEVICE_WAITING);
+    wire::set(line.deployment(), "");
+    wire::set(line.transaction(), "d1");
+    line.stage(STAGE_UNDONE);
+    device.agent.others().receive(line, FakeDevice::kLine);
+    device.agent.step();
+    EXPECT_TRUE(device.work.stop_called);
+    EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+  }
+}
+
+TEST(Agent, UndoesTheDeploymentIfTheDeviceFailsBeforeT0) {
+  FakeDevice device;
+  device.become_ready();
+  device.connect();
+  device.run();
+  device.hear_line(DEVICE_ARMED);
+  device.pass(milliseconds{300});
+  EXPECT_EQ(device.status().stage(), STAGE_RUNNING);
+  device.work.failures = {fail("the host has crashed")};
+  device.work.phase = Phase::stopping;
+  device.agent.step();
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE) << "at once, so that no other device becomes final";
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().text(), "cell cell was not started: the host has crashed");
+  device.undeploy("d1");
+  EXPECT_EQ(device.data()["failures"].size(), 1U);
+}
+
+/// A device that has undone deployment d1, because it lost the other device soon after T0. The other device
+/// may have heard that all devices run.
+class UndoneDevice : public testing::Test {
+ protected:
+  UndoneDevice() {
+    device.become_ready();
+    device.connect();
+    device.run();
+    device.hear_line(DEVICE_ARMED);
+    device.pass(milliseconds{500});
+    device.agent.others().lost(FakeDevice::kLine);
+    device.pass(transaction::kHeardWithin + milliseconds{1});
+    device.end();
+    EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+    EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+  }
+  FakeDevice device;
+};
+
+TEST_F(UndoneDevice, BeginsAgainIfAnotherDeviceIsFinal) {
+  device.hear_line(DEVICE_STARTED);
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+  device.pass(milliseconds{10});
+  device.work.phase = Phase::ready;
+  device.pass(milliseconds{10});
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+  EXPECT_EQ(device.work.t0, device.now + Nanoseconds{device.t0_wall - device.wall()}) << "on the same grid";
+}
+
+TEST_F(UndoneDevice, DoesNotBeginAgainOnceItIsUndeployed) {
+  device.undeploy("d1");
+  EXPECT_EQ(device.status().transaction(), "");
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().undeployed(), "d1") << "so that line ends it too";
+}
+
+TEST_F(UndoneDevice, DoesNotBeginAgainAfterAnotherDeployment) {
+  device.prepare("d2");
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_EQ(device.status().transaction(), "d2");
+  EXPECT_EQ(device.status().undeployed(), "d1") << "so that line ends it";
+}
+
+TEST_F(UndoneDevice, ForgetsTheDeploymentIfItWasUndeployedOnAnotherDevice) {
+  DeviceStatus line = device.of_line(DEVICE_WAITING);
+  wire::set(line.deployment(), "");
+  wire::set(line.undeployed(), "d1");
+  device.agent.others().receive(line, FakeDevice::kLine);
+  device.agent.step();
+  EXPECT_EQ(device.status().transaction(), "");
 }
 
 TEST(Agent, EndsTheDeploymentIfAnotherDeviceDoesNotReportThatItRunsSoonAfterT0) {
   FakeDevice device;
   device.become_ready();
+  device.connect();
   device.run();
   device.hear_line(DEVICE_ARMED);
   device.pass(milliseconds{500});
   EXPECT_EQ(device.status().state(), DEVICE_STARTED);
   device.agent.others().lost(FakeDevice::kLine);
-  device.pass(JointStart::kHeardWithin);
+  device.pass(transaction::kHeardWithin);
   EXPECT_FALSE(device.work.stop_called);
   device.pass(milliseconds{1});
   EXPECT_TRUE(device.work.stop_called);
@@ -577,12 +696,8 @@ TEST(Agent, SetsTheSafeValuesOfTheCellBeforeItRuns) {
   FakeDevice device;
   device.become_ready();
   const model::SafeOutput output{{"line", "belt", "state"}, R"({"speed": 0})"};
-  wire::WholeCommand run = device.command(COMMAND_RUN);
-  run.head.deployment("d1");
-  run.head.time_ns(device.wall() + 1'000'000);
-  run.data = model::safe_json({output});
-  device.receive(run);
-  device.t0_wall = run.head.time_ns();
+  device.connect(model::safe_json({output}));
+  device.run(milliseconds{1});
   device.hear_line(DEVICE_ARMED);
   EXPECT_TRUE(device.work.t0);
   EXPECT_EQ(device.work.safe, (std::vector<model::SafeOutput>{output}));

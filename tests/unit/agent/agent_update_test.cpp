@@ -109,7 +109,7 @@ class AgentUpdate : public testing::Test {
   }
 
   std::string folder_ = testing::TempDir() + "takt-update-" + std::to_string(os::process_id());
-  node::DeploymentFile file_{folder_, "robot", 7};
+  std::shared_ptr<node::DeploymentFile> file_ = std::make_shared<node::DeploymentFile>(folder_, "robot", 7);
   FakeDevice device{file_};
 };
 
@@ -122,7 +122,7 @@ TEST_F(AgentUpdate, OnlySavesTheDescriptorIfNoModuleChanges) {
       << "the reply lists each module with its ports, so that connections from other devices can be checked";
   EXPECT_EQ(send(step(COMMAND_CHANGE))->code(), REPLY_OK);
   EXPECT_EQ(keep()->code(), REPLY_OK);
-  EXPECT_THAT((*file_.kept())->text, HasSubstr("the same"));
+  EXPECT_THAT((*file_->kept())->text, HasSubstr("the same"));
   EXPECT_FALSE(device.work.stop_called);
   EXPECT_EQ(device.work.inspections.size(), 2U) << "the files may have been rebuilt";
 }
@@ -138,10 +138,10 @@ TEST_F(AgentUpdate, InspectsAChangedComponentBeforeTheSwap) {
   EXPECT_THAT(device.work.swaps, ElementsAre(std::pair{1U, std::string{"/arm2.so"}}));
   done();
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
-  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell) << "the update can still be undone";
+  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell) << "the update can still be undone";
   EXPECT_EQ(keep()->code(), REPLY_OK);
-  EXPECT_EQ((*file_.kept())->text, kFile);
-  EXPECT_EQ((*file_.kept())->file, "new.xml");
+  EXPECT_EQ((*file_->kept())->text, kFile);
+  EXPECT_EQ((*file_->kept())->file, "new.xml");
   EXPECT_FALSE(device.work.stop_called);
   EXPECT_THAT(device.published.faults.back().cause().to_string(),
               HasSubstr("update to new.xml was carried out"));
@@ -164,7 +164,7 @@ TEST_F(AgentUpdate, RestoresThePropertyValueThatAnOperatorHadSet) {
   done();
   EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
   EXPECT_EQ(answer_to(back)->value(), wire::kAsBefore);
-  EXPECT_EQ((*file_.kept())->text, kGain1);
+  EXPECT_EQ((*file_->kept())->text, kGain1);
   EXPECT_TRUE(accepts(kGain2, "u2")) << "the device accepts the next update";
 }
 
@@ -303,9 +303,9 @@ TEST_F(AgentUpdate, KeepsTheGridWhenItRestartsTheDevice) {
   become_ready();
   EXPECT_EQ(device.work.t0, t0);
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
-  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
+  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell);
   keep();
-  EXPECT_EQ((*file_.kept())->text, kPeriod);
+  EXPECT_EQ((*file_->kept())->text, kPeriod);
   for (const FaultEvent& event : device.published.faults)
     EXPECT_NE(event.kind(), FAULT_UNDEPLOYED) << event.cause();
 }
@@ -328,7 +328,7 @@ TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneCannotStart) {
   EXPECT_THAT(answer_to(change)->text().to_string(), HasSubstr("servo cannot be initialised"));
   EXPECT_EQ(answer_to(change)->value(), wire::kAsBefore);
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
-  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
+  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell);
 }
 
 TEST_F(AgentUpdate, FailsIfNeitherTheNewNorTheOldDeploymentCanStart) {
@@ -344,7 +344,7 @@ TEST_F(AgentUpdate, FailsIfNeitherTheNewNorTheOldDeploymentCanStart) {
   EXPECT_EQ(answer_to(change)->value(), "");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_FAILED);
-  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell) << "--resume can try again";
+  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell) << "--resume can try again";
 }
 
 TEST_F(AgentUpdate, RestoresARestartedDeviceWhenAnotherDeviceFails) {
@@ -415,9 +415,9 @@ TEST_F(AgentUpdate, StartsAnAddedDeviceOnTheGridOfTheOtherDevices) {
   EXPECT_EQ(device.work.t0, device.now - seconds{10});
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
   keep();
-  EXPECT_FALSE(file_.kept()->has_value()) << "it does not know the devices that the update removes";
+  EXPECT_FALSE(file_->kept()->has_value()) << "it does not know the devices that the update removes";
   others_say(UPDATE_KEPT);
-  EXPECT_EQ((*file_.kept())->id, "d1");
+  EXPECT_EQ((*file_->kept())->id, "d1");
 }
 
 TEST_F(AgentUpdate, StopsAnAddedDeviceWhenTheUpdateIsUndone) {
@@ -447,10 +447,10 @@ TEST_F(AgentUpdate, CanRestoreADeviceThatItRemoved) {
     end_device();
     EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-    EXPECT_TRUE(file_.kept()->has_value());
+    EXPECT_TRUE(file_->kept()->has_value());
     if (kept) {
       others_say(UPDATE_CHANGED, id, {"line", "other"});
-      EXPECT_FALSE(file_.kept()->has_value());
+      EXPECT_FALSE(file_->kept()->has_value());
       break;
     }
     const auto back = step(COMMAND_PUT_BACK, id);
@@ -484,6 +484,7 @@ TEST_F(AgentUpdate, IsRejectedUnlessTheGivenDeploymentIsRunning) {
   device.become_ready();
   EXPECT_FALSE(accepts(kFile));
   EXPECT_THAT(device.text(), HasSubstr("it is not running: its state is ready"));
+  device.connect();
   device.run();
   wire::WholeCommand other = step(COMMAND_UPDATE);
   other.head.deployment("d2");
@@ -520,7 +521,7 @@ TEST_F(AgentUpdate, IsGivenUpWhenTheClientStopsSendingKeepAlives) {
   EXPECT_EQ(device.status().update_state(), UPDATE_UNDONE) << "so that the other devices undo it too";
   EXPECT_EQ(send(step(COMMAND_CHANGE))->code(), REPLY_REFUSED);
   EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_FAILED);
-  EXPECT_EQ((*file_.kept())->text, FakeDevice::kCell);
+  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell);
 }
 
 TEST_F(AgentUpdate, IsKeptWithoutTheClientIfAllDevicesHaveMadeTheirChanges) {
@@ -536,8 +537,8 @@ TEST_F(AgentUpdate, IsKeptWithoutTheClientIfAllDevicesHaveMadeTheirChanges) {
   EXPECT_EQ(device.status().update_state(), UPDATE_CHANGED) << "it cannot decide alone";
   others_say(UPDATE_CHANGED);
   EXPECT_EQ(device.status().update_state(), UPDATE_KEPT);
-  EXPECT_EQ((*file_.kept())->text, kFile);
-  EXPECT_EQ((*file_.kept())->update, "u1");
+  EXPECT_EQ((*file_->kept())->text, kFile);
+  EXPECT_EQ((*file_->kept())->update, "u1");
   EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_OK);
   const auto back = step(COMMAND_PUT_BACK);
   EXPECT_EQ(send(back)->code(), REPLY_REFUSED);

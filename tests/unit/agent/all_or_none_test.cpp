@@ -30,6 +30,29 @@ std::string cell_of(std::size_t devices, const std::string& period = "1000000") 
   return text + "</cell>";
 }
 
+/// A disk that survives the node.
+class Disk final : public DeploymentStore {
+ public:
+  Result<void> keep(const KeptDeployment& deployment) const override {
+    kept_ = deployment;
+    return {};
+  }
+  [[nodiscard]] Result<std::optional<KeptDeployment>> kept() const override { return kept_; }
+  Result<void> forget() const override {
+    kept_.reset();
+    return {};
+  }
+  Result<void> keep_undeployed(const std::vector<std::string>& ids) const override {
+    undeployed_ = ids;
+    return {};
+  }
+  [[nodiscard]] Result<std::vector<std::string>> undeployed() const override { return undeployed_; }
+
+ private:
+  mutable std::optional<KeptDeployment> kept_;
+  mutable std::vector<std::string> undeployed_;
+};
+
 /// A fault in one run. Times are counted from the operator's first command.
 struct Fault {
   enum class Kind {
@@ -37,6 +60,7 @@ struct Fault {
     cut_one_way,
     pause,
     kill,
+    restart,  ///< the node is killed, and a new one with the same disk starts `lasts` later
     doubled,  ///< each command to the device arrives a second time, `lasts` later
   };
   Kind kind = Kind::cut;
@@ -46,7 +70,7 @@ struct Fault {
   milliseconds lasts{0};
 
   [[nodiscard]] std::string text() const {
-    const std::vector<std::string> kinds{"cut", "one-way cut", "pause", "kill", "second copies"};
+    const std::vector<std::string> kinds{"cut", "one-way cut", "pause", "kill", "restart", "second copies"};
     return kinds[static_cast<std::size_t>(kind)] + " of " + std::to_string(at) + " (" +
            std::to_string(other) + ") from " + std::to_string(from.count()) + " ms for " +
            std::to_string(lasts.count()) + " ms";
@@ -63,9 +87,11 @@ class World {
   World(std::size_t devices, std::vector<Fault> faults, std::optional<Update> update = {})
       : faults_(std::move(faults)), update_(update) {
     for (std::size_t i = 0; i < devices; ++i) {
-      nodes_.push_back(std::make_unique<FakeDevice>(std::optional<node::DeploymentFile>{}, false, nullptr, "",
-                                                    "d" + std::to_string(i)));
-      nodes_.back()->work.inspected = Inspected{.paths = {"/m.so"}};
+      disks_.push_back(std::make_shared<Disk>());
+      nodes_.push_back(new_node(i));
+    }
+    for (const Fault& fault : faults_) {
+      if (fault.kind == Fault::Kind::restart) restarts_.push_back(fault);
     }
     heard_.assign(devices, std::vector<Instant>(devices + 1, now()));
     lost_.assign(devices, std::vector<bool>(devices + 1, true));
@@ -80,6 +106,7 @@ class World {
 
   void run_until(milliseconds end) {
     while (time_ < end) {
+      restart_nodes();
       step_devices();
       if (operator_present()) step_operator();
       time_ += time_ < seconds{8} ? kTick : 5 * kTick;
@@ -104,6 +131,8 @@ class World {
   [[nodiscard]] bool all_ran_at_exit() const { return all_ran_at_exit_; }
   enum class Exit { none, ok, unchanged, unknown };
   [[nodiscard]] Exit exit() const { return exit_; }
+  /// The number of devices that have received T0 from the operator.
+  [[nodiscard]] std::size_t have_t0() const { return have_t0_; }
   [[nodiscard]] bool all_started() const {
     return std::find(ever_started_.begin(), ever_started_.end(), false) == ever_started_.end();
   }
@@ -118,9 +147,8 @@ class World {
   [[nodiscard]] bool active(std::size_t who) const {
     if (killed(who)) return false;
     for (const Fault& fault : faults_) {
-      if (fault.kind == Fault::Kind::pause && fault.at == who && time_ >= fault.from &&
-          time_ < fault.from + fault.lasts)
-        return false;
+      const bool is_away = fault.kind == Fault::Kind::pause || fault.kind == Fault::Kind::restart;
+      if (is_away && fault.at == who && time_ >= fault.from && time_ < fault.from + fault.lasts) return false;
     }
     return true;
   }
@@ -133,6 +161,21 @@ class World {
       if (fault.kind == Fault::Kind::cut_one_way && there) return false;
     }
     return active(from) && active(to);
+  }
+
+  [[nodiscard]] std::unique_ptr<FakeDevice> new_node(std::size_t i) const {
+    auto node = std::make_unique<FakeDevice>(disks_[i], false, nullptr, "", "d" + std::to_string(i));
+    node->work.inspected = Inspected{.paths = {"/m.so"}};
+    node->now = now();
+    return node;
+  }
+  void restart_nodes() {
+    for (Fault& fault : restarts_) {
+      if (time_ < fault.from + fault.lasts || fault.lasts == milliseconds{0}) continue;
+      fault.lasts = milliseconds{0};
+      nodes_[fault.at] = new_node(fault.at);
+      nodes_[fault.at]->agent.resume();
+    }
   }
 
   /// Returns `status` as device `to` receives it. It then contains an immediate answer to that device's own
@@ -178,6 +221,7 @@ class World {
       if (link(n, i)) {
         for (const wire::WholeCommand& command : std::exchange(sent_[i], {})) {
           node.receive(command);
+          have_t0_ += command.head.kind() == COMMAND_RUN ? 1 : 0;
           for (const Fault& fault : faults_) {
             if (fault.kind == Fault::Kind::doubled && fault.at == i)
               copies_.push_back({now() + fault.lasts, i, command});
@@ -235,41 +279,48 @@ class World {
       case 1:
         if (const Replies replies = all_replies(seconds{10}); replies != Replies::open) {
           if (replies == Replies::bad) return undo(false);
+          for (std::size_t i = 0; i < n; ++i) send(i, command(i, COMMAND_CONNECT), seconds{10});
+          stage_ = 2;
+        }
+        return;
+      case 2:
+        if (const Replies replies = all_replies(seconds{10}); replies != Replies::open) {
+          if (replies == Replies::bad) return undo(false);
           t0_ = wall() + 1'000'000'000;
           for (std::size_t i = 0; i < n; ++i) {
             wire::WholeCommand run = command(i, COMMAND_RUN);
             run.head.time_ns(t0_);
             send(i, run, milliseconds{800});
           }
-          stage_ = 2;
-        }
-        return;
-      case 2:
-        if (const Replies replies = all_replies(milliseconds{800}); replies != Replies::open) {
-          if (replies == Replies::bad) return undo(true);
           stage_ = 3;
         }
         return;
-      case 3: {
+      case 3:
+        if (const Replies replies = all_replies(milliseconds{800}); replies != Replies::open) {
+          if (replies == Replies::bad) return undo(true);
+          stage_ = 4;
+        }
+        return;
+      case 4: {
         bool all = true;
         bool failed = wall() - t0_ > 6'000'000'000;
         for (const Seen& seen : seen_) {
-          const bool ours = seen.status.deployment() == "d1" && seen.status.undeployed() != "d1" &&
-                            seen.status.t0_ns() == t0_;
-          all &= seen.alive && ours && seen.status.state() >= DEVICE_RUNNING && wall() > t0_;
+          const bool ours = seen.status.transaction() == "d1" && seen.status.undeployed() != "d1" &&
+                            seen.status.t0_ns() == t0_ && seen.status.stage() != STAGE_UNDONE;
+          all &= seen.alive && ours && seen.status.stage() == STAGE_FINAL;
           failed |= seen.alive && !ours && wall() > t0_;
         }
         if (!all && !failed) return;
         if (failed) return undo(true);
         exit_ = update_ ? Exit::none : Exit::ok;
         all_ran_at_exit_ = std::find(ever_ran_.begin(), ever_ran_.end(), false) == ever_ran_.end();
-        stage_ = update_ ? 10 : 5;
+        stage_ = update_ ? 10 : 6;
         return;
       }
-      case 4:
+      case 5:
         if (const Replies replies = all_replies(seconds{120}); replies != Replies::open) {
           exit_ = replies == Replies::bad || (run_sent_ && unreached_) ? Exit::unknown : Exit::unchanged;
-          stage_ = 5;
+          stage_ = 6;
         }
         return;
       default:
@@ -316,7 +367,7 @@ class World {
       case 13:
         if (all_replies(seconds{20}) == Replies::open) return;
         exit_ = any(REPLY_OK) ? Exit::ok : any(REPLY_FAILED) ? Exit::unchanged : Exit::unknown;
-        stage_ = 5;
+        stage_ = 6;
         return;
       case 20:
         return send_all(COMMAND_PUT_BACK, seconds{10});
@@ -325,7 +376,7 @@ class World {
           exit_ = any(REPLY_REFUSED)                          ? Exit::ok
                   : any(REPLY_OK) && replies == Replies::good ? Exit::unchanged
                                                               : Exit::unknown;
-          stage_ = 5;
+          stage_ = 6;
         }
         return;
       default:
@@ -359,7 +410,8 @@ class World {
     for (Open& one : open_) {
       one.done.reset();
       for (const wire::WholeReply& reply : replied_[one.device]) {
-        if (reply.head.id() != one.id || one.done) continue;  // as in Operator::send(), the first reply counts
+        if (reply.head.id() != one.id || one.done)
+          continue;  // as in Operator::send(), the first reply counts
         codes.push_back(reply.head.code());
         one.done = reply.head.code() == REPLY_OK ? 1 : 2;
       }
@@ -382,7 +434,7 @@ class World {
       else
         unreached_ = true;
     }
-    stage_ = 4;
+    stage_ = 5;
   }
 
   struct Seen {
@@ -406,7 +458,9 @@ class World {
   Instant kept_alive_{};
   std::vector<ReplyCode> codes_;
   milliseconds time_{0};
+  std::vector<std::shared_ptr<Disk>> disks_;  // outlive the nodes
   std::vector<std::unique_ptr<FakeDevice>> nodes_;
+  std::vector<Fault> restarts_;              // those that are still to come; `lasts` is 0 for the others
   std::vector<std::vector<Instant>> heard_;  // by sender and receiver
   std::vector<std::vector<bool>> lost_;
   std::vector<Instant> phase_since_;
@@ -414,6 +468,7 @@ class World {
   std::vector<bool> ever_started_;
   std::vector<bool> ever_ran_;
   std::uint64_t sequence_ = 0;
+  std::size_t have_t0_ = 0;
   // The following members are the state of the operator.
   int stage_ = 0;
   int ids_ = 0;
@@ -475,7 +530,8 @@ milliseconds every(int full_ms, int short_ms) {
   return milliseconds{kSanitized ? 12 * short_ms : short_ms};
 }
 
-/// The sizes of the cells. Code under sanitizers is ten times slower, and a larger cell shows them nothing new.
+/// The sizes of the cells. Code under sanitizers is ten times slower, and a larger cell shows them nothing
+/// new.
 std::vector<std::size_t> sizes() {
   if (kSanitized) return {2};
   return {2, 3};
@@ -521,13 +577,29 @@ TEST(AllOrNone, HoldsIfAllLinksOfTheOperatorAreCutAtAnyMoment) {
   }
 }
 
-TEST(AllOrNone, HoldsIfAnyProgramDiesOrPausesAtAnyMoment) {
+// The link to device 1 is cut, and then the operator is killed. At some moment of the cut, only device 0 has
+// T0.
+TEST(AllOrNone, ACellRunsIfTheOperatorIsLostAfterItHasSentT0ToOneDevice) {
+  std::size_t ran = 0;
+  for (milliseconds from{0}; from < seconds{1}; from += milliseconds{20}) {
+    World world{
+        2, {{Fault::Kind::cut, 1, 2, from, seconds{60}}, {Fault::Kind::kill, 2, 0, from + milliseconds{40}}}};
+    world.run_until(seconds{30});
+    EXPECT_EQ(world.runs(0), world.runs(1));
+    ran += world.have_t0() == 1 && world.runs(0) ? 1 : 0;
+  }
+  EXPECT_GT(ran, 0U);
+}
+
+TEST(AllOrNone, HoldsIfAnyProgramDiesPausesOrIsRestartedAtAnyMoment) {
   for (const std::size_t devices : sizes()) {
     for (const std::size_t at : {std::size_t{0}, devices - 1, devices}) {
       for (milliseconds from{0}; from < kLast; from += every(20, 620)) {
         check(devices, {{Fault::Kind::kill, at, 0, from, milliseconds{0}}});
-        for (const int lasts : {200, 1000, 4000, 30000})
+        for (const int lasts : {200, 1000, 4000, 30000}) {
           check(devices, {{Fault::Kind::pause, at, 0, from, milliseconds{lasts}}});
+          if (at != devices) check(devices, {{Fault::Kind::restart, at, 0, from, milliseconds{lasts}}});
+        }
       }
     }
   }
@@ -537,6 +609,12 @@ TEST(AllOrNone, HoldsIfTwoFaultsOccur) {
   for (milliseconds from{0}; from < seconds{3}; from += every(100, 500)) {
     for (milliseconds second{0}; second < seconds{3}; second += every(100, 500)) {
       check(2, {{Fault::Kind::cut, 0, 1, from, seconds{4}}, {Fault::Kind::kill, 2, 0, second, seconds{0}}});
+      check(2,
+            {{Fault::Kind::restart, 0, 0, from, seconds{1}}, {Fault::Kind::kill, 2, 0, second, seconds{0}}});
+      check(2, {{Fault::Kind::cut_one_way, 0, 1, from, seconds{4}},
+                {Fault::Kind::restart, 0, 0, second, seconds{1}}});
+      check(2, {{Fault::Kind::restart, 0, 0, from, seconds{1}},
+                {Fault::Kind::restart, 1, 0, second, seconds{1}}});
       check(2, {{Fault::Kind::cut_one_way, 0, 1, from, seconds{4}},
                 {Fault::Kind::cut, 0, 2, second, seconds{2}}});
       check(2, {{Fault::Kind::cut_one_way, 1, 0, from, seconds{4}},

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/agent/agent.hpp>
-#include <takt/agent/joint_start.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/node/kept_deployment.hpp>
 #include <takt/wire/words.hpp>
@@ -158,7 +157,7 @@ class FakeDevice {
   </device>
 </cell>)";
 
-  explicit FakeDevice(std::optional<node::DeploymentFile> file = {}, bool temporary = false,
+  explicit FakeDevice(std::shared_ptr<DeploymentStore> store = {}, bool temporary = false,
                       std::shared_ptr<node::FaultRecord> record = {},
                       const std::string& cell_of_identity = {}, const std::string& name = "robot",
                       const std::string& node = "")
@@ -169,7 +168,7 @@ class FakeDevice {
                .domain = 7,
                .cell = cell_of_identity,
                .temporary = temporary,
-               .store = file ? std::make_shared<node::DeploymentFile>(*file) : nullptr,
+               .store = std::move(store),
                .boot = "since today",
                .record = record ? record : std::make_shared<node::FaultRecord>(),
                .log = [this](const std::string& text) { logged.push_back(text); },
@@ -217,6 +216,14 @@ class FakeDevice {
     c.data = text;
     receive(c);
   }
+  /// Sends connect, with the safe values of the cell's outputs as JSON.
+  void connect(const std::string& safe = "") {
+    wire::WholeCommand c = command(COMMAND_CONNECT);
+    c.head.deployment(id);
+    c.data = safe;
+    receive(c);
+  }
+  /// Sends T0, which is so far ahead of the present time.
   void run(Nanoseconds ahead = std::chrono::milliseconds{500}, const std::string& deployment = "") {
     wire::WholeCommand c = command(COMMAND_RUN);
     c.head.deployment(deployment.empty() ? id : deployment);
@@ -234,6 +241,11 @@ class FakeDevice {
     wire::set(line.deployment(), id);
     if (state >= DEVICE_ARMED) line.t0_ns(t0_wall);
     line.state(state);
+    if (state != DEVICE_WAITING) wire::set(line.transaction(), id);
+    line.stage(state < DEVICE_ARMED      ? STAGE_PREPARED
+               : state == DEVICE_ARMED   ? STAGE_ARMED
+               : state == DEVICE_STARTED ? STAGE_RUNNING
+                                         : STAGE_FINAL);
     // This status answers a status that our device sent 100 us ago and that arrived at once.
     line.time_ns(wall() + line_ahead.count());
     StatusEcho& echo = line.echoes().emplace_back();
@@ -250,8 +262,8 @@ class FakeDevice {
   /// Then withdraws the status of the other device.
   void start_with_line() {
     hear_line(DEVICE_ARMED);
-    pass(Nanoseconds{t0_wall - wall()} - JointStart::kBegins);
-    pass(JointStart::kBegins);
+    pass(Nanoseconds{t0_wall - wall()} - transaction::kBegins);
+    pass(transaction::kBegins);
     hear_line(DEVICE_RUNNING);
     agent.others().remove(of_line(DEVICE_RUNNING), kLine);
   }
@@ -278,6 +290,7 @@ class FakeDevice {
   void become_running(const std::string& text = kCell,
                       const Inspected& found = {.paths = {"/servo.so", "/arm.so"}}) {
     become_ready(text, found);
+    connect();
     run();
     start_with_line();
     published.replies.clear();

@@ -49,6 +49,7 @@ TEST_F(StoredDeployment, CanBeReadBackUntilItIsForgotten) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_EQ(**file_.kept(), deployment_);
   deployment_.id = "a2";
+  deployment_.is_final = false;
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_EQ(**file_.kept(), deployment_);
   ASSERT_TRUE(file_.forget().ok());
@@ -79,26 +80,18 @@ TEST_F(StoredDeployment, IsRejectedIfAnyByteChanged) {
 
 TEST_F(StoredDeployment, IsRejectedIfItsTimeIsInvalid) {
   for (const char* other : {"-1", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
-    const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":)";
+    const std::string body =
+        R"({"id":"a","file":"f","text":"","require_real_time":false,"final":true,"update":"","t0_ns":)";
     for (const std::string& rest : {other + R"(,"boot":"3f1c","t0_monotonic_ns":1,"safe":""})"s,
                                     R"(1,"boot":"3f1c","t0_monotonic_ns":)"s + other + R"(,"safe":""})"s}) {
       if (rest.find("t0_monotonic_ns\":-1") != std::string::npos)
         continue;  // a negative time is valid: it is a time before the boot of the machine
-      ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body + rest).ok());
+      ASSERT_TRUE(write_whole(file_.path(), "takt deployment 3", body + rest).ok());
       const auto kept = file_.kept();
       ASSERT_FALSE(kept.ok()) << rest;
       EXPECT_THAT(to_text(kept.problems()), HasSubstr("damaged"));
     }
   }
-}
-
-TEST_F(StoredDeployment, IsValidWithoutAMonotonicTimeInItsFile) {
-  const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":7,"safe":""})";
-  ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
-  const auto kept = file_.kept();
-  ASSERT_TRUE(kept.ok() && *kept);
-  EXPECT_EQ((*kept)->t0_ns, 7);
-  EXPECT_EQ((*kept)->boot, "");
 }
 
 TEST_F(StoredDeployment, HasItsOwnFilePerDeviceAndDomain) {

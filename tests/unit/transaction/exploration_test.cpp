@@ -8,7 +8,8 @@
 // - lose another device;
 // - receive T0 from the operator. The operator may send it to any of the devices, repeatedly, late or never;
 // - fail;
-// - crash and restart. It keeps its stage, which is on disk, and has heard nothing;
+// - crash and restart. Then it has heard nothing, and it has undone the change, unless it was prepared or
+//   final. So only whether it is armed, and whether it is final, must be on disk;
 // - let time pass. Each device has its own clock, and the clocks may differ by any amount.
 #include <takt/transaction/transaction.hpp>
 
@@ -127,7 +128,9 @@ struct Rules {
   std::function<State(const State&, const Others&, std::int64_t)> next = transaction::next;
   std::function<Result<State>(const State&, std::int64_t, std::int64_t)> receive_t0 = transaction::receive_t0;
   std::function<bool(const State&, const Others&)> settled = transaction::settled;
-  std::function<Stage(Stage)> restarted = [](Stage saved) { return saved; };
+  std::function<Stage(Stage)> restarted = [](Stage stage) {
+    return stage == Stage::armed || stage == Stage::running ? Stage::undone : stage;
+  };
 };
 
 // All cells that were seen, in the order in which they were seen first, and for each the index of the cell
@@ -256,6 +259,7 @@ class Exploration {
     }
     Cell crashed = cell;
     crashed[i].stage = rules_.restarted(device.stage);
+    crashed[i].reached |= bit(crashed[i].stage);
     crashed[i].heard = {};
     see(crashed);
     for (std::size_t j = 0; j < size_; ++j) {

@@ -18,7 +18,6 @@
 #include <takt/agent/clock_offset.hpp>
 #include <takt/agent/fault_rate_limiter.hpp>
 #include <takt/agent/inspection.hpp>
-#include <takt/agent/joint_start.hpp>
 #include <takt/agent/joint_update.hpp>
 #include <takt/agent/memory.hpp>
 #include <takt/agent/publisher.hpp>
@@ -26,6 +25,7 @@
 #include <takt/model/difference.hpp>
 #include <takt/model/fault.hpp>
 #include <takt/supervision/supervisor.hpp>
+#include <takt/transaction/transaction.hpp>
 #include <takt/wire/assembly.hpp>
 #include <takt/wire/cell_state.hpp>
 
@@ -141,9 +141,9 @@ class Agent {
   // Deployments (deployments.cpp)
   void prepare(const wire::WholeCommand& command);
   [[nodiscard]] bool is_prepared(const Command& command);
-  void connect(const Command& command);
+  void connect(const wire::WholeCommand& command);
   void step_connectors();
-  void run(const wire::WholeCommand& command);
+  void run(const Command& command);
   void undeploy(const Command& command);
   void begin(std::unique_ptr<Deployment> deployment);
   void bring_up();
@@ -152,12 +152,18 @@ class Agent {
   void step_supervised();
   void abandon(const Problems& problems);
   bool check_others();
-  void step_start();
-  [[nodiscard]] Heard heard_from(const DeviceStatus& status) const;
-  [[nodiscard]] std::map<std::string, Heard> heard() const;
+  void step_transaction();
+  void step_undone();
+  [[nodiscard]] transaction::Others heard(const Deployment& deployment) const;
+  [[nodiscard]] std::int64_t time_of(const Deployment& deployment) const;
+  void arm(const transaction::State& armed);
   void go();
   void undo(const std::string& why);
+  void note_failure();
+  void take_back(const std::string& why);
+  void drop_undone();
   void check_undeployed();
+  [[nodiscard]] bool was_undeployed(const std::string& id) const;
   void remember_undeployed(const std::string& id);
   [[nodiscard]] std::string undeployed_but_held() const;
   void finish();
@@ -194,6 +200,7 @@ class Agent {
   void give_way();
 
   void restore();
+  void restore_undone(std::unique_ptr<Deployment> deployment);
   void check_cell();
   void check_disk();
   [[nodiscard]] DeviceStatus status() const;
@@ -207,6 +214,8 @@ class Agent {
   const Instant began_;
   wire::CellState others_;
   std::unique_ptr<Deployment> deployment_;
+  std::unique_ptr<Deployment> undone_;    // the newest deployment, if it was undone; it begins again if it
+                                          // becomes final
   std::shared_ptr<Update> update_;        // shared, so that callbacks can check whether it still exists
   std::string update_id_;                 // id of the newest update that is over
   UpdateState update_end_ = UPDATE_NONE;  // how that update ended

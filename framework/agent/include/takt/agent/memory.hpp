@@ -16,6 +16,9 @@ struct KeptDeployment {
   std::string file;  ///< the descriptor's name, for messages
   std::string text;  ///< the content of the descriptor
   bool require_real_time = false;
+  /// True: every device of the cell had begun, so a restarted node begins again. False: it begins only if
+  /// another device tells that every device had begun.
+  bool is_final = true;
   std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since then
   /// Identifies the boot of the machine during which t0_monotonic_ns is valid. Empty if not known.
   std::string boot{};

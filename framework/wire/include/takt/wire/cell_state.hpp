@@ -73,8 +73,8 @@ class CellState {
     DeviceStatus status;
     bool alive = true;
   };
-  /// Returns the last received status of each device of a deployment, except the device `but`. The result
-  /// includes lost devices.
+  /// Returns the last received status of each device whose newest deployment is `id`, except the device
+  /// `but`. The result includes lost devices, and devices that have undone the deployment.
   [[nodiscard]] std::vector<LastStatus> of_deployment(const std::string& id, const std::string& but) const;
   /// Returns the last received status of each node with this device name, also of lost nodes.
   [[nodiscard]] std::vector<LastStatus> of_device(const std::string& name) const;
