@@ -123,13 +123,13 @@ DeviceStatus Agent::status() const {
   status.real_time(options_.real_time);
   std::string text = name_clash_;
   if (!name_clash_.empty()) status.health(HEALTH_DEGRADED);
-  if (d == nullptr && !last_refusal_.empty()) {
+  if ((d == nullptr || !d->supervised) && !last_refusal_.empty()) {
     status.health(HEALTH_FAILED);
     text = last_refusal_;
   }
   if (d != nullptr) {
     wire::set(status.deployment(), d->id);
-    status.state(DEVICE_PREPARING);
+    status.state(d->over ? DEVICE_ENDED : DEVICE_PREPARING);
     status.uninterrupted_s(static_cast<std::uint32_t>(uninterrupted().count()));
     status.modules(static_cast<std::uint32_t>(d->of_device().modules.size()));
   }

@@ -254,11 +254,16 @@ void Agent::abandon(const Problems& problems) {
   }
   if (!deployment_->undeployers.empty() || deployment_->ended_elsewhere) {
     log("cell " + deployment_->cell.name + " is undeployed");
+    last_refusal_.clear();
+    forget_kept();
   } else if (deployment_->transaction.stage == Stage::undone && deployment_->t0) {
     last_refusal_ = "cell " + deployment_->cell.name + " was not started: " + deployment_->undone;
-  } else if (deployment_->preparers.empty()) {
+  } else if (deployment_->preparers.empty() && !deployment_->over) {
     log("cell " + deployment_->cell.name + " could not be restored: " + in_words(problems));
     last_refusal_ = to_text(problems[0]);
+    // The next start of the node restores the cell, unless it is undeployed before.
+    deployment_->over = !ending_ && !deployment_->cell.name.empty();
+    if (deployment_->over) return;
   }
   for (const Command& preparer : deployment_->preparers)
     answer(preparer, REPLY_FAILED, in_words({problems[0]}), model::json_text(problems_json(problems)));

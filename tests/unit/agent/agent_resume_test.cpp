@@ -141,11 +141,20 @@ TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   device.resume();
   device.work.inspected = Problems{fail("there is no file servo.so")};
   device.agent.step();
-  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().state(), DEVICE_ENDED) << "the next start of the node tries again";
+  EXPECT_EQ(device.status().deployment(), "d1");
   EXPECT_EQ(device.status().health(), HEALTH_FAILED);
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("no file servo.so"));
   EXPECT_TRUE(file_->kept()->has_value());
-  device.undeploy();
+  device.prepare("d2");
+  EXPECT_EQ(device.text(), "device robot still holds cell cell, which has ended; undeploy it first");
+  device.receive(device.command(COMMAND_START));
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  device.receive(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.data()["state"], "ended");
+  device.undeploy("d1");
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_OK);
   EXPECT_FALSE(file_->kept()->has_value());
 }
@@ -167,6 +176,7 @@ TEST_F(ResumingAgent, IsNotSaidToHaveFailedIfItsCellIsUndeployedMeanwhile) {
     } else {
       const auto kept = *file_->kept();
       device.undeploy();
+      EXPECT_FALSE(file_->kept()->has_value()) << "otherwise the next start of the node would restore it";
       ASSERT_TRUE(file_->keep(*kept).ok());
     }
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
