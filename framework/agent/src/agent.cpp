@@ -1,6 +1,7 @@
 #include <takt/agent/agent.hpp>
 
 #include <algorithm>
+#include <utility>
 
 #include <takt/wire/fault.hpp>
 #include <takt/wire/words.hpp>
@@ -16,6 +17,7 @@ Agent::Agent(Options options, Factories factories, Publisher& publisher)
       factories_(std::move(factories)),
       publisher_(publisher),
       began_(options_.now()),
+      stepped_at_(began_),
       filter_([this](model::Fault fault) {
         FaultMemory& record = *options_.record;
         const bool kept = !record.file().empty();
@@ -42,7 +44,7 @@ void Agent::end(bool at_once) {
   if (update_) update_->drop("its node is shutting down");
   if (!deployment_) return;
   if (deployment_->supervised)
-    deployment_->supervised->stop();
+    stop();
   else
     abandon({fail("its node is shutting down")});
 }
@@ -56,6 +58,11 @@ bool Agent::ended() const {
 }
 
 void Agent::step() {
+  const Instant last = std::exchange(stepped_at_, options_.now());
+  if (stepped_at_ - last > kLease) {
+    stood_still_for_ = std::chrono::floor<std::chrono::milliseconds>(stepped_at_ - last);
+    stood_still_until_ = stepped_at_;
+  }
   check_names();
   check_interruption();
   check_devices();

@@ -50,6 +50,7 @@ struct Agent::Deployment {
   std::string undone;    ///< the reason why the agent ends the deployment without a command; empty if the
                          ///< agent does not
   bool ended_elsewhere = false;  ///< `undone` says that the deployment was undeployed on another device
+  bool stopped = false;          ///< an operator, another device or the node has stopped it
   bool over = false;             ///< true: the deployment has ended by itself; its status can still be read
 
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }

@@ -506,7 +506,7 @@ void Agent::take_back(const std::string& why) {
   else if (d.over)
     finish();
   else
-    d.supervised->stop();
+    stop();
 }
 
 // Ends the deployment if another device of the cell has undeployed it. This device may have missed the
@@ -621,8 +621,14 @@ void Agent::undeploy(const Command& command) {
   } else if (deployment_->over) {
     finish();
   } else {
-    deployment_->supervised->stop();
+    stop();
   }
+}
+
+// Stops the device. A device that has failed before stops already.
+void Agent::stop() {
+  deployment_->stopped = deployment_->supervised->phase() < Phase::stopping;
+  deployment_->supervised->stop();
 }
 
 // Records the end of the deployment, and answers the waiting commands. Called when a failure or a command has
@@ -651,10 +657,11 @@ void Agent::finish() {
 
   filter_.flush();
   // Until an update is complete, the cell runs on; then the update records itself.
-  if (started && !(in_transit && failures.empty())) {
+  // A module that was given up before has not ended the cell, if an operator or the node has stopped it.
+  if (started && !d.over && !(in_transit && failures.empty())) {
     note({.kind = model::FaultKind::undeployed,
           .cause = "cell " + d.cell.name + " has ended" +
-                   (!failures.empty()                   ? ": " + in_words({failures[0]})
+                   (!failures.empty() && !d.stopped     ? ": " + in_words({failures[0]})
                     : !undeployers.empty() || passed_on ? ": it was undeployed"
                     : !d.undone.empty()                 ? ": " + d.undone
                     : ending_                           ? ": its node is shutting down"

@@ -7,6 +7,8 @@
 
 namespace takt::agent {
 
+/// A node from which nothing arrives for this time is lost. The same as the lease of its status (dds/topics.cpp).
+inline constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
 /// The longest time that a prepared device searches for the other devices of its cell.
 inline constexpr Nanoseconds kOthersFound = std::chrono::seconds{10};
 /// The longest time that the connections between the ports of prepared devices may take.

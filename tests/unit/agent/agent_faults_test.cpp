@@ -207,11 +207,16 @@ TEST_F(AgentRecordingFaults, RecordsTheLossAndReturnOfAnotherDevice) {
   device_.agent.others().lost(5);
   device_.pass(milliseconds{10});
   EXPECT_EQ(newest().kind(), FAULT_DEVICE_LOST);
-  EXPECT_THAT(newest().cause().to_string(), HasSubstr("device line is lost"));
+  EXPECT_EQ(newest().cause(), "device line is lost: nothing arrives from its node");
+  EXPECT_EQ(device_.logged.back(), "device line is lost: nothing arrives from its node");
   EXPECT_THAT(log()["lost"], ElementsAre("line"));
   device_.agent.others().receive(line, 5);
   device_.pass(milliseconds{10});
   EXPECT_EQ(newest().kind(), FAULT_DEVICE_BACK);
+  device_.agent.others().lost(5);
+  device_.pass(seconds{6});
+  EXPECT_EQ(newest().cause(),
+            "device line is lost: nothing arrives from its node; this node did not run for 6 s");
 }
 
 }  // namespace

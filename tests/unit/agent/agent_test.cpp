@@ -650,6 +650,16 @@ TEST(Agent, UndeploysDuringAnyStageOfPreparation) {
   }
 }
 
+/// The reasons why deployments have ended, as in the fault record.
+std::vector<std::string> ends(const FakeDevice& device) {
+  std::vector<std::string> causes;
+  for (const FaultEvent& event : device.published.faults) {
+    const std::string cause = event.cause().to_string();
+    if (cause.starts_with("cell cell has ended")) causes.push_back(cause);
+  }
+  return causes;
+}
+
 TEST(Agent, KeepsAFailedDeploymentUntilItIsUndeployed) {
   FakeDevice device;
   device.become_running();
@@ -668,6 +678,25 @@ TEST(Agent, KeepsAFailedDeploymentUntilItIsUndeployed) {
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_THAT(device.data()["failures"][0], HasSubstr("it broke"));
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(ends(device),
+            (std::vector<std::string>{"cell cell has ended: module robot.arm: it was given up: it broke"}));
+}
+
+TEST(Agent, RecordsWhyADeploymentHasEndedIfAModuleWasGivenUpBefore) {
+  FakeDevice undeployed;
+  undeployed.become_running();
+  undeployed.work.failures = {{"module robot.arm", "it was given up: it broke", ""}};
+  undeployed.undeploy();
+  undeployed.end();
+  EXPECT_EQ(ends(undeployed), (std::vector<std::string>{"cell cell has ended: it was undeployed"}));
+  EXPECT_THAT(undeployed.data()["failures"][0], HasSubstr("it broke"));
+
+  FakeDevice leaving;
+  leaving.become_running();
+  leaving.work.failures = undeployed.work.failures;
+  leaving.agent.end(false);
+  leaving.end();
+  EXPECT_EQ(ends(leaving), (std::vector<std::string>{"cell cell has ended: its node is shutting down"}));
 }
 
 TEST(Agent, IsDegradedWhileAModuleIsFaulty) {

@@ -166,6 +166,7 @@ class Agent {
   [[nodiscard]] bool was_undeployed(const std::string& id) const;
   void remember_undeployed(const std::string& id);
   [[nodiscard]] std::string undeployed_but_held() const;
+  void stop();
   void finish();
   void keep_for_restart();
   void forget_kept();
@@ -212,6 +213,7 @@ class Agent {
   Factories factories_;
   Publisher& publisher_;
   const Instant began_;
+  Instant stepped_at_;  // when step() was called last
   wire::CellState others_;
   std::unique_ptr<Deployment> deployment_;
   std::unique_ptr<Deployment> undone_;    // the newest deployment, if it was undone; it begins again if it
@@ -235,6 +237,8 @@ class Agent {
   std::vector<std::string> undeployed_;  // ids of the deployments that were undeployed or undone last
   DeviceStatus published_;
   bool published_once_ = false;
+  Instant stood_still_until_{};
+  Nanoseconds stood_still_for_{0};  // how long step() was not called before that instant
   Instant measured_at_{};
   Instant disk_tried_at_{};
   std::uint64_t measures_published_ = 0;
