@@ -25,7 +25,8 @@ void add(Reports& reports, const std::string& node, const json& answer) {
       for (const char* member : {"name", "type", "operation", "state"})
         static_cast<void>(module.at(member).get_ref<const std::string&>());
     }
-    lost.emplace(device.at("name").get<std::string>(), modules);
+    static_cast<void>(device.value("text", ""));
+    lost.emplace(device.at("name").get<std::string>(), device);
   }
   const auto devices = report.at("devices").get<std::set<std::string>>();
   const auto cell = devices.empty() ? std::string{} : report.at("cell").get<std::string>();

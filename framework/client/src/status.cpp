@@ -19,13 +19,15 @@ json nothing_measured() {
           {"p99", 0.0},  {"p999", 0.0},     {"max", 0.0}};
 }
 
-json lost_device(const std::string& name, const json& modules) {
+/// `known` is what another node knows about the device: its modules, and perhaps a text about it.
+json lost_device(const std::string& name, const json& known) {
   json device{{"name", name},
               {"alive", false},
               {"real_time", false},
               {"executors", json::array()},
               {"modules", json::array()}};
-  for (const json& module : modules) {
+  if (known.contains("text")) device["text"] = known["text"];
+  for (const json& module : known.value("modules", json::array())) {
     device["modules"].push_back({{"name", module.value("name", "")},
                                  {"type", module.value("type", "thread")},
                                  {"operation", module.value("operation", "periodic")},
@@ -83,10 +85,10 @@ Result<json> status(Operator& sender, Nanoseconds limit) {
   // it answered.
   if (!reports.problems.empty()) return reports.problems;
   std::multimap<std::string, json> devices;  // by device name; two nodes may have the same device name
-  for (const auto& [name, modules] : reports.lost) {
-    if (!reports.answered(name)) devices.emplace(name, lost_device(name, modules));
+  for (const auto& [name, known] : reports.lost) {
+    if (!reports.answered(name)) devices.emplace(name, lost_device(name, known));
   }
-  for (const std::string& name : reports.missing()) devices.emplace(name, lost_device(name, json::array()));
+  for (const std::string& name : reports.missing()) devices.emplace(name, lost_device(name, json::object()));
   for (auto& [node, report] : reports.nodes) {
     const auto name = report["name"].get<std::string>();
     const auto seen = sender.observer().devices(name);

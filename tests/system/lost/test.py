@@ -150,6 +150,8 @@ class Lost(takt_system.Case):
         self.assertEqual("device robot: error: it is lost and did not receive the command; the other devices pass it on when the device "
                          "is back, unless their nodes are restarted before", run.err.rstrip())
         self.assertEqual("-", self.status_of()["cell"])
+        self.assertIn("device robot  LOST  it may still run cell cell, which is undeployed on the other devices; they tell it when it is back",
+                      self.takt("status").out)
         self.robot = self.node("robot", "--resume")
         self.robot.wait_for_line("cell cell ends: it was undeployed on device line")
         wait_until(lambda: self.status_of("robot")["state"] == "waiting", "robot to wait for a deployment")
