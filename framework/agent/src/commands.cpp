@@ -181,17 +181,18 @@ void Agent::report(const Command& command) {
   answer(command, REPLY_OK, "", model::json_text(report));
 }
 
-// Returns the lost devices of this cell, with the states of their modules that this node received last, and the
-// lost devices that still have a cell that was undeployed here. A program that starts after the loss cannot get
-// these states from the lost devices themselves.
+// Returns the lost devices of this cell, with the states of their modules that this node received last, and
+// the lost devices that still have a cell that was undeployed here. A program that starts after the loss
+// cannot get these states from the lost devices themselves.
 json Agent::lost_devices() const {
   json list = json::array();
   for (const wire::ObservedDevice& other : others_.devices()) {
     if (other.alive || !was_undeployed(other.status.deployment().to_string())) continue;
-    list.push_back({{"name", other.name()},
-                    {"modules", json::array()},
-                    {"text", "it may still run cell " + other.status.cell().to_string() +
-                                 ", which is undeployed on the other devices; they tell it when it is back"}});
+    list.push_back(
+        {{"name", other.name()},
+         {"modules", json::array()},
+         {"text", "it may still run cell " + other.status.cell().to_string() +
+                      ", which is undeployed on the other devices; they tell it when it is back"}});
   }
   if (!deployment_) return list;
   for (const model::Device& device : deployment_->cell.devices) {

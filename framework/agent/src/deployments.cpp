@@ -365,6 +365,7 @@ void Agent::step_connectors() {
   const std::string unmatched = d.supervised->unmatched();
   if (unmatched.empty()) {
     d.complete = true;
+    keep_for_restart();
     for (const Command& connector : std::exchange(d.connectors, {})) answer(connector, REPLY_OK, "");
   } else if (options_.now() - *d.connecting_since > kConnected) {
     undo("the connection " + unmatched + " could not be made; check the network between the devices");
@@ -387,13 +388,12 @@ void Agent::run(const Command& command) {
   answer(command, REPLY_OK, "");
 }
 
-// Accepts T0 from the operator or from another device, and saves it before this is published.
+// Accepts T0 from the operator or from another device.
 void Agent::arm(const transaction::State& armed) {
   Deployment& d = *deployment_;
   if (d.transaction.stage != Stage::prepared) return;
   d.transaction = armed;
   d.t0 = options_.instant_of_wall(armed.t0_ns);
-  keep_for_restart();
 }
 
 // The time of the transaction: the wall clock, but the monotonic clock continues it once T0 is known, so it
@@ -420,8 +420,9 @@ transaction::Others Agent::heard(const Deployment& deployment) const {
   return others;
 }
 
-// Decides, by what was heard from the other devices, whether the deployment takes place. A device is armed or
-// final on disk before it publishes this. If its node is restarted before it is final, it has failed.
+// Decides, by what was heard from the other devices, whether the deployment takes place. The deployment is on
+// disk before the device can be armed, and it is final on disk before the device publishes this. If the node
+// is restarted in between, the device has failed. So between T0's arrival and T0 nothing waits for the disk.
 void Agent::step_transaction() {
   if (!deployment_) return step_undone();
   if (!deployment_->undone.empty() || !deployment_->undeployers.empty()) return;
@@ -458,6 +459,7 @@ void Agent::step_undone() {
   log("cell " + undone_->cell.name + " begins again, because every device of the cell had begun");
   deployment_ = std::move(undone_);
   deployment_->transaction = after;
+  if (!deployment_->t0) deployment_->t0 = options_.instant_of_wall(after.t0_ns);
   deployment_->undone.clear();
   keep_for_restart();
   begin(std::move(deployment_));
@@ -571,7 +573,7 @@ void Agent::keep_for_restart() {
                                           .is_final = d.is_final(),
                                           .t0_ns = d.transaction.t0_ns,
                                           .boot = options_.boot,
-                                          .t0_monotonic_ns = to_ns(*d.t0),
+                                          .t0_monotonic_ns = d.t0 ? to_ns(*d.t0) : 0,
                                           .safe = d.safe,
                                           .update = d.update});
   const bool again = std::exchange(d.unsaved, !kept);
@@ -746,7 +748,7 @@ void Agent::restore() {
   deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
   deployment->transaction = {.stage = (*kept)->is_final ? Stage::final : Stage::undone,
                              .t0_ns = (*kept)->t0_ns};
-  deployment->t0 = t0 ? *t0 : options_.instant_of_wall((*kept)->t0_ns);
+  if ((*kept)->t0_ns != 0) deployment->t0 = t0 ? *t0 : options_.instant_of_wall((*kept)->t0_ns);
   deployment->complete = true;
   deployment->safe = (*kept)->safe;
   deployment->update = (*kept)->update;

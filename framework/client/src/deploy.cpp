@@ -21,6 +21,13 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+/// T0, the instant at which the devices start, lies this far in the future when it is sent to them. The time
+/// grows with the time that the network and the devices took for the command before.
+constexpr Nanoseconds kShortestLead = std::chrono::milliseconds{500};
+constexpr Nanoseconds kLongestLead = std::chrono::milliseconds{1000};
+/// Each device must confirm T0 at least this time before T0. If a device does not confirm in time, deploy()
+/// uses the remaining time to undo the deployment on all devices.
+constexpr Nanoseconds kConfirmed = std::chrono::milliseconds{200};
 /// The longest time after T0 until every device runs, or has undone the deployment.
 constexpr Nanoseconds kStarted = std::chrono::seconds{6};
 
@@ -196,7 +203,7 @@ Problems Deployment::run(std::int64_t t0_ns) {
   for (const model::Device& device : cell_.devices) {
     CommandRequest q = request(COMMAND_RUN, device.name);
     q.time_ns = t0_ns;
-    const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - options_.margin;
+    const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - kConfirmed;
     q.limit = std::max(std::chrono::floor<std::chrono::milliseconds>(left), std::chrono::milliseconds{1});
     requests.push_back(std::move(q));
   }
@@ -300,9 +307,11 @@ Result<Deployed> deploy(Operator& sender, const model::Cell& cell, const std::st
   if (Problems problems = deployment.find(); !problems.empty()) return problems;
   if (Problems problems = deployment.prepare(text); !problems.empty())
     return deployment.undo(std::move(problems));
+  const auto sent = std::chrono::steady_clock::now();
   if (Problems problems = deployment.connect(); !problems.empty())
     return deployment.undo(std::move(problems));
-  const std::int64_t t0_ns = wall_ns() + options.lead.count();
+  const Nanoseconds took = std::chrono::steady_clock::now() - sent;
+  const std::int64_t t0_ns = wall_ns() + std::clamp(10 * took, kShortestLead, kLongestLead).count();
   if (Problems problems = deployment.run(t0_ns); !problems.empty())
     return deployment.undo(std::move(problems));
   if (Problems problems = deployment.wait_until_all_run(t0_ns); !problems.empty())

@@ -29,9 +29,9 @@ class ResumingAgent : public testing::Test {
 TEST_F(ResumingAgent, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
   device.become_ready();
-  EXPECT_FALSE(file_->kept()->has_value()) << "the deployment does not run yet";
+  EXPECT_FALSE(file_->kept()->has_value()) << "the device cannot begin yet";
   device.connect();
-  EXPECT_FALSE(file_->kept()->has_value()) << "T0 is not known yet";
+  EXPECT_FALSE((*file_->kept())->is_final);
   device.run();
   EXPECT_FALSE((*file_->kept())->is_final) << "the other device may not be armed";
   device.start_with_line();
@@ -183,6 +183,50 @@ TEST_F(ResumingAgent, IsNotSaidToHaveFailedIfItsCellIsUndeployedMeanwhile) {
     EXPECT_EQ(device.status().health(), HEALTH_OK);
     EXPECT_EQ(device.logged.back(), "cell cell is undeployed");
   }
+}
+
+TEST_F(ResumingAgent, HasUndoneADeploymentIfItsNodeIsRestartedBeforeAllDevicesRun) {
+  std::int64_t t0 = 0;
+  {
+    FakeDevice device{file_};
+    device.become_ready();
+    device.connect();
+    device.run();
+    t0 = device.t0_wall;
+  }
+  FakeDevice device{file_};
+  device.resume();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+  EXPECT_EQ(device.logged.back(), "cell cell is not restored: it was undone before all devices ran");
+  device.t0_wall = t0;
+  DeviceStatus line = device.of_line(DEVICE_WAITING);
+  wire::set(line.transaction(), "d1");
+  line.stage(STAGE_PREPARED);
+  device.agent.others().receive(line, FakeDevice::kLine);
+  device.agent.step();
+  EXPECT_TRUE(file_->kept()->has_value()) << "line may become final";
+  line.stage(STAGE_UNDONE);
+  device.agent.others().receive(line, FakeDevice::kLine);
+  device.agent.step();
+  EXPECT_FALSE(file_->kept()->has_value()) << "no device can be final any more";
+}
+
+TEST_F(ResumingAgent, BeginsAnUndoneDeploymentIfAnotherDeviceIsFinal) {
+  std::int64_t t0 = 0;
+  {
+    FakeDevice device{file_};
+    device.become_ready();
+    device.connect();
+    t0 = device.wall() + 100'000'000;
+  }
+  FakeDevice device{file_};
+  device.resume();
+  device.t0_wall = t0;
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  EXPECT_TRUE((*file_->kept())->is_final);
+  EXPECT_EQ((*file_->kept())->t0_ns, t0) << "this device has received T0 from line only";
 }
 
 TEST_F(ResumingAgent, RejectsASavedDeploymentThatStartsFarInTheFuture) {

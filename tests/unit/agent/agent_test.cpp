@@ -435,6 +435,19 @@ TEST(Agent, AcceptsT0FromAnotherDeviceIfTheOperatorIsLost) {
   EXPECT_EQ(device.work.safe.size(), 1U);
 }
 
+TEST(Agent, HearsTheMoreAdvancedOfTwoNodesWithOneName) {
+  FakeDevice device;
+  device.become_ready();
+  device.connect();
+  device.run(milliseconds{300});
+  device.agent.others().receive(device.of_line(DEVICE_READY), FakeDevice::kLine);
+  DeviceStatus second = device.of_line(DEVICE_ARMED);
+  wire::set(second.node(), "second node of line");
+  device.agent.others().receive(second, FakeDevice::kLine + 1);
+  device.agent.step();
+  EXPECT_EQ(device.status().stage(), STAGE_RUNNING);
+}
+
 TEST(Agent, UndoesADeploymentThatAnotherDeviceHasUndone) {
   for (const bool armed : {false, true}) {
     FakeDevice device;

@@ -9,7 +9,7 @@
 // - receive T0 from the operator. The operator may send it to any of the devices, repeatedly, late or never;
 // - fail;
 // - crash and restart. Then it has heard nothing, and it has undone the change, unless it was prepared or
-//   final. So only whether it is armed, and whether it is final, must be on disk;
+//   final. So only the change itself, and whether it is final, must be on disk;
 // - let time pass. Each device has its own clock, and the clocks may differ by any amount.
 #include <takt/transaction/transaction.hpp>
 

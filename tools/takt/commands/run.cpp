@@ -41,11 +41,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The time between the moment when all nodes are ready and the first row. A short time suffices, because all
-/// nodes are on this machine.
-constexpr std::chrono::milliseconds kLead{500};
-constexpr std::chrono::milliseconds kMargin{50};
-
 struct RunOptions {
   std::string file;
   client::Network network;
@@ -185,9 +180,7 @@ Result<void> Run::deploy(const client::Connection& client) {
   // Show the progress only with --quiet. Without --quiet, the nodes print their events on the same terminal.
   std::optional<BringUpProgress> bring_up;
   if (options_.quiet) bring_up.emplace(client, loaded_.cell);
-  client::DeployOptions deploy{.lead = kLead,
-                               .margin = kMargin,
-                               .require_real_time = options_.require_real_time,
+  client::DeployOptions deploy{.require_real_time = options_.require_real_time,
                                .process_ids = process_ids(),
                                .progress = {},
                                .cancelled =

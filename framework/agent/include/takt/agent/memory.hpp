@@ -19,7 +19,7 @@ struct KeptDeployment {
   /// True: every device of the cell had begun, so a restarted node begins again. False: it begins only if
   /// another device tells that every device had begun.
   bool is_final = true;
-  std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since then
+  std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since then; 0: not known yet
   /// Identifies the boot of the machine during which t0_monotonic_ns is valid. Empty if not known.
   std::string boot{};
   std::int64_t t0_monotonic_ns = 0;

@@ -30,11 +30,6 @@ struct Undeployed {
 struct DeployOptions {
   /// The longest time that deploy() searches for the devices.
   Nanoseconds discovery = std::chrono::seconds{5};
-  /// The time from the moment when all devices are ready until T0, the instant at which the devices start.
-  Nanoseconds lead = std::chrono::milliseconds{1000};
-  /// Each device must confirm T0 at least this time before T0. If a device does not confirm in time, deploy()
-  /// uses the remaining time to undo the deployment on all devices.
-  Nanoseconds margin = std::chrono::milliseconds{200};
   bool require_real_time = false;
   /// For each device whose node `takt run` started: the process id of this node. deploy() accepts no other
   /// node for the device.

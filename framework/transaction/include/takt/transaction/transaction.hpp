@@ -7,9 +7,9 @@
 // can explore every order of events.
 //
 // The rules hold for any delay and for clocks that differ by any amount. They need three things from the
-// caller. A device that becomes armed or final saves this on disk before it acts on it or publishes it. A
-// restarted device that was armed or running has undone the change; one that was final is still final. A
-// device that has gone back keeps what it needs to go forward until settled() is true.
+// caller. The change is on disk before a device is armed, and that it is final is on disk before the device acts
+// on it or publishes it. A restarted device that was armed or running has undone the change; one that was final
+// is still final. A device that has gone back keeps what it needs to go forward until settled() is true.
 #pragma once
 
 #include <cstdint>
