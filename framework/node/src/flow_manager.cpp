@@ -21,6 +21,13 @@ constexpr std::uint32_t kMostBridges = 31;
 
 }  // namespace
 
+FlowManager::FlowManager(const Wiring& wiring)
+    : wiring_(wiring), open_(wiring.flows().size()), flows_of_links_(wiring.links().size()) {
+  for (std::size_t i = 0; i < wiring.flows().size(); ++i) {
+    for (const std::size_t link : wiring.flows()[i].links) flows_of_links_[link] = i;
+  }
+}
+
 Result<std::unique_ptr<FlowManager>> FlowManager::open(std::shared_ptr<dds::Participant> participant,
                                                        const os::SharedMemory& wake_word,
                                                        const Wiring& wiring, const model::Cell& cell,
@@ -175,13 +182,10 @@ void FlowManager::step(Instant now) {
 }
 
 std::optional<wire::FlowHealth> FlowManager::health(std::size_t link) const {
-  for (std::size_t i = 0; i < open_.size(); ++i) {
-    const std::vector<std::size_t>& links = wiring_.flows()[i].links;
-    if (!open_[i] || std::find(links.begin(), links.end(), link) == links.end()) continue;
-    return open_[i]->bridge != nullptr ? open_[i]->bridge->health(open_[i]->id)
-                                       : gateway_->health(open_[i]->id);
-  }
-  return std::nullopt;
+  const auto flow = flows_of_links_[link];
+  if (!flow || !open_[*flow]) return std::nullopt;
+  const Open& open = *open_[*flow];
+  return open.bridge != nullptr ? open.bridge->health(open.id) : gateway_->health(open.id);
 }
 
 }  // namespace takt::node

@@ -45,7 +45,7 @@ class FlowManager final : public supervision::Flows {
     const Bridge* bridge = nullptr;  ///< null for a flow on the cell's domain
   };
 
-  explicit FlowManager(const supervision::Wiring& wiring) : wiring_(wiring), open_(wiring.flows().size()) {}
+  explicit FlowManager(const supervision::Wiring& wiring);
   Result<void> open_flow(std::size_t index, std::optional<Instant> until);
   Result<void> open_until(std::size_t index, Instant until);
   void enable_requests();
@@ -54,7 +54,8 @@ class FlowManager final : public supervision::Flows {
   [[nodiscard]] dds::Flow flow_at(std::size_t index) const;
 
   const supervision::Wiring& wiring_;
-  std::vector<std::optional<Open>> open_;  // in the order of Wiring::flows()
+  std::vector<std::optional<Open>> open_;                   // in the order of Wiring::flows()
+  std::vector<std::optional<std::size_t>> flows_of_links_;  // index of each link's flow, by link
   std::unique_ptr<dds::Gateway> gateway_;
   std::vector<std::unique_ptr<Bridge>> bridges_;
 };
