@@ -123,7 +123,7 @@ class BetweenDevices {
     });
   }
   ~BetweenDevices() {
-    until([this] { return gateway().remove(out_); });
+    gateway().remove(out_);
   }
   BetweenDevices(const BetweenDevices&) = delete;
   BetweenDevices& operator=(const BetweenDevices&) = delete;

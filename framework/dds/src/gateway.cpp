@@ -124,7 +124,8 @@ class OwnGateway final : public Gateway {
     return id;
   }
 
-  bool remove(FlowId flow) override {
+  void remove(FlowId flow) override {
+    outgoing_.remove(flow);
     // Declared before the lock, so that the flow is deleted after the mutex is unlocked. The deletion waits
     // for callbacks, and this thread must not hold the mutex during this wait.
     std::unique_ptr<Incoming> incoming;
@@ -132,9 +133,7 @@ class OwnGateway final : public Gateway {
     if (const auto found = incoming_.find(flow); found != incoming_.end()) {
       incoming = std::move(found->second);
       incoming_.erase(found);
-      return true;
     }
-    return outgoing_.remove(flow);
   }
 
   wire::FlowHealth health(FlowId flow) const override {

@@ -58,15 +58,14 @@ class OutgoingFlows::Outgoing {
     const std::lock_guard lock{moving_};
     return closed_ ? channel::kNever : from_.news_at();
   }
-  /// Ends the use of the link. Returns false, and does nothing, while the link is in use.
-  bool close() {
-    const std::unique_lock lock{moving_, std::try_to_lock};
-    closed_ = closed_ || lock.owns_lock();
-    return lock.owns_lock();
+  /// Ends the use of the link. Waits for the write of a sample.
+  void close() {
+    const std::lock_guard lock{moving_};
+    closed_ = true;
   }
 
  private:
-  std::mutex moving_;  // held during writes, so other threads only try to lock it
+  std::mutex moving_;  // held during writes
   bool closed_ = false;
   std::unique_ptr<SampleWriter> writer_;
   channel::LinkReader from_;
@@ -99,18 +98,18 @@ void OutgoingFlows::add(FlowId id, std::unique_ptr<SampleWriter> writer, channel
   ring(wake_word_, channel::kGatewayBit);
 }
 
-bool OutgoingFlows::remove(FlowId id) {
+void OutgoingFlows::remove(FlowId id) {
+  std::shared_ptr<Outgoing> removed;
   {
     const std::lock_guard lock{mutex_};
     const auto found = flows_.find(id);
-    if (found == flows_.end()) return true;
-    if (!found->second->close()) return false;
-    removed_.push_back(std::move(found->second));
+    if (found == flows_.end()) return;
+    removed = std::move(found->second);
     flows_.erase(found);
     changed_ = true;
   }
+  removed->close();
   ring(wake_word_, channel::kGatewayBit);
-  return true;
 }
 
 std::optional<wire::FlowHealth> OutgoingFlows::health(FlowId id) const {
@@ -144,13 +143,12 @@ void OutgoingFlows::pump() {
   }
 }
 
-/// Updates the pump's list of flows, and destroys the removed flows.
+/// Updates the pump's list of flows.
 void OutgoingFlows::refresh(Flows& flows) {
-  Flows removed;  // declared before the lock, so that the flows are destroyed after the mutex is unlocked
+  Flows before;  // declared before the lock, so that removed flows are destroyed after the mutex is unlocked
   const std::lock_guard lock{mutex_};
   if (!std::exchange(changed_, false)) return;
-  removed = std::exchange(removed_, {});
-  flows.clear();
+  before.swap(flows);
   for (const auto& [id, flow] : flows_) flows.push_back(flow);
 }
 

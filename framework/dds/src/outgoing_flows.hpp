@@ -1,8 +1,8 @@
 // Moves the samples of outgoing flows from links to DDS, on one thread.
 //
 // DDS may take long to write a sample, for example while the network takes no packets. The node's main thread
-// asks for the health of each flow in every step, and must not wait for such a write. So no function of this
-// class waits for a lock that is held during a write.
+// asks for the health of each flow in every step, and must not wait for such a write. So only remove() waits
+// for a lock that is held during a write.
 #pragma once
 
 #include <atomic>
@@ -51,9 +51,9 @@ class OutgoingFlows {
   Result<void> start();
 
   void add(FlowId id, std::unique_ptr<SampleWriter> writer, channel::Link from);
-  /// Returns true if the flow's link is not accessed any more. Returns false if a sample of the flow is being
-  /// written; call remove() again later. The flow's writer is destroyed on the thread that writes.
-  bool remove(FlowId id);
+  /// Waits until no sample of the flow is being written. When remove() has returned, the flow's link is not
+  /// accessed any more.
+  void remove(FlowId id);
   /// Returns the counters of a flow; none if there is no such flow.
   [[nodiscard]] std::optional<wire::FlowHealth> health(FlowId id) const;
 
@@ -67,7 +67,6 @@ class OutgoingFlows {
   const std::uint32_t sleeps_;  // this gateway's bit of WakeWord::gateway_sleeps
   mutable std::mutex mutex_;    // never held during a write
   std::map<FlowId, std::shared_ptr<Outgoing>> flows_;
-  Flows removed_;         // removed flows whose writers are not destroyed yet
   bool changed_ = false;  // true if a flow was added or removed since the last refresh()
   std::atomic<bool> ending_{false};
   os::Thread pump_;

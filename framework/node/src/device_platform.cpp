@@ -142,7 +142,9 @@ std::unique_ptr<supervision::Program> DevicePlatform::make_program(std::uint32_t
 Result<std::unique_ptr<supervision::Flows>> DevicePlatform::open_flows() {
   std::unique_ptr<supervision::Flows> flows;
   if (!options_.participant) return flows;
-  auto opened = FlowManager::open(options_.participant, parts_->wake_word.memory(), parts_->wiring,
+  auto gateway = dds::Gateway::create(options_.participant, parts_->wake_word[0]);
+  if (!gateway) return gateway.problems();
+  auto opened = FlowManager::open(std::move(*gateway), parts_->wake_word.memory(), parts_->wiring,
                                   parts_->cell, parts_->of_device().name);
   if (!opened) return opened.problems();
   flows = std::move(*opened);

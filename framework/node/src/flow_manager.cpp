@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include <takt/channel/release_slot.hpp>
+#include <takt/node/log.hpp>
 
 namespace takt::node {
 
@@ -21,22 +21,28 @@ constexpr std::uint32_t kMostBridges = 31;
 
 }  // namespace
 
-FlowManager::FlowManager(const Wiring& wiring)
-    : wiring_(wiring), open_(wiring.flows().size()), flows_of_links_(wiring.links().size()) {
+FlowManager::FlowManager(const Wiring& wiring, const std::string& device,
+                         std::unique_ptr<dds::Gateway> gateway, std::unique_ptr<Worker> worker)
+    : wiring_(wiring),
+      device_(device),
+      open_(wiring.flows().size()),
+      flows_of_links_(wiring.links().size()),
+      gateway_(std::move(gateway)),
+      ids_(wiring.flows().size()),
+      worker_(std::move(worker)) {
   for (std::size_t i = 0; i < wiring.flows().size(); ++i) {
     for (const std::size_t link : wiring.flows()[i].links) flows_of_links_[link] = i;
   }
 }
 
-Result<std::unique_ptr<FlowManager>> FlowManager::open(std::shared_ptr<dds::Participant> participant,
+Result<std::unique_ptr<FlowManager>> FlowManager::open(std::unique_ptr<dds::Gateway> gateway,
                                                        const os::SharedMemory& wake_word,
                                                        const Wiring& wiring, const model::Cell& cell,
                                                        const std::string& device) {
-  auto flow_manager = std::unique_ptr<FlowManager>{new FlowManager{wiring}};
-  auto gateway =
-      dds::Gateway::create(std::move(participant), *reinterpret_cast<channel::WakeWord*>(wake_word.data()));
-  if (!gateway) return gateway.problems();
-  flow_manager->gateway_ = std::move(*gateway);
+  auto worker = Worker::start("takt-flows");
+  if (!worker) return worker.problems();
+  auto flow_manager =
+      std::unique_ptr<FlowManager>{new FlowManager{wiring, device, std::move(gateway), std::move(*worker)}};
   std::set<int> domains;
   for (std::size_t i = 0; i < wiring.flows().size(); ++i) {
     const PlannedFlow& flow = wiring.flows()[i];
@@ -45,11 +51,12 @@ Result<std::unique_ptr<FlowManager>> FlowManager::open(std::shared_ptr<dds::Part
       domains.insert(*flow.domain);
       continue;
     }
-    if (auto opened = flow_manager->open_flow(i, std::nullopt); !opened) return opened.problems();
+    flow_manager->open_[i].emplace();
+    ++flow_manager->unopened_;
+    flow_manager->worker_->add([me = flow_manager.get(), i] { me->open_connected(i); });
   }
   for (const int domain : domains) {
-    if (auto opened = flow_manager->open_bridge(domain, wake_word, cell, device); !opened)
-      return opened.problems();
+    if (auto opened = flow_manager->open_bridge(domain, wake_word, cell); !opened) return opened.problems();
   }
   return flow_manager;
 }
@@ -65,9 +72,9 @@ dds::Flow FlowManager::flow_at(std::size_t index) const {
                       .kept = plan.carries == model::Carries::replies}};
 }
 
-Result<void> FlowManager::open_bridge(int domain, const os::SharedMemory& wake_word, const model::Cell& cell,
-                                      const std::string& device) {
-  Bridge::Options options{.device = device,
+Result<void> FlowManager::open_bridge(int domain, const os::SharedMemory& wake_word,
+                                      const model::Cell& cell) {
+  Bridge::Options options{.device = device_,
                           .domain = domain,
                           .peers = cell.discovery.peers,
                           .wake_word = &wake_word,
@@ -87,13 +94,18 @@ Result<void> FlowManager::open_bridge(int domain, const os::SharedMemory& wake_w
   }
   auto bridge = Bridge::start(std::move(options));
   if (!bridge) return bridge.problems();
-  for (std::size_t i = 0; i < indices.size(); ++i) open_[indices[i]] = Open{.id = i, .bridge = bridge->get()};
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    open_[indices[i]] = Open{.bridge = bridge->get(), .in_bridge = i};
   bridges_.push_back(std::move(*bridge));
   return {};
 }
 
 std::optional<Result<void>> FlowManager::opened() const {
-  bool all = true;
+  {
+    const std::lock_guard lock{mutex_};
+    if (!failure_.empty()) return Result<void>{failure_};
+  }
+  bool all = unopened_ == 0;
   for (const auto& bridge : bridges_) {
     const auto& opened = bridge->opened();
     if (opened && !opened->ok()) return opened;
@@ -102,7 +114,7 @@ std::optional<Result<void>> FlowManager::opened() const {
   return all ? std::optional{Result<void>{}} : std::nullopt;
 }
 
-Result<void> FlowManager::open_flow(std::size_t index, std::optional<Instant> until) {
+Result<void> FlowManager::open_now(std::size_t index) {
   const PlannedFlow& plan = wiring_.flows()[index];
   const dds::Flow flow = flow_at(index);
   std::vector<channel::Link> links;
@@ -113,25 +125,48 @@ Result<void> FlowManager::open_flow(std::size_t index, std::optional<Instant> un
     for (Problem& problem : problems) problem.what = "topic " + plan.topic + ": " + problem.what;
     return problems;
   }
-  open_[index] = Open{.id = *id, .until = until};
+  ids_[index] = *id;
   return {};
+}
+
+void FlowManager::open_connected(std::size_t index) {
+  if (auto opened = open_now(index); !opened) {
+    const std::lock_guard lock{mutex_};
+    failure_ = opened.problems();
+  } else {
+    --unopened_;
+  }
+}
+
+void FlowManager::open_unconnected(std::size_t index) {
+  if (auto opened = open_now(index); !opened)
+    log(device_, "", "warning: " + in_words(opened.problems()));
+  else
+    wiring_.links()[wiring_.flows()[index].links.front()].link.block().enabled.store(
+        1, std::memory_order_relaxed);
+}
+
+void FlowManager::close_now(std::size_t index) {
+  if (const auto id = ids_[index].exchange(0); id != 0) gateway_->remove(id);
+  const PlannedFlow& flow = wiring_.flows()[index];
+  if (flow.outgoing)
+    wiring_.links()[flow.links.front()].link.block().enabled.store(0, std::memory_order_relaxed);
 }
 
 Result<void> FlowManager::tap(std::uint32_t module, const std::string& port, Instant until) {
   const PlannedFlow* flow = wiring_.flow_of(module, port);
   if (flow == nullptr) return fail("there is no output '" + port + "'");
-  return open_until(static_cast<std::size_t>(flow - wiring_.flows().data()), until);
+  open_until(static_cast<std::size_t>(flow - wiring_.flows().data()), until);
+  return {};
 }
 
-Result<void> FlowManager::open_until(std::size_t index, Instant until) {
+void FlowManager::open_until(std::size_t index, Instant until) {
   if (open_[index]) {
     if (open_[index]->until) open_[index]->until = std::max(*open_[index]->until, until);
-    return {};
+    return;
   }
-  if (auto opened = open_flow(index, until); !opened) return opened;
-  const PlannedFlow& flow = wiring_.flows()[index];
-  wiring_.links()[flow.links.front()].link.block().enabled.store(1, std::memory_order_relaxed);
-  return {};
+  open_[index] = Open{.until = until};
+  worker_->add([this, index] { open_unconnected(index); });
 }
 
 Result<void> FlowManager::open_service(std::uint32_t module, const std::string& service, Instant until) {
@@ -141,7 +176,7 @@ Result<void> FlowManager::open_service(std::uint32_t module, const std::string& 
     const PlannedLink& link = wiring_.links()[flow.links.front()].plan;
     const LinkEnd end{module, service + (flow.outgoing ? model::kReplyPort : model::kRequestPort)};
     if ((flow.outgoing ? link.from : link.to) != end) continue;
-    if (auto opened = open_until(i, until); !opened) return opened;
+    open_until(i, until);
   }
   return {};
 }
@@ -173,19 +208,17 @@ void FlowManager::step(Instant now) {
   enable_requests();
   for (std::size_t i = 0; i < open_.size(); ++i) {
     if (!open_[i] || !open_[i]->until || now < *open_[i]->until) continue;
-    if (!gateway_->remove(open_[i]->id)) continue;  // the next step tries again
-    const PlannedFlow& flow = wiring_.flows()[i];
-    if (flow.outgoing)
-      wiring_.links()[flow.links.front()].link.block().enabled.store(0, std::memory_order_relaxed);
     open_[i].reset();
+    worker_->add([this, i] { close_now(i); });
   }
 }
 
 std::optional<wire::FlowHealth> FlowManager::health(std::size_t link) const {
   const auto flow = flows_of_links_[link];
   if (!flow || !open_[*flow]) return std::nullopt;
-  const Open& open = *open_[*flow];
-  return open.bridge != nullptr ? open.bridge->health(open.id) : gateway_->health(open.id);
+  if (const Open& open = *open_[*flow]; open.bridge != nullptr) return open.bridge->health(open.in_bridge);
+  const dds::Gateway::FlowId id = ids_[*flow];
+  return id == 0 ? std::nullopt : std::optional{gateway_->health(id)};
 }
 
 }  // namespace takt::node

@@ -230,12 +230,12 @@ void Supervisor::trace(Nanoseconds last, std::size_t most,
 // Starts the modules once all of them are initialised. The device is ready when all modules are started and
 // the device's flows are open.
 void Supervisor::prepare_step() {
+  const auto opened = flows_ ? flows_->opened() : Result<void>{};
+  if (opened && !opened->ok()) return fail_device(opened->problems()[0]);
   const auto all = [this](auto&& holds) {
     return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
   };
   if (all([](const Member& m) { return m.state() == State::start; })) {
-    const auto opened = flows_ ? flows_->opened() : Result<void>{};
-    if (opened && !opened->ok()) return fail_device(opened->problems()[0]);
     if (opened) phase_ = Phase::ready;
     return;
   }

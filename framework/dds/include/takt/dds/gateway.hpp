@@ -41,7 +41,7 @@ struct Flow {
 /// threads of Fast DDS write to the links and wake the readers through the wake word.
 class Gateway {
  public:
-  using FlowId = std::size_t;
+  using FlowId = std::size_t;  ///< not 0
 
   /// Creates a gateway. `place` is the number of its bit in WakeWord::gateway_sleeps, from 0 to 31. Gateways
   /// that share a wake word need different places.
@@ -53,10 +53,10 @@ class Gateway {
   virtual Result<FlowId> add_outgoing(const Flow& flow, channel::Link from) = 0;
   /// Adds a flow from DDS to links. The gateway becomes the writer of all links in `to`.
   virtual Result<FlowId> add_incoming(const Flow& flow, std::vector<channel::Link> to) = 0;
-  /// Removes a flow. When remove() has returned true, the gateway no longer accesses the memory of the flow's
-  /// links. Other flows continue. Returns false if a sample of the flow is just being written to DDS; then
-  /// the flow continues, and the caller must call remove() again later. Does not wait for the write.
-  [[nodiscard]] virtual bool remove(FlowId flow) = 0;
+  /// Removes a flow. Waits until the sample of the flow that is being written to or read from DDS is
+  /// finished. When remove() has returned, the gateway no longer accesses the memory of the flow's links.
+  /// Other flows continue.
+  virtual void remove(FlowId flow) = 0;
   /// Returns the counters of a flow; all are 0 if the flow was removed. Does not wait for a write to DDS.
   [[nodiscard]] virtual wire::FlowHealth health(FlowId flow) const = 0;
 

@@ -94,11 +94,11 @@ class Flows {
   virtual void step(Instant now) = 0;
   /// The health of the flow to which a link belongs; empty if the link has no flow or the flow is not open.
   [[nodiscard]] virtual std::optional<wire::FlowHealth> health(std::size_t link) const = 0;
-  /// Opens the flow of an output without connections until `until`, so that observers can read the output. A
-  /// further call of tap() extends the time.
+  /// Begins to open the flow of an output without connections, so that observers can read the output. The
+  /// flow closes at `until`; a further call of tap() extends the time.
   virtual Result<void> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
-  /// Opens, until `until`, the flows through which any program may call a service of the module. A further
-  /// call of open_service() extends the time.
+  /// Begins to open the flows through which any program may call a service of the module. They close at
+  /// `until`; a further call of open_service() extends the time.
   virtual Result<void> open_service(std::uint32_t module, const std::string& service, Instant until) = 0;
 };
 
@@ -124,7 +124,8 @@ class Platform {
   [[nodiscard]] virtual Nanoseconds spin_limit(const model::Module& module, Nanoseconds period) const = 0;
   virtual std::unique_ptr<Host> make_host(std::size_t share) = 0;
   virtual std::unique_ptr<Program> make_program(std::uint32_t module) = 0;
-  /// Opens the device's flows. The result is null if the device exchanges no samples with other devices.
+  /// Begins to open the device's flows. The result is null if the device exchanges no samples with other
+  /// devices.
   virtual Result<std::unique_ptr<Flows>> open_flows() = 0;
   /// Wakes the threads that sleep on these bits of the wake word.
   virtual void wake(std::uint32_t bits) = 0;
