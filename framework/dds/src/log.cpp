@@ -1,15 +1,16 @@
 #include "log.hpp"
 
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fastdds/dds/log/Log.hpp>
 
 #include <takt/core/words.hpp>
+#include <takt/os/signals.hpp>
 
 namespace takt::dds {
 
@@ -33,25 +34,32 @@ class ToStandardError final : public fast::LogConsumer {
     if (is_taken(entry.message)) return;
     const auto now = Clock::now();
     if (now - since_ > kSpan) {
-      if (held_back_ > 0) print(std::to_string(held_back_) + " more messages were not printed");
       since_ = now;
-      shown_ = held_back_ = 0;
+      shown_ = 0;
+      if (held_back_ > 0 && print(std::to_string(held_back_) + " more messages were not printed"))
+        held_back_ = 0;
     }
-    if (++shown_ > kShown) {
-      ++held_back_;
-      return;
-    }
-    print(std::string{entry.context.category == nullptr ? "" : entry.context.category} + ": " +
-          on_one_line(entry.message));
+    const bool printed = ++shown_ <= kShown &&
+                         print(std::string{entry.context.category == nullptr ? "" : entry.context.category} +
+                               ": " + on_one_line(entry.message));
+    if (!printed) ++held_back_;
   }
 
  private:
   static constexpr int kShown = 10;
   static constexpr auto kSpan = std::chrono::seconds{10};
 
-  static void print(const std::string& text) {
+  // Returns false if nothing reads standard error. Does not wait for a reader, because the process cannot end
+  // before the log thread of Fast DDS has printed its last message.
+  static bool print(const std::string& text) {
     const std::string line = "dds: " + text + "\n";
-    std::fputs(line.c_str(), stderr);
+    std::string_view rest = line;
+    while (!rest.empty()) {
+      const std::size_t written = os::write_to_standard_error(rest, 0);
+      if (written == 0) return false;
+      rest.remove_prefix(written);
+    }
+    return true;
   }
 
   Clock::time_point since_{};
