@@ -1,6 +1,7 @@
 #include <takt/node/fault_record.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <type_traits>
 
@@ -232,8 +233,14 @@ Result<void> FaultRecord::attach(const std::string& path) {
 
 bool FaultRecord::reopen() {
   if (file_ || wanted_.empty()) return false;
-  FaultRecord other = open(wanted_, slots_);
-  if (!other.file_) return false;
+  const bool begun = opening_.valid();
+  if (begun && opening_.wait_for(std::chrono::seconds{0}) != std::future_status::ready) return false;
+  const auto opened = begun ? opening_.get() : nullptr;
+  if (!opened || !opened->file_) {
+    begin_to_open();
+    return false;
+  }
+  FaultRecord& other = *opened;
   const auto& theirs = other.recorded_.events;
   auto from = recorded_.events.begin();  // the first event that the file does not have
   bool goes_on =
@@ -249,8 +256,28 @@ bool FaultRecord::reopen() {
     other.append(fault);
   }
   if (!other.file_) return false;
+  other.worker_ = std::move(worker_);
   *this = std::move(other);
   return true;
+}
+
+void FaultRecord::begin_to_open() {
+  if (!has_worker()) return;
+  auto open_it = std::make_shared<std::packaged_task<std::unique_ptr<FaultRecord>()>>(
+      [path = wanted_, slots = slots_] { return std::make_unique<FaultRecord>(open(path, slots)); });
+  opening_ = open_it->get_future();
+  worker_->add([open_it] { (*open_it)(); });
+}
+
+void FaultRecord::begin_sync() {
+  if (file_ && has_worker() && worker_->is_idle()) worker_->add([file = file_] { file->sync(); });
+}
+
+bool FaultRecord::has_worker() {
+  if (!worker_) {
+    if (auto worker = Worker::start("takt-record")) worker_ = std::move(*worker);
+  }
+  return worker_ != nullptr;
 }
 
 void FaultRecord::sync() const {

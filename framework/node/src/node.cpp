@@ -27,7 +27,6 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
-#include <takt/os/fixed_file.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/notice.hpp>
 #include <takt/os/real_time.hpp>
@@ -50,7 +49,7 @@ namespace {
 constexpr int kPollEveryMs = 5;
 /// The interval at which the fault record is written to disk. A power failure loses only the events of this
 /// interval.
-constexpr int kSyncEveryMs = 1000;
+constexpr Nanoseconds kSyncEvery = std::chrono::seconds{1};
 /// The interval between warnings about an identity that expires soon.
 constexpr Nanoseconds kWarnEvery = std::chrono::hours{24};
 /// The number of wake-ups that the node measures when it starts. They show how late this machine usually
@@ -85,35 +84,6 @@ class Inbox {
   os::Notice notice_;
   std::mutex mutex_;
   std::deque<std::function<void(Agent&)>> news_;
-};
-
-/// Writes the fault record to disk on a separate thread, because the main loop must not wait for the disk.
-class RecordKeeper {
- public:
-  explicit RecordKeeper(std::shared_ptr<const os::FixedFile> disk) : disk_(std::move(disk)) {
-    auto notice = os::Notice::create();
-    if (!disk_ || !notice) return;
-    end_.emplace(std::move(*notice));
-    auto thread = os::Thread::start(
-        {.name = "takt-record"},
-        [this] {
-          while (!os::wait_readable({&end_->fd()}, kSyncEveryMs)) disk_->sync();
-        },
-        nullptr);
-    if (thread) thread_ = std::move(*thread);
-  }
-  ~RecordKeeper() {
-    if (end_) end_->give();
-    thread_.join();
-  }
-  RecordKeeper(const RecordKeeper&) = delete;
-  RecordKeeper& operator=(const RecordKeeper&) = delete;
-  [[nodiscard]] const std::shared_ptr<const os::FixedFile>& disk() const noexcept { return disk_; }
-
- private:
-  const std::shared_ptr<const os::FixedFile> disk_;
-  std::optional<os::Notice> end_;
-  os::Thread thread_;
 };
 
 // Returns an id for this node. No other node has this id, not even an earlier node with the same process id.
@@ -249,8 +219,6 @@ int run_node(const NodeOptions& options) {
     for (const Problem& problem : record->problems())
       log(options.device, "", "warning: the fault record: " + in_words({problem}));
   }
-  std::optional<RecordKeeper> keeper;
-  if (record) keeper.emplace(record->disk());
   agent_options.record = record ? record : std::make_shared<FaultRecord>();
   const std::string traces =
       options.state_folder.empty() || temporary
@@ -319,6 +287,7 @@ int run_node(const NodeOptions& options) {
   else
     agent.report_kept();
   Instant warn_again = os::now() + kWarnEvery;
+  Instant sync_at = os::now() + kSyncEvery;
   while (!agent.ended()) {
     if (secured && os::now() >= warn_again) {
       warn_again += kWarnEvery;
@@ -352,8 +321,10 @@ int run_node(const NodeOptions& options) {
                   .count = now_refused - before});
     }
     agent.step();
-    // If the record has stopped using its file, or has opened it again, use the present file.
-    if (keeper && keeper->disk() != record->disk()) keeper.emplace(record->disk());
+    if (const Instant now = os::now(); record && now >= sync_at) {
+      sync_at = now + kSyncEvery;
+      record->begin_sync();
+    }
   }
   agent.note_end();
   return agent.has_given_way() ? 1 : 0;  // a service manager restarts the node, which then waits

@@ -30,6 +30,11 @@ void Worker::add(std::function<void()> work) {
   changed_.notify_all();
 }
 
+bool Worker::is_idle() {
+  const std::lock_guard lock{mutex_};
+  return !calling_ && waiting_.empty();
+}
+
 void Worker::run() {
   std::unique_lock lock{mutex_};
   while (true) {
@@ -37,9 +42,11 @@ void Worker::run() {
     if (ending_) return;
     const std::function<void()> work = std::move(waiting_.front());
     waiting_.pop_front();
+    calling_ = true;
     lock.unlock();
     work();
     lock.lock();
+    calling_ = false;
   }
 }
 

@@ -1,13 +1,19 @@
 #include <takt/node/fault_record.hpp>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <thread>
+
+#include <long_enough.hpp>
 
 namespace takt::node::fault_record_test {
 namespace {
@@ -37,6 +43,16 @@ std::vector<std::uint64_t> numbers(const std::vector<Fault>& events) {
   return numbers;
 }
 
+template <class Holds>
+bool soon(Holds&& holds) {
+  const auto end = std::chrono::steady_clock::now() + long_enough();
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
+  return true;
+}
+
 /// Simulates a full disk by a limit on the size of the files that this process writes.
 class ShortFiles {
  public:
@@ -57,6 +73,32 @@ class ShortFiles {
   rlimit before_{};
 };
 
+/// Makes the next process or thread that opens a file wait, until this object is destroyed.
+class SlowToOpen {
+ public:
+  explicit SlowToOpen(const std::string& path)
+      : handler_(std::signal(SIGIO, SIG_IGN)),
+        fd_(::open(path.c_str(), O_RDWR | O_CLOEXEC)),
+        works_(::fcntl(fd_, F_SETLEASE, F_WRLCK) == 0) {}
+  ~SlowToOpen() {
+    ::fcntl(fd_, F_SETLEASE, F_UNLCK);
+    ::close(fd_);
+    std::signal(SIGIO, handler_);
+  }
+  SlowToOpen(const SlowToOpen&) = delete;
+  SlowToOpen& operator=(const SlowToOpen&) = delete;
+  [[nodiscard]] bool works() const { return works_; }
+  /// Waits until something opens the file.
+  [[nodiscard]] bool is_opened_soon() const {
+    return soon([this] { return ::fcntl(fd_, F_GETLEASE) != F_WRLCK; });
+  }
+
+ private:
+  void (*handler_)(int);
+  int fd_;
+  bool works_;
+};
+
 class RecordOfFaults : public testing::Test {
  protected:
   void SetUp() override {
@@ -73,6 +115,10 @@ class RecordOfFaults : public testing::Test {
       Fault fault = event("number " + std::to_string(++appended_));
       record.append(fault);
     }
+  }
+  /// Calls reopen() until the file is in use again.
+  static bool reopened(FaultRecord& record) {
+    return soon([&record] { return record.reopen(); });
   }
   std::string content() const {
     std::ifstream file{path_, std::ios::binary};
@@ -279,7 +325,7 @@ TEST_F(RecordOfFaults, WritesTheEventsInMemoryOnceTheFileCanBeOpened) {
   append(record, 6);
   EXPECT_FALSE(record.reopen());
   std::filesystem::remove(folder_);
-  EXPECT_TRUE(record.reopen());
+  EXPECT_TRUE(reopened(record));
   EXPECT_FALSE(record.reopen()) << "the file is already open";
   EXPECT_THAT(record.problems(), IsEmpty());
   EXPECT_EQ(record.file(), path_);
@@ -301,11 +347,27 @@ TEST_F(RecordOfFaults, AppendsUnwrittenEventsOnceTheFileCanBeWrittenAgain) {
   }
   const std::vector<Fault> all = record.events();
   EXPECT_THAT(numbers(read_record_file(path_)->events), ElementsAre(1, 2));
-  EXPECT_TRUE(record.reopen());
+  EXPECT_TRUE(reopened(record));
   EXPECT_EQ(record.events(), all);
   EXPECT_EQ(read_record_file(path_)->events, all);
   append(record, 1);
   EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 4, 5));
+}
+
+TEST_F(RecordOfFaults, DoesNotWaitUntilItsFileCanBeOpened) {
+  auto other = std::make_unique<FaultRecord>(open());
+  FaultRecord record = open();
+  append(record, 1);
+  other.reset();
+  {
+    const SlowToOpen slow{path_};
+    if (!slow.works()) GTEST_SKIP() << "this file system has no leases";
+    EXPECT_FALSE(record.reopen());
+    ASSERT_TRUE(slow.is_opened_soon());
+    EXPECT_FALSE(record.reopen()) << "the file is still being opened";
+  }
+  EXPECT_TRUE(reopened(record));
+  EXPECT_EQ(read_record_file(path_)->events, record.events());
 }
 
 TEST_F(RecordOfFaults, RenumbersItsUnwrittenEventsToFollowThoseInTheFile) {
@@ -315,7 +377,7 @@ TEST_F(RecordOfFaults, RenumbersItsUnwrittenEventsToFollowThoseInTheFile) {
   append(second, 1);
   EXPECT_THAT(numbers(second.events()), ElementsAre(1));
   first.reset();
-  EXPECT_TRUE(second.reopen());
+  EXPECT_TRUE(reopened(second));
   EXPECT_THAT(numbers(second.events()), ElementsAre(1, 2, 3));
   EXPECT_EQ(second.events()[2].cause, "number 3");
   EXPECT_EQ(read_record_file(path_)->events, second.events());

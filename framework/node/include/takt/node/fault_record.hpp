@@ -5,11 +5,13 @@
 // beginning. The node writes an event, with a number and a checksum, by one write of one slot. If the node
 // dies during this write, the slot is invalid; readers skip and count it. The numbers continue when the node
 // starts again, so that a missing event is visible. The node also keeps the events in memory. If writing the
-// file fails, the node continues with the record in memory only.
+// file fails, the node continues with the record in memory only. A disk may take long to answer, so a
+// separate thread waits for it.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +21,7 @@
 #include <takt/agent/memory.hpp>
 #include <takt/core/result.hpp>
 #include <takt/model/fault.hpp>
+#include <takt/node/worker.hpp>
 #include <takt/os/fixed_file.hpp>
 
 namespace takt::node {
@@ -58,22 +61,26 @@ class FaultRecord final : public agent::FaultMemory {
   /// Gives the event the next number, and adds it to the record in memory and to the file. Does not wait for
   /// the disk.
   void append(model::Fault& fault) override;
-  /// If the file could not be opened or written, opens it again. Returns true if the file is now in use and
-  /// contains all events that are in memory. If another event in the file already has the number of an event
-  /// in memory, the event in memory gets a new number.
+  /// If the file could not be opened or written, begins to open it again. Returns true if an earlier call has
+  /// opened it; then the file is in use and contains all events that are in memory. If another event in the
+  /// file already has the number of an event in memory, the event in memory gets a new number. Does not wait
+  /// for the disk.
   bool reopen() override;
   void sync() const override;
+  /// Begins to store the appended events on the disk, unless a call before is still doing this. Does not wait
+  /// for the disk.
+  void begin_sync();
   [[nodiscard]] const std::vector<model::Fault>& events() const noexcept override { return recorded_.events; }
   [[nodiscard]] std::uint64_t overwritten() const noexcept override { return recorded_.overwritten; }
   [[nodiscard]] std::uint64_t damaged() const noexcept override { return recorded_.damaged; }
   [[nodiscard]] const Problems& problems() const noexcept override { return problems_; }
   [[nodiscard]] const std::string& file() const noexcept override { return path_; }
-  /// Returns the file, for a thread that may wait for the disk; sync() of the file writes the appended events
-  /// to disk. Null if the record is only in memory.
-  [[nodiscard]] std::shared_ptr<const os::FixedFile> disk() const noexcept { return file_; }
 
  private:
   Result<void> attach(const std::string& path);
+  void begin_to_open();
+  /// Starts the worker if necessary. Returns false if the system denies a thread.
+  bool has_worker();
 
   std::size_t slots_;
   std::uint64_t next_ = 1;
@@ -82,6 +89,8 @@ class FaultRecord final : public agent::FaultMemory {
   std::string path_;
   std::string wanted_;  // the path given to open(); empty for a record that was created in memory only
   Problems problems_;
+  std::future<std::unique_ptr<FaultRecord>> opening_;  // the record in the file that reopen() is opening
+  std::unique_ptr<Worker> worker_;                     // null until it is needed
 };
 
 }  // namespace takt::node

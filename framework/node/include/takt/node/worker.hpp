@@ -26,6 +26,8 @@ class Worker {
   /// Makes the thread call `work`, after all functions that were added before. Never waits for a call. Any
   /// thread may call it.
   void add(std::function<void()> work);
+  /// Returns true if the thread has called all functions that were added.
+  [[nodiscard]] bool is_idle();
 
  private:
   Worker() = default;
@@ -34,6 +36,7 @@ class Worker {
   std::mutex mutex_;  // never held during a call
   std::condition_variable changed_;
   std::deque<std::function<void()>> waiting_;
+  bool calling_ = false;
   bool ending_ = false;
   os::Thread thread_;
 };
