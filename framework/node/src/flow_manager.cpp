@@ -139,11 +139,14 @@ void FlowManager::open_connected(std::size_t index) {
 }
 
 void FlowManager::open_unconnected(std::size_t index) {
-  if (auto opened = open_now(index); !opened)
+  // The link is enabled first: a client may send its request as soon as DDS has matched the flow of the replies,
+  // and the module must be able to reply then.
+  auto& enabled = wiring_.links()[wiring_.flows()[index].links.front()].link.block().enabled;
+  enabled.store(1, std::memory_order_relaxed);
+  if (auto opened = open_now(index); !opened) {
+    enabled.store(0, std::memory_order_relaxed);
     log(device_, "", "warning: " + in_words(opened.problems()));
-  else
-    wiring_.links()[wiring_.flows()[index].links.front()].link.block().enabled.store(
-        1, std::memory_order_relaxed);
+  }
 }
 
 void FlowManager::close_now(std::size_t index) {
