@@ -67,6 +67,7 @@ Problems check_declared(const std::vector<PropertyBase*>& properties, const std:
 }
 
 Problem PropertyBase::refusal(std::string_view given) const {
+  std::string what = "property '" + name_ + "' cannot be " + in_quotes(given);
   std::string takes;
   switch (type()) {
     case PropertyType::boolean:
@@ -83,8 +84,15 @@ Problem PropertyBase::refusal(std::string_view given) const {
       break;
   }
   if (const std::string range = range_text(); !range.empty()) takes += ", " + range;
-  if (!unit_.empty()) takes += ", in " + unit_;
-  return takt::fail("property '" + name_ + "' cannot be " + in_quotes(given), "it takes " + takes);
+  if (!unit_.empty()) {
+    takes += ", in " + unit_;
+    if (given.ends_with(unit_)) {
+      given.remove_suffix(unit_.size());
+      while (given.ends_with(' ')) given.remove_suffix(1);
+      if (detail::parse_number(given)) takes += ", without the unit";
+    }
+  }
+  return takt::fail(std::move(what), "it takes " + takes);
 }
 
 bool Choices::contain(std::string_view word) const noexcept {

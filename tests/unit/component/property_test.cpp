@@ -86,6 +86,9 @@ TEST(Property, IsNamedInTheErrorWhenItRejectsAValue) {
             "error: property 'count' cannot be '11'; it takes a whole number, 1 to 10");
   EXPECT_EQ(reason(component.gain, "-0.1"),
             "error: property 'gain' cannot be '-0.1'; it takes a number, at least 0, in 1/s");
+  EXPECT_EQ(
+      reason(component.gain, "5 1/s"),
+      "error: property 'gain' cannot be '5 1/s'; it takes a number, at least 0, in 1/s, without the unit");
   EXPECT_EQ(reason(component.enabled, "yes"),
             "error: property 'enabled' cannot be 'yes'; it takes true or false");
   EXPECT_EQ(component.count, 3);
