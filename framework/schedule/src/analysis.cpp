@@ -521,6 +521,8 @@ std::string reason(const WorstCase& worst) {
 
 }  // namespace
 
+bool WorstCase::unknown() const { return why == kUnlimited || why == kTooLong; }
+
 std::vector<WorstCase> worst_cases(const Device& device, const DevicePlan& plan, const Placement& placement,
                                    const std::vector<std::optional<Nanoseconds>>& runs) {
   return Analyst{device, plan, placement, runs}.solve();
@@ -533,9 +535,10 @@ Problems missed_deadlines(const model::Cell& cell, const Device& device,
     if (worst.kept()) continue;
     const Module& module = device.modules[worst.module];
     const bool periodic = module.operation == Operation::periodic;
+    const std::string name = in_quotes(device.name + "." + module.name);
     problems.push_back(model::problem_at(
         cell.texts(), module.line,
-        in_quotes(device.name + "." + module.name) + " cannot keep its " +
+        (worst.unknown() ? "it cannot be shown that " + name + " keeps its " : name + " cannot keep its ") +
             (periodic ? "period" : "deadline") + ", " + to_text(worst.deadline) + ": " + reason(worst),
         worst.why == kUnlimited ? "add an <interarrival>"
                                 : std::string{"shorten the runs, lengthen the "} +

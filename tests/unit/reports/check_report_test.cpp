@@ -431,8 +431,7 @@ Proof proof_of(const model::Cell& cell, const std::vector<std::optional<Nanoseco
   Proof proof;
   proof.cpus = 2;
   const model::Device& device = cell.devices[0];
-  proof.devices = {
-      schedule::worst_cases(device, plans(cell)[0], schedule::place(device, {0, 1}), runs)};
+  proof.devices = {schedule::worst_cases(device, plans(cell)[0], schedule::place(device, {0, 1}), runs)};
   return proof;
 }
 
@@ -448,6 +447,10 @@ TEST(CheckText, ShowsTheWorstResponseTimeOfEachModule) {
   EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, {300us, 700us, std::nullopt})), HasSubstr(R"(
     s       1    700 us       1.5 ms    1 ms      -500 us  NOT KEPT
 )"));
+  model::Cell unlimited = cell;
+  unlimited.devices[0].modules[1].dispatch = model::Dispatch::immediate;
+  EXPECT_THAT(check_text(unlimited, plans(unlimited), {}, proof_of(unlimited, {300us, 400us, std::nullopt})),
+              HasSubstr("NOT PROVEN"));
 }
 
 TEST(CheckText, ShowsMissedDeadlinesEvenInAShortenedList) {

@@ -431,7 +431,9 @@ void proof_text(Page& page, const Device& device, const Proof& proof, std::size_
     rows.push_back({called(device.modules[worst.module]), fmt::format("{}", fmt::join(worst.cpus, ",")),
                     to_text(worst.run), bounded ? to_text(*worst.response) : "-", to_text(worst.deadline),
                     bounded ? to_text(worst.deadline - *worst.response) : "-",
-                    worst.kept() ? "kept" : "NOT KEPT"});
+                    worst.kept()      ? "kept"
+                    : worst.unknown() ? "NOT PROVEN"
+                                      : "NOT KEPT"});
   }
   page.table(kDetailIndent, rows);
   if (rows.size() <= worst_cases.size()) {

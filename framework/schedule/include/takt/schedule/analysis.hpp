@@ -30,6 +30,9 @@ struct WorstCase {
                     ///< otherwise empty
 
   [[nodiscard]] bool kept() const { return why.empty() && response && *response <= deadline; }
+  /// True if the analysis finds no bound because it lacks information. Then the deadline may be kept or
+  /// missed.
+  [[nodiscard]] bool unknown() const;
 };
 
 /// Returns the worst case of each periodic and sporadic module, in the order of the descriptor.
