@@ -204,7 +204,7 @@ class Check {
           "connect it with <connection from=\"...\" to=\"...\"/>");
     } else {
       add(line, "module " + module + " has no " + kind + " " + in_quotes(end.port),
-          names.empty() ? std::string{"it has no "} + kind
+          names.empty() ? std::string{"it has no "} + kind + " at all; name another module"
                         : suggestion(end.port, {names.begin(), names.end()}));
     }
     return {};

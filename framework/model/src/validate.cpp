@@ -29,7 +29,8 @@ class Validation {
     findings_.add(line, std::move(what), std::move(fix));
   }
   template <class Named>
-  bool check_names(const char* kind, const std::vector<Named>& all, const std::string& owner);
+  bool check_names(const char* kind, const std::vector<Named>& all, const std::string& owner,
+                   const char* cure = "give one of them another name");
   void check_device(const Device& device, OfDevice& gaps);
   void check_module_names(const Device& device, OfDevice& gaps);
   void check_executor(const Executor& executor);
@@ -46,23 +47,26 @@ class Validation {
 };
 
 /// Checks that the names of all elements in a list are valid and unique. Returns false if a name is not
-/// valid; then references to that element cannot be checked.
+/// valid or occurs twice; then references to that element cannot be checked. `cure`: what to do about a
+/// duplicate.
 template <class Named>
-bool Validation::check_names(const char* kind, const std::vector<Named>& all, const std::string& owner) {
-  bool all_valid = true;
+bool Validation::check_names(const char* kind, const std::vector<Named>& all, const std::string& owner,
+                             const char* cure) {
+  bool usable = true;
   std::map<std::string_view, const Named*> first;
   for (const Named& one : all) {
     if (!is_valid_name(one.name)) {
       add(one.line, in_quotes(one.name) + " is not a valid " + kind + " name", kNameRule);
-      all_valid = false;
+      usable = false;
       continue;
     }
     const auto [seen, is_new] = first.emplace(one.name, &one);
     if (is_new) continue;
     add(one.line, "duplicate " + std::string{kind} + " " + in_quotes(one.name) + owner,
-        "the first is " + findings_.whereabouts(seen->second->line) + "; give one of them another name");
+        "the first is " + findings_.whereabouts(seen->second->line) + "; " + cure);
+    usable = false;
   }
-  return all_valid;
+  return usable;
 }
 
 void Validation::check_module_names(const Device& device, OfDevice& gaps) {
@@ -84,6 +88,7 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
     }
     const auto [seen, is_new] = first.emplace(module.name, &module);
     if (is_new) continue;
+    gaps.modules = true;  // a reference may mean the name that one of the two should have
     add(line, "duplicate module " + in_quotes(module.name) + " on device " + in_quotes(device.name),
         "the first is " + findings_.whereabouts(seen->second->line) +
             (from_file ? "; give one of them a <name>: this name is taken from the filename"
@@ -315,9 +320,10 @@ void Validation::check_module(const Module& module, const Device& device, const 
         "backoff must be from 0 to 3600000000000 ns (1 h)");
   }
   check_arguments(module);
-  check_names("property", module.properties, " of module " + in_quotes(module.name));
+  const char* remove = "remove one of them";  // the component decides the names
+  check_names("property", module.properties, " of module " + in_quotes(module.name), remove);
   check_log_level(module);
-  check_names("port", module.safe, " in <safe> of module " + in_quotes(module.name));
+  check_names("port", module.safe, " in <safe> of module " + in_quotes(module.name), remove);
 }
 
 void Validation::check_device(const Device& device, OfDevice& gaps) {
