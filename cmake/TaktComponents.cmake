@@ -121,9 +121,13 @@ endfunction()
 function(takt_add_component_test name)
   get_property(components GLOBAL PROPERTY TAKT_COMPONENTS)
   if(NOT name IN_LIST components)
-    list(JOIN components ", " components)
-    message(FATAL_ERROR "takt_add_component_test(${name}): there is no component ${name} (there are: ${components}); correct the name, or "
-                        "call takt_add_component(${name}) or takt_add_process(${name}) first")
+    set(cure "; call")
+    if(components)
+      list(JOIN components ", " components)
+      set(cure " (there are: ${components}); correct the name, or call")
+    endif()
+    message(FATAL_ERROR "takt_add_component_test(${name}): there is no component ${name}${cure} takt_add_component(${name}) or "
+                        "takt_add_process(${name}) first")
   endif()
   takt_check_sources(takt_add_component_test ${name} FALSE "remove it: a test has the port types of its component" ${ARGN})
   # A test calls its component from one thread, on virtual time, so ThreadSanitizer has nothing to check.

@@ -57,6 +57,8 @@ COMPONENT = "takt_add_component(picker picker.cpp)\n"
 CASES += [
     (TYPES + COMPONENT + "takt_add_component_test(piker test.cpp)", "takt_add_component_test(piker): there is no component piker (there "
      "are: picker); correct the name, or call takt_add_component(piker) or takt_add_process(piker) first"),
+    ("takt_add_component_test(picker test.cpp)", "takt_add_component_test(picker): there is no component picker; call "
+     "takt_add_component(picker) or takt_add_process(picker) first"),
     (TYPES + COMPONENT + "takt_add_component_test(types test.cpp)", "takt_add_component_test(types): there is no component types"),
 ]
 # Each case: calls that CMake must accept, and the warning that it must print; None means no warning.
