@@ -79,6 +79,12 @@ WRONG_VALUE = "the second argument must point to a value of the type of this por
 SOURCES = [
     ("write.c", "takt_add_component(%s %s TYPES types)", PORT % "double x = 1; takt_write(&out, &x);", WRONG_VALUE),
     ("read.c", "takt_add_component(%s %s TYPES types)", PORT % "double x; takt_read(&in, &x);", WRONG_VALUE),
+    ("write_input.c", "takt_add_component(%s %s TYPES types)", PORT % "pick_Place x = {1}; takt_write(&in, &x);",
+     "the first argument must be an output: TAKT_OUT_PORT"),
+    ("read_output.c", "takt_add_component(%s %s TYPES types)", PORT % "pick_Place x; takt_read(&out, &x);",
+     "the first argument must be an input: TAKT_IN_PORT or TAKT_EVENT_PORT"),
+    ("ask_output.c", "takt_add_component(%s %s TYPES types)", PORT % "if (takt_has_news(&out)) takt_log(TAKT_LOG_INFO, \"new\");",
+     "the first argument must be an input: TAKT_IN_PORT or TAKT_EVENT_PORT"),
     ("log.c", "takt_add_component(%s %s)", "#include <takt/module.h>\nvoid run(void) { takt_log(TAKT_LOG_INFO, \"%s\", 1); }\n",
      "expects argument of type"),
     ("class.cpp", "takt_add_process(%s %s)", CLASS,

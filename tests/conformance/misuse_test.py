@@ -121,6 +121,15 @@ class Feeder : public takt::Component {
 };
 TAKT_COMPONENT(Feeder)
 """, PROGRAM),
+    ("#include <takt/component.hpp>\nclass Feeder : public takt::Component {};\nTAKT_COMPONENT(Feeder)\n",
+     "the class of TAKT_COMPONENT has no run(); write void run(const takt::Cycle& cycle) override"),
+    ("#include <takt/component.hpp>\nclass Feeder : public takt::Component { void run() {} };\nTAKT_COMPONENT(Feeder)\n",
+     "the class of TAKT_COMPONENT has no run(); write void run(const takt::Cycle& cycle) override"),
+    ("#include <takt/component.hpp>\nclass Feeder { void run(const takt::Cycle&) {} };\nTAKT_COMPONENT(Feeder)\n",
+     "derive the class of TAKT_COMPONENT from takt::Component"),
+    ("#include <takt/component.hpp>\nclass Feeder : public takt::Component {\n  Feeder() = default;\n"
+     "  void run(const takt::Cycle&) override {}\n};\nTAKT_COMPONENT(Feeder)\n",
+     "the class of TAKT_COMPONENT needs a public constructor without arguments"),
 ]
 
 build = sys.argv[1]

@@ -88,7 +88,7 @@ class Component {
   /// restore() is called again, also after start(), until the new instance has the newest value; a failure
   /// then ends the swap. The calling thread is not real-time. The default implementation fails.
   virtual Result<void> restore(const SavedBefore& before);
-  /// Called when every module of the device is initialised. start() may fail. The calling thread is not
+  /// Called when every module of the device is initialized. start() may fail. The calling thread is not
   /// real-time.
   virtual Result<void> start() { return {}; }
   /// Called every period, or when condition() is true. The calling thread is real-time, so run() must not
@@ -176,6 +176,25 @@ constexpr bool overrides_condition() {
   else
     return true;  // condition() is a private member of Type, so Type overrides it
 }
+
+template <class Type>
+inline constexpr bool kNever = false;
+
+template <class Type>
+Component* create() {
+  Component* created = nullptr;
+  if constexpr (!std::is_base_of_v<Component, Type>)
+    static_assert(kNever<Type>, "derive the class of TAKT_COMPONENT from takt::Component");
+  else if constexpr (std::is_abstract_v<Type>)
+    static_assert(
+        kNever<Type>,
+        "the class of TAKT_COMPONENT has no run(); write void run(const takt::Cycle& cycle) override");
+  else if constexpr (!std::is_default_constructible_v<Type>)
+    static_assert(kNever<Type>, "the class of TAKT_COMPONENT needs a public constructor without arguments");
+  else
+    created = new Type;
+  return created;
+}
 }  // namespace detail
 
 }  // namespace takt
@@ -191,7 +210,7 @@ constexpr bool overrides_condition() {
         ::takt::ComponentFactory::kAbi,                                             \
         sizeof(::takt::Component),                                                  \
         #Type,                                                                      \
-        []() -> ::takt::Component* { return new Type; },                            \
+        &::takt::detail::create<Type>,                                              \
         [](::takt::Component* component) { delete component; },                     \
         ::takt::detail::overrides_condition<Type>()};                               \
     return &factory;                                                                \
