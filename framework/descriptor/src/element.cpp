@@ -51,7 +51,9 @@ void Element::reject_child(const Node& child) {
   allowed.insert(allowed.end(), shape_.many.begin(), shape_.many.end());
   const std::string_view meant = nearest(child.name, allowed);
   std::string fix;
-  if (!meant.empty()) {
+  if (contains(shape_.attributes, child.name)) {
+    fix = "write it as an attribute of " + tag(node_.name) + ": " + child.name + "=\"...\"";
+  } else if (!meant.empty()) {
     meant_.push_back(meant);
     fix = "did you mean " + tag(meant) + "?";
   } else if (allowed.empty()) {

@@ -172,7 +172,8 @@ void Templates::check_references(Template& one) {
         report_.add(line, "a ${ is not closed", "write ${NAME} for a parameter, or $${ for a literal ${");
       } else if (all_known) {
         report_.add(line, "unknown parameter " + in_quotes(*name) + " of template " + in_quotes(one.name),
-                    suggestion(*name, names) + "; or add a <parameter name=\"...\">");
+                    nearest(*name, names).empty() ? "add a <parameter name=\"" + std::string{*name} + "\">"
+                                                  : suggestion(*name, names));
       }
     });
   }
