@@ -13,15 +13,28 @@ bool is_program(const model::Module& module) {
   return module.type == model::ModuleType::process && module.operation != model::Operation::non_real;
 }
 
+bool has(const std::vector<int>& cpus, int cpu) {
+  return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
+}
+
 }  // namespace
+
+std::vector<std::string> missing_cpus(const model::Device& device, const std::vector<int>& allowed) {
+  std::vector<std::string> missing;
+  for (const model::Executor& executor : device.executors) {
+    if (!executor.cpu || has(allowed, *executor.cpu)) continue;
+    missing.push_back(
+        "executor " + executor.name +
+        (executor.line.given() ? " (line " + std::to_string(executor.line.number) + ")" : "") +
+        " requests CPU " + std::to_string(*executor.cpu) +
+        ", which does not exist or may not be used on this machine; the node chooses another CPU");
+  }
+  return missing;
+}
 
 Placement place(const model::Device& device, const std::vector<int>& allowed) {
   TAKT_CHECK(!allowed.empty());
   Placement placement;
-  const auto has = [](const std::vector<int>& cpus, int cpu) {
-    return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
-  };
-
   std::vector<int> taken;
   std::vector<int> free = allowed;
   const auto take = [&](int cpu) {
@@ -31,14 +44,8 @@ Placement place(const model::Device& device, const std::vector<int>& allowed) {
   for (const model::Executor& executor : device.executors) {
     if (executor.cpu && has(allowed, *executor.cpu)) take(*executor.cpu);
   }
+  placement.warnings = missing_cpus(device, allowed);
   for (const model::Executor& executor : device.executors) {
-    if (executor.cpu && !has(allowed, *executor.cpu)) {
-      placement.warnings.push_back(
-          "executor " + executor.name +
-          (executor.line.given() ? " (line " + std::to_string(executor.line.number) + ")" : "") +
-          " requests CPU " + std::to_string(*executor.cpu) +
-          ", which does not exist or may not be used on this machine; the node chooses another CPU");
-    }
     if (executor.cpu && has(allowed, *executor.cpu)) {
       placement.executors.push_back({*executor.cpu});
       continue;

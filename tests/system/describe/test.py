@@ -181,6 +181,13 @@ class Describe(takt_system.Case):
                 self.assertIn('name="%s"' % name, lines[int(match[1]) - 1])
                 self.assertRegex(match[2], words)
 
+    def test_takt_check_warns_of_a_cpu_that_this_machine_does_not_have(self):
+        file = self.write("cpu.xml", "<root>\n<executor name='main' cpu='1023'/>\n%s</root>\n" % module("m", "fine.so"))
+        run = self.takt("check", file)
+        self.assertEqual(0, run.status)
+        self.assertRegex(run.err, r"^device \S+: warning: executor main \(line 2\) requests CPU 1023, which does not exist or may not be used on "
+                                  r"this machine; the node chooses another CPU$")
+
     def test_takt_check_reports_a_program_with_the_wrong_operationtype_in_the_descriptor(self):
         file = self.write("kind.xml", "<root>\n%s</root>\n" % module("q", "program_properties.exe", ("gain", "2")))
         run = self.takt("check", file)

@@ -5,6 +5,8 @@
 #include <takt/model/doubts.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/output_file.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/schedule/placement.hpp>
 
 #include "commands/commands.hpp"
 #include "commands/load.hpp"
@@ -57,6 +59,11 @@ int check(const CheckOptions& options) {
     }
     proof = std::move(*proved);
     warn(proof->warnings);
+  } else {
+    for (const model::Device& device : loaded->cell.devices) {
+      for (std::string& text : schedule::missing_cpus(device, os::allowed_cpus()))
+        warn({{"device " + device.name, std::move(text), ""}});
+    }
   }
   if (!options.svg.empty()) {
     if (const auto written = os::write_output(options.svg, check_svg(loaded->cell, loaded->plans)); !written) {

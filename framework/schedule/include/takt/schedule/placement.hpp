@@ -14,6 +14,10 @@ struct Placement {
   std::vector<std::string> warnings;  ///< requests of the descriptor that cannot be met on this machine
 };
 
+/// Returns one sentence for each executor whose CPU in the descriptor is not in `allowed`, the CPUs of this
+/// machine. Pure function.
+std::vector<std::string> missing_cpus(const model::Device& device, const std::vector<int>& allowed);
+
 /// Chooses the CPUs. Each executor gets the CPU that the descriptor names for it. Each executor without such
 /// a CPU gets one of the remaining CPUs, highest number first. All other threads get the CPUs that are then
 /// left, or all CPUs if none is left. `allowed` must not be empty. Pure function.
