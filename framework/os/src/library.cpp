@@ -1,5 +1,6 @@
 #include <takt/os/library.hpp>
 
+#include <cxxabi.h>
 #include <dlfcn.h>
 #include <elf.h>
 #include <fcntl.h>
@@ -7,8 +8,10 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string_view>
 #include <utility>
@@ -20,6 +23,14 @@
 namespace takt::os {
 
 namespace {
+
+// Returns the name of a symbol as its author wrote it.
+std::string readable(const std::string& symbol) {
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> name{
+      abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status), std::free};
+  return name != nullptr ? name.get() : symbol;
+}
 
 // Returns the name of a variable that the loader would share between copies of the object; empty if there is
 // none. The loader binds a GNU_UNIQUE symbol to one address in the whole process. Such symbols of the C++
@@ -150,9 +161,16 @@ Result<Library> Library::open(const std::string& path, Globals globals, Fd copy)
   const std::string file = library.copy_ ? path_of(*library.copy_) : path;
   library.handle_ = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library.handle_ == nullptr) {
-    const char* reason = ::dlerror();
-    return fail("cannot load " + path + ": " + (reason != nullptr ? reason : "unknown"),
-                "use a shared object that is built for this machine and has no undefined symbols");
+    const char* const text = ::dlerror();
+    std::string reason = text != nullptr ? text : "unknown";
+    if (reason.starts_with(file + ": ")) reason.erase(0, file.size() + 2);
+    constexpr std::string_view kUndefined = "undefined symbol: ";
+    if (const std::size_t at = reason.find(kUndefined); at != std::string::npos) {
+      const std::string symbol = readable(reason.substr(at + kUndefined.size()));
+      return fail("cannot load " + path + ": " + reason.substr(0, at) + std::string{kUndefined} + symbol,
+                  "link the library that defines " + symbol);
+    }
+    return fail("cannot load " + path + ": " + reason, "use a shared object that is built for this machine");
   }
   return library;
 }

@@ -10,7 +10,8 @@ WRONG = [
     (r"<filename>", r"module lacks_run: \S+/no_run\.so has no function run\(\); define "),
     (r"<filename>", r"module lacks_condition: \S+/no_condition\.so has neither a function condition\(\) nor an event port, so it would never run; "),
     (r"<filename>", r"module no_library: \S+/not_a_library\.so is not a shared object \(\.so\) for this machine; "),
-    (r"<filename>", r"module undefined: cannot load \S+/undefined_symbol\.so: .*undefined symbol: takt_test_defined_nowhere; "),
+    (r"<filename>", r"module undefined: cannot load \S+/undefined_symbol\.so: undefined symbol: takt_test_defined_nowhere\(int\); "
+     r"link the library that defines takt_test_defined_nowhere\(int\)$"),
     (r"<filename>", r"module missing: there is no file no_such_file\.so \(looked in .*/tests/components.*\); "),
     (r"<filename>", r"module missing_program: there is no file no_such_file\.exe \(looked in .*\); "),
     (r"<filename>", r"module not_executable: \S+/not_a_library\.so is not a program that this user may execute; "),
