@@ -109,9 +109,15 @@ class Line {
     Injection injection;
     if (next() != "at")
       return wrong("the line does not begin with 'at'", "write, for example, at 1.5 s robot.servo late 3 ms");
+    const std::string_view number = peek();
     const auto at = duration();
-    if (!at || *at < Nanoseconds{0})
-      return wrong("there is no time since T0 after 'at'", "write, for example, at 1.5 s or at 20 ms");
+    if (!at || *at < Nanoseconds{0}) {
+      const bool digits =
+          !number.empty() && number.find_first_not_of(".0123456789") == std::string_view::npos;
+      return wrong(digits ? "the time " + in_quotes(number) + " after 'at' has no unit"
+                          : "there is no time since T0 after 'at'",
+                   "write, for example, at 1.5 s or at 20 ms");
+    }
     injection.at = *at;
 
     std::vector<Injection> targets;

@@ -219,6 +219,7 @@ class Deploy(takt_system.Case):
                       "swap lien.source port_source.so": r"; did you mean line\.source\?$",
                       "echo lien.source.out": r"; did you mean line\.source\.out\?$",
                       "stop source": r"; for a module, write DEVICE\.MODULE; did you mean line\.source\?$",
+                      "get source step": r"; for a module, write DEVICE\.MODULE; did you mean line\.source\?$",
                       "stop sorce": r"; for a module, write DEVICE\.MODULE; did you mean line\.source\?$"})
         took = time.monotonic() - begun
         print("all commands to a missing device failed within %.2f s" % took)

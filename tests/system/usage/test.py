@@ -74,6 +74,31 @@ class Usage(takt_system.Case):
         self.assertEqual((2, ""), (run.status, run.out))
         self.assertIn("'feed=3' is not the name of a property; write the name and the value as two arguments: feed 3", run.err)
 
+    def test_takt_set_says_what_is_missing(self):
+        for given, reason in ((["line.belt.feed", "3"], "'line.belt.feed' is not the name of a module; write takt set line.belt feed 3"),
+                              (["feed", "3"], "'feed' is not the name of a module; write takt set DEVICE.MODULE feed 3"),
+                              (["line.belt", "feed"], "the value is missing; write takt set line.belt feed VALUE"),
+                              (["line.belt"], "the property and its value are missing; write takt set line.belt PROPERTY VALUE")):
+            with self.subTest(given=given):
+                run = self.takt("set", *given)
+                self.assertEqual((2, ""), (run.status, run.out))
+                self.assertIn("error: " + reason + "\n", run.err)
+
+    def test_takt_node_says_which_option_a_word_without_option_needs(self):
+        for given, words in ((["spool"], "\nwrite --device spool\n"),
+                             (["--device", "spool", "--interface", "lo"],
+                              "\nthere is no option --interface; set the environment variable TAKT_INTERFACE to the address\n")):
+            with self.subTest(given=given):
+                run = self.program("takt-node", *given)
+                run.wait()
+                self.assertEqual((2, ""), (run.status, run.out))
+                self.assertIn(words, run.err)
+
+    def test_a_domain_that_is_no_number_is_named(self):
+        run = self.takt("status", "--domain", "x")
+        self.assertEqual((2, ""), (run.status, run.out))
+        self.assertIn("error: --domain takes a number, 0 to 232, not 'x'\n", run.err)
+
     def test_takt_log_says_that_a_descriptor_is_not_a_fault_record(self):
         run = self.takt("log", "--file", EXAMPLE)
         self.assertEqual((1, ""), (run.status, run.out))

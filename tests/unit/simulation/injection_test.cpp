@@ -96,9 +96,10 @@ TEST(FaultScript, ReportsEachMistakeWithItsLineAndAFix) {
   EXPECT_THAT(error_of("in 2 s robot crash"),
               AllOf(HasSubstr("script:2: error: "),
                     HasSubstr("; write, for example, at 1.5 s robot.servo late 3 ms")));
-  for (const char* line : {"at soon robot.arm crash", "at 2 robot.arm crash", "at -1 s robot.arm crash",
-                           "at 1e3 s robot.arm crash", "at"})
+  for (const char* line :
+       {"at soon robot.arm crash", "at -1 s robot.arm crash", "at 1e3 s robot.arm crash", "at"})
     EXPECT_THAT(error_of(line), HasSubstr("no time since T0")) << line;
+  EXPECT_THAT(error_of("at 2 robot.arm crash"), HasSubstr("the time '2' after 'at' has no unit; write"));
   EXPECT_THAT(error_of("at 1 s robto.arm crash"), HasSubstr("no device 'robto'; did you mean robot?"));
   EXPECT_THAT(error_of("at 1 s robot.amr crash"),
               HasSubstr("device robot has no module 'amr'; did you mean arm?"));

@@ -32,7 +32,7 @@ struct ModuleCommand {
 };
 
 constexpr std::array kModuleCommands{
-    ModuleCommand{COMMAND_INITIALIZE, "initialize", "Initialise a module that is in IDLE"},
+    ModuleCommand{COMMAND_INITIALIZE, "initialize", "Initialize a module that is in IDLE"},
     ModuleCommand{COMMAND_START, "start", "Start a module: it is EXECUTING whenever its device runs"},
     ModuleCommand{COMMAND_STOP, "stop", "Stop a module: it leaves its table and stays ready, in START"},
     ModuleCommand{COMMAND_RECOVER, "recover",
@@ -143,9 +143,19 @@ Result<nlohmann::ordered_json> properties_of(client::Operator& sender, const Tar
   return list;
 }
 
+/// Like target_of(), for a command about a module. If `text` is only a module's name, the error message is
+/// that of the search for this device, which suggests DEVICE.MODULE.
+Result<Target> find_target(const std::string& text, const char* then, const client::Network& network) {
+  auto target = target_of(text, then);
+  if (target || text.empty() || text.find('.') != std::string::npos) return target;
+  const auto client = connect_to_device(network, text, "");
+  if (!client) return client.problems();
+  return target;
+}
+
 int property(const std::string& text, const std::string& name, const std::optional<std::string>& value,
              const client::Network& network) {
-  const auto target = target_of(text, "property");
+  const auto target = find_target(text, "property", network);
   if (!target) return refuse(target.problems());
   const auto client = connect_to_device(network, target->device, target->module);
   if (!client) return refuse(client.problems());
@@ -160,7 +170,7 @@ int property(const std::string& text, const std::string& name, const std::option
 
 // Prints all properties of a module, with their values.
 int properties(const std::string& text, bool as_json, const client::Network& network) {
-  const auto target = target_of(text, "property, or DEVICE.MODULE alone to list all of them");
+  const auto target = find_target(text, "property, or DEVICE.MODULE alone to list all of them", network);
   if (!target) return refuse(target.problems());
   const auto client = connect_to_device(network, target->device, target->module);
   if (!client) return refuse(client.problems());
@@ -173,7 +183,10 @@ int properties(const std::string& text, bool as_json, const client::Network& net
 }
 
 int swap(const std::string& text, const std::string& file, const client::Network& network) {
-  const auto target = target_of(text, "file");
+  if (text.ends_with(".so"))
+    return refuse({fail(in_quotes(text) + " is a file, but the module comes first",
+                        "write takt swap " + file + " " + text)});
+  const auto target = find_target(text, "file", network);
   if (!target) return refuse(target.problems());
   const auto client = connect_to_device(network, target->device, target->module);
   if (!client) return refuse(client.problems());
@@ -187,6 +200,22 @@ int swap(const std::string& text, const std::string& file, const client::Network
                            answer->head.text().to_string()))
              ? 0
              : 1;
+}
+
+/// Returns what is missing in a call of `takt set` without a VALUE.
+std::string missing_in_set(const std::string& module, const std::vector<std::string>& given) {
+  const std::string property = given.empty() ? "" : given[0];
+  const std::size_t dot = module.find('.');
+  const std::size_t second = dot == std::string::npos ? dot : module.find('.', dot + 1);
+  if (second != std::string::npos && !property.empty())
+    return fmt::format("'{}' is not the name of a module; write takt set {} {} {}", module,
+                       module.substr(0, second), module.substr(second + 1), property);
+  if (dot == std::string::npos)
+    return fmt::format("'{}' is not the name of a module; write takt set DEVICE.MODULE {}", module,
+                       property.empty() ? "PROPERTY VALUE" : module + " " + property);
+  return fmt::format("the {} missing; write takt set {} {} VALUE",
+                     property.empty() ? "property and its value are" : "value is", module,
+                     property.empty() ? "PROPERTY" : property);
 }
 
 }  // namespace
@@ -246,7 +275,7 @@ void add_properties(CLI::App& app, Chosen& chosen) {
              : app.add_subcommand("get",
                                   "Print the current value of a property, or all properties of a module");
     auto as_json = std::make_shared<bool>(false);
-    command->add_option("MODULE", *target, "DEVICE.MODULE")->required();
+    auto* module = command->add_option("MODULE", *target, "DEVICE.MODULE")->required();
     if (sets) {
       // A check of the name comes before the message that VALUE is missing.
       command->add_option("PROPERTY", *name, "the name of the property, as `takt get` lists it")
@@ -261,6 +290,16 @@ void add_properties(CLI::App& app, Chosen& chosen) {
                                  },
                                  ""});
       command->add_option("VALUE", *value, "the new value")->required();
+      // The validator of the first argument runs before CLI11 reports only that VALUE is required.
+      module->check(CLI::Validator{
+          [command](const std::string& given) -> std::string {
+            const auto property = command->get_option("PROPERTY")->results();
+            const bool pair = !property.empty() && property[0].find('=') != std::string::npos;
+            if (command->count("VALUE") == 0 && !pair && command->get_help_ptr()->empty())
+              throw CLI::ParseError{missing_in_set(given, property), CLI::ExitCodes::RequiredError};
+            return "";
+          },
+          ""});
     } else {
       auto* property =
           command->add_option("PROPERTY", *name, "the name of the property; without it, all are listed");

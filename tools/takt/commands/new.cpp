@@ -94,15 +94,18 @@ void add_new(CLI::App& app, Chosen& chosen) {
   command
       ->add_option("--type", options->type,
                    "thread (a .so that the scheduler calls) or process (a program that it releases)")
-      ->check(CLI::IsMember({"thread", "process"}))
+      ->type_name("thread|process")
+      ->check(CLI::IsMember({"thread", "process"}).description(""))
       ->capture_default_str();
   command
       ->add_option("--operation", options->operation,
                    "periodic (runs once in each period) or sporadic (runs when a sample arrives)")
-      ->check(CLI::IsMember({"periodic", "sporadic"}))
+      ->type_name("periodic|sporadic")
+      ->check(CLI::IsMember({"periodic", "sporadic"}).description(""))
       ->capture_default_str();
-  command->add_option("--language", options->language, "c++ or c")
-      ->check(CLI::IsMember({"c++", "c"}))
+  command->add_option("--language", options->language, "the programming language")
+      ->type_name("c++|c")
+      ->check(CLI::IsMember({"c++", "c"}).description(""))
       ->capture_default_str();
   command->callback([options, &chosen] { chosen = [options] { return make(*options); }; });
 }

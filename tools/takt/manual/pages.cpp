@@ -297,6 +297,8 @@ std::string bash_completion(const CLI::App& program) {
 }
 
 void tidy_help(CLI::App& program) {
+  program.get_formatter()->label("Excludes", "not with");
+  program.get_formatter()->label("Needs", "needs");
   for (CLI::Option* option : program.get_options()) {
     if (option->get_positional() && option->get_type_name() == "TEXT") option->type_name("");
   }
@@ -305,16 +307,21 @@ void tidy_help(CLI::App& program) {
 
 namespace {
 
-/// One line for each unknown option that is similar to an option of the command.
+/// One line for each unknown word that resembles an option of the command or stands for one.
 std::string suggested_options(const CLI::App& program, const CLI::App& command) {
   std::vector<std::string> names;
   for (const auto* option : options_of(command)) {
     for (const std::string& name : names_of(option)) names.push_back(name);
   }
   std::string lines;
+  const CLI::Option* device = program.get_option_no_throw("--device");  // an option of takt-node
   for (const std::string& word : program.remaining(true)) {
+    if (!word.starts_with("-") && device != nullptr && device->empty())
+      lines += "write --device " + word + "\n";
     if (!word.starts_with("--")) continue;
     const std::string unknown = word.substr(0, word.find('='));
+    if (unknown == "--interface")
+      lines += "there is no option --interface; set the environment variable TAKT_INTERFACE to the address\n";
     const std::string_view meant = nearest(unknown, {names.begin(), names.end()});
     if (!meant.empty())
       lines += "there is no option " + unknown + "; did you mean " + std::string{meant} + "?\n";
@@ -325,6 +332,15 @@ std::string suggested_options(const CLI::App& program, const CLI::App& command) 
 /// What CLI11 says, or a clearer sentence if an option that takes a number has another value.
 std::string what_is_wrong(const CLI::Error& error) {
   const std::string text = error.what();
+  constexpr std::string_view kValue = ": Value ";
+  constexpr std::string_view kRange = " not in range ";
+  const std::size_t value = text.find(kValue);
+  const std::size_t range = text.rfind(kRange);
+  if (value != std::string::npos && range != std::string::npos && value + kValue.size() <= range) {
+    const std::string given = text.substr(value + kValue.size(), range - value - kValue.size());
+    return text.substr(0, value) + " takes a number, " + text.substr(range + kRange.size()) + ", not " +
+           in_quotes(given);
+  }
   constexpr std::string_view kBegin = "Could not convert: ";
   const std::size_t equals = text.find(" = ");
   if (!text.starts_with(kBegin) || equals == std::string::npos) return text;
