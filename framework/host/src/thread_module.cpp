@@ -160,9 +160,10 @@ Result<void> ThreadModule::take_properties(const std::string& path) {
 Result<void> ThreadModule::take_saved(const std::string& path) {
   if (const auto outside = take_loose_saved(); !outside.empty())
     return fail(path + " has a Saved<T> variable outside a component",
-                component_ != nullptr ? "make it a member: Saved<T> name{*this, 1}"
-                                      : "in a module with C functions, declare the variable with TAKT_SAVED(1, "
-                                        "variable) from <takt/saved.h>");
+                component_ != nullptr
+                    ? "make it a member: Saved<T> name{*this, 1}"
+                    : "in a module with C functions, declare the variable with TAKT_SAVED(1, "
+                      "variable) from <takt/saved.h>");
   if (component_ != nullptr) {
     const auto& saved = component_->saved();
     if (saved.size() > 1)
@@ -257,8 +258,8 @@ Result<void> ThreadModule::match(const ThreadModule& before) {
   for (const PropertyBase* mine : properties_)
     if (property(before, mine->name()) == nullptr) differs("property " + in_quotes(mine->name()) + " is new");
   if (!differences.empty()) {
-    return fail("its ports and properties differ from those of the running module: " + differences,
-                "undeploy the cell and deploy it with this file");
+    return fail("it differs from the running module: " + differences,
+                "name this file in the descriptor and run takt deploy --update, which restarts the device");
   }
   ports_ = std::move(ports);
   serve_ports();

@@ -232,14 +232,16 @@ class Swap(takt_system.Case):
                  "swap d.ticks not_a_library.so": r"^file not_a_library\.so: error: .*not_a_library\.so is not a shared object",
                  "swap d.ticks everybody.so": r"everybody may write to .*; run chmod o-w"},
                 {"swap d.ticks ticks_other.so":
-                 r"its ports and properties differ from those of the running module: port 'more' is new, "
-                 r"property 'step' is of type integer, not double; undeploy the cell and deploy it with this file"},
+                 r"ticks: error: it differs from the running module: port 'more' is new, property 'step' is of type integer, not double; "
+                 r"name this file in the descriptor and run takt deploy --update, which restarts the device"},
                 {"swap d.ticks fine.so": r"port 'out' is missing, port 'in' is missing, property 'label' is missing"},
                 {"swap d.ticks ticks_forgets.so": r"it cannot take over the state that version 1 saved: .*override restore\(\)"},
                 {"swap d.ticks ticks_hangs.so": r"initialize\(\) did not return within 5 s"},
                 {"swap d.tick ticks.so": r"device d has no module 'tick'; did you mean ticks\?",
                  "swap d.program fine.so": r"module d\.program is a program; only a thread module can be swapped",
                  "swap d.sporadic fine_sporadic.so": r"module d\.sporadic is sporadic; only a periodic module can be swapped",
+                 "swap ticks_more.so d.ticks": r"'ticks_more\.so' is a file, but the module comes first; "
+                                               r"write takt swap d\.ticks ticks_more\.so$",
                  "swap d ticks.so": r"'d' is not the name of a module; write DEVICE\.MODULE, a space and the file"}):
             for command, pattern in commands.items():
                 self.refused({command: pattern})
