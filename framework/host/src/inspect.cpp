@@ -1,6 +1,8 @@
 #include <takt/host/inspect.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -177,7 +179,8 @@ Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& argu
   }
   return fail(path + " did not call initPeriodExe() or initSporadicExe() " +
                   (ended ? "before it " + ended->text() : "within " + to_text(kLimit) + " of its start"),
-              "call one of them at the beginning of main(), and link with libtakt_process");
+              ended && ended->signalled ? "find the cause of the crash in a debugger: gdb " + path
+                                        : "call one of them at the beginning of main()");
 }
 
 Result<void> load(ThreadModule& module, const std::string& path, os::Library::Globals globals,
@@ -310,7 +313,8 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
     }
     bool rejected = false;
     auto answer = ask_program(path, arguments, &rejected);
-    if (!answer && !rejected && arguments.empty()) return program;
+    // A script, or a program that does not call the init function itself, need not be a process module.
+    if (!answer && !rejected && arguments.empty() && !calls_init(path)) return program;
     if (!answer) return answer.problems();
     if (!answer->problems.empty()) return answer->problems;
     program.operation = std::move(answer->operation);
@@ -357,6 +361,46 @@ std::string component_text(const std::string& path) {
 std::string component_version(const std::string& path) {
   const auto section = os::read_section(path, "takt_version");
   return section ? on_one_line(section->c_str()) : "";
+}
+
+namespace {
+/// Returns true if one letter of `word` must be changed, added or removed to make it `hook`.
+bool differs_in_one_letter(std::string_view word, std::string_view hook) {
+  const auto [from_begin, unused] = std::mismatch(word.begin(), word.end(), hook.begin(), hook.end());
+  const auto [from_end, also_unused] = std::mismatch(word.rbegin(), word.rend(), hook.rbegin(), hook.rend());
+  const auto alike = (from_begin - word.begin()) + (from_end - word.rbegin());
+  const auto longer = std::max(word.size(), hook.size());
+  return longer <= std::min(word.size(), hook.size()) + 1 && alike + 1 >= static_cast<std::ptrdiff_t>(longer);
+}
+}  // namespace
+
+Problems misspelt_hooks(const std::string& path) {
+  // Short names differ in one letter from functions of the C library, such as stat(), so for these only
+  // another case counts.
+  constexpr std::array<std::string_view, 6> kHooks{"initialize", "start",   "condition",
+                                                   "error",      "recover", "destruct"};
+  constexpr std::size_t kLongName = 7;
+  if (!os::is_shared_object(path)) return {};
+  std::set<std::string> names;
+  std::istringstream all{dynamic_names(path)};
+  for (std::string name; std::getline(all, name, '\0');) names.insert(name);
+  if (names.contains("takt_component_factory") || !names.contains("run")) return {};
+  Problems problems;
+  for (const std::string_view hook : kHooks) {
+    if (names.contains(std::string{hook})) continue;
+    for (const std::string& name : names) {
+      std::string small = name;
+      std::transform(small.begin(), small.end(), small.begin(),
+                     [](unsigned char c) { return std::tolower(c); });
+      std::erase(small, '_');
+      const bool alike = small == hook || (hook.size() >= kLongName && differs_in_one_letter(small, hook));
+      if (alike)
+        problems.push_back(
+            fail("Takt never calls its function " + name + "()",
+                 "rename it to " + std::string{hook} + "() if it is the hook, or make it static"));
+    }
+  }
+  return problems;
 }
 
 std::vector<ComponentFile> list_components(const std::vector<std::string>& folders) {

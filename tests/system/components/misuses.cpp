@@ -1,6 +1,9 @@
-// A periodic program whose first argument selects how it misuses the functions of <takt/process.h>.
+// A periodic program whose first argument, or the environment, selects how it misuses the functions of
+// <takt/process.h>.
 #include <takt/process.hpp>
 
+#include <csignal>
+#include <cstdlib>
 #include <memory>
 #include <string_view>
 
@@ -10,6 +13,7 @@
 
 int main(int argc, char* argv[]) {
   const std::string_view how = argc > 1 ? argv[1] : "";
+  if (std::getenv("TAKT_TEST_CRASH") != nullptr) std::raise(SIGSEGV);
   if (how == "daemon" && ::daemon(0, 0) != 0) return 2;
   if (how == "fork" && ::fork() != 0) return 0;
   initPeriodExe();

@@ -156,6 +156,23 @@ class Describe(takt_system.Case):
         self.assertIn("property 'gain' cannot be '300'; it takes a number, 0 to 100, in 1/s", wrong.err)
         self.assertIn("this program has no property 'gian'; did you mean gain?", wrong.err)
 
+    def test_a_misspelt_hook_in_c_is_a_warning(self):
+        names = (("initialise", "initialize"), ("Start", "start"), ("condtion", "condition"))
+        words = ["Takt never calls its function %s(); rename it to %s() if it is the hook, or make it static" % each for each in names]
+        described = self.takt("describe", "misspelt_hooks.so")
+        self.assertEqual(0, described.status)
+        self.assertEqual(sorted(words), sorted(line.split(": warning: ")[1] for line in described.err.splitlines()))
+        checked = self.takt("check", self.write("m.xml", "<root>\n%s</root>\n" % module("m", "misspelt_hooks.so")))
+        self.assertEqual(0, checked.status)
+        self.assertEqual(sorted("module m: " + each for each in words),
+                         sorted(re.match(r"^.*/m\.xml:\d+: warning: (.*)$", line)[1] for line in checked.err.splitlines()))
+
+    def test_takt_describe_fails_for_a_program_that_crashes_before_its_init_function(self):
+        run = self.takt("describe", "misuses.exe", environment={"TAKT_TEST_CRASH": "1"})
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertRegex(run.err, r"misuses\.exe did not call initPeriodExe\(\) or initSporadicExe\(\) before it .*SIGSEGV.*; "
+                                  r"find the cause of the crash in a debugger: gdb .*misuses\.exe$")
+
     def test_takt_check_reports_the_line_of_every_invalid_property(self):
         wrong = [
             (module("cpp", "cpp_properties.so", ("gian", "1")), "gian", r"component CppProperties has no property 'gian'; did you mean gain\?"),

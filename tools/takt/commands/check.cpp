@@ -28,6 +28,20 @@ struct CheckOptions {
   ProofOptions proof;
 };
 
+/// Returns a warning for each function of a module in C that may be a misspelt hook.
+Problems misspelt_hooks(const Loaded& loaded) {
+  Problems warnings;
+  for (std::size_t d = 0; d < loaded.paths.size(); ++d) {
+    for (std::size_t m = 0; m < loaded.paths[d].size(); ++m) {
+      const model::Module& module = loaded.cell.devices[d].modules[m];
+      for (const Problem& found : host::misspelt_hooks(loaded.paths[d][m]))
+        warnings.push_back(model::problem_at(loaded.cell.texts(), model::line_of_file(module),
+                                             "module " + module.name + ": " + found.what, found.fix));
+    }
+  }
+  return warnings;
+}
+
 int check(const CheckOptions& options) {
   if (options.expanded) {
     const auto flat = descriptor::flatten(options.file);
@@ -49,6 +63,7 @@ int check(const CheckOptions& options) {
   }
   loaded->cell.domain = *domain;
   warn(model::doubts(loaded->cell, loaded->ports));
+  warn(misspelt_hooks(*loaded));
   std::optional<Proof> proof;
   // Prove the deadlines if the user asks for a proof, or if a proof is possible: every module has a budget.
   if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {

@@ -54,6 +54,7 @@ Result<Described> describe_module(const model::Cell& cell, const model::Device& 
   auto path = host::find_component(module.filename, cell.file);
   if (!path) return at_line(path.problems());
   const bool process = module.type == model::ModuleType::process;
+  warn(at_line(host::misspelt_hooks(*path)));
   auto component = host::describe(*path, process ? host::arguments_of(module) : host::Arguments{});
   if (!component) return at_line(component.problems());
   return Described{*path, security::short_hash(*path), std::move(*component), cell.name, device.name, module};
@@ -110,10 +111,14 @@ std::vector<Described> describe_files(const std::vector<std::string>& files,
       path = problem;
     }
     auto component = path ? host::describe(*path, properties) : Result<host::Description>{path.problems()};
-    if (component)
+    if (component) {
+      Problems warnings = host::misspelt_hooks(*path);
+      for (Problem& warning : warnings) warning.where = *path;
+      warn(warnings);
       all.push_back({*path, security::short_hash(*path), std::move(*component)});
-    else
+    } else {
       std::copy(component.problems().begin(), component.problems().end(), std::back_inserter(problems));
+    }
   }
   return all;
 }
@@ -188,7 +193,7 @@ void add_describe(CLI::App& app, Chosen& chosen) {
           ->excludes(xml);
   command->add_option("--operation", options->operation, "the operation type to write into the profile")
       ->type_name("periodic|sporadic|non-real")
-      ->check(CLI::IsMember({"periodic", "sporadic", "non-real"}))
+      ->check(CLI::IsMember({"periodic", "sporadic", "non-real"}).description(""))
       ->needs(iso);
   command->callback([options, &chosen] { chosen = [options] { return describe(*options); }; });
 }

@@ -24,9 +24,9 @@ Arguments arguments_of(const model::Module& module);
 
 /// Describes a component. A .so is loaded. A program that is linked with libtakt_process, and also a script,
 /// is started with these arguments, because its ports may depend on them. The program reports its description
-/// and ends at once. Without arguments, a program that does not report within 5 s is described without ports.
-/// With arguments, a missing report is an error. If the program ends with an error message about its
-/// arguments, the result is that error. `path` comes from find_component().
+/// and ends at once. If it does not report within 5 s, this is an error; but without arguments, a script is
+/// then described without ports. If the program ends with an error message about its arguments, the result is
+/// that error. `path` comes from find_component().
 Result<Description> describe(const std::string& path, const Arguments& arguments = {});
 
 /// Returns the sentence that TAKT_TEXT() or TAKT_COMPONENT() put into a component's file; empty if there is
@@ -36,6 +36,10 @@ std::string component_text(const std::string& path);
 /// Returns the version that TAKT_COMPONENT_VERSION() put into a component's file; empty if there is none.
 /// Neither loads nor starts the file.
 std::string component_version(const std::string& path);
+
+/// Returns one problem for each function of a module in C whose name is nearly that of a hook that the module
+/// does not define, for example `initialise`. Takt would never call it. Neither loads nor starts the file.
+Problems misspelt_hooks(const std::string& path);
 
 /// A file that looks like a component. It was neither loaded nor started.
 struct ComponentFile {
