@@ -15,7 +15,7 @@ class @Name@ : public takt::Component {
   takt::Result<void> initialize() override { return {}; }
 
   // run() runs on the real-time thread: it must not lock, allocate memory, make system calls or print. To log,
-  // use takt::log().
+  // use log().
   void run(const takt::Cycle&) noexcept override {
     if (!in.read()) return;  // no new sample since the last run()
     result_.value(gain * in.value().value());

@@ -17,7 +17,7 @@ class @Name@ : public takt::Component {
   takt::Result<void> initialize() override { return {}; }
 
   // run() runs on the real-time thread: it must not lock, allocate memory, make system calls or print. To log,
-  // use takt::log().
+  // use log().
   void run(const takt::Cycle&) noexcept override {
     while (in.read()) {
       result_.value(gain * in.value().value());
