@@ -227,6 +227,11 @@ TEST_F(ResumingAgent, BeginsAnUndoneDeploymentIfAnotherDeviceIsFinal) {
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
   EXPECT_TRUE((*file_->kept())->is_final);
   EXPECT_EQ((*file_->kept())->t0_ns, t0) << "this device has received T0 from line only";
+  device.work.inspected = Inspected{.paths = {"", ""}};
+  device.agent.step();
+  device.work.phase = Phase::ready;
+  device.agent.step();
+  EXPECT_EQ(device.work.t0, device.now + Nanoseconds{t0 - device.wall()});
 }
 
 TEST_F(ResumingAgent, RejectsASavedDeploymentThatStartsFarInTheFuture) {
