@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <numeric>
 #include <type_traits>
 
 #include <takt/core/fixed_text.hpp>
@@ -76,15 +77,6 @@ Result<std::size_t> decode_header(std::string_view content) {
   return static_cast<std::size_t>(header.slots);
 }
 
-/// Removes events that a newer event should have overwritten. Such an event is still in the file if the newer
-/// event is missing or damaged.
-void forget_overwritten(Recorded& recorded) {
-  const auto first =
-      std::find_if(recorded.events.begin(), recorded.events.end(),
-                   [&](const model::Fault& fault) { return fault.sequence > recorded.overwritten; });
-  recorded.events.erase(recorded.events.begin(), first);
-}
-
 bool is_zero(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) { return c == 0; });
 }
@@ -93,9 +85,7 @@ bool is_zero(std::string_view bytes) {
 /// forged, and would leave no number for the next event.
 constexpr std::uint64_t kMostEvents = std::uint64_t{1} << 62U;
 
-std::size_t at_of(std::uint64_t sequence, std::size_t slots) {
-  return kHeaderBytes + static_cast<std::size_t>((sequence - 1) % slots) * kSlotBytes;
-}
+std::size_t offset_of(std::size_t slot) { return kHeaderBytes + slot * kSlotBytes; }
 
 }  // namespace
 
@@ -140,27 +130,55 @@ std::optional<model::Fault> decode_slot(std::string_view bytes) {
                       .cycle = slot.cycle};
 }
 
+namespace {
+
+/// The content of a file, with the slots that hold it.
+struct Slots {
+  Recorded recorded;
+  std::vector<std::size_t> places;  ///< the slot of each event
+  std::vector<std::size_t> free;    ///< the slots without a valid event, highest first
+  bool torn = false;  ///< true if the write of a slot was interrupted, or its bytes were damaged
+};
+
+Slots read_slots(std::string_view content, std::size_t slots) {
+  Slots read;
+  std::vector<std::pair<model::Fault, std::size_t>> found;
+  for (std::size_t i = slots; i-- > 0;) {
+    const std::size_t at = offset_of(i);
+    const std::string_view slot = at < content.size() ? content.substr(at, kSlotBytes) : std::string_view{};
+    auto fault = decode_slot(slot);
+    if (fault && fault->sequence <= kMostEvents) {
+      found.emplace_back(std::move(*fault), i);
+      continue;
+    }
+    read.free.push_back(i);
+    if (is_zero(slot)) continue;
+    ++read.recorded.damaged;
+    read.torn |= !fault;
+  }
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return a.first.sequence < b.first.sequence; });
+  for (auto& [fault, place] : found) {
+    read.recorded.events.push_back(std::move(fault));
+    read.places.push_back(place);
+  }
+  if (!found.empty() && read.recorded.events.back().sequence > slots)
+    read.recorded.overwritten = read.recorded.events.back().sequence - slots;
+  return read;
+}
+
+std::vector<std::size_t> all_free(std::size_t slots) {
+  std::vector<std::size_t> free(slots);
+  std::iota(free.rbegin(), free.rend(), std::size_t{0});
+  return free;
+}
+
+}  // namespace
+
 Result<Recorded> read_record(std::string_view content) {
   const auto slots = decode_header(content);
   if (!slots) return slots.problems();
-  Recorded recorded;
-  for (std::size_t i = 0; i < *slots; ++i) {
-    const std::size_t at = kHeaderBytes + i * kSlotBytes;
-    if (at >= content.size()) break;  // the file was truncated
-    const std::string_view slot = content.substr(at, kSlotBytes);
-    if (is_zero(slot)) continue;
-    auto fault = decode_slot(slot);
-    if (fault && fault->sequence <= kMostEvents && at_of(fault->sequence, *slots) == at)
-      recorded.events.push_back(std::move(*fault));
-    else
-      ++recorded.damaged;
-  }
-  std::sort(recorded.events.begin(), recorded.events.end(),
-            [](const auto& a, const auto& b) { return a.sequence < b.sequence; });
-  if (!recorded.events.empty() && recorded.events.back().sequence > *slots)
-    recorded.overwritten = recorded.events.back().sequence - *slots;
-  forget_overwritten(recorded);
-  return recorded;
+  return read_slots(content, *slots).recorded;
 }
 
 Result<Recorded> read_record_file(const std::string& path) {
@@ -180,7 +198,7 @@ std::string FaultRecord::path(const std::string& folder, const std::string& devi
   return folder + "/" + device + "." + std::to_string(domain) + ".faults";
 }
 
-FaultRecord::FaultRecord(std::size_t slots) : slots_(slots) {}
+FaultRecord::FaultRecord(std::size_t slots) : slots_(slots), free_(all_free(slots)) {}
 
 FaultRecord FaultRecord::open(const std::string& path, std::size_t slots) {
   FaultRecord record{slots};
@@ -201,32 +219,29 @@ Result<void> FaultRecord::attach(const std::string& path) {
   if (!content) return content.problems();
   // If a node died while it created the file, the file has no header.
   const bool empty = is_zero(*content);
-  auto recorded = empty ? Result<Recorded>{Recorded{}} : read_record(*content);
-  if (!recorded) {
+  const auto there = decode_header(*content);
+  if (!there && !empty) {
     const std::string aside = path + ".damaged";
     if (auto renamed = file->rename(aside); !renamed) return renamed;
-    problems_.push_back({path, recorded.problems()[0].what, "it was renamed to " + aside});
+    problems_.push_back({path, there.problems()[0].what, "it was renamed to " + aside});
     file = os::FixedFile::open(path);
     if (!file) return file.problems();
-    recorded = Recorded{};
-    content = std::string{};
   }
-  const auto there = decode_header(*content);
   if (there) slots_ = *there;
   if (auto reserved = file->reserve(kHeaderBytes + slots_ * kSlotBytes); !reserved) return reserved;
   if (!there) {
     if (auto written = file->write(0, encode_header(slots_)); !written) return written;
   }
   file->sync();
-  recorded_ = std::move(*recorded);
+  if (!there) content = std::string{};
+  Slots read = read_slots(*content, slots_);
+  recorded_ = std::move(read.recorded);
+  places_ = std::move(read.places);
+  free_ = std::move(read.free);
   if (!recorded_.events.empty()) next_ = recorded_.events.back().sequence + 1;
-  // If the slot of the next event is incomplete, the node died while it wrote this slot. Do not use the
-  // number of this slot again, so that the event of the incomplete slot counts as missing.
-  const std::size_t next_at = at_of(next_, slots_);
-  if (next_at < content->size()) {
-    const std::string_view slot = std::string_view{*content}.substr(next_at, kSlotBytes);
-    if (!is_zero(slot) && !decode_slot(slot)) ++next_;
-  }
+  // An incomplete slot may be that of the next event, because the node died while it wrote this slot. Do not
+  // use the number of this event again, so that it counts as missing.
+  if (read.torn) ++next_;
   file_ = std::make_shared<os::FixedFile>(std::move(*file));
   return {};
 }
@@ -242,19 +257,22 @@ bool FaultRecord::reopen() {
   }
   FaultRecord& other = *opened;
   const auto& theirs = other.recorded_.events;
-  auto from = recorded_.events.begin();  // the first event that the file does not have
-  bool goes_on =
-      theirs.empty() || (from != recorded_.events.end() && from->sequence > theirs.back().sequence);
-  if (!goes_on) {
-    const auto shared = std::find(from, recorded_.events.end(), theirs.back());
-    goes_on = shared != recorded_.events.end();
-    if (goes_on) from = shared + 1;
-  }
-  if (goes_on) other.next_ = from == recorded_.events.end() ? next_ : from->sequence;
-  for (; from != recorded_.events.end(); ++from) {
+  const auto& ours = recorded_.events;
+  // The first event that the file does not have.
+  auto from = std::find_if(ours.begin(), ours.end(), [&](const model::Fault& fault) {
+    return theirs.empty() || fault.sequence > theirs.back().sequence;
+  });
+  const bool goes_on = (from == ours.begin() && from != ours.end()) || theirs.empty() ||
+                       std::any_of(ours.begin(), from, [&](const model::Fault& fault) {
+                         return std::find(theirs.begin(), theirs.end(), fault) != theirs.end();
+                       });
+  if (!goes_on) from = ours.begin();
+  for (; from != ours.end(); ++from) {
     model::Fault fault = *from;
+    if (goes_on) other.next_ = fault.sequence;
     other.append(fault);
   }
+  if (goes_on) other.next_ = next_;
   if (!other.file_) return false;
   other.worker_ = std::move(worker_);
   *this = std::move(other);
@@ -284,15 +302,35 @@ void FaultRecord::sync() const {
   if (file_) file_->sync();
 }
 
+// Returns the event that a new event replaces in a full record. Log lines replace log lines, and other events
+// replace other events, unless the new event's class has less than half of the slots.
+std::size_t FaultRecord::replaced_by(const model::Fault& fault) const {
+  const auto& events = recorded_.events;
+  const bool is_line = model::is_log_line(fault.kind);
+  const auto same = [is_line](const model::Fault& each) { return model::is_log_line(each.kind) == is_line; };
+  const auto number = static_cast<std::size_t>(std::count_if(events.begin(), events.end(), same));
+  const auto oldest = 2 * number >= events.size() ? std::find_if(events.begin(), events.end(), same)
+                                                  : std::find_if_not(events.begin(), events.end(), same);
+  return static_cast<std::size_t>(oldest - events.begin());
+}
+
 void FaultRecord::append(model::Fault& fault) {
   fault.sequence = next_++;
   const std::string slot = encode_slot(fault);
+  if (free_.empty()) {
+    const auto replaced = static_cast<std::ptrdiff_t>(replaced_by(fault));
+    free_.push_back(places_[static_cast<std::size_t>(replaced)]);
+    places_.erase(places_.begin() + replaced);
+    recorded_.events.erase(recorded_.events.begin() + replaced);
+  }
+  const std::size_t place = free_.back();
+  free_.pop_back();
+  places_.push_back(place);
   recorded_.events.push_back(*decode_slot(slot));  // decoded, so that it equals the event that readers of the
                                                    // file get
   if (fault.sequence > slots_) recorded_.overwritten = fault.sequence - slots_;
-  forget_overwritten(recorded_);
   if (!file_) return;
-  if (auto written = file_->write(at_of(fault.sequence, slots_), slot); !written) {
+  if (auto written = file_->write(offset_of(place), slot); !written) {
     problems_ = written.problems();
     file_.reset();
     path_.clear();

@@ -211,7 +211,7 @@ TEST_F(RecordOfFaults, IgnoresAnEventWithAForgedHugeNumber) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
 }
 
-TEST_F(RecordOfFaults, DropsEventsThatAreOlderThanItsCapacityAllows) {
+TEST_F(RecordOfFaults, KeepsTheOtherEventsIfNewerOnesAreMissing) {
   {
     FaultRecord record = open();
     append(record, 3);
@@ -220,10 +220,62 @@ TEST_F(RecordOfFaults, DropsEventsThatAreOlderThanItsCapacityAllows) {
   later.sequence = 9;
   std::fstream{path_, std::ios::in | std::ios::out | std::ios::binary}.seekp(4096) << encode_slot(later);
   FaultRecord record = open();
-  EXPECT_THAT(numbers(record.events()), ElementsAre(9));
-  append(record, 1);
-  EXPECT_THAT(numbers(record.events()), ElementsAre(9, 10));
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 9));
+  append(record, 2);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(3, 9, 10, 11));
   EXPECT_EQ(read_record_file(path_)->events, record.events());
+}
+
+TEST_F(RecordOfFaults, KeepsOtherEventsWhenAModuleLogsManyLines) {
+  const auto log = [](FaultRecord& record, int lines) {
+    for (int i = 0; i < lines; ++i) {
+      Fault line = event("a line", FaultKind::log_info);
+      record.append(line);
+    }
+  };
+  {
+    FaultRecord record = open();
+    append(record, 2);
+    log(record, 100);
+    EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 101, 102));
+    EXPECT_EQ(record.overwritten(), 98U);
+  }
+  FaultRecord record = open();
+  EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 101, 102));
+  append(record, 1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 101, 102, 103)) << "lines keep half of the slots, too";
+  log(record, 1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 102, 103, 104));
+  EXPECT_EQ(read_record_file(path_)->events, record.events());
+}
+
+TEST_F(RecordOfFaults, UsesAllItsSlotsForLinesUntilOtherEventsNeedThem) {
+  FaultRecord record = open();
+  for (int i = 0; i < 5; ++i) {
+    Fault line = event("a line", FaultKind::log_error);
+    record.append(line);
+  }
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 4, 5));
+  append(record, 1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(3, 4, 5, 6));
+}
+
+TEST_F(RecordOfFaults, KeepsTheNumbersOfUnwrittenEventsWhenLinesBetweenThemWereReplaced) {
+  FaultRecord record = open();
+  append(record, 2);
+  {
+    const ShortFiles limit{4096};
+    for (int i = 0; i < 4; ++i) {
+      Fault line = event("a line", FaultKind::log_info);
+      record.append(line);
+    }
+  }
+  EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 5, 6));
+  EXPECT_TRUE(record.reopen());
+  EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 5, 6));
+  EXPECT_EQ(read_record_file(path_)->events, record.events());
+  append(record, 1);
+  EXPECT_EQ(record.events().back().sequence, 7U);
 }
 
 TEST_F(RecordOfFaults, LosesOnlyTheEventWhoseWriteWasInterrupted) {

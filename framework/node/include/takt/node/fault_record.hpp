@@ -1,12 +1,14 @@
 // The fault record of a device: the last few thousand events, in a file that outlives the node, however the
 // node ends.
 //
-// The file is a ring of slots of fixed size, with one event in each slot. The file has its full size from the
-// beginning. The node writes an event, with a number and a checksum, by one write of one slot. If the node
-// dies during this write, the slot is invalid; readers skip and count it. The numbers continue when the node
-// starts again, so that a missing event is visible. The node also keeps the events in memory. If writing the
-// file fails, the node continues with the record in memory only. A disk may take long to answer, so a
-// separate thread waits for it.
+// The file consists of slots of fixed size, with one event in each slot. The file has its full size from the
+// beginning. When it is full, a new event replaces an old one. A module may log many lines, so lines that
+// modules log and all other events both keep at least half of the slots, if they need them. The node writes
+// an event, with a number and a checksum, by one write of one slot. If the node dies during this write, the
+// slot is invalid; readers skip and count it. The numbers continue when the node starts again, so that a
+// missing event is visible. The node also keeps the events in memory. If writing the file fails, the node
+// continues with the record in memory only. A disk may take long to answer, so a separate
+// thread waits for it.
 #pragma once
 
 #include <cstddef>
@@ -81,10 +83,13 @@ class FaultRecord final : public agent::FaultMemory {
   void begin_to_open();
   /// Starts the worker if necessary. Returns false if the system denies a thread.
   bool has_worker();
+  [[nodiscard]] std::size_t replaced_by(const model::Fault& fault) const;
 
   std::size_t slots_;
   std::uint64_t next_ = 1;
   Recorded recorded_;
+  std::vector<std::size_t> places_;  // the slot of each event
+  std::vector<std::size_t> free_;    // the slots without an event; the last one is used first
   std::shared_ptr<os::FixedFile> file_;
   std::string path_;
   std::string wanted_;  // the path given to open(); empty for a record that was created in memory only
