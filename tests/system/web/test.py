@@ -50,9 +50,8 @@ class Web(takt_system.Case):
         self.assertEqual(0, web.wait().status, web.err)
 
     def on_dds(self):
-        """Returns the states of all modules as `takt status` shows them: a module in START on a running device is stopped."""
-        stopped = {("running", "START"): " (stopped)"}
-        return {"%s.%s" % (device["name"], module["name"]): module["state"] + stopped.get((device["state"], module["state"]), "")
+        """Returns the states of all modules as `takt status` shows them."""
+        return {"%s.%s" % (device["name"], module["name"]): module["state"] + (" (stopped)" if module.get("stopped") else "")
                 for device in self.status_of()["devices"] for module in device["modules"]}
 
     def wait_until_as_on_dds(self):
@@ -114,6 +113,7 @@ class Web(takt_system.Case):
         self.assertNotIn("host-restart", " ".join(page.texts("#details .last-faults li")))
         page.go("#/faults")
         page.wait_for("tr[data-kind=host-restart]", "robot")
+        self.assertEqual([], page.texts("tr[data-kind=node-start]"), "at first, the page shows only warnings and errors")
         before = len(page.texts("tr[data-kind]"))
         self.running["robot"].one("grid.exe").kill()
         wait_until(lambda: len(page.texts("tr[data-kind]")) > before, "the open record to grow")
@@ -129,6 +129,8 @@ class Web(takt_system.Case):
         self.running["robot"].signal(signal.SIGKILL)
         self.running["robot"].wait()
         page.wait_for("#summary", "robot lost")
+        page.wait_for("#details .mark .word", "^lost, was EXECUTING$")
+        page.wait_for("#details .why", "^Its last known state is EXECUTING since ")
         page.go("#/modules")
         page.wait_for_attribute("tr[data-device=robot]", "data-state", "lost")
         page.wait_for("tr[data-module='robot.tuned'] .word", "^lost, was EXECUTING$")
@@ -155,6 +157,8 @@ class Web(takt_system.Case):
         self.select("robot.tuned")
         page.wait_for("#details .mark .word", "^EXECUTING")
         self.order("stop")
+        page.wait_for("dialog h3", r"Stop robot\.tuned\?")
+        page.click("dialog button.danger")
         page.wait_for("#details .commands .answer", "stop done")
         page.wait_for("#details .mark .word", r"^START \(stopped\) since")
         page.wait_for("tr[data-module='robot.tuned'] .word", r"^START \(stopped\)$")
@@ -164,7 +168,7 @@ class Web(takt_system.Case):
         self.wait_for_states({"robot": {"tuned": "EXECUTING"}})
         page.wait_for("#details .mark .word", "^EXECUTING")
 
-        # The page asks for confirmation before it ends a module, and Escape cancels the command.
+        # The page asks for confirmation before it stops or ends a module, and Escape cancels the command.
         self.order("destruct")
         page.wait_for("dialog h3", r"Destruct robot\.tuned\?")
         page.press(Keys.ESCAPE)
@@ -177,6 +181,11 @@ class Web(takt_system.Case):
             self.wait_for_states({"robot": {"tuned": state}})
             if verb:
                 self.order(verb)
+        self.order("restart")
+        page.wait_for("dialog h3", r"Restart robot\.tuned\?")
+        page.click("dialog button.danger")
+        page.wait_for("#details .commands .answer", "restart done, now EXECUTING")
+        self.wait_for_states({"robot": {"tuned": "EXECUTING"}})
         self.select("line.fails")
         page.wait_for("#details .mark .word", "^RECOVER")
         page.wait_for("#details .why", "^failure: ")
@@ -264,6 +273,9 @@ class Web(takt_system.Case):
         page.press_until(Keys.ARROW_DOWN, lambda focused: focused == "tuned")
         page.press(Keys.ENTER)
         page.wait_for("#details h2", r"^robot\.tuned$")
+        page.press_until(Keys.TAB, lambda focused: focused == "Stop")
+        page.press(Keys.ENTER)
+        page.wait_for("dialog h3", r"Stop robot\.tuned\?")
         page.press_until(Keys.TAB, lambda focused: focused == "Stop")
         page.press(Keys.ENTER)
         self.wait_for_states({"robot": {"tuned": "START"}})
@@ -572,19 +584,19 @@ class Web(takt_system.Case):
             import("/commands.js").then(async ({Commands}) => {
               const [given, fetched] = [[], window.fetch];
               window.fetch = (address) => new Promise((answer) => given.push([address, answer]));
-              const modules = new Map(["robot.one", "robot.two"].map((name) => [name, {state: {state: "EXECUTING"}}]));
+              const modules = new Map(["robot.one", "robot.two"].map((name) => [name, {state: {state: "RECOVER"}}]));
               const commands = new Commands({modules, link: "live", rights: {command: true}, devices: new Map([["robot", {alive: true}]])});
               commands.hold("robot", "robot.one");
-              const stop = commands.buttons.find((button) => button.dataset.verb === "stop");
-              stop.click();
+              const recover = commands.buttons.find((button) => button.dataset.verb === "recover");
+              recover.click();
               commands.update();  // a state arrives while the command is pending
-              stop.click();
-              const seen = [given.length, Number(stop.disabled)];
+              recover.click();
+              const seen = [given.length, Number(recover.disabled)];
               commands.hold("robot", "robot.two");
-              seen.push(Number(stop.disabled));
+              seen.push(Number(recover.disabled));
               commands.hold("robot", "robot.one");
               given[0][1](new Response("{}"));
-              while (stop.disabled) await new Promise(requestAnimationFrame);
+              while (recover.disabled) await new Promise(requestAnimationFrame);
               window.fetch = fetched;
               done([...seen, given.length]);
             }).catch((error) => done(String(error)));"""))

@@ -4,15 +4,30 @@
 import { post } from "./api.js";
 import { element, setText } from "./dom.js";
 
-/// The commands, each with the states in which it is allowed. framework/lifecycle defines the same table.
+const kAny = ["IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER"];
+
+/// The commands, each with the states in which it is allowed. framework/lifecycle defines the same table. The page asks before it sends a
+/// command with a `warning`: the first text is for a module, the second for all modules of a device. Like `takt restart`, the command
+/// restart consists of several commands to one module.
 const kCommands = [
   { verb: "start", title: "Start", in: ["START"] },
-  { verb: "stop", title: "Stop", in: ["EXECUTING"] },
+  { verb: "stop", title: "Stop", in: ["EXECUTING"],
+    warning: ["The module does not run until you start it.", "The modules do not run until you start them."] },
   { verb: "recover", title: "Recover", in: ["RECOVER"] },
   { verb: "reset", title: "Reset", in: ["DESTRUCT"] },
   { verb: "initialize", title: "Initialize", in: ["IDLE"] },
-  { verb: "destruct", title: "Destruct", in: ["IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER"], danger: true },
+  { verb: "restart", title: "Restart", in: [...kAny, "DESTRUCT"], only: "module",
+    warning: ["The module ends, and begins again without its saved state."] },
+  { verb: "destruct", title: "Destruct", in: kAny, danger: true,
+    warning: ["The module ends and does not run again until you reset it.", "The modules end and do not run again until you reset them."] },
 ];
+
+/// The commands of which a restart consists, if the module is in this state.
+function stepsOfRestart(state) {
+  if (state === "IDLE") return ["initialize", "start"];
+  if (state === "DESTRUCT") return ["reset", "initialize", "start"];
+  return ["destruct", "reset", "initialize", "start"];
+}
 
 export class Commands {
   #store;
@@ -45,7 +60,8 @@ export class Commands {
     const why = this.#obstacle(module);
     const busy = this.#busy.has(this.#module ?? this.#device);
     kCommands.forEach((command, i) => {
-      this.buttons[i].disabled = busy || why !== null || (this.#module !== null && !command.in.includes(state));
+      const possible = this.#module === null ? command.only !== "module" : command.in.includes(state);
+      this.buttons[i].disabled = busy || why !== null || !possible;
     });
     if (why !== null) setText(this.why, why);
     else if (this.#module === null) setText(this.why, `A command goes to all modules of ${this.#device} whose state allows it.`);
@@ -60,11 +76,11 @@ export class Commands {
     return null;
   }
 
-  async #send({ verb, danger }) {
+  async #send({ verb, title, warning }) {
     const [device, name] = [this.#device, this.#module];
+    const state = name === null ? null : this.#store.modules.get(name)?.state?.state;
     const target = name ?? `all modules of ${device}`;
-    if (danger && !(await confirmed(`Destruct ${target}?`,
-      name ? "The module ends and does not run again until you reset it." : "The modules end and do not run again until you reset them."))) return;
+    if (warning && !(await confirmed(`${title} ${target}?`, warning[name ? 0 : 1], title))) return;
     const about = name ?? device;
     const show = (text, look) => {
       if (device !== this.#device || name !== this.#module) return;
@@ -75,8 +91,11 @@ export class Commands {
     this.#busy.add(about);
     this.update();
     try {
-      const command = name === null ? { device, verb } : { device, module: name.slice(device.length + 1), verb };
-      const answer = await post("/api/command", command);
+      let answer;
+      for (const step of verb === "restart" ? stepsOfRestart(state) : [verb]) {
+        const command = name === null ? { device, verb: step } : { device, module: name.slice(device.length + 1), verb: step };
+        answer = await post("/api/command", command);
+      }
       show([`${about}: ${verb} done`, answer.state ? `now ${answer.state}` : "", answer.text].filter(Boolean).join(", "), "good");
     } catch (problem) {
       show(`${about}: ${problem.text ?? problem.message}`, "bad");
@@ -86,11 +105,11 @@ export class Commands {
   }
 }
 
-/// Asks the user to confirm a command. Escape cancels the command.
-export function confirmed(question, text) {
+/// Asks the user to confirm a command, with a button that has this title. Escape cancels the command.
+export function confirmed(question, text, title) {
   return new Promise((answer) => {
     const no = element("button", { type: "submit", value: "no", text: "Cancel", autofocus: true });
-    const yes = element("button", { type: "submit", value: "yes", class: "danger", text: "Destruct" });
+    const yes = element("button", { type: "submit", value: "yes", class: "danger", text: title });
     const dialog = element("dialog", { "aria-labelledby": "question" },
       element("form", { method: "dialog" }, element("h3", { id: "question", text: question }), element("p", { text }),
         element("div", { class: "buttons" }, no, yes)));

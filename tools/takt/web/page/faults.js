@@ -6,7 +6,7 @@ import { adjust, linkTo } from "./route.js";
 import { count, day, instant, several } from "./words.js";
 
 const kPage = 200;  // lines shown at first, and added by each "Show older events"
-const kSeverities = { "": "all severities", warning: "warnings and errors", error: "errors" };
+const kSeverities = { all: "all severities", warning: "warnings and errors", error: "errors" };
 
 export class Faults {
   #store;
@@ -44,7 +44,7 @@ export class Faults {
   }
 
   show(parameters) {
-    this.severity.value = parameters.get("severity") ?? "";
+    this.severity.value = parameters.get("severity") ?? "warning";
     this.#listDevices(parameters.get("device") ?? "");
     if (this.text.value !== (parameters.get("text") ?? "")) this.text.value = parameters.get("text") ?? "";
     this.#rebuild();

@@ -125,8 +125,10 @@ export class ModuleDetails {
       const look = lookOfModule(this.#store.shown(module));
       const stopped = look.word === "safe stop";
       const since = module.state?.time_ms && !stopped ? ` since ${instant(module.state.time_ms)}` : "";
-      this.mark.show({ ...look, word: look.word + since });
-      setText(this.why, stopped ? "The module works as intended, and keeps its machine stopped for safety." : reason(module.state));
+      const lost = look.key === "lost";
+      this.mark.show({ ...look, word: lost ? look.word : look.word + since });
+      setText(this.why, stopped ? "The module works as intended, and keeps its machine stopped for safety."
+        : lost && since ? `Its last known state is ${module.state.state}${since}.` : reason(module.state));
       this.#showSteps(module);
     }
     this.commands.update();
