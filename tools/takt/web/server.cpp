@@ -181,13 +181,13 @@ class HttpServer final : public Server {
             : server_.bind_to_port(options.address, options.port) ? options.port
                                                                   : -1;
     if (port_ < 0) {
-      const int why = errno;
-      return Problem{where,
-                     std::string{"cannot listen on this address"} +
-                         (why == 0 || why == EINVAL ? "" : std::string{": "} + std::strerror(why)),
-                     why == EADDRINUSE
-                         ? "choose another --port, or 0 for any free port"
-                         : "give --listen an address of this machine, or 0.0.0.0 for all its addresses"};
+      const int why = errno;  // EAGAIN or 0 if the text is not an address: then no system call has failed
+      return Problem{
+          where,
+          std::string{"cannot listen on this address"} +
+              (why == 0 || why == EINVAL || why == EAGAIN ? "" : std::string{": "} + std::strerror(why)),
+          why == EADDRINUSE ? "choose another --port, or 0 for any free port"
+                            : "give --listen an address of this machine, or 0.0.0.0 for all its addresses"};
     }
     auto intake = Intake::create([this](const std::shared_ptr<Client>& client) {
       workers_.enqueue([this, client] {
