@@ -194,7 +194,8 @@ void Supervisor::step_command(Member& member, Instant now) {
   const auto failed = [&] {
     end_command(member, REPLY_FAILED,
                 "it went to " + std::string{lifecycle::to_text(state)} +
-                    (member.why.empty() ? "" : ": " + member.why) + what_follows(member));
+                    (member.why.empty() ? "" : ": " + member.why + (member.failed ? way_out(member) : "")) +
+                    what_follows(member));
   };
   switch (command.verb) {
     case Verb::initialize:

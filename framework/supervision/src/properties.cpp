@@ -216,16 +216,18 @@ void Supervisor::keep_property(Member& member, const std::string& property, cons
   member.set.insert(property);
 }
 
-// Returns how to leave DESTRUCT if a value that an operator has set may keep the module there; empty if no
-// property was set.
+// Returns how to start a module again that was given up. Names the properties that an operator has set,
+// because their values stay and may be the cause. Empty if the device does not run, because no command helps
+// then.
 std::string Supervisor::way_out(const Member& member) const {
-  if (member.set.empty()) return {};
+  if (phase_ != Phase::running) return {};
+  const std::string path = device().name + "." + member.model.name;
+  std::string text = "; to start it again, run takt restart " + path;
+  if (member.set.empty()) return text;
   std::string names;
   for (const std::string& name : member.set) names += (names.empty() ? "" : ", ") + name;
-  const std::string path = device().name + "." + member.model.name;
-  return "; takt restart keeps what takt set has set: " + names + "; to change it, run takt reset " + path +
-         ", takt set " + path + " " + (member.set.size() == 1 ? names : "PROPERTY") +
-         " VALUE and takt restart " + path;
+  return text + ", which keeps what takt set has set: " + names + "; to change it before, run takt reset " +
+         path + " and takt set " + path + " " + (member.set.size() == 1 ? names : "PROPERTY") + " VALUE";
 }
 
 }  // namespace takt::supervision

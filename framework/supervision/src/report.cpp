@@ -187,11 +187,12 @@ json Supervisor::report() const {
          {"run_us", in_microseconds(run_of(*member).read())},
          {"pid", member->is_thread() ? host_of(*member).process->pid() : member->program->pid()}});
     // Add the following members only where they apply. `text` states why the module is not in its target
-    // state, that it has finished, or that it is in a safe stop. The other members are counts for overrun
-    // contracts and budgets, and the health of ports.
-    if (is_faulty(*member) && !member->why.empty()) modules.back()["text"] = member->why;
-    if (is_faulty(*member) && member->state() == lifecycle::State::destruct)
-      modules.back()["given_up"] = true;
+    // state, that it has finished, or that it is in a safe stop. The other members say more about the state,
+    // and are counts for overrun contracts and budgets, and the health of ports.
+    const bool given_up = is_faulty(*member) && member->state() == lifecycle::State::destruct;
+    if (is_faulty(*member) && !member->why.empty())
+      modules.back()["text"] = member->why + (given_up ? way_out(*member) : "");
+    if (given_up) modules.back()["given_up"] = true;
     if (member->has_finished()) modules.back()["text"] = kFinished;
     if (member->in_safe_stop()) {
       modules.back()["text"] = kSafeStop;

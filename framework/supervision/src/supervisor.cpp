@@ -508,17 +508,18 @@ void Supervisor::not_recovered(Member& member, const std::string& text) {
 
 void Supervisor::give_up(Member& member) {
   member.failed = true;
-  member.why += way_out(member);
+  const std::string cause = std::exchange(member.why, {});
   const auto attempts = member.recovery.attempts();
-  const std::string after = "after " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts");
-  apply(member, Event::give_up, after + ": " + member.why);
-  notes_->note(member, model::FaultKind::given_up, after + ": " + member.why);
-  if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
-  member.lost |= member.reload;
-  Problem problem{"module " + device().name + "." + member.model.name, "it was given up: " + member.why,
-                  "correct the module, or give it more attempts in <recovery>"};
+  member.why = "after " + std::to_string(attempts) + (attempts == 1 ? " attempt: " : " attempts: ") + cause;
   const bool whole_device =
       phase_ == Phase::preparing || member.model.recovery.then != model::GiveUp::destruct;
+  const std::string why = member.why + (whole_device ? "" : way_out(member));
+  apply(member, Event::give_up, why);
+  notes_->note(member, model::FaultKind::given_up, why);
+  if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
+  member.lost |= member.reload;
+  Problem problem{"module " + device().name + "." + member.model.name, "it was given up: " + cause,
+                  "correct the module, or give it more attempts in <recovery>"};
   stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
   if (whole_device && (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running)) {
     fail_device(std::move(problem));
@@ -531,7 +532,9 @@ void Supervisor::give_up(Member& member) {
 // Gives up a module whose hooks cannot be called again, because its host crashed or a hook hangs.
 void Supervisor::lose(Member& member, const std::string& text, ErrorType type, const std::string& more,
                       const std::string& attachment) {
-  const std::string why = text + way_out(member);
+  const bool starting = phase_ == Phase::preparing;
+  const bool whole_device = starting || member.model.recovery.then != model::GiveUp::destruct;
+  const std::string why = text + (whole_device ? "" : way_out(member));
   notes_->note(member, model::FaultKind::error, text + more, type, attachment);
   notes_->note(member, model::FaultKind::given_up, why);
   if (member.swap) {
@@ -542,8 +545,7 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   member.lost = true;
   member.failed = true;
   member.pending.reset();
-  member.why = why;
-  const bool starting = phase_ == Phase::preparing;
+  member.why = text;
   if (member.machine.accepts(Event::error)) apply(member, Event::error, text, type);
   if (member.machine.accepts(Event::give_up)) {
     apply(member, Event::give_up, why, type);  // with the text again, because a client that joins later
@@ -551,8 +553,7 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   } else if (member.machine.accepts(Event::destruct)) {
     apply(member, Event::destruct, why, type);
   }
-  Problem problem{"module " + device().name + "." + member.model.name, why, ""};
-  const bool whole_device = starting || member.model.recovery.then != model::GiveUp::destruct;
+  Problem problem{"module " + device().name + "." + member.model.name, text, ""};
   stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
   if (whole_device && phase_ != Phase::stopping && phase_ != Phase::ended) {
     fail_device(std::move(problem));

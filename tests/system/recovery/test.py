@@ -62,7 +62,8 @@ class Recovery(takt_system.Case):
 
         # Module `throws` may recover twice. So it runs three times for 0.1 s, with two backoffs in between, long before the end of the run.
         self.assertEqual(STARTED + AGAIN * 2 + ["RECOVER", "DESTRUCT"], run.states("throws"))
-        self.assertEqual("after 2 attempts: failure: run() threw as it was asked to", run.steps("throws")[-1].text)
+        self.assertEqual("after 2 attempts: failure: run() threw as it was asked to; to start it again, run takt restart recovers.throws",
+                         run.steps("throws")[-1].text)
         self.assertEqual(3, modules["throws"]["errors"])
         self.assertLessEqual(modules["throws"]["cycles"], 300)
         self.assertEqual(1, run.status)
@@ -80,7 +81,8 @@ class Recovery(takt_system.Case):
             self.assertEqual(attempts, len(self.attempts(run, module)))
             self.assertEqual(attempts, [line.text for line in run.said(module)].count("could not recover: " + reason))
             self.assert_backoff(run, module, backoff)
-            self.assertEqual("after %d attempt%s: %s" % (attempts, "" if attempts == 1 else "s", reason), run.steps(module)[-1].text)
+            self.assertEqual("after %d attempt%s: %s; to start it again, run takt restart gives_up.%s" %
+                             (attempts, "" if attempts == 1 else "s", reason, module), run.steps(module)[-1].text)
             self.assertEqual((100, 1), (modules[module]["cycles"], modules[module]["errors"]))
             self.assertIn("module gives_up.%s: error: it was given up: %s; correct the module, or give it more attempts in <recovery>" %
                           (module, reason), run.other_lines)

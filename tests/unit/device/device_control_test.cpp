@@ -266,11 +266,11 @@ TEST_F(DeviceProperties, CanBeCorrectedAfterAValueThatInitializeRejects) {
   EXPECT_EQ(set(0, "initializable", "false").code, REPLY_OK);
   EXPECT_EQ(command(Verb::destruct).code, REPLY_OK);
   EXPECT_EQ(command(Verb::reset).code, REPLY_OK);
-  EXPECT_EQ(
-      command(Verb::initialize).text,
-      "it went to DESTRUCT: initialize() failed: initialize() failed as it was asked to; takt restart "
-      "keeps what takt set has set: initializable; to change it, run takt reset d.live, takt set d.live "
-      "initializable VALUE and takt restart d.live");
+  EXPECT_EQ(command(Verb::initialize).text,
+            "it went to DESTRUCT: initialize() failed: initialize() failed as it was asked to; to start it "
+            "again, run takt restart d.live, which keeps what takt set has set: initializable; to change it "
+            "before, "
+            "run takt reset d.live and takt set d.live initializable VALUE");
   EXPECT_EQ(set(0, "initializable", "true").text,
             "d.live is in DESTRUCT, in which its properties cannot be set; run takt reset d.live first");
   EXPECT_EQ(command(Verb::reset).code, REPLY_OK);
@@ -288,7 +288,7 @@ TEST_F(DeviceProperties, OfAProgramCanBeCorrectedInIdleBeforeTheProgramStartsAga
   for (const Verb verb : {Verb::destruct, Verb::reset}) EXPECT_EQ(command(verb).text, "");
   EXPECT_EQ(set(0, "gain", "1000").code, REPLY_OK) << "no program runs that could check the value";
   EXPECT_THAT(command(Verb::initialize).text, AllOf(HasSubstr("property 'gain' cannot be '1000'"),
-                                                    HasSubstr("run takt reset d.p, takt set d.p gain")));
+                                                    HasSubstr("run takt reset d.p and takt set d.p gain")));
   EXPECT_EQ(command(Verb::reset).text, "");
   EXPECT_EQ(set(0, "gain", "4").code, REPLY_OK);
   for (const Verb verb : {Verb::initialize, Verb::start}) EXPECT_EQ(command(verb).text, "");
@@ -305,9 +305,13 @@ TEST_F(DeviceProperties, AreNamedWhenAModuleIsGivenUpAfterTheyWereSet) {
   ASSERT_TRUE(step_until([&] { return module_of("live")["state"] == "DESTRUCT"; }));
   EXPECT_EQ(
       module_of("live")["text"],
-      "recover() failed: recover() failed as it was asked to; takt restart keeps what takt set has set: "
-      "after, recoverable; to change it, run takt reset d.live, takt set d.live PROPERTY VALUE and takt "
-      "restart d.live");
+      "after 1 attempt: recover() failed: recover() failed as it was asked to; to start it again, run takt "
+      "restart d.live, which keeps what takt set has set: after, recoverable; to change it before, run takt "
+      "reset d.live and takt set d.live PROPERTY VALUE");
+  EXPECT_EQ(
+      device->standing().faulty,
+      "module live is in DESTRUCT: after 1 attempt: recover() failed: recover() failed as it was asked to")
+      << "the remedy stands only with the module";
   device->stop();
   ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
 }
