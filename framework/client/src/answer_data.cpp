@@ -51,7 +51,7 @@ void check_module(const json& module) {
   check_counts(module, {"cycles", "overruns", "errors"});
   check_distribution(module.at("jitter_us"));
   check_distribution(module.at("run_us"));
-  for (const char* flag : {"given_up", "safe_stop"}) static_cast<void>(module.value(flag, false));
+  for (const char* flag : {"given_up", "safe_stop", "stopped"}) static_cast<void>(module.value(flag, false));
   if (module.contains("hash")) check_texts(module, {"file", "version", "hash"});
   if (!module.contains("ports")) return;
   for (const json& port : array_in(module, "ports")) {

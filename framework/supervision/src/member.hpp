@@ -98,6 +98,12 @@ struct Member {
   /// The state that the node aims for: EXECUTING, unless an operator has commanded another state.
   lifecycle::State up_to = lifecycle::State::executing;
   [[nodiscard]] bool wanted() const noexcept { return up_to == lifecycle::State::executing; }
+  /// True if an operator stopped the module: it stays in START until an operator starts it.
+  [[nodiscard]] bool stopped() const noexcept { return state() == lifecycle::State::start && !wanted(); }
+  /// True if the module is in START and waits for its first release since a start.
+  [[nodiscard]] bool awaits_release() const noexcept {
+    return state() == lifecycle::State::start && wanted();
+  }
   std::optional<PendingCommand> command;  ///< an operator's command in progress
   std::optional<PendingSwap> swap;
   bool lost = false;              ///< true: no hook of the module can be called any more, because the module

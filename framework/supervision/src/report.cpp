@@ -193,6 +193,7 @@ json Supervisor::report() const {
     if (is_faulty(*member) && !member->why.empty())
       modules.back()["text"] = member->why + (given_up ? way_out(*member) : "");
     if (given_up) modules.back()["given_up"] = true;
+    if (member->stopped()) modules.back()["stopped"] = true;
     if (member->has_finished()) modules.back()["text"] = kFinished;
     if (member->in_safe_stop()) {
       modules.back()["text"] = kSafeStop;
@@ -206,7 +207,9 @@ json Supervisor::report() const {
     json& list = modules.back()["ports"] = json::array();
     for (const model::Port& port : *ports) {
       const PortHealth health = health_->of(*member, port, now);
-      list.push_back(in_json(port, health, health_->judge(port, health)));
+      // The values of a module that has not run since its start are old, but this is no fault.
+      list.push_back(
+          in_json(port, health, member->awaits_release() ? std::nullopt : health_->judge(port, health)));
     }
   }
   json report{{"name", device().name},

@@ -19,6 +19,14 @@ std::string last(const std::string& path) { return path.substr(path.rfind('/') +
 
 }  // namespace
 
+bool is_stopped(const LifecycleStatus& module) noexcept {
+  return module.state() == STATE_START && (module.event() == EVENT_STOP || module.event() == EVENT_RECOVER);
+}
+
+bool awaits_release(const LifecycleStatus& module) noexcept {
+  return module.state() == STATE_START && !is_stopped(module);
+}
+
 void CellState::receive(const DeviceStatus& status, WriterId writer) {
   const std::string id = status.node().to_string();
   // A new node of a device replaces the lost node of this device.

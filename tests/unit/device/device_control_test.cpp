@@ -356,6 +356,20 @@ TEST_F(DeviceCommands, FailIfTheModuleCrashesInItsFirstRun) {
   EXPECT_EQ(story(), "START EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ");
 }
 
+TEST_F(DeviceCommands, LeaveAModuleStoppedOnlyAfterAStop) {
+  bring_up(module("tick", "fine.so", kEvery), "", false);
+  ASSERT_TRUE(comes_to("tick", "START"));
+  EXPECT_FALSE(module_of("tick").contains("stopped")) << "it waits for its first release";
+  device->go(os::now() + milliseconds{20});
+  ASSERT_TRUE(comes_to("tick", "EXECUTING"));
+  EXPECT_EQ(send(Verb::stop).code, REPLY_OK);
+  EXPECT_EQ(module_of("tick")["state"], "START");
+  EXPECT_EQ(module_of("tick")["stopped"], true);
+  EXPECT_EQ(send(Verb::start).code, REPLY_OK);
+  EXPECT_FALSE(module_of("tick").contains("stopped"));
+  take_down();
+}
+
 TEST_F(DeviceCommands, SayThatAComponentIsNotLoadedYetAfterACrash) {
   bring_up(R"(<executor name="own" host="own"/>)" +
            module("culprit", "segv.so", kEvery, R"(<value name="after">1</value>)",

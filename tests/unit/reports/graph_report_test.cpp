@@ -185,6 +185,15 @@ TEST(CellHealth, ShowsConnectionsOfALostDeviceAsUnmatched) {
   }
 }
 
+TEST(CellHealth, DoesNotJudgeAConnectionWhoseReaderWaitsForItsFirstRelease) {
+  auto status = status_of_three();
+  auto& arm = status["devices"][0]["modules"][1];
+  arm["state"] = "START";
+  EXPECT_FALSE(health_of(three(), status).connections.contains(0));
+  arm["stopped"] = true;
+  EXPECT_TRUE(health_of(three(), status).connections.contains(0)) << "an operator stopped the reader";
+}
+
 TEST(CellHealth, DrawsDestructRedOnlyIfTheModuleWasGivenUp) {
   auto status = status_of_three();
   auto& arm = status["devices"][0]["modules"][1];

@@ -126,12 +126,12 @@ TEST(RunText, ShowsWhyAModuleOrDeviceIsInABadState) {
   EXPECT_THAT(run_text(status), HasSubstr("device robot  ended: module arm was given up\n"));
 }
 
-TEST(RunText, ShowsThatAModuleInStartOnARunningDeviceIsStopped) {
+TEST(RunText, ShowsThatAModuleIsStoppedOnlyIfAnOperatorStoppedIt) {
   json status = cell();
   status["devices"][0]["modules"][0]["state"] = "START";
-  status["devices"][0]["state"] = "ready";
-  EXPECT_THAT(run_text(status), Not(HasSubstr("stopped")));
   status["devices"][0]["state"] = "running";
+  EXPECT_THAT(run_text(status), Not(HasSubstr("stopped"))) << "it waits for its first release";
+  status["devices"][0]["modules"][0]["stopped"] = true;
   EXPECT_THAT(run_text(status), ContainsRegex("arm +START \\(stopped\\) +[0-9]"));
 }
 

@@ -29,7 +29,7 @@ json running() {
     "executors": [{"name": "main", "cycles": 999, "missed": 1, "margin_us": 17.5, "jitter_us": )" +
                      std::string{measured} + R"(}],
     "modules": [{"name": "arm", "type": "thread", "operation": "periodic", "state": "START", "text": "why",
-      "given_up": true, "safe_stop": true,
+      "given_up": true, "safe_stop": true, "stopped": true,
       "cycles": 1000, "overruns": 2, "errors": 3, "file": "/c/arm.so", "version": "1", "hash": "3fa91c02",
       "jitter_us": )" +
                      measured + R"(, "run_us": )" + measured + R"(,

@@ -82,6 +82,18 @@ TEST(StatusJson, SaysThatAModuleIsInASafeStopIfItsOutputsReportIt) {
   EXPECT_EQ(measures_json(devices, nullptr, 0)["modules"]["robot.servo"]["safe_stop"], true);
 }
 
+TEST(StatusJson, DoesNotJudgeThePortsOfAModuleThatWaitsForItsFirstRelease) {
+  auto devices = cell_that_runs();
+  devices[0].alive = true;
+  const model::Cell press = cell();
+  LifecycleStatus& servo = devices[1].deployment.modules["servo"];
+  servo = status("robot", "servo", STATE_START);
+  servo.event(EVENT_START);
+  EXPECT_FALSE(measures_json(devices, &press, 0)["connections"].contains("1"));
+  servo.event(EVENT_STOP);
+  EXPECT_TRUE(measures_json(devices, &press, 0)["connections"].contains("1")) << "an operator stopped it";
+}
+
 TEST(StatusJson, ContainsAllMeasurementsByName) {
   const model::Cell press = cell();
   const Json json = measures_json(cell_that_runs(), &press, 2'000'000);

@@ -76,7 +76,7 @@ std::string cause_of_quiet(const client::Connection& client, const client::PortN
     const auto found = seen.deployment.modules.find(name.module);
     if (found == seen.deployment.modules.end()) continue;
     const LifecycleState state = found->second.state();
-    if (state == STATE_START && seen.status.state() == DEVICE_RUNNING)
+    if (wire::is_stopped(found->second) && seen.status.state() == DEVICE_RUNNING)
       return path + " is stopped, in START; takt start " + path + " starts it";
     if (state != STATE_EXECUTING) return path + " does not run; it is in " + to_text(state);
   }

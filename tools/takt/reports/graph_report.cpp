@@ -188,7 +188,8 @@ CellHealth health_of(const Cell& cell, const Json& status) {
       observed.modules[path] = module.at("state").get<std::string>();
       if (module.value("given_up", false)) observed.given_up.insert(path);
       if (module.value("safe_stop", false)) observed.safe_stops.insert(path);
-      if (!module.contains("ports") || !runs) continue;  // else its values only grow old
+      const bool awaits_release = observed.modules[path] == "START" && !module.value("stopped", false);
+      if (!module.contains("ports") || !runs || awaits_release) continue;  // else its values only grow old
       for (const Json& port : module["ports"]) {
         ObservedCell::Port one{.matched = port.at("matched").get<std::uint64_t>() > 0,
                                .safe = port.value("safe", false),

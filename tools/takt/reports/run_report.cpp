@@ -99,7 +99,7 @@ std::string components_text(const Json& device, std::size_t width) {
 
 std::string state_of(const Json& device, const Json& module) {
   const auto state = module["state"].get<std::string>();
-  return state_text(state, state == "START" && device.value("state", "") == "running");
+  return state_text(state, module.value("stopped", false) && device.value("state", "") == "running");
 }
 
 std::string device_text(const Json& device, std::size_t width, Style style) {

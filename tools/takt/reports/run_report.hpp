@@ -10,7 +10,7 @@
 
 namespace takt::tool {
 
-/// The text of a module's state in all commands. `stopped` means: in START although the device runs.
+/// The text of a module's state in all commands. `stopped` means: an operator stopped the module.
 inline std::string state_text(const std::string& state, bool stopped) {
   return state + (stopped ? " (stopped)" : "");
 }

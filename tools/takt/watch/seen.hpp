@@ -59,7 +59,7 @@ struct Module {
   std::string name;
   std::string state;       ///< for example "EXECUTING"
   std::string text{};      ///< the reason for the state, or empty
-  bool stopped = false;    ///< the module is in START, although its device runs
+  bool stopped = false;    ///< an operator stopped the module, so it is in START although its device runs
   bool given_up = false;   ///< the node gave the module up after an error
   bool safe_stop = false;  ///< the module reports that it is in a safe stop
   std::optional<Measured> measured{};

@@ -257,7 +257,7 @@ watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devic
       watch::Module module{.name = name, .state = to_text(status.state())};
       if (status.state() == STATE_RECOVER || status.state() == STATE_DESTRUCT)
         module.text = status.text().to_string();
-      module.stopped = status.state() == STATE_START && s.state() == DEVICE_RUNNING;
+      module.stopped = wire::is_stopped(status) && s.state() == DEVICE_RUNNING;
       module.given_up = status.event() == EVENT_GIVE_UP;
       module.safe_stop = status.state() == STATE_EXECUTING && web::in_safe_stop(each, name);
       if (module.safe_stop) module.text = "it is in a safe stop";

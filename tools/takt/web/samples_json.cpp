@@ -138,7 +138,10 @@ CellHealth health_of(const model::Cell& cell, const std::vector<wire::ObservedDe
     if (device.status.cell().to_string() != cell.name) continue;
     result.devices[device.name()] = {.alive = device.alive, .text = device.status.text().to_string()};
     if (device.alive && !wire::executes(device.status)) continue;  // else its values only grow old
+    const auto& modules = device.deployment.modules;
     for (const auto& [name, port] : device.deployment.ports) {
+      const auto module = modules.find(name.substr(0, name.find('.')));
+      if (module != modules.end() && wire::awaits_release(module->second)) continue;  // the same
       result.ports[device.name() + "." + name] = observed(port);
     }
   }

@@ -180,9 +180,11 @@ export class Store {
     return module.state !== null && device?.alive === false;
   }
 
-  /// The module as lookOfModule() takes it: with `lost`, and with `stopped`, which is true for a module in START on a running device.
+  /// The module as lookOfModule() takes it: with `lost`, and with `stopped`, which is true if an operator stopped the module. A module that
+  /// was started is in START, too, until its first release.
   shown(module) {
-    return { ...module, lost: this.isLost(module), stopped: module.state?.state === "START" && runs(this.devices.get(module.device)) };
+    const stays = module.state?.state === "START" && ["stop", "recover"].includes(module.state.event);
+    return { ...module, lost: this.isLost(module), stopped: stays && runs(this.devices.get(module.device)) };
   }
 
   /// The names of all devices: first those in the descriptor, then all others.

@@ -35,6 +35,12 @@ struct ObservedDeployment {
   std::map<std::string, ObservedPort> ports;            ///< by MODULE.PORT
 };
 
+/// True if the module is in START until an operator starts it: an operator stopped it, or it has recovered
+/// from an error while it was stopped.
+bool is_stopped(const LifecycleStatus& module) noexcept;
+/// True if the module is in START and waits for its first release since a start.
+bool awaits_release(const LifecycleStatus& module) noexcept;
+
 struct ObservedDevice {
   DeviceStatus status;
   bool alive = true;  ///< false if the node is lost; then the other members are the last received values
