@@ -46,6 +46,7 @@ struct Hosted {
   std::unique_ptr<Host> process;
   bool begun = false;                     ///< true if the executors of the present process run rows
   bool halted = false;                    ///< true if the executors of the host have ended
+  bool killed = false;                    ///< true if the node killed the host because it did not halt
   std::optional<Hang> hung;               ///< the hang for which the node killed the host
   std::optional<Instant> silent_since{};  ///< since when a request is open although the host calls no hook
   std::vector<Instant> restarts{};  ///< times of the restarts after which no module was found to be at fault

@@ -32,7 +32,7 @@ void Supervisor::stopping_step(Instant now) {
   for (const auto& host : hosts_) {
     if (host->halted) continue;
     halted = false;
-    if (now - asked_at_ <= kHaltLimit || !host->process->running() || host->hung) continue;
+    if (now - asked_at_ <= kHaltLimit || !host->process->running() || host->hung || host->killed) continue;
     host->hung = never_halts(*host, now);
     if (host->hung) {
       host->process->end_by(host->hung->thread);
@@ -40,6 +40,7 @@ void Supervisor::stopping_step(Instant now) {
     }
     log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
         "; the node kills the host");
+    host->killed = true;  // it ends soon, but not at once
     host->process->kill();
   }
   if (!halted) return;
