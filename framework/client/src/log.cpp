@@ -18,6 +18,7 @@
 #include <takt/dds/topics.hpp>
 #include <takt/model/json.hpp>
 #include <takt/wire/fault.hpp>
+#include <takt/wire/judgement.hpp>
 #include "reports.hpp"
 
 namespace takt::client {
@@ -136,8 +137,9 @@ Log read_log(Operator& sender, const model::FaultFilter& filter, Nanoseconds lim
   }
   for (const std::string& name : missed) {
     if (names.contains(name)) continue;
-    log.problems.push_back({"device " + name, "it is lost; its fault record can be read only on its machine",
-                            "start its node again, or read the file there with takt log --file"});
+    log.problems.push_back(
+        {"device " + name, "it is lost; its fault record can be read only on its machine",
+         std::string{wire::kLostRemedy} + ", or read the file there with takt log --file"});
   }
   for (const std::string& name : not_found) {
     if (names.contains(name) || missed.contains(name)) continue;

@@ -267,10 +267,8 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
 }
 
 Problem Operator::lost(const std::string& device) {
-  return {
-      "device " + device, "it is lost: its node no longer answers",
-      "start its node again; with --resume, the node restores its deployment; takt log --kind device-lost "
-      "shows since when it is lost"};
+  return {"device " + device, "it is lost: its node no longer answers",
+          std::string{wire::kLostRemedy} + "; takt log --kind device-lost shows since when it is lost"};
 }
 
 Problem Operator::not_found(const std::string& device, Nanoseconds within) const {

@@ -113,6 +113,10 @@ TEST(RunText, ShowsTheLastKnownStatesOfALostDevice) {
   const std::string text = run_text(status);
   EXPECT_THAT(text, AllOf(HasSubstr("device robot  LOST"), ContainsRegex("\n  arm +LOST, was EXECUTING\n")));
   EXPECT_THAT(text, Not(HasSubstr("arm.setpoint")));
+  EXPECT_THAT(text,
+              HasSubstr("\n  check the network and the machine; if the node has ended, start it again"));
+  status["devices"][0]["modules"][0]["state"] = "UNKNOWN";
+  EXPECT_THAT(run_text(status), ContainsRegex("\n  arm +LOST\n"));
 }
 
 TEST(RunText, ShowsWhyAModuleOrDeviceIsInABadState) {

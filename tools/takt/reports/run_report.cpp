@@ -120,7 +120,7 @@ std::string device_text(const Json& device, std::size_t width, Style style) {
       text += fmt::format("  {:<{}} {}\n", m["name"].get<std::string>(), width,
                           lost_text(m["state"].get<std::string>()));
     }
-    return text;
+    return text + "  " + wire::kLostRemedy + "\n";
   }
   if (device["executors"].empty() && device["modules"].empty()) return text;
   text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",

@@ -17,7 +17,9 @@ inline std::string state_text(const std::string& state, bool stopped) {
 
 /// The text of a module's state in all commands if the module's device is lost. `last` is the last known
 /// state.
-inline std::string lost_text(const std::string& last) { return "LOST, was " + last; }
+inline std::string lost_text(const std::string& last) {
+  return last == "UNKNOWN" ? "LOST" : "LOST, was " + last;
+}
 
 /// The component of each module of a device's report, by module: "servo.so 1.2.0 3fa91c02".
 std::map<std::string, std::string> components_in(const nlohmann::ordered_json& device);

@@ -70,6 +70,9 @@ struct DeviceReport {
   bool alive = true;
 };
 Rating judge(const DeviceReport& device) noexcept;
+/// What an operator can do about a lost device.
+inline constexpr const char* kLostRemedy =
+    "check the network and the machine; if the node has ended, start it again with --resume";
 
 /// A queue that dropped a sample this recently is dropping samples.
 inline constexpr Nanoseconds kRecently = std::chrono::seconds{5};
