@@ -72,7 +72,10 @@ std::vector<std::string> differences(const json& devices,
     if (having.size() < 2) continue;
     std::string line;
     for (const auto& [what, list] : having) line += (line.empty() ? "" : "; ") + list + ": " + what;
-    all.push_back("the devices of cell " + cell + " differ: " + line);
+    all.push_back("the devices of cell " + cell + " differ: " + line +
+                  "; to make them agree, run takt deploy --update with the descriptor of the cell, or takt "
+                  "undeploy " +
+                  cell);
   }
   return all;
 }

@@ -28,7 +28,8 @@ TEST(Differences, NameTheDevicesOfEachDeploymentAndUpdate) {
   EXPECT_THAT(
       differences(devices, {{"cell", {"line", "press", "robot", "saw"}}}),
       ElementsAre("the devices of cell cell differ: line, saw: deployment a1; robot: deployment a1 with "
-                  "update u1; press: no deployment"));
+                  "update u1; press: no deployment; to make them agree, run takt deploy --update with the "
+                  "descriptor of the cell, or takt undeploy cell"));
 }
 
 }  // namespace
