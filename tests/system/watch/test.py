@@ -190,7 +190,7 @@ class Watch(takt_system.Case):
         terminal.press(ESCAPE + "c")
         terminal.wait_for("the cell has no connections")
         terminal.press(ESCAPE + "?")
-        terminal.wait_for("reset, destruct; confirm with y")
+        terminal.wait_for("reset, restart, destruct; confirm with y")
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 

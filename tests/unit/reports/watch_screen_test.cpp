@@ -11,6 +11,7 @@
 namespace takt::tool::watch::watch_screen_test {
 namespace {
 
+using testing::AllOf;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
@@ -119,6 +120,26 @@ TEST(WatchScreen, ExplainsWhyAPageIsEmpty) {
 TEST(WatchScreen, AsksForConfirmationOfACommand) {
   EXPECT_THAT(drawn(cell(2), {.asked = Command{Verb::destruct, "robot.m1"}}),
               HasSubstr("destruct robot.m1? y: yes, any other key: no"));
+}
+
+TEST(WatchScreen, WrapsALongAnswerToSeveralLines) {
+  View view{.message = "module robot.m3: stop is not allowed in state DESTRUCT; it is allowed in EXECUTING"};
+  const Screen screen = draw(cell(3), view, 80, 24, {});
+  EXPECT_EQ(screen.lines[21], "module robot.m3: stop is not allowed in state DESTRUCT; it is allowed in");
+  EXPECT_EQ(screen.lines[22], "EXECUTING");
+}
+
+TEST(WatchScreen, OffersTheCommandsThatTheStateOfTheSelectedModuleAllows) {
+  Snapshot snapshot = cell(3);
+  View view{.pressed = true, .chosen = "robot.m1"};
+  const auto keys = [&] { return draw(snapshot, view, 80, 24, {}).lines.back(); };
+  EXPECT_THAT(keys(), AllOf(HasSubstr("t stop"), Not(HasSubstr("s start"))));
+  for (Device& device : snapshot.devices) {
+    for (Module& module : device.modules) module.state = "DESTRUCT";
+  }
+  EXPECT_THAT(keys(), AllOf(HasSubstr("x reset  R restart"), Not(HasSubstr("stop"))));
+  view.chosen = "robot";
+  EXPECT_THAT(keys(), HasSubstr("s start  t stop")) << "a device may have modules in any state";
 }
 
 TEST(WatchScreen, ListsCommandsThatAreNotYetAnswered) {

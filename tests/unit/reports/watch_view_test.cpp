@@ -137,7 +137,7 @@ TEST(WatchView, HasAKeyForEachCommand) {
 TEST(WatchView, AsksForConfirmationBeforeAModuleBeginsOrEnds) {
   Person person{3};
   const std::pair<char, Verb> keys[] = {
-      {'s', Verb::start}, {'t', Verb::stop}, {'x', Verb::reset}, {'D', Verb::destruct}};
+      {'s', Verb::start}, {'t', Verb::stop}, {'x', Verb::reset}, {'R', Verb::restart}, {'D', Verb::destruct}};
   for (const auto& [key, verb] : keys) {
     EXPECT_FALSE(person.press(key).command) << key;
     EXPECT_EQ(person.view.asked, (Command{verb, "robot.m0"}));
@@ -152,6 +152,15 @@ TEST(WatchView, AsksForConfirmationBeforeAModuleBeginsOrEnds) {
   person.press('D');
   EXPECT_EQ(person.press('y').command, (Command{Verb::destruct, "robot.m0"}));
   EXPECT_FALSE(person.press('y').command);
+}
+
+TEST(WatchView, RestartsOnlyOneModuleAtATime) {
+  Person person{3};
+  person.shown.targets[0] = "robot";
+  person.press(Keyboard::kHome);
+  person.press('R');
+  EXPECT_FALSE(person.view.asked);
+  EXPECT_EQ(person.view.message, "select a module to restart it");
 }
 
 TEST(WatchView, SendsAConfirmedCommandToItsOriginalTarget) {

@@ -112,10 +112,7 @@ int restart(const std::string& text, const client::Network& network) {
   };
   const auto state = state_of(*client->sender, *target);
   if (!state) return refuse(state.problems());
-  std::vector<CommandKind> steps{COMMAND_INITIALIZE, COMMAND_START};
-  if (*state != to_text(STATE_IDLE)) steps.insert(steps.begin(), COMMAND_RESET);
-  if (!state->empty() && *state != to_text(STATE_IDLE) && *state != to_text(STATE_DESTRUCT))
-    steps.insert(steps.begin(), COMMAND_DESTRUCT);
+  const std::vector<CommandKind> steps = steps_of_restart(*state);
   auto answer = client::accepted(command(steps[0]));
   for (std::size_t i = 1; answer && i < steps.size(); ++i) answer = client::accepted(command(steps[i]));
   if (!answer) return refuse(answer.problems());

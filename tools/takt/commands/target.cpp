@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <takt/client/target.hpp>
+#include <takt/wire/words.hpp>
 
 namespace takt::tool {
 
@@ -34,6 +35,13 @@ Result<client::Connection> connect_to_device(const client::Network& network, con
   if (!client) return client.problems();
   if (const auto found = client::find_device(*client->sender, device, rest); !found) return found.problems();
   return client;
+}
+
+std::vector<CommandKind> steps_of_restart(const std::string& state) {
+  if (state == to_text(STATE_IDLE)) return {COMMAND_INITIALIZE, COMMAND_START};
+  if (state == to_text(STATE_DESTRUCT) || state.empty())
+    return {COMMAND_RESET, COMMAND_INITIALIZE, COMMAND_START};
+  return {COMMAND_DESTRUCT, COMMAND_RESET, COMMAND_INITIALIZE, COMMAND_START};
 }
 
 }  // namespace takt::tool

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include <takt/wire/takt.h>
 #include <takt/client/connection.hpp>
 #include <takt/core/result.hpp>
 
@@ -24,5 +26,9 @@ Result<Target> module_of(const std::string& text);
 /// device, as for client::find_device().
 Result<client::Connection> connect_to_device(const client::Network& network, const std::string& device,
                                              const std::string& rest);
+
+/// Returns the commands that start a module from the beginning, in order. `state` is the module's present
+/// state, such as "EXECUTING"; empty if the device has no such module.
+std::vector<CommandKind> steps_of_restart(const std::string& state);
 
 }  // namespace takt::tool

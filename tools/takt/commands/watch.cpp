@@ -1,8 +1,10 @@
 // takt watch: shows every device and module of a DDS domain, live. On a terminal it is an interactive screen;
 // otherwise it prints one line for each transition.
+#include <algorithm>
 #include <atomic>
 #include <deque>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -24,6 +26,7 @@
 #include "commands/load.hpp"
 #include "commands/network_options.hpp"
 #include "commands/ranges.hpp"
+#include "commands/target.hpp"
 #include "reports/run_report.hpp"
 #include "terminal/screen_style.hpp"
 #include "terminal/terminal.hpp"
@@ -102,22 +105,25 @@ int print_lines(const WatchOptions& options, const os::SignalQueue& signals, New
   return 0;
 }
 
-CommandKind kind_of(watch::Verb verb) {
+/// The commands that carry out what the user wants, in order. `state` is the present state of the module.
+std::vector<CommandKind> steps_of(watch::Verb verb, const std::string& state) {
   switch (verb) {
     case watch::Verb::initialize:
-      return COMMAND_INITIALIZE;
+      return {COMMAND_INITIALIZE};
     case watch::Verb::start:
-      return COMMAND_START;
+      return {COMMAND_START};
     case watch::Verb::stop:
-      return COMMAND_STOP;
+      return {COMMAND_STOP};
     case watch::Verb::recover:
-      return COMMAND_RECOVER;
+      return {COMMAND_RECOVER};
     case watch::Verb::reset:
-      return COMMAND_RESET;
+      return {COMMAND_RESET};
+    case watch::Verb::restart:
+      return steps_of_restart(state);
     case watch::Verb::destruct:
-      return COMMAND_DESTRUCT;
+      return {COMMAND_DESTRUCT};
   }
-  return COMMAND_START;
+  return {};
 }
 
 /// Sends requests to nodes. An answer may take seconds. Each request has its own thread, so that the screen
@@ -152,19 +158,17 @@ class Requests {
   }
   /// Handles the answers that have arrived. Returns true if there was at least one.
   bool take_answers() {
-    bool any = false;
-    for (auto at = open_.begin(); at != open_.end();) {
-      if (!(*at)->done) {  // synchronizes with send()
-        ++at;
-        continue;
-      }
-      const std::unique_ptr<Open> one = std::move(*at);
-      at = open_.erase(at);
+    std::vector<std::unique_ptr<Open>> done;  // first taken out, because `then` may send another request
+    const auto first_done = std::stable_partition(open_.begin(), open_.end(), [](const auto& one) {
+      return !one->done;  // synchronizes with send()
+    });
+    std::move(first_done, open_.end(), std::back_inserter(done));
+    open_.erase(first_done, open_.end());
+    for (const auto& one : done) {
       one->thread.join();
       one->then(*one->answer);
-      any = true;
     }
-    return any;
+    return !done.empty();
   }
   /// The unanswered requests that the user has sent, with their age: "stop of robot.servo, 3 s".
   [[nodiscard]] std::vector<std::string> open() const {
@@ -205,7 +209,8 @@ class Screen {
   void take_news();
   void ask_for_descriptors(const std::vector<wire::ObservedDevice>& devices);
   void ask_for_components(const std::vector<wire::ObservedDevice>& devices);
-  void send(const watch::Command& command);
+  /// Sends the first of the commands `steps`. When a command has succeeded, sends the next one.
+  void send(const watch::Command& command, std::vector<CommandKind> steps);
   /// Handles all keys that were pressed. Returns false if the user wants to quit.
   bool press_keys();
   bool draw();
@@ -252,17 +257,19 @@ void Screen::ask_for_components(const std::vector<wire::ObservedDevice>& devices
   });
 }
 
-void Screen::send(const watch::Command& command) {
+void Screen::send(const watch::Command& command, std::vector<CommandKind> steps) {
   const std::size_t dot = command.target.find('.');
   const std::string module = dot == std::string::npos ? "" : command.target.substr(dot + 1);
-  const client::CommandRequest request{.kind = kind_of(command.verb),
+  const client::CommandRequest request{.kind = steps.front(),
                                        .device = command.target.substr(0, dot),
                                        .module = module,
                                        .limit = std::chrono::seconds{20}};
+  steps.erase(steps.begin());
   const bool asked = requests_->send(
       request, fmt::format("{} of {}", to_text(command.verb), command.target),
-      [this, command, module](const Result<wire::WholeReply>& reply) {
+      [this, command, module, steps = std::move(steps)](const Result<wire::WholeReply>& reply) {
         const auto answer = client::accepted(reply);
+        if (answer && !steps.empty()) return send(command, steps);
         if (answer) {
           view_.message =
               command.target + ": " +
@@ -283,7 +290,10 @@ bool Screen::press_keys() {
   while (const auto key = keyboard_.next()) {
     const watch::Done done = watch::press(view_, *key, shown_);
     if (done.quit) return false;
-    if (done.command) send(*done.command);
+    if (done.command) {
+      const watch::Module* const module = snapshot_.module(done.command->target);
+      send(*done.command, steps_of(done.command->verb, module == nullptr ? "" : module->state));
+    }
     // Draw after each key, because the effect of the next key may depend on what the screen shows.
     shown_ = watch::draw(snapshot_, view_, size_.columns, size_.rows, screen_style()).shown;
   }

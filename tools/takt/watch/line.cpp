@@ -51,6 +51,25 @@ std::size_t columns_of(std::string_view text) {
   return columns;
 }
 
+std::vector<std::string> wrapped(const std::string& text, std::size_t room) {
+  std::vector<std::string> lines;
+  std::string rest = text;
+  do {
+    std::size_t end = rest.size();
+    if (columns_of(rest) > room) {
+      end = 0;
+      for (std::size_t at = rest.find(' '); at != std::string::npos; at = rest.find(' ', at + 1)) {
+        if (columns_of(rest.substr(0, at)) > room) break;
+        end = at;
+      }
+      if (end == 0) end = first(rest, std::max<std::size_t>(room, 1)).size();
+    }
+    lines.push_back(rest.substr(0, end));
+    rest.erase(0, rest[end] == ' ' ? end + 1 : end);
+  } while (!rest.empty());
+  return lines;
+}
+
 std::string in_us(double us) {
   return us < 10     ? fmt::format("{:.2f}", us)
          : us < 1000 ? fmt::format("{:.1f}", us)

@@ -15,6 +15,9 @@ enum class Ink { plain, good, warning, bad, dim, title };
 
 /// The number of terminal columns that a text needs; each character takes one column.
 std::size_t columns_of(std::string_view text);
+/// Splits a text at spaces into lines of at most `room` columns. A longer word is broken. Returns at least
+/// one line.
+std::vector<std::string> wrapped(const std::string& text, std::size_t room);
 /// Formats a number of microseconds, with fewer decimals for larger values.
 std::string in_us(double us);
 

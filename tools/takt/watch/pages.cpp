@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -25,20 +26,9 @@ Line labelled(const std::string& label) {
 void add_wrapped(std::vector<Line>& page, const std::string& label, const std::string& text,
                  std::size_t columns, Ink ink = Ink::plain) {
   const std::size_t room = columns > kLabel + 12 ? columns - kLabel - 2 : 10;
-  std::string rest = text;
-  for (bool is_first = true; is_first || !rest.empty(); is_first = false) {
-    std::size_t end = rest.size();
-    if (columns_of(rest) > room) {
-      end = 0;
-      for (std::size_t at = rest.find(' '); at != std::string::npos; at = rest.find(' ', at + 1)) {
-        if (columns_of(rest.substr(0, at)) > room) break;
-        end = at;
-      }
-      if (end == 0) end = std::min(rest.size(), room);  // break a word that is longer than the line
-    }
-    page.push_back(labelled(is_first ? label : "").add(rest.substr(0, end), ink));
-    rest.erase(0, rest[end] == ' ' ? end + 1 : end);
-  }
+  bool is_first = true;
+  for (const std::string& line : wrapped(text, room))
+    page.push_back(labelled(std::exchange(is_first, false) ? label : "").add(line, ink));
 }
 
 std::string quantiles_text(const Quantiles& of) {
@@ -289,7 +279,7 @@ std::vector<Line> help_page(ScreenStyle style) {
       {"< >", "sort by the previous or next column; v reverses the order"},
       {"c", "show the connections and their health"},
       {"s t", "start or stop the module, or the whole device; confirm with y"},
-      {"x D", "reset, destruct; confirm with y"},
+      {"x R D", "reset, restart, destruct; confirm with y"},
       {"r i", "recover, initialize"},
       {"? q", "show this help; quit"},
       {"", ""},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -68,37 +69,66 @@ Line title(const Snapshot& snapshot, std::size_t columns) {
   return line;
 }
 
-Line question(const Snapshot& snapshot, const View& view) {
+/// The lines for the user's input, the question that the user must answer, or the result of the last key.
+std::vector<Line> question(const Snapshot& snapshot, const View& view, std::size_t columns,
+                           std::size_t rows) {
   Line line;
-  if (view.typing) return line.add("/", Ink::title).add(view.filter).add("_");
+  if (view.typing) return {line.add("/", Ink::title).add(view.filter).add("_")};
   if (view.asked)
-    return line.add(
+    return {line.add(
         fmt::format("{} {}? y: yes, any other key: no", to_text(view.asked->verb), view.asked->target),
-        Ink::warning);
+        Ink::warning)};
   if (!view.filter.empty() && (view.page == Page::list || view.page == Page::connections))
     line.add("/" + view.filter, Ink::title).gap().add("(Esc: show all)", Ink::dim).gap(2);
-  line.add(view.message);
+  std::vector<Line> lines;
+  if (line.width() + columns_of(view.message) > columns) {
+    if (!line.empty()) lines.push_back(std::exchange(line, {}));
+    const std::vector<std::string> parts = wrapped(view.message, columns);
+    const std::size_t whole = std::min(parts.size(), std::max<std::size_t>(rows / 6, 1)) - 1;
+    for (std::size_t i = 0; i < whole; ++i) lines.push_back(Line{}.add(parts[i]));
+    lines.push_back(Line{}.add(
+        fmt::format("{}", fmt::join(parts.begin() + static_cast<std::ptrdiff_t>(whole), parts.end(), " "))));
+  } else {
+    line.add(view.message);
+  }
   for (const std::string& command : snapshot.commands)
     line.gap(line.empty() ? 0 : 2).add(command + " ...", Ink::warning);
-  return line;
+  if (lines.empty() || !line.empty()) lines.push_back(line);
+  return lines;
 }
 
-Line keys(const View& view) {
-  struct Key {
-    const char* key;
-    const char* text;
-  };
+struct Key {
+  const char* key;
+  const char* text;
+};
+
+/// The keys of the commands that matter most for the selected module, or for all modules of a device.
+std::vector<Key> command_keys(const Snapshot& snapshot, const View& view) {
+  const Module* const module = snapshot.module(view.chosen);
+  if (module == nullptr) return {{"s", "start"}, {"t", "stop"}};
+  if (module->state == "IDLE") return {{"i", "initialize"}};
+  if (module->state == "RECOVER") return {{"r", "recover"}};
+  if (module->state == "DESTRUCT") return {{"x", "reset"}, {"R", "restart"}};
+  if (module->state == "EXECUTING") return {{"t", "stop"}};
+  return {{"s", "start"}};
+}
+
+Line keys(const Snapshot& snapshot, const View& view) {
   std::vector<Key> all;
-  if (view.typing)
-    all = {{"Enter", "keep"}, {"Esc", "show all"}};
-  else if (view.page == Page::details)
-    all = {{"Esc", "back"},  {"n p", "next, previous"}, {"s", "start"}, {"t", "stop"},
-           {"r", "recover"}, {"?", "all keys"},         {"q", "quit"}};
-  else if (view.page == Page::list)
-    all = {{"Enter", "details"}, {"/", "find"}, {"< >", "sort"}, {"c", "connections"},
-           {"s", "start"},       {"t", "stop"}, {"?", "keys"},   {"q", "quit"}};
-  else
-    all = {{"Esc", "back"}, {"up down", "scroll"}, {"q", "quit"}};
+  const auto add = [&all](const std::vector<Key>& more) { all.insert(all.end(), more.begin(), more.end()); };
+  if (view.typing) {
+    add({{"Enter", "keep"}, {"Esc", "show all"}});
+  } else if (view.page == Page::details) {
+    add({{"Esc", "back"}, {"n p", "next, previous"}});
+    add(command_keys(snapshot, view));
+    add({{"?", "all keys"}, {"q", "quit"}});
+  } else if (view.page == Page::list) {
+    add({{"Enter", "details"}, {"/", "find"}, {"< >", "sort"}, {"c", "connections"}});
+    add(command_keys(snapshot, view));
+    add({{"?", "keys"}, {"q", "quit"}});
+  } else {
+    add({{"Esc", "back"}, {"up down", "scroll"}, {"q", "quit"}});
+  }
   Line line;
   for (const Key& each : all) {
     if (!line.empty()) line.gap(2);
@@ -128,8 +158,8 @@ Around around(const Snapshot& snapshot, const View& view, std::size_t columns, s
                                                                        : "keys, columns and symbols",
                                       Ink::title));
   }
-  around.below.push_back(question(snapshot, view));
-  around.below.push_back(keys(view));
+  for (Line& line : question(snapshot, view, columns, lines)) around.below.push_back(std::move(line));
+  around.below.push_back(keys(snapshot, view));
   return around;
 }
 

@@ -24,6 +24,8 @@ std::optional<Verb> verb_of(int key) {
       return Verb::recover;
     case 'x':
       return Verb::reset;
+    case 'R':
+      return Verb::restart;
     case 'D':
       return Verb::destruct;
     default:
@@ -125,6 +127,8 @@ const char* to_text(Verb verb) {
       return "recover";
     case Verb::reset:
       return "reset";
+    case Verb::restart:
+      return "restart";
     case Verb::destruct:
       return "destruct";
   }
@@ -175,6 +179,10 @@ Done press(View& view, int key, const Shown& shown) {
   }
   const bool modules = view.page == Page::list || view.page == Page::details;
   if (const auto verb = verb_of(key); verb && modules && !view.chosen.empty()) {
+    if (*verb == Verb::restart && view.chosen.find('.') == std::string::npos) {
+      view.message = "select a module to restart it";
+      return {};
+    }
     // A command that makes a module begin or end must be confirmed, because a machine may move.
     const bool is_harmless = *verb == Verb::recover || *verb == Verb::initialize;
     if (is_harmless && !view.slipped) return {.command = Command{*verb, view.chosen}};

@@ -14,7 +14,7 @@ enum class Page { list, details, connections, help };
 enum class Column { name, state, p50, p99, budget, overruns, errors, cycles, missed };
 inline constexpr std::size_t kColumns = 9;
 
-enum class Verb { initialize, start, stop, recover, reset, destruct };
+enum class Verb { initialize, start, stop, recover, reset, restart, destruct };
 const char* to_text(Verb verb);
 
 struct Command {
