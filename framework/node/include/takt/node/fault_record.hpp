@@ -7,8 +7,7 @@
 // an event, with a number and a checksum, by one write of one slot. If the node dies during this write, the
 // slot is invalid; readers skip and count it. The numbers continue when the node starts again, so that a
 // missing event is visible. The node also keeps the events in memory. If writing the file fails, the node
-// continues with the record in memory only. A disk may take long to answer, so a separate
-// thread waits for it.
+// continues with the record in memory only. A disk may take long to answer, so a separate thread waits for it.
 #pragma once
 
 #include <cstddef>
