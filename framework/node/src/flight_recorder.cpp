@@ -108,9 +108,10 @@ void FlightRecorder::host_died(std::size_t executor) {
 
 void FlightRecorder::fault(const std::string& why) {
   ++faults_;
-  if (!fault_.empty()) return;
+  if (!fault_.empty() && !only_missed_) return;
+  if (fault_.empty()) fault_at_ = os::now();
   fault_ = why;
-  fault_at_ = os::now();
+  only_missed_ = false;
 }
 
 void FlightRecorder::trace(Nanoseconds last, std::size_t most,
@@ -164,7 +165,9 @@ void FlightRecorder::check_missed() {
   const Instant now = os::now();
   if (missed <= before || (missed_at_ && now - *missed_at_ < kMissedEvery)) return;
   missed_at_ = now;
+  const bool only = fault_.empty();
   fault(fmt::format("{} {} missed", missed - before, missed - before == 1 ? "row was" : "rows were"));
+  only_missed_ = only;
 }
 
 flight::Recording FlightRecorder::gather(const std::string& why, Nanoseconds last) const {
@@ -203,7 +206,8 @@ void FlightRecorder::write_fault() {
   std::string why = std::exchange(fault_, {});
   if (faults_ > 1) why += fmt::format("; {} more fault{}", faults_ - 1, faults_ == 2 ? "" : "s");
   faults_ = 0;
-  written_at_ = os::now();
+  // Missed rows have their own limit, so that the trace of a crash soon afterwards is not held back.
+  if (!only_missed_) written_at_ = os::now();
   if (options_.files.empty()) return;
   sample(os::now());
   enqueue({.recording = gather(why, flight::kKept), .most = kMostFileBytes});

@@ -139,8 +139,8 @@ void FlowManager::open_connected(std::size_t index) {
 }
 
 void FlowManager::open_unconnected(std::size_t index) {
-  // The link is enabled first: a client may send its request as soon as DDS has matched the flow of the replies,
-  // and the module must be able to reply then.
+  // The link is enabled first: a client may send its request as soon as DDS has matched the flow of the
+  // replies, and the module must be able to reply then.
   auto& enabled = wiring_.links()[wiring_.flows()[index].links.front()].link.block().enabled;
   enabled.store(1, std::memory_order_relaxed);
   if (auto opened = open_now(index); !opened) {

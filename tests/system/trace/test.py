@@ -161,11 +161,16 @@ class Trace(takt_system.Case):
     @takt_system.timing("the rows before the crash must still be in the recorder")
     def test_a_node_writes_a_trace_of_the_last_rows_before_a_crash(self):
         node = self.deployed(module("segv", "segv.so", 1), module("fine", "fine.so", 2))
-        node.wait_for_line(r"takt trace (\S+\.trace\.json)")
-        files = glob.glob(os.path.join(self.folder, "state", "traces", "robot.*.trace.json"))
-        self.assertTrue(files)
-        with open(files[0]) as file:
-            trace = json.load(file)
+
+        def of_the_crash():
+            """The name and the content of the trace. On a busy machine, there may also be a trace of missed rows."""
+            for name in glob.glob(os.path.join(self.folder, "state", "traces", "robot.*.trace.json")):
+                with open(name) as file:
+                    trace = json.load(file)
+                if "SIGSEGV" in trace["otherData"]["why"]:
+                    return name, trace
+            return None
+        name, trace = wait_until(of_the_crash, "the trace of the crash")
         spans = self.sound(trace)
         print(trace["otherData"])
         died = [run for run in spans[10, "run"] if run.get("args", {}).get("ended") is False]
@@ -174,9 +179,8 @@ class Trace(takt_system.Case):
         self.assertEqual(1, len(row))
         before = [row for row in spans[10, "row"] if row["ts"] < died[0]["ts"]]
         self.assertGreater(len(before), 20)
-        self.assertIn("SIGSEGV", trace["otherData"]["why"])
         self.assertIn("segv: EXECUTING -> RECOVER", {event["name"] for event in trace["traceEvents"]})
-        run = self.takt("trace", files[0])
+        run = self.takt("trace", name)
         self.assertEqual(0, run.status, run.err)
         self.end({"robot": node})
 

@@ -271,7 +271,7 @@ TEST_F(RecordOfFaults, KeepsTheNumbersOfUnwrittenEventsWhenLinesBetweenThemWereR
     }
   }
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 5, 6));
-  EXPECT_TRUE(record.reopen());
+  EXPECT_TRUE(reopened(record));
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 5, 6));
   EXPECT_EQ(read_record_file(path_)->events, record.events());
   append(record, 1);

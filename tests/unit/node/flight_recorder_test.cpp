@@ -74,5 +74,34 @@ TEST(FlightRecorder, KeepsANewTraceEvenIfOlderTracesHaveLaterTimes) {
   EXPECT_EQ(names[1].substr(0, 16), "robot.0.29990101") << "the oldest trace is removed";
 }
 
+TEST(FlightRecorder, WritesTheTraceOfACrashSoonAfterATraceOfMissedRows) {
+  namespace fs = std::filesystem;
+  const fs::path folder = testing::TempDir() + "takt-traces-" + std::to_string(os::process_id());
+  fs::create_directories(folder);
+  model::Device device;
+  device.executors.emplace_back();
+  const auto plan = schedule::plan(model::Cell{}, device);
+  const auto channel = channel::Channel::create(1, {"main"}, {});
+  ASSERT_TRUE(plan && channel);
+  auto recorder = FlightRecorder::create(
+      {.cell = "cell", .device = "robot", .modules = {}, .executors = {"main"}, .files = folder / "robot.0"},
+      *plan, *channel);
+  ASSERT_TRUE(recorder);
+  const Instant begin = os::now();
+  channel->executor(0).missed.store(5);
+  (*recorder)->step(begin);
+  (*recorder)->step(begin + 1s);  // the time to write the trace of the missed rows
+  (*recorder)->fault("the host was killed by SIGSEGV");
+  std::size_t written = 0;
+  for (const Instant end = os::now() + 10s; written < 2 && os::now() < end;
+       std::this_thread::sleep_for(1ms)) {
+    (*recorder)->step(begin + 2s);
+    written += (*recorder)->messages().size();
+  }
+  EXPECT_EQ(written, 2U);
+  recorder->reset();
+  fs::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace takt::node::flight_recorder_test

@@ -9,10 +9,10 @@
 #include <mutex>
 #include <thread>
 
+#include <long_enough.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/channel/shared.hpp>
 #include <takt/os/clock.hpp>
-#include <long_enough.hpp>
 
 namespace takt::node::flow_manager_test {
 namespace {
@@ -156,10 +156,15 @@ TEST_F(Flows, OpenAndCloseForAnObserverWhileTheCallerContinues) {
   EXPECT_TRUE(enabled("out")) << "the gateway still reads the link";
   EXPECT_FALSE(flows->health(link_of("out")).has_value());
   ASSERT_TRUE(flows->tap(0, "out", now + 3s).ok()) << "another observer comes while the flow closes";
+  steps_.let(2);
+  EXPECT_TRUE(soon([&] {
+    const auto health = flows->health(link_of("out"));
+    return health && health->matched == 3;  // the third flow: `in` and `out` were opened before
+  }));
+  EXPECT_TRUE(enabled("out"));
+  flows->step(now + 4s);
   steps_.let(1);
-  ASSERT_TRUE(soon([&] { return !enabled("out"); }));
-  steps_.let(1);
-  EXPECT_TRUE(soon([&] { return enabled("out"); }));
+  EXPECT_TRUE(soon([&] { return !enabled("out"); }));
 }
 
 }  // namespace

@@ -102,6 +102,7 @@ class FlightRecorder {
   std::vector<std::vector<flight::Open>> died_;
   Instant sampled_at_{};
   std::string fault_;  // the reason for a fault whose trace is not yet written; empty if there is none
+  bool only_missed_ = false;  // true: the only reason so far is that rows were missed
   std::uint32_t faults_ = 0;
   Instant fault_at_{};
   std::optional<Instant> written_at_;
