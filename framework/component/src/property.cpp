@@ -84,7 +84,7 @@ Problem PropertyBase::refusal(std::string_view given) const {
       break;
   }
   if (const std::string range = range_text(); !range.empty()) takes += ", " + range;
-  if (!unit_.empty()) {
+  if (!unit_.empty() && unit_ != "1") {  // "1" means that the number has no unit
     takes += ", in " + unit_;
     if (given.ends_with(unit_)) {
       given.remove_suffix(unit_.size());

@@ -95,10 +95,7 @@ class CheckRealtime(takt_system.Case):
 
     def test_the_text_report_shows_the_backtrace_of_a_violation(self):
         cell = self.write("cell.xml", '<cell name="sins"><device name="d">%s</device></cell>' % module("m", "sins.so", sin="sleep"))
-        run = self.start("run", cell, "--check-realtime")
-        run.wait_for_line(r"WARNING: run\(\) is not real-time")
-        run.signal(signal.SIGINT)
-        run.wait()
+        run = self.takt("run", cell, "--check-realtime", "--for", "1")
         self.assertEqual(1, run.status, run.err)
         self.assertRegex(run.out, r"real-time violations:\n  d\.m run\(\): system call clock_nanosleep, \d+ times\n(      .*\n)*"
                                   r"      sin_sleep\(\) at sins\.h:\d+ in sins\.so\n")

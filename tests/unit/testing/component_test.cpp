@@ -161,7 +161,7 @@ TEST(TestedComponent, HasItsPropertiesValidatedAsInADescriptor) {
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
   EXPECT_EQ(module.set("gain", "11").text(),
-            "property 'gain' cannot be '11'; it takes a number, 0 to 10, in 1");
+            "property 'gain' cannot be '11'; it takes a number, 0 to 10");
   EXPECT_THAT(module.set("gian", "1").text(), HasSubstr("has no property 'gian'; did you mean gain?"));
   ASSERT_TRUE(module.set("gain", "3"));
   ASSERT_TRUE(module.start());
