@@ -156,9 +156,15 @@ Slots read_slots(std::string_view content, std::size_t slots) {
     ++read.recorded.damaged;
     read.torn |= !fault;
   }
-  std::sort(found.begin(), found.end(),
-            [](const auto& a, const auto& b) { return a.first.sequence < b.first.sequence; });
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return std::pair{a.first.sequence, a.second} < std::pair{b.first.sequence, b.second};
+  });
   for (auto& [fault, place] : found) {
+    if (!read.recorded.events.empty() && read.recorded.events.back().sequence == fault.sequence) {
+      read.free.push_back(place);
+      ++read.recorded.damaged;
+      continue;
+    }
     read.recorded.events.push_back(std::move(fault));
     read.places.push_back(place);
   }

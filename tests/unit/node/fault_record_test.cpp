@@ -211,6 +211,24 @@ TEST_F(RecordOfFaults, IgnoresAnEventWithAForgedHugeNumber) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
 }
 
+TEST_F(RecordOfFaults, KeepsOneEventOfEachNumber) {
+  {
+    FaultRecord record = open();
+    append(record, 2);
+  }
+  Fault second = event("it has the number of another event");
+  second.sequence = 1;
+  std::fstream{path_, std::ios::in | std::ios::out | std::ios::binary}.seekp(4096 + 2 * kSlotBytes)
+      << encode_slot(second);
+  FaultRecord record = open();
+  EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2));
+  EXPECT_EQ(record.events().front().cause, "number 1");
+  EXPECT_EQ(record.damaged(), 1U);
+  append(record, 3);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 4, 5));
+  EXPECT_EQ(read_record_file(path_)->events, record.events());
+}
+
 TEST_F(RecordOfFaults, KeepsTheOtherEventsIfNewerOnesAreMissing) {
   {
     FaultRecord record = open();

@@ -31,7 +31,8 @@ namespace takt::node {
 struct Recorded {
   std::vector<model::Fault> events;  ///< in the order of their numbers
   std::uint64_t overwritten = 0;     ///< number of older events whose slots newer events have reused
-  std::uint64_t damaged = 0;         ///< number of slots that do not hold a valid event
+  std::uint64_t damaged = 0;         ///< number of slots that do not hold a valid event, or hold one whose
+                                     ///< number another slot has too
 };
 
 /// The size of a slot, in bytes.
