@@ -11,7 +11,7 @@ import sys
 
 NOW = 1_700_000_005_000_000_000
 (REPORT, DESCRIPTOR, DESCRIBE, PREPARE, RUN, UNDEPLOY, INITIALIZE, START, STOP, RECOVER, RESET, DESTRUCT, GET, SET, TAP,
- LOG, TRACE, SWAP, UPDATE, CHANGE, KEEP, PUT_BACK) = range(22)
+ LOG, TRACE, SWAP, UPDATE, CHANGE, PUT_BACK, CONNECT) = range(22)
 CELL = """<cell name="cell"><device name="robot">
 <module><name>servo</name><filename>servo.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
 <period>1000000</period><priority>1</priority><property><value name="gain">1</value></property></module></device></cell>"""
@@ -62,15 +62,15 @@ def counted(data):
 WAITING, RUNNING_STATE, ENDED = 0, 5, 7  # values of DeviceState
 
 
-def device(state, name="line", health=0, stops=False, deployment="d1", undeployed="", update="",
-           update_state=0):
+def device(state, name="line", health=0, stops=False, deployment="d1", undeployed="", transaction="d1",
+           stage=4):
     cdr = Cdr()
     for text in ("cell/" + name, "cell", name, "there", "elsewhere"):
         cdr.text(text)
-    cdr.number("I", state).number("I", health).text("why").number("B", stops).text(deployment).number("q", NOW).text(undeployed).text(update).number("I", update_state).number("B", 1)
+    cdr.number("I", state).number("I", health).text("why").number("B", stops).text(deployment).number("q", NOW).text(undeployed).number("B", 1)
     cdr.number("i", 42).number("i", 43).number("I", 0).number("I", 1).number("I", 1).number("Q", 5).number("q", NOW)
     cdr.number("q", 7 * 10**9).number("I", 1).text("here").number("q", 5 * 10**9 - 10**6).number("q", 10**5)  # an answer
-    cdr.text(deployment).number("I", 4)  # its stage is final
+    cdr.text(transaction).number("I", stage)
     return b"d" + counted(cdr.bytes())
 
 
@@ -83,12 +83,19 @@ def module(state):
 
 
 PREPARED = command(PREPARE, data=CELL.encode(), value="cell.xml")
-RUNNING = PREPARED + b"ir" + command(RUN, time=NOW + 5 * 10**8,
-                                     data=json.dumps([{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]).encode()) + b"t\x09s\3"
+SAFE = [{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]
+RUNNING = PREPARED + b"ir" + command(CONNECT, data=json.dumps(SAFE).encode()) + command(RUN, time=NOW + 5 * 10**8) + b"t\x09s\3"
 
 
 def update(gain):
     return command(UPDATE, data=CELL.replace('"gain">1', gain).encode(), name="u", value="cell.xml")
+
+
+def change(*devices):
+    return command(CHANGE, name="u", time=NOW, data=json.dumps({"devices": devices or ("robot",), "safe": SAFE}).encode())
+
+
+KEPT = command(RUN, name="u", time=NOW + 10**9) + b"t\x0a"
 
 
 COMMANDS = {
@@ -110,21 +117,22 @@ COMMANDS = {
     "namesake": device(WAITING, name="robot", deployment="") + command(PREPARE, data=CELL.encode()),
     "never": PREPARED + b"ir" + b"t\x0f" + b"t\x0f" + b"e",
     "swap": RUNNING + command(SWAP, module="servo", value="servo2.so") + b"i" + b"o\0",
-    "in_place": RUNNING + update('"gain">2').replace(b"servo.so", b"serv2.so") + b"i" + command(CHANGE, name="u") + b"o\0" * 3 +
-    command(KEEP, name="u") + command(REPORT),
-    "put_back": RUNNING + update('"gain">2') + b"i" + command(CHANGE, name="u") + b"o\0" * 2 + command(PUT_BACK, name="u") + b"o\0",
-    "failing": RUNNING + update('"gain">2') + b"i" + command(CHANGE, name="u") + b"o\1",
-    "anew": RUNNING + update('"other">1') + b"i" + command(CHANGE, name="u") + b"er" + command(KEEP, name="u") + b"e",
-    "anew_fails": RUNNING + update('"other">1') + b"i" + command(CHANGE, name="u") + b"eer" + command(PUT_BACK, name="u"),
-    "added": update('"gain">1') + b"i" + command(CHANGE, name="u", time=NOW) + b"r" + command(PUT_BACK, name="u") + b"e",
-    "forgotten": RUNNING + update('"gain">2') + b"i" + b"t\x0f" + command(CHANGE, name="u"),
+    "in_place": RUNNING + update('"gain">2').replace(b"servo.so", b"serv2.so") + b"i" + change() + b"o\0" * 3 + KEPT + command(REPORT),
+    "put_back": RUNNING + update('"gain">2') + b"i" + change() + b"o\0" * 2 + command(PUT_BACK, name="u") + b"o\0",
+    "failing": RUNNING + update('"gain">2') + b"i" + change() + b"o\1",
+    "anew": RUNNING + update('"other">1') + b"i" + change() + b"er" + KEPT + b"e",
+    "anew_fails": RUNNING + update('"other">1') + b"i" + change() + b"eer" + command(PUT_BACK, name="u"),
+    "added": update('"gain">1') + b"i" + change("robot", "line") + b"r" + device(WAITING, transaction="u", stage=0) + command(PUT_BACK, name="u") + b"e",
+    "forward": RUNNING + update('"other">1') + b"i" + change("robot", "line") + b"er" + command(PUT_BACK, name="u") + b"er" +
+    device(RUNNING_STATE, transaction="u", stage=4) + b"eir" + command(REPORT),
+    "forgotten": RUNNING + update('"gain">2') + b"i" + b"t\x0f" + change(),
 }
 
 # ---- Seeds of kept_fuzz
 
-DEPLOYMENT = json.dumps({"id": "d1", "file": "cell.xml", "text": CELL, "require_real_time": False, "final": True,
-                         "t0_ns": NOW, "boot": "3f1c", "t0_monotonic_ns": 1, "safe": "[]", "update": ""},
-                        separators=(",", ":")).encode()
+KEPT_DEPLOYMENT = {"id": "d1", "transaction": "u1", "file": "cell.xml", "text": CELL, "require_real_time": False, "t0_ns": NOW, "boot": "3f1c",
+                   "t0_monotonic_ns": 1, "safe": "[]", "devices": ["robot", "line"]}
+DEPLOYMENT = json.dumps({"current": KEPT_DEPLOYMENT, "pending": None}, separators=(",", ":")).encode()
 
 
 def slot(sequence, kind=0, text=b"took too long"):

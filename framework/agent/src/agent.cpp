@@ -151,12 +151,12 @@ DeviceStatus Agent::status() const {
       case Phase::preparing:
         break;
       case Phase::ready:
-        status.state(d->transaction.stage == transaction::Stage::prepared ? DEVICE_READY : DEVICE_ARMED);
+        status.state(d->stage() == transaction::Stage::prepared ? DEVICE_READY : DEVICE_ARMED);
         break;
       case Phase::running:
-        status.state(d->is_final()                         ? DEVICE_RUNNING
-                     : time_of(*d) >= d->transaction.t0_ns ? DEVICE_STARTED
-                                                           : DEVICE_ARMED);
+        status.state(d->is_final()                                           ? DEVICE_RUNNING
+                     : time_of(d->transaction) >= d->transaction.state.t0_ns ? DEVICE_STARTED
+                                                                             : DEVICE_ARMED);
         break;
       case Phase::stopping:
         status.state(DEVICE_STOPPING);
@@ -177,12 +177,10 @@ DeviceStatus Agent::status() const {
   }
   wire::set(status.text(), text);
   wire::set(status.undeployed(), undeployed_but_held());
-  wire::set(status.update(), update_ ? update_->id() : update_id_);
-  status.update_state(update_ ? update_->state() : update_end_);
-  if (const Deployment* const newest = d != nullptr ? d : undone_.get(); newest != nullptr) {
+  if (const Transaction* const newest = newest_transaction(); newest != nullptr) {
     wire::set(status.transaction(), newest->id);
-    status.stage(static_cast<TransactionStage>(newest->transaction.stage));
-    status.t0_ns(newest->transaction.t0_ns);
+    status.stage(static_cast<TransactionStage>(newest->state.stage));
+    status.t0_ns(newest->state.t0_ns);
   }
   return status;
 }
@@ -195,7 +193,6 @@ void Agent::publish_status() {
            [](const auto& s) { return s.health(); }, [](const auto& s) { return s.text(); },
            [](const auto& s) { return s.deployment(); }, [](const auto& s) { return s.t0_ns(); },
            [](const auto& s) { return s.uninterrupted_s(); }, [](const auto& s) { return s.undeployed(); },
-           [](const auto& s) { return s.update(); }, [](const auto& s) { return s.update_state(); },
            [](const auto& s) { return s.transaction(); }, [](const auto& s) { return s.stage(); },
            [](const auto& s) { return s.real_time(); }, [](const auto& s) { return s.host_process_id(); },
            [](const auto& s) { return s.host_restarts(); }, [](const auto& s) { return s.modules(); },

@@ -8,10 +8,11 @@ namespace takt::agent {
 
 using model::Change;
 
-void Agent::begin_again(const Deployment& description) {
+// While an update is in progress, the device runs as part of the transaction before, which is final.
+void Agent::begin_again(const Deployment& description, const Transaction& transaction) {
   last_refusal_.clear();
-  drop_undone();
   deployment_ = description.afresh();
+  deployment_->transaction = transaction;
   log("preparing cell " + deployment_->cell.name);
   bring_up();
 }
@@ -98,22 +99,20 @@ void Agent::Update::taken_down(const Problems& problems) {
     before_ = agent_.deployment_->afresh();
     agent_.clear();
     if (undoer_) {
-      stage_ = Stage::undoing;
-      reasons_ = {fail("the update was cancelled")};
+      note_undone({fail("the update was cancelled")});
       bring_back();
     } else if (difference_.change == Change::removed) {
       changed();
     } else {
       is_after_ = true;
-      agent_.begin_again(*after_);
+      agent_.begin_again(*after_, before_->transaction);
     }
     return;
   }
   agent_.clear();
   if (stage_ == Stage::changing) {
-    stage_ = Stage::undoing;
-    reasons_ =
-        problems.empty() ? Problems{fail("device " + agent_.options_.device + " has ended")} : problems;
+    note_undone(problems.empty() ? Problems{fail("device " + agent_.options_.device + " has ended")}
+                                 : problems);
     bring_back();
   } else if (is_after_) {
     bring_back();
@@ -128,7 +127,7 @@ void Agent::Update::taken_down(const Problems& problems) {
 void Agent::Update::bring_back() {
   is_after_ = false;
   if (before_)
-    agent_.begin_again(*before_);
+    agent_.begin_again(*before_, before_->transaction);
   else
     undone();
 }

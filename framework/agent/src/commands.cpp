@@ -57,7 +57,6 @@ bool is_ambiguous(const Command& command) {
     case COMMAND_UNDEPLOY:
       return command.deployment().size() == 0;
     case COMMAND_CHANGE:
-    case COMMAND_KEEP:
     case COMMAND_PUT_BACK:
     case COMMAND_REPORT:
       return false;
@@ -130,8 +129,6 @@ void Agent::receive(const wire::WholeCommand& command) {
     case COMMAND_CHANGE:
       if (Update* const update = update_of(head)) update->change(command);
       return;
-    case COMMAND_KEEP:
-      return keep(head);
     case COMMAND_PUT_BACK:
       return put_back(head);
   }
@@ -161,8 +158,9 @@ void Agent::report(const Command& command) {
   const DeviceStatus now = status();
   report["cell"] = deployment_ ? json(deployment_->cell.name) : json(nullptr);
   report["deployment"] = deployment_ ? json(deployment_->id) : json(nullptr);
-  report["update"] = deployment_ && !deployment_->update.empty() ? json(deployment_->update) : json(nullptr);
-  report["update_state"] = takt::to_text(now.update_state());
+  report["update"] =
+      deployment_ && !deployment_->update().empty() ? json(deployment_->update()) : json(nullptr);
+  report["stage"] = newest_transaction() != nullptr ? json(takt::to_text(now.stage())) : json(nullptr);
   report["state"] = takt::to_text(now.state());
   if (!name_clash_.empty()) report["conflict"] = name_clash_;
   if (now.text().size() != 0 && now.text().to_string() != name_clash_)

@@ -1,4 +1,4 @@
-// The data of the deployment that an agent carries out.
+// The data of the deployment that an agent carries out, and of the transaction that leads to it.
 #pragma once
 
 #include <map>
@@ -13,6 +13,18 @@
 #include <takt/transaction/transaction.hpp>
 
 namespace takt::agent {
+
+/// Returns the names of the cell's devices.
+std::vector<std::string> names_of(const model::Cell& cell);
+
+/// A change of the cell in which this device takes part: a deployment or an update.
+struct Agent::Transaction {
+  std::string id;  ///< that of the deployment or the update
+  transaction::State state{};
+  std::optional<Instant> t0{};         ///< T0 of `state` on the monotonic clock, converted once
+  std::vector<std::string> devices{};  ///< the devices that take part
+  bool complete = false;               ///< this device has everything that it needs to go forward
+};
 
 struct Agent::Deployment {
   std::string id;
@@ -41,24 +53,27 @@ struct Agent::Deployment {
   std::optional<Instant> prepared_at;       ///< when every module was in START
   std::optional<Instant> ready_since;       ///< since when this node has also found all other devices
   std::optional<Instant> connecting_since;  ///< when the first of `connectors` arrived
-  transaction::State transaction;           ///< its T0 is on the wall clock
-  std::optional<Instant> t0;                ///< T0 on the monotonic clock, converted once
-  bool complete = false;                    ///< the device has everything that it needs to run
-  bool unsaved = false;  ///< the deployment could not be written to disk; the agent will try again
-  std::string update;    ///< id of the last update of this deployment; empty if there was none
-  std::string safe;      ///< safe values of the cell's outputs, in the format of model::parse_safe()
-  std::string undone;    ///< the reason why the agent ends the deployment without a command; empty if the
-                         ///< agent does not
+  Transaction transaction;                  ///< the transaction that led to this descriptor
+  std::int64_t t0_ns = 0;  ///< the time from which releases are counted, on the wall clock; 0: not known yet
+  std::optional<Instant> t0;  ///< the same time on the monotonic clock, converted once
+  std::string safe;           ///< safe values of the cell's outputs, in the format of model::parse_safe()
+  std::string undone;  ///< the reason why the agent ends the deployment without a command; empty if the
+                       ///< agent does not
   bool ended_elsewhere = false;  ///< `undone` says that the deployment was undeployed on another device
   bool stopped = false;          ///< an operator, another device or the node has stopped it
   bool over = false;             ///< true: the deployment has ended by itself; its status can still be read
+  bool replaced = false;         ///< ends because the update in Agent::gone_ is final
 
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
-  [[nodiscard]] bool is_final() const { return transaction.stage == transaction::Stage::final; }
+  [[nodiscard]] transaction::Stage stage() const { return transaction.state.stage; }
+  [[nodiscard]] bool is_final() const { return stage() == transaction::Stage::final; }
   /// True if the device is going to begin, or has begun.
-  [[nodiscard]] bool has_begun() const {
-    return transaction.stage == transaction::Stage::running || is_final();
-  }
+  [[nodiscard]] bool has_begun() const { return stage() == transaction::Stage::running || is_final(); }
+  /// Id of the last update of this deployment; empty if there was none.
+  [[nodiscard]] std::string update() const { return transaction.id == id ? std::string{} : transaction.id; }
+  /// Returns true if the device is part of the cell that the descriptor describes. False after an update has
+  /// removed the device.
+  [[nodiscard]] bool has_device() const { return !text.empty(); }
   /// Returns the index of a module, which the device must have.
   [[nodiscard]] std::size_t index_of(const std::string& module) const;
   /// Returns the file and build of a module's component, for example "servo.so 1.2.0 3fa91c02". Empty if the
@@ -69,6 +84,10 @@ struct Agent::Deployment {
   /// Copies the swaps and property values that operators made in deployment `other`, if both descriptors
   /// state the same file or property value.
   void inherit(const Deployment& other);
+  /// The releases of a new deployment are counted from the transaction's T0.
+  void take_t0();
+  /// Takes the descriptor of `next`, to which this deployment was updated.
+  void take_over(const Deployment& next);
   /// Returns a copy of the deployment that has not been started yet. The copy has the same T0, so its
   /// releases are at the same instants.
   [[nodiscard]] std::unique_ptr<Deployment> afresh() const;

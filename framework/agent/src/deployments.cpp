@@ -45,6 +45,12 @@ Result<Found> find_device(const std::string& text, const std::string& file, cons
 
 }  // namespace
 
+std::vector<std::string> names_of(const model::Cell& cell) {
+  std::vector<std::string> names;
+  for (const model::Device& device : cell.devices) names.push_back(device.name);
+  return names;
+}
+
 std::string Agent::Deployment::component_of(const std::string& module) const {
   if (cell.devices.empty()) return "";
   const auto& mine = of_device().modules;
@@ -67,6 +73,12 @@ nlohmann::ordered_json Agent::Deployment::ports_of(const model::Device& device, 
   return {{"modules", modules}};
 }
 
+void Agent::Deployment::take_t0() {
+  if (t0 || !transaction.t0) return;
+  t0_ns = transaction.state.t0_ns;
+  t0 = transaction.t0;
+}
+
 std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
   auto again = std::make_unique<Deployment>();
   again->id = id;
@@ -79,9 +91,8 @@ std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
   again->swapped = swapped;
   again->set = set;
   again->transaction = transaction;
+  again->t0_ns = t0_ns;
   again->t0 = t0;
-  again->complete = complete;
-  again->update = update;
   again->safe = safe;
   return again;
 }
@@ -109,7 +120,7 @@ void Agent::prepare(const wire::WholeCommand& command) {
     answer(head, REPLY_REFUSED, "device " + options_.device + " is being updated; try again later");
     return;
   }
-  if ((undone_ && undone_->id == id) || was_undeployed(id)) {
+  if ((gone_ && gone_->id == id) || was_undeployed(id)) {
     answer(head, REPLY_REFUSED, "device " + options_.device + " has already ended this deployment");
     return;
   }
@@ -128,6 +139,7 @@ void Agent::prepare(const wire::WholeCommand& command) {
   }
   auto deployment = std::make_unique<Deployment>();
   deployment->id = id;
+  deployment->transaction.id = id;
   deployment->file = head.value().to_string();
   deployment->text = command.data;
   deployment->require_real_time = options_.require_real_time || head.property() == wire::kRequireRealTime;
@@ -138,7 +150,7 @@ void Agent::prepare(const wire::WholeCommand& command) {
 void Agent::begin(std::unique_ptr<Deployment> deployment) {
   resuming_ = false;
   last_refusal_.clear();
-  drop_undone();
+  drop_gone();
   deployment_ = std::move(deployment);
   auto found = find_device(deployment_->text, deployment_->file, options_.device);
   if (!found) {
@@ -152,11 +164,14 @@ void Agent::begin(std::unique_ptr<Deployment> deployment) {
   }
   deployment_->cell = std::move(found->cell);
   deployment_->device = found->device;
+  if (deployment_->transaction.devices.empty())
+    deployment_->transaction.devices = names_of(deployment_->cell);
   log("preparing cell " + deployment_->cell.name);
   auto inspection = factories_.inspect({.text = deployment_->text,
                                         .file = deployment_->file,
                                         .device = options_.device,
-                                        .as_written = options_.temporary});
+                                        .as_written = options_.temporary,
+                                        .swapped = deployment_->swapped});
   if (!inspection) {
     abandon(inspection.problems());
     return;
@@ -255,8 +270,7 @@ void Agent::abandon(const Problems& problems) {
   if (!deployment_->undeployers.empty() || deployment_->ended_elsewhere) {
     log("cell " + deployment_->cell.name + " is undeployed");
     last_refusal_.clear();
-    forget_kept();
-  } else if (deployment_->transaction.stage == Stage::undone && deployment_->t0) {
+  } else if (deployment_->stage() == Stage::undone && deployment_->transaction.t0) {
     last_refusal_ = "cell " + deployment_->cell.name + " was not started: " + deployment_->undone;
   } else if (deployment_->preparers.empty() && !deployment_->over) {
     log("cell " + deployment_->cell.name + " could not be restored: " + in_words(problems));
@@ -283,7 +297,7 @@ void Agent::step_supervised() {
       note_failure();
       break;
     case Phase::ready:
-      if (!d.ready_since && d.transaction.stage == Stage::prepared && !check_others()) break;
+      if (!d.ready_since && d.stage() == Stage::prepared && !check_others()) break;
       if (!d.ready_since) {
         // Count from the end of the preparation, not from now: the client sent no message while this node
         // searched for the other devices.
@@ -336,8 +350,8 @@ bool Agent::is_prepared(const Command& command) {
   const std::string id = command.deployment().to_string();
   if (deployment_ && (id.empty() || deployment_->id == id)) return true;
   const std::string device = "device " + options_.device;
-  if (undone_ && undone_->id == id)
-    answer(command, REPLY_REFUSED, device + " has undone this deployment: " + undone_->undone);
+  if (gone_ && gone_->id == id)
+    answer(command, REPLY_REFUSED, device + " has undone this deployment: " + gone_->undone);
   else
     answer(command, REPLY_REFUSED,
            device + " has not prepared " + (deployment_ ? "this deployment" : "a deployment"));
@@ -348,7 +362,7 @@ void Agent::connect(const wire::WholeCommand& whole) {
   const Command& command = whole.head;
   if (!is_prepared(command)) return;
   Deployment& d = *deployment_;
-  if (!d.ready_since || d.supervised->phase() != Phase::ready || d.transaction.stage != Stage::prepared) {
+  if (!d.ready_since || d.supervised->phase() != Phase::ready || d.stage() != Stage::prepared) {
     answer(command, REPLY_REFUSED, occupied());
     return;
   }
@@ -364,105 +378,12 @@ void Agent::step_connectors() {
   if (d.connectors.empty()) return;
   const std::string unmatched = d.supervised->unmatched();
   if (unmatched.empty()) {
-    d.complete = true;
+    d.transaction.complete = true;
     keep_for_restart();
     for (const Command& connector : std::exchange(d.connectors, {})) answer(connector, REPLY_OK, "");
   } else if (options_.now() - *d.connecting_since > kConnected) {
     undo("the connection " + unmatched + " could not be made; check the network between the devices");
   }
-}
-
-void Agent::run(const Command& command) {
-  if (!is_prepared(command)) return;
-  Deployment& d = *deployment_;
-  if (d.transaction.stage == Stage::prepared && (!d.complete || d.supervised->phase() != Phase::ready)) {
-    answer(command, REPLY_REFUSED, occupied());
-    return;
-  }
-  const auto accepted = transaction::receive_t0(d.transaction, command.time_ns(), time_of(d));
-  if (!accepted) {
-    answer(command, REPLY_REFUSED, in_words(accepted.problems()));
-    return;
-  }
-  arm(*accepted);
-  answer(command, REPLY_OK, "");
-}
-
-// Accepts T0 from the operator or from another device.
-void Agent::arm(const transaction::State& armed) {
-  Deployment& d = *deployment_;
-  if (d.transaction.stage != Stage::prepared) return;
-  d.transaction = armed;
-  d.t0 = options_.instant_of_wall(armed.t0_ns);
-}
-
-// The time of the transaction: the wall clock, but the monotonic clock continues it once T0 is known, so it
-// does not matter if the wall clock is set then.
-std::int64_t Agent::time_of(const Deployment& deployment) const {
-  if (!deployment.t0) return options_.wall_ns();
-  return deployment.transaction.t0_ns + (options_.now() - *deployment.t0).count();
-}
-
-// Returns what was heard last from each other device of the cell about the deployment.
-transaction::Others Agent::heard(const Deployment& deployment) const {
-  transaction::Others others;
-  for (const model::Device& device : deployment.cell.devices) {
-    if (device.name == options_.device) continue;
-    std::optional<transaction::Heard>& what = others[device.name];
-    for (const auto& [status, alive] : others_.of_device(device.name)) {
-      if (!alive || status.transaction() != deployment.id) continue;
-      const auto stage = static_cast<Stage>(status.stage());
-      // Before this device is complete, no other device can be armed for the same deployment.
-      if (!deployment.complete && stage != Stage::undone) continue;
-      if (!what || stage > what->stage) what = transaction::Heard{stage, status.t0_ns()};
-    }
-  }
-  return others;
-}
-
-// Decides, by what was heard from the other devices, whether the deployment takes place. The deployment is on
-// disk before the device can be armed, and it is final on disk before the device publishes this. If the node
-// is restarted in between, the device has failed. So between T0's arrival and T0 nothing waits for the disk.
-void Agent::step_transaction() {
-  if (!deployment_) return step_undone();
-  if (!deployment_->undone.empty() || !deployment_->undeployers.empty()) return;
-  while (true) {
-    Deployment& d = *deployment_;
-    const Stage before = d.transaction.stage;
-    if (before == Stage::undone) return;
-    const std::int64_t now = time_of(d);
-    d.transaction.operator_heard_ns = d.ready_since ? now - (options_.now() - *d.ready_since).count() : now;
-    const transaction::State after = transaction::next(d.transaction, heard(d), now);
-    if (after.stage == before) return;
-    if (after.stage == Stage::undone)
-      return undo((before == Stage::prepared ? "" : "not all devices run: ") + after.why);
-    if (after.stage == Stage::armed) {
-      arm(after);
-      continue;
-    }
-    d.transaction = after;
-    if (after.stage == Stage::final) keep_for_restart();
-  }
-}
-
-// Begins the deployment again that this device has undone, if every device had begun before. Once no device
-// can be final any more, the deployment need not be on disk.
-void Agent::step_undone() {
-  if (!undone_ || update_ || ending_ || resuming_) return;
-  const transaction::Others others = heard(*undone_);
-  if (!undone_->text.empty() && transaction::settled(undone_->transaction, others)) {
-    undone_->text.clear();
-    forget_kept();
-  }
-  const transaction::State after = transaction::next(undone_->transaction, others, time_of(*undone_));
-  if (after.stage != Stage::final) return;
-  log("cell " + undone_->cell.name + " begins again, because every device of the cell had begun");
-  deployment_ = std::move(undone_);
-  deployment_->transaction = after;
-  if (!deployment_->t0) deployment_->t0 = options_.instant_of_wall(after.t0_ns);
-  deployment_->undone.clear();
-  keep_for_restart();
-  begin(std::move(deployment_));
 }
 
 void Agent::go() {
@@ -482,7 +403,7 @@ void Agent::go() {
 // is final.
 void Agent::undo(const std::string& why) {
   Deployment& d = *deployment_;
-  d.transaction = transaction::fail(d.transaction, why);
+  d.transaction.state = transaction::fail(d.transaction.state, why);
   log("the deployment of cell " + d.cell.name + " is undone: " + why);
   take_back(why);
 }
@@ -491,11 +412,13 @@ void Agent::undo(const std::string& why) {
 // device does.
 void Agent::note_failure() {
   Deployment& d = *deployment_;
-  const bool starts = d.transaction.stage == Stage::armed || d.transaction.stage == Stage::running;
-  if (!starts || time_of(d) >= d.transaction.t0_ns || !d.undone.empty() || !d.undeployers.empty()) return;
+  const bool starts = d.stage() == Stage::armed || d.stage() == Stage::running;
+  if (!starts || time_of(d.transaction) >= d.transaction.state.t0_ns || !d.undone.empty() ||
+      !d.undeployers.empty())
+    return;
   const Problems& failures = d.supervised->failures();
   d.undone = !failures.empty() ? in_words({failures[0]}) : "its node is shutting down";
-  d.transaction = transaction::fail(d.transaction, d.undone);
+  d.transaction.state = transaction::fail(d.transaction.state, d.undone);
 }
 
 // Ends the deployment without a command.
@@ -515,20 +438,16 @@ void Agent::take_back(const std::string& why) {
 // command, because it was lost then, or because the operator was lost before sending the command to all
 // devices.
 void Agent::check_undeployed() {
-  const Deployment* const d = deployment_ ? deployment_.get() : undone_.get();
+  const Deployment* const d = deployment_ ? deployment_.get() : gone_.get();
   if (d == nullptr || !d->undeployers.empty() || ending_) return;
   for (const model::Device& device : d->cell.devices) {
     if (device.name == options_.device) continue;
     for (const auto& [status, alive] : others_.of_device(device.name)) {
       if (!alive || status.undeployed() != d->id) continue;
-      if (!deployment_) {
-        forget_kept();
-        return drop_undone();
-      }
+      if (!deployment_) return remember_undeployed(d->id);
       if (d->ended_elsewhere) return;
       deployment_->ended_elsewhere = true;
       remember_undeployed(deployment_->id);
-      forget_kept();
       if (!d->undone.empty()) return;
       const std::string why = "it was undeployed on device " + device.name;
       log("cell " + d->cell.name + " ends: " + why);
@@ -541,11 +460,14 @@ bool Agent::was_undeployed(const std::string& id) const {
   return std::find(undeployed_.begin(), undeployed_.end(), id) != undeployed_.end();
 }
 
+// Also forgets the saved deployment, if it was undeployed.
 void Agent::remember_undeployed(const std::string& id) {
   if (was_undeployed(id)) return;
   undeployed_.push_back(id);
   if (undeployed_.size() > kUndeployedKept) undeployed_.erase(undeployed_.begin());
+  if (gone_ && gone_->id == id) gone_.reset();
   if (!options_.store) return;
+  keep_for_restart();
   if (const auto kept = options_.store->keep_undeployed(undeployed_); !kept)
     log("warning: if this node restarts, it does not pass on that a deployment was undeployed: " +
         in_words(kept.problems()));
@@ -563,39 +485,6 @@ std::string Agent::undeployed_but_held() const {
   return "";
 }
 
-void Agent::keep_for_restart() {
-  if (!options_.store) return;
-  Deployment& d = *deployment_;
-  const auto kept = options_.store->keep({.id = d.id,
-                                          .file = d.file,
-                                          .text = d.text,
-                                          .require_real_time = d.require_real_time,
-                                          .is_final = d.is_final(),
-                                          .t0_ns = d.transaction.t0_ns,
-                                          .boot = options_.boot,
-                                          .t0_monotonic_ns = d.t0 ? to_ns(*d.t0) : 0,
-                                          .safe = d.safe,
-                                          .update = d.update});
-  const bool again = std::exchange(d.unsaved, !kept);
-  if (kept && again) log("cell " + d.cell.name + " is saved for --resume again");
-  if (kept || again) return;
-  const std::string what =
-      "cell " + d.cell.name + " could not be saved for --resume: " + in_words(kept.problems());
-  log("warning: " + what);
-  note({.kind = model::FaultKind::error, .cause = what});
-}
-
-// Tries again, every kDiskTriedEvery, to write the files that could not be written before. The disk may have
-// space again.
-void Agent::check_disk() {
-  const Instant now = options_.now();
-  if (now - disk_tried_at_ < kDiskTriedEvery) return;
-  disk_tried_at_ = now;
-  if (options_.record->reopen())
-    log("the fault record is written to its file again: " + options_.record->file());
-  if (deployment_ && deployment_->unsaved && !update_) keep_for_restart();
-}
-
 void Agent::undeploy(const Command& command) {
   const std::string id = command.deployment().to_string();
   if (deployment_ && !id.empty() && deployment_->id != id) {
@@ -607,8 +496,8 @@ void Agent::undeploy(const Command& command) {
   if (!deployment_) {
     resuming_ = false;
     if (!id.empty()) remember_undeployed(id);
-    drop_undone();
-    forget_kept();
+    drop_gone();
+    keep_for_restart();  // removes also a saved deployment that was not restored
     last_refusal_.clear();
     answer(command, REPLY_OK, "device " + options_.device + " has no deployment",
            !id.empty() && id == last_id_ ? last_data_ : "");
@@ -617,7 +506,10 @@ void Agent::undeploy(const Command& command) {
   deployment_->undeployers.push_back(command);
   // `takt run` uses this command also to fetch the report of a device that has ended while the others
   // continue.
-  if (!deployment_->over || !options_.temporary) remember_undeployed(deployment_->id);
+  if (!deployment_->over || !options_.temporary)
+    remember_undeployed(deployment_->id);
+  else
+    gone_.reset();
   if (!deployment_->supervised) {
     abandon({fail("it was undeployed")});
   } else if (deployment_->over) {
@@ -658,9 +550,10 @@ void Agent::finish() {
     last_refusal_ = to_text(failures[0]);
 
   filter_.flush();
+  const bool forward = d.replaced && failures.empty() && undeployers.empty() && !passed_on && !ending_;
   // Until an update is complete, the cell runs on; then the update records itself.
   // A module that was given up before has not ended the cell, if an operator or the node has stopped it.
-  if (started && !d.over && !(in_transit && failures.empty())) {
+  if (started && !d.over && !forward && !(in_transit && failures.empty())) {
     note({.kind = model::FaultKind::undeployed,
           .cause = "cell " + d.cell.name + " has ended" +
                    (!failures.empty() && !d.stopped     ? ": " + in_words({failures[0]})
@@ -674,17 +567,17 @@ void Agent::finish() {
     update_->taken_down(failures);
     return;
   }
+  if (forward) {
+    clear();
+    return go_forward();
+  }
   if (undeployers.empty() && started && d.undone.empty()) {
-    // An update ends with the old deployment. But if the new deployment has ended, the update can still be
-    // undone.
-    if (update_ && !update_->has_replaced())
-      update_->drop("the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]})));
     d.over = true;
+    if (update_) update_->device_ended(failures, d.supervised->stops_cell());
     return;
   }
-  if (!undeployers.empty()) forget_kept();
   if (!undeployers.empty() || passed_on) log("cell " + d.cell.name + " is undeployed");
-  if (d.transaction.stage == Stage::undone && d.t0 && undeployers.empty())
+  if (d.stage() == Stage::undone && d.transaction.t0 && undeployers.empty())
     last_refusal_ = "cell " + d.cell.name + " was not started: " + d.undone;
   clear();
   publish_status();  // before the answers, so that a client with an answer sees that the device is free
@@ -693,93 +586,17 @@ void Agent::finish() {
   for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
 }
 
-void Agent::forget_kept() {
-  if (!options_.store) return;
-  if (const auto forgotten = options_.store->forget(); !forgotten)
-    log("warning: " + in_words(forgotten.problems()));
-}
-
-// Forgets the deployment that this device has undone, because the operator has replaced it. The other devices
-// of its cell end it.
-void Agent::drop_undone() {
-  if (undone_) remember_undeployed(std::exchange(undone_, nullptr)->id);
-}
-
 void Agent::clear() {
   if (!deployment_->describers.empty()) described(fail("the deployment ended before it was described"));
   if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device is stopping");
   if (deployment_->supervised && !deployment_->modules.empty() && !has_given_way_)
     publisher_.withdraw(deployment_->modules, deployment_->supervised->measures());
-  const Deployment& d = *deployment_;
-  if (d.transaction.stage == Stage::undone && !was_undeployed(d.id)) {
-    undone_ = d.afresh();
-    undone_->undone = d.undone;
+  if (deployment_->stage() == Stage::undone) {
+    auto undone = deployment_->afresh();
+    undone->undone = deployment_->undone;
+    set_gone(std::move(undone));
   }
   deployment_.reset();
-}
-
-void Agent::restore() {
-  const auto kept = options_.store->kept();
-  if (!kept) {
-    log("nothing is restored: " + in_words(kept.problems()));
-    last_refusal_ = to_text(kept.problems()[0]);
-    return;
-  }
-  if (!*kept) return;
-  // The wall clock may have been set since T0 was saved, but the monotonic clock is valid until the next boot
-  // of the machine.
-  std::optional<Instant> t0;
-  if (!options_.boot.empty() && (*kept)->boot == options_.boot) t0 = from_ns((*kept)->t0_monotonic_ns);
-  // Reject a T0 that is too far in the future. Otherwise the device would wait silently for T0, perhaps for
-  // years if a clock is wrong.
-  const Nanoseconds ahead =
-      t0 ? span(to_ns(options_.now()), to_ns(*t0)) : span(options_.wall_ns(), (*kept)->t0_ns);
-  if (ahead > transaction::kFurthestStart) {
-    last_refusal_ = "the start time of the saved deployment is " + takt::to_text(ahead) +
-                    " in the future, which is too far; set the clock of device " + options_.device +
-                    ", or deploy the cell again";
-    log("nothing is restored: " + last_refusal_);
-    return;
-  }
-  auto deployment = std::make_unique<Deployment>();
-  deployment->id = (*kept)->id;
-  deployment->file = (*kept)->file;
-  deployment->text = (*kept)->text;
-  deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
-  deployment->transaction = {.stage = (*kept)->is_final ? Stage::final : Stage::undone,
-                             .t0_ns = (*kept)->t0_ns};
-  if ((*kept)->t0_ns != 0) deployment->t0 = t0 ? *t0 : options_.instant_of_wall((*kept)->t0_ns);
-  deployment->complete = true;
-  deployment->safe = (*kept)->safe;
-  deployment->update = (*kept)->update;
-  if (!deployment->update.empty()) {
-    update_id_ = deployment->update;
-    update_end_ = UPDATE_KEPT;
-  }
-  if ((*kept)->is_final)
-    begin(std::move(deployment));
-  else
-    restore_undone(std::move(deployment));
-}
-
-// Publishes that this device has undone the saved deployment, and begins it if another device is final.
-void Agent::restore_undone(std::unique_ptr<Deployment> deployment) {
-  auto found = find_device(deployment->text, deployment->file, options_.device);
-  if (!found) return;  // the descriptor was valid when it was saved, so Takt has another version now
-  deployment->cell = std::move(found->cell);
-  deployment->device = found->device;
-  deployment->undone = "it was undone before all devices ran";
-  log("cell " + deployment->cell.name + " is not restored: " + deployment->undone);
-  undone_ = std::move(deployment);
-}
-
-void Agent::report_kept() const {
-  if (!options_.store) return;
-  const auto kept = options_.store->kept();
-  if (!kept || !*kept || !(*kept)->is_final) return;
-  const auto found = find_device((*kept)->text, (*kept)->file, options_.device);
-  log((found ? "cell " + found->cell.name : "a cell") +
-      " was deployed here before and is not restored; to restore it, start the node with --resume");
 }
 
 }  // namespace takt::agent

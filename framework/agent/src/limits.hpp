@@ -7,7 +7,8 @@
 
 namespace takt::agent {
 
-/// A node from which nothing arrives for this time is lost. The same as the lease of its status (dds/topics.cpp).
+/// A node from which nothing arrives for this time is lost. The same as the lease of its status
+/// (dds/topics.cpp).
 inline constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
 /// The longest time that a prepared device searches for the other devices of its cell.
 inline constexpr Nanoseconds kOthersFound = std::chrono::seconds{10};
@@ -17,8 +18,6 @@ inline constexpr Nanoseconds kConnected = std::chrono::seconds{10};
 /// over the network (chrony, ptp4l, systemd-timesyncd) keeps clocks much closer than this; a clock that no
 /// service sets soon differs by more than this.
 inline constexpr Nanoseconds kClocksDiffer = std::chrono::milliseconds{100};
-/// If the client sends no message for this time, the agent gives up an update that it has not begun to make.
-inline constexpr Nanoseconds kChangeAwaited = std::chrono::seconds{10};
 /// A node that `takt run` started waits, before it ends, until `takt run` has received the final report, but
 /// at most for this time.
 inline constexpr Nanoseconds kReportFetched = std::chrono::seconds{2};

@@ -101,7 +101,7 @@ void Agent::give_way() {
   Deployment& d = *deployment_;
   const bool is_over = d.over || !d.undone.empty() || !d.undeployers.empty() || ending_;
   if (is_over || (d.supervised && d.supervised->phase() >= Phase::stopping)) return;
-  const bool restored = d.transaction.stage != transaction::Stage::prepared && !d.ready_since;
+  const bool restored = d.stage() != transaction::Stage::prepared && !d.ready_since;
   if (!restored && !both_execute_since_) return undo(name_clash_);
   if (!d.supervised) {
     deployment_.reset();

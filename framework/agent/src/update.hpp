@@ -14,15 +14,18 @@ namespace takt::agent {
 
 /// An update of the agent's deployment. The agent checks the update, and makes the changes when the client
 /// commands this. It then keeps or undoes the changes, as the devices of the cell decide together
-/// (joint_update.hpp).
+/// (transactions.cpp).
 class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
  public:
   Update(Agent& agent, const wire::WholeCommand& command);
 
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
-  /// What this device tells the others about the update.
-  [[nodiscard]] UpdateState state() const noexcept {
-    return stage_ == Stage::changed ? UPDATE_CHANGED : stage_ == Stage::undoing ? UPDATE_UNDONE : UPDATE_OPEN;
+  [[nodiscard]] const Transaction& transaction() const { return after_->transaction; }
+  /// The new deployment; its descriptor is empty if the update removes the device.
+  [[nodiscard]] const Deployment& after() const { return *after_; }
+  /// The deployment before the update; null if the update adds the device.
+  [[nodiscard]] const Deployment* before() const {
+    return before_ ? before_.get() : is_after_ ? nullptr : agent_.deployment_.get();
   }
   /// True if `deployment` is the id of the new deployment.
   [[nodiscard]] bool leads_to(const std::string& deployment) const { return after_->id == deployment; }
@@ -32,8 +35,6 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
     return moves && difference_.change != model::Change::none &&
            difference_.change != model::Change::in_place;
   }
-  /// True if the update has started the new deployment, or is starting it.
-  [[nodiscard]] bool has_replaced() const noexcept { return is_after_; }
 
   /// Compares the running descriptor with the new one, without the components.
   Result<void> compare();
@@ -46,12 +47,14 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
 
   // Commands of the updating client
   void change(const wire::WholeCommand& command);
-  /// Records a command to be answered when the devices have decided.
-  void keep(const Command& command);
+  void run(const Command& command);
   void cancel(const Command& command);
 
   /// Undoes everything that the update has changed.
   void undo(const Problems& problems);
+  /// Called when the present deployment has ended by itself. Undoes the update if the deployment is the new
+  /// one, unless its failure stops the cell.
+  void device_ended(const Problems& failures, bool stops_cell);
   /// Ends the update, because the deployment that it changes has ended.
   void drop(const std::string& why);
   /// Called when the old deployment has ended, or when the new deployment has ended or could not be started.
@@ -73,10 +76,10 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   void judge_in_place(const Inspected& found);
   [[nodiscard]] Result<void> may_change_in_place() const;
   void changed();
+  /// Records why the update is undone. From now on, the other devices hear that it is.
+  void note_undone(const Problems& problems);
   void undone();
   void kept();
-  [[nodiscard]] std::map<std::string, Vote> votes() const;
-  void over(UpdateState end, const Problems& problems);
   // How the update is carried out and undone (changes.cpp)
   void apply_change(const model::ModuleChange& change, const std::string& value,
                     const std::function<void(const Outcome&)>& done);
@@ -89,20 +92,18 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   Stage stage_ = Stage::checking;
   const std::string id_;
   model::DeviceDifference difference_;
-  std::unique_ptr<Deployment> after_;   ///< the new deployment; not started if the device is removed
+  std::unique_ptr<Deployment> after_;   ///< the new deployment, with the transaction of the update
   std::vector<model::Build> builds_;    ///< the builds of the components before the update
   std::unique_ptr<Deployment> before_;  ///< the deployment that the update has ended
   bool is_after_ = false;               ///< true: `after_` was started, or is being started
   std::vector<std::string> replaced_;   ///< for a change in place: the old value or file of each module that
                                         ///< was changed so far
   std::unique_ptr<Inspection> inspection_;
-  std::optional<Command> asker_;      ///< a command to be answered after the present stage
-  std::optional<Command> keeper_;     ///< a command to be answered when the devices have decided
-  std::optional<JointUpdate> joint_;  ///< set once the changes are made
-  std::optional<Command> undoer_;     ///< a command to be answered when the update is undone
-  Instant renewed_{};                 ///< when the updating client's last message arrived
-  Problems reasons_;                  ///< why the update is undone
-  Problems left_;                     ///< changes that could not be undone
+  std::optional<Command> asker_;   ///< a command to be answered after the present stage
+  std::optional<Command> undoer_;  ///< a command to be answered when the update is undone
+  Instant renewed_{};              ///< when the updating client's last message arrived
+  Problems reasons_;               ///< why the update is undone
+  Problems left_;                  ///< changes that could not be undone
 };
 
 }  // namespace takt::agent

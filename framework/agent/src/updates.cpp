@@ -1,9 +1,8 @@
 // Updates a running deployment to a new descriptor and changes only what differs (takt deploy --update).
 //
 // All devices of the cell take the same steps. The client commands the next step when all devices have
-// completed the previous step. Until this device has made its changes, it can give up the update by itself,
-// and does so if it receives nothing from the client for kChangeAwaited. Afterwards the devices decide
-// together whether they keep or undo the changes.
+// completed the previous step: it lets them check the update, then make their changes, and then sends them
+// T0. The devices decide by the rules of the room `transaction` whether they keep or undo the changes.
 #include "update.hpp"
 
 #include <algorithm>
@@ -98,6 +97,27 @@ void Agent::Deployment::inherit(const Deployment& other) {
   }
 }
 
+void Agent::Deployment::take_over(const Deployment& next) {
+  file = next.file;
+  text = next.text;
+  safe = next.safe;
+  transaction = next.transaction;
+}
+
+// Returns a device that may still need this device's stage in its last transaction: if this device took part
+// in another one, both could decide differently about the last one. Empty if there is none.
+std::string Agent::undecided_on() const {
+  const Transaction* const last = newest_transaction();
+  if (last == nullptr) return "";
+  const bool is_undone = last->state.stage == transaction::Stage::undone && last->complete;
+  for (const auto& [name, what] : heard(*last)) {
+    const auto nodes = others_.of_device(name);
+    const bool alive = std::any_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.alive; });
+    if (what ? what->stage != last->state.stage : is_undone && !alive) return name;
+  }
+  return "";
+}
+
 void Agent::update(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const std::string device = "device " + options_.device;
@@ -115,9 +135,14 @@ void Agent::update(const wire::WholeCommand& command) {
     return refused({device, std::string{"it is not running: its state is "} + takt::to_text(status().state()),
                     "undeploy the cell and deploy it again"});
 
+  if (const std::string other = undecided_on(); !other.empty())
+    return refused({device, "device " + other + " has not decided about the last deployment or update yet",
+                    "try again when both devices are in contact"});
+
   auto update = std::make_shared<Update>(*this, command);
   if (auto compared = update->compare(); !compared)
     return reply_problems(head, REPLY_REFUSED, compared.problems());
+  drop_gone();
   update_ = std::move(update);
   update_->inspect();
 }
@@ -137,6 +162,7 @@ Agent::Update::Update(Agent& agent, const wire::WholeCommand& command)
       asker_(command.head),
       renewed_(agent.options_.now()) {
   after_->id = command.head.deployment().to_string();
+  after_->transaction = {.id = id_};
   after_->file = command.head.value().to_string();
   after_->text = command.data;
 }
@@ -167,6 +193,8 @@ Result<void> Agent::Update::compare() {
   for (model::DeviceDifference& one : *all) {
     if (one.device == agent_.options_.device) difference_ = std::move(one);
   }
+  after.transaction.devices = names_of(agent_.deployment_->cell);  // until the client sends all devices
+  if (difference_.change == Change::removed) after.text.clear();
   if (mine != devices.end()) after.inherit(*agent_.deployment_);
   return {};
 }
@@ -199,59 +227,19 @@ void Agent::Update::step() {
     inspected(*result);
     return;
   }
-  if (stage_ == Stage::held && agent_.options_.now() - renewed_ > kChangeAwaited)
-    return undo({fail("no further command of the update arrived within " + takt::to_text(kChangeAwaited))});
-  if (stage_ != Stage::changed) return;
-  switch (joint_->step(agent_.options_.now(), votes())) {
-    case JointUpdate::Decision::wait:
-      return;
-    case JointUpdate::Decision::keep:
-      return kept();
-    case JointUpdate::Decision::undo:
-      return undo({fail(joint_->why())});
+  if (stage_ != Stage::held && stage_ != Stage::changed) return;
+  while (agent_.decide(after_->transaction, renewed_)) {
+    const transaction::State& state = transaction().state;
+    if (state.stage == transaction::Stage::undone) return undo({fail(state.why)});
+    if (state.stage == transaction::Stage::final) return kept();
   }
-}
-
-// Returns what was heard from each other device of the old and the new cell.
-std::map<std::string, Vote> Agent::Update::votes() const {
-  std::map<std::string, Vote> votes;
-  const auto add = [&](const model::Cell& cell) {
-    for (const model::Device& device : cell.devices) {
-      if (device.name != agent_.options_.device) votes[device.name] = agent_.vote_of(device.name, id_);
-    }
-  };
-  add(after_->cell);
-  if (before_)
-    add(before_->cell);
-  else if (agent_.deployment_)
-    add(agent_.deployment_->cell);
-  return votes;
-}
-
-Vote Agent::vote_of(const std::string& device, const std::string& update) const {
-  Vote vote = Vote::nothing;
-  for (const auto& [status, alive] : others_.of_device(device)) {
-    if (!alive) continue;
-    const bool same = status.update() == update;
-    vote = std::max(vote, !same || status.update_state() == UPDATE_NONE ? Vote::absent
-                          : status.update_state() == UPDATE_OPEN        ? Vote::open
-                          : status.update_state() == UPDATE_CHANGED     ? Vote::changed
-                          : status.update_state() == UPDATE_KEPT        ? Vote::kept
-                                                                        : Vote::undone);
-  }
-  return vote;
-}
-
-void Agent::Update::over(UpdateState end, const Problems& problems) {
-  agent_.update_id_ = id_;
-  agent_.update_end_ = end;
-  agent_.update_problems_ = problems;
 }
 
 void Agent::Update::inspected(const Result<Inspected>& result) {
   const auto refused = [this](const Problems& problems) {
+    note_undone(problems);
     const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
-    over(UPDATE_UNDONE, problems);
+    agent_.set_gone(std::move(after_));
     agent_.reply_problems(*asker_, REPLY_REFUSED, problems);
   };
   if (!result) return refused(result.problems());
@@ -269,7 +257,7 @@ void Agent::Update::inspected(const Result<Inspected>& result) {
   data["change"] = model::to_text(change);
   data["words"] = model::in_words(difference_);
   if (agent_.deployment_) {
-    data["t0_ns"] = agent_.deployment_->transaction.t0_ns;
+    data["t0_ns"] = agent_.deployment_->t0_ns;
     data["require_real_time"] = agent_.deployment_->require_real_time;
   }
   stage_ = Stage::held;
@@ -345,7 +333,13 @@ void Agent::Update::change(const wire::WholeCommand& command) {
                     "synchronise the clocks of the devices")});
     return;
   }
-  after_->safe = command.data;
+  const json data = model::parse_json(command.data);
+  try {
+    after_->transaction.devices = data.at("devices").get<std::vector<std::string>>();
+    after_->safe = model::json_text(data.at("safe"));
+  } catch (const json::exception&) {
+    return agent_.reply_problems(command.head, REPLY_REFUSED, {fail("the command is damaged")});
+  }
   asker_ = command.head;
   stage_ = Stage::changing;
   for (const std::string& line : model::in_words(difference_)) agent_.log("is being updated: " + line);
@@ -358,26 +352,34 @@ void Agent::Update::change(const wire::WholeCommand& command) {
     case Change::removed:
       return agent_.deployment_->supervised->stop();
     case Change::added:
-      after_->transaction = {.stage = transaction::Stage::final, .t0_ns = command.head.time_ns()};
-      after_->t0 = agent_.options_.instant_of_wall(command.head.time_ns());
+      after_->t0_ns = command.head.time_ns();
+      after_->t0 = agent_.options_.instant_of_wall(after_->t0_ns);
       after_->require_real_time =
           agent_.options_.require_real_time || command.head.value() == wire::kRequireRealTime;
       is_after_ = true;
-      return agent_.begin_again(*after_);
+      return agent_.begin_again(*after_, {.id = after_->id, .state = {.stage = transaction::Stage::final}});
   }
 }
 
 void Agent::Update::changed() {
   if (undoer_) return undo({fail("the update was cancelled")});
   stage_ = Stage::changed;
-  joint_.emplace(difference_.change == Change::added);
+  renewed_ = agent_.options_.now();
+  after_->transaction.complete = true;
+  agent_.keep_for_restart();
   agent_.answer(*std::exchange(asker_, std::nullopt), REPLY_OK, "");
+}
+
+void Agent::Update::note_undone(const Problems& problems) {
+  stage_ = Stage::undoing;
+  reasons_ = problems;
+  after_->undone = in_words({problems[0]});
+  after_->transaction.state = transaction::fail(transaction().state, after_->undone);
 }
 
 void Agent::Update::undo(const Problems& problems) {
   const bool nothing = stage_ == Stage::checking || stage_ == Stage::held;
-  stage_ = Stage::undoing;
-  reasons_ = problems;
+  note_undone(problems);
   if (nothing || difference_.change == Change::none) return undone();
   agent_.log("undoing the update: " + in_words(reasons_));
   if (difference_.change == Change::in_place) return undo_last();
@@ -389,7 +391,7 @@ void Agent::Update::undo(const Problems& problems) {
 
 void Agent::Update::undone() {
   const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
-  over(UPDATE_UNDONE, reasons_);
+  agent_.set_gone(std::move(after_));
   agent_.log("is not updated: " + in_words(reasons_));
   if (!left_.empty()) {
     agent_.log("could not undo the update: " + in_words(left_));
@@ -402,7 +404,6 @@ void Agent::Update::undone() {
     all.insert(all.end(), left_.begin(), left_.end());
     agent_.reply_problems(*asker_, REPLY_FAILED, all, value);
   }
-  if (keeper_) agent_.reply_problems(*keeper_, REPLY_FAILED, reasons_, value);
   if (undoer_ && left_.empty())
     agent_.answer(*undoer_, REPLY_OK, "", {}, {}, value);
   else if (undoer_)
@@ -416,9 +417,8 @@ void Agent::Update::cancel(const Command& command) {
   switch (stage_) {
     case Stage::checking:
     case Stage::held:
+    case Stage::changed:
       return undo({fail("the update was cancelled")});
-    case Stage::changed:  // the devices decide together; kept() or undone() answers the command
-      return;
     case Stage::changing:
       if (in_transit() && is_after_) return undo({fail("the update was cancelled")});
       return;  // change_next(), changed() or taken_down() undoes the update after the present step
@@ -427,37 +427,32 @@ void Agent::Update::cancel(const Command& command) {
   }
 }
 
-void Agent::Update::keep(const Command& command) {
-  if (stage_ == Stage::changed) {
-    keeper_ = command;
-    return;
-  }
-  agent_.reply_problems(command, REPLY_REFUSED,
-                        {{"device " + agent_.options_.device, "the update has not been carried out", ""}});
-}
-
-void Agent::keep(const Command& command) {
-  const bool known = update_id_ == command.property().to_string();
-  if (known && update_end_ == UPDATE_KEPT) return answer(command, REPLY_OK, "");
-  if (known && !update_problems_.empty())
-    return reply_problems(command, REPLY_FAILED, update_problems_, wire::kAsBefore);
-  if (Update* const update = update_of(command)) update->keep(command);
+// Accepts T0 from the operator.
+void Agent::Update::run(const Command& command) {
+  const auto refused = [&](const Problems& problems) {
+    agent_.reply_problems(command, REPLY_REFUSED, problems);
+  };
+  if (stage_ != Stage::changed) return refused({fail("the update has not been carried out")});
+  if (auto accepted = agent_.receive_t0(after_->transaction, command.time_ns()); !accepted)
+    return refused(accepted.problems());
+  agent_.answer(command, REPLY_OK, "");
 }
 
 void Agent::put_back(const Command& command) {
   const std::string id = command.property().to_string();
   if (update_ && update_->id() == id) return update_->cancel(command);
-  if (update_id_ == id && update_end_ == UPDATE_KEPT)
+  const Transaction* const last = newest_transaction();
+  if (last != nullptr && last->id == id && last->state.stage == transaction::Stage::final)
     return reply_problems(command, REPLY_REFUSED, {fail("all devices have kept the update")}, wire::kKept);
   answer(command, REPLY_OK, "", {}, {}, wire::kAsBefore);  // there is nothing to undo
 }
 
 void Agent::Update::kept() {
   const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
-  over(UPDATE_KEPT, {});
   Deployment& after = *after_;
+  const std::string file = after.file;
   if (difference_.change == Change::removed) {
-    agent_.forget_kept();
+    agent_.set_gone(std::move(after_));
   } else {
     Deployment& d = *agent_.deployment_;
     if (!is_after_) {
@@ -465,38 +460,39 @@ void Agent::Update::kept() {
       d.swapped = after.swapped;
       d.set = after.set;
     }
-    d.file = after.file;
-    d.text = after.text;
+    d.take_over(after);
     d.cell = after.cell;
     d.device = after.device;
-    d.safe = after.safe;
-    d.update = id_;
     d.description.clear();
     if (d.describing) {
       d.describing.reset();
       agent_.described(fail("the device was updated in the meantime", "try again"));
     }
-    agent_.keep_for_restart();
   }
+  agent_.keep_for_restart();
   std::string all;
   for (const std::string& line : model::in_words(difference_)) all += ": " + line;
   if (!all.empty()) {
     agent_.log("is updated");
-    agent_.note(
-        {.kind = model::FaultKind::command, .cause = "update to " + after.file + " was carried out" + all});
+    agent_.note({.kind = model::FaultKind::command, .cause = "update to " + file + " was carried out" + all});
   }
-  if (keeper_) agent_.answer(*keeper_, REPLY_OK, "");
-  if (undoer_)
-    agent_.reply_problems(*undoer_, REPLY_REFUSED, {fail("all devices have kept the update")}, wire::kKept);
+}
+
+void Agent::Update::device_ended(const Problems& failures, bool stops_cell) {
+  const std::string why = "the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]}));
+  if (is_after_ && stage_ == Stage::changed && !stops_cell)
+    undo({fail(why)});
+  else
+    drop(why);
 }
 
 void Agent::Update::drop(const std::string& why) {
   const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
   const Problems problems{{"device " + agent_.options_.device, why, ""}};
-  // If this device had made its changes, the other devices may already have decided to keep the update. Then
-  // this device must not publish that the update is undone.
-  over(stage_ == Stage::changed ? UPDATE_CHANGED : UPDATE_UNDONE, problems);
-  for (const auto& waits : {asker_, keeper_, undoer_}) {
+  if (after_->transaction.state.stage != transaction::Stage::undone) note_undone(problems);
+  if (is_after_ && before_) agent_.deployment_->take_over(*before_);  // a restarted node begins the old one
+  agent_.set_gone(std::move(after_));
+  for (const auto& waits : {asker_, undoer_}) {
     if (waits) agent_.reply_problems(*waits, REPLY_FAILED, problems);
   }
 }

@@ -13,6 +13,7 @@
 #include <takt/model/safe.hpp>
 #include <takt/wire/words.hpp>
 #include "answers.hpp"
+#include "decision.hpp"
 #include "reports.hpp"
 
 namespace takt::client {
@@ -20,16 +21,6 @@ namespace takt::client {
 namespace {
 
 using json = nlohmann::ordered_json;
-
-/// T0, the instant at which the devices start, lies this far in the future when it is sent to them. The time
-/// grows with the time that the network and the devices took for the command before.
-constexpr Nanoseconds kShortestLead = std::chrono::milliseconds{500};
-constexpr Nanoseconds kLongestLead = std::chrono::milliseconds{1000};
-/// Each device must confirm T0 at least this time before T0. If a device does not confirm in time, deploy()
-/// uses the remaining time to undo the deployment on all devices.
-constexpr Nanoseconds kConfirmed = std::chrono::milliseconds{200};
-/// The longest time after T0 until every device runs, or has undone the deployment.
-constexpr Nanoseconds kStarted = std::chrono::seconds{6};
 
 class Deployment {
  public:
@@ -40,7 +31,7 @@ class Deployment {
   Problems prepare(const std::string& text);
   Problems connect();
   Problems run(std::int64_t t0_ns);
-  Problems wait_until_all_run(std::int64_t t0_ns);
+  [[nodiscard]] Problems wait_until_all_run(std::int64_t t0_ns) const;
   /// Ends the deployment on all devices, and adds the reasons that the devices give to `problems`.
   Problems undo(Problems problems);
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
@@ -203,8 +194,7 @@ Problems Deployment::run(std::int64_t t0_ns) {
   for (const model::Device& device : cell_.devices) {
     CommandRequest q = request(COMMAND_RUN, device.name);
     q.time_ns = t0_ns;
-    const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - kConfirmed;
-    q.limit = std::max(std::chrono::floor<std::chrono::milliseconds>(left), std::chrono::milliseconds{1});
+    q.limit = time_to_confirm(t0_ns);
     requests.push_back(std::move(q));
   }
   run_sent_ = true;
@@ -212,49 +202,25 @@ Problems Deployment::run(std::int64_t t0_ns) {
 }
 
 // Waits until each device is final. From then on no device undoes the deployment.
-Problems Deployment::wait_until_all_run(std::int64_t t0_ns) {
-  enum class Is { running, starting, lost, not_running };
-  const auto is = [&](const std::vector<wire::ObservedDevice>& devices, const model::Device& device) {
-    Is found = Is::lost;
-    for (const wire::ObservedDevice& seen : devices) {
-      if (!seen.alive || seen.name() != device.name) continue;
-      const DeviceStatus& status = seen.status;
-      const bool has_t0 = status.transaction() == id_ && status.t0_ns() == t0_ns;
-      if (!has_t0 || status.stage() == STAGE_UNDONE || status.undeployed() == id_) {
-        // Before T0, an older status may still be on its way.
-        if (found == Is::lost) found = wall_ns() > t0_ns ? Is::not_running : Is::starting;
-      } else {
-        found = status.stage() == STAGE_FINAL ? Is::running : Is::starting;
-      }
-    }
-    return found;
-  };
-  sender_.observer().wait(
-      [&](const std::vector<wire::ObservedDevice>& devices) {
-        bool all = true;
-        bool any_failed = false;
-        for (const model::Device& device : cell_.devices) {
-          const Is now = is(devices, device);
-          all &= now == Is::running;
-          any_failed |= now == Is::not_running;
-        }
-        return all || any_failed || cancelled();
-      },
-      Nanoseconds{t0_ns - wall_ns()} + kStarted);
+Problems Deployment::wait_until_all_run(std::int64_t t0_ns) const {
+  std::vector<std::string> names;
+  for (const model::Device& device : cell_.devices) names.push_back(device.name);
   Problems problems;
-  const auto devices = sender_.observer().devices();
-  for (const model::Device& device : cell_.devices) {
-    const std::string where = "device " + device.name;
-    switch (is(devices, device)) {
-      case Is::running:
+  const auto stands =
+      wait_until_decided(sender_.observer(), names, {.id = id_, .deployment = id_, .t0_ns = t0_ns},
+                         [this] { return cancelled(); });
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string where = "device " + names[i];
+    switch (stands[i]) {
+      case Stands::final:
         break;
-      case Is::starting:
+      case Stands::undecided:
         problems.push_back({where, "it has not heard that all other devices run", "check the network"});
         break;
-      case Is::lost:
+      case Stands::lost:
         problems.push_back({where, "it was lost before it ran", "check its machine and network"});
         break;
-      case Is::not_running:
+      case Stands::undone:
         problems.push_back({where, "it did not start", ""});
         break;
     }
@@ -311,7 +277,7 @@ Result<Deployed> deploy(Operator& sender, const model::Cell& cell, const std::st
   if (Problems problems = deployment.connect(); !problems.empty())
     return deployment.undo(std::move(problems));
   const Nanoseconds took = std::chrono::steady_clock::now() - sent;
-  const std::int64_t t0_ns = wall_ns() + std::clamp(10 * took, kShortestLead, kLongestLead).count();
+  const std::int64_t t0_ns = choose_t0(took);
   if (Problems problems = deployment.run(t0_ns); !problems.empty())
     return deployment.undo(std::move(problems));
   if (Problems problems = deployment.wait_until_all_run(t0_ns); !problems.empty())

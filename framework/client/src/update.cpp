@@ -17,6 +17,7 @@
 #include <takt/model/safe.hpp>
 #include <takt/wire/words.hpp>
 #include "answers.hpp"
+#include "decision.hpp"
 
 namespace takt::client {
 
@@ -24,8 +25,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-/// The longest time until all devices that have made their changes have heard this from each other.
-constexpr Nanoseconds kDecided = std::chrono::seconds{20};
+/// The longest time until all devices know that another one has gone back, or is final.
+constexpr Nanoseconds kAgreed = std::chrono::seconds{6};
 
 std::string list_of(const std::vector<std::string>& names) {
   std::string list;
@@ -46,13 +47,15 @@ class Update {
   Problems find();
   Problems compare(const std::string& text);
   Problems change();
-  Updated decide();
+  Problems run();
   // The outcome if no device has reported how the devices have decided.
   [[nodiscard]] std::string undecided() const {
     return "the devices decide together whether cell " + cell_.name +
            " is updated; takt status shows their decision";
   }
   Updated put_back(Problems problems);
+  [[nodiscard]] std::size_t in_stage(TransactionStage stage) const;
+  [[nodiscard]] std::size_t wait_for_agreement() const;
 
   [[nodiscard]] bool cancelled() const { return options_.cancelled && options_.cancelled(); }
   void show_progress(const std::string& text) const {
@@ -79,6 +82,8 @@ class Update {
   std::int64_t t0_ns_ = 0;
   bool require_real_time_ = false;
   std::string safe_;
+  Nanoseconds took_{0};    // how long the devices took to make their changes
+  bool run_sent_ = false;  // the devices may have received T0, so they decide together
   KeepAlive keep_alive_;
 };
 
@@ -172,9 +177,11 @@ Problems Update::change() {
     requests.push_back(request(COMMAND_CHANGE, device));
     requests.back().time_ns = t0_ns_;
     requests.back().value = require_real_time_ ? wire::kRequireRealTime : "";
-    requests.back().data = safe_;
+    requests.back().data = model::json_text({{"devices", devices_}, {"safe", model::parse_json(safe_)}});
   }
+  const auto begin = std::chrono::steady_clock::now();
   Answers answers = send(requests);
+  took_ = std::chrono::steady_clock::now() - begin;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (answers[i] && answers[i]->head.code() == REPLY_FAILED &&
         answers[i]->head.value() != std::string{wire::kAsBefore})
@@ -184,29 +191,42 @@ Problems Update::change() {
   return cancelled() ? Problems{fail("the update was cancelled")} : problems;
 }
 
-// Waits until the devices have decided whether they keep the update. As all of them have made their changes,
-// they keep it unless one of them fails now.
-Updated Update::decide() {
+// Sends T0, and waits until each device is final. From then on no device undoes the update.
+Problems Update::run() {
+  const std::int64_t t0_ns = choose_t0(took_);
   std::vector<CommandRequest> requests;
   for (const std::string& device : devices_) {
-    requests.push_back(request(COMMAND_KEEP, device));
-    requests.back().limit = kDecided;
+    requests.push_back(request(COMMAND_RUN, device));
+    requests.back().time_ns = t0_ns;
+    requests.back().limit = time_to_confirm(t0_ns);
   }
-  Answers answers = send(requests, false);
-  bool kept = false;
-  bool undone = false;
-  std::vector<std::string> silent;
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    kept |= answers[i] && answers[i]->head.code() == REPLY_OK;
-    undone |= answers[i] && answers[i]->head.code() == REPLY_FAILED;
-    if (!answers[i]) silent.push_back(devices_[i]);
+  run_sent_ = true;
+  Problems problems = problems_in(send(requests));
+  if (cancelled()) return {fail("the update was cancelled")};
+  if (!problems.empty()) return problems;
+  const auto stands =
+      wait_until_decided(sender_.observer(), devices_, {.id = id_, .deployment = deployment_, .t0_ns = t0_ns},
+                         [this] { return cancelled(); });
+  for (std::size_t i = 0; i < devices_.size(); ++i) {
+    const std::string where = "device " + devices_[i];
+    switch (stands[i]) {
+      case Stands::final:
+        break;
+      case Stands::undecided:
+        problems.push_back(
+            {where, "it has not heard that all other devices have made their changes", "check the network"});
+        break;
+      case Stands::lost:
+        problems.push_back(
+            {where, "it was lost before it confirmed the update", "check its machine and network"});
+        break;
+      case Stands::undone:
+        problems.push_back({where, "it has undone the update", ""});
+        break;
+    }
   }
-  const std::string later = silent.empty() ? "" : "; " + list_of(silent) + " did not confirm this yet";
-  Problems problems = problems_in(std::move(answers));
-  if (kept) return {std::move(problems), "cell " + cell_.name + " is updated" + later};
-  if (undone)
-    return {std::move(problems), "cell " + cell_.name + " is not updated; all changes are undone" + later};
-  return {std::move(problems), undecided()};
+  if (!problems.empty() && cancelled()) return {fail("the update was cancelled")};
+  return problems;
 }
 
 Updated Update::put_back(Problems problems) {
@@ -220,26 +240,49 @@ Updated Update::put_back(Problems problems) {
       requests.push_back(request(COMMAND_PUT_BACK, device));
   }
   Answers answers = send(requests, false);
-  bool kept = false;
   bool undone = false;
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    kept |= answers[i] && answers[i]->head.value() == std::string{wire::kKept};
+    const bool kept = answers[i] && answers[i]->head.value() == std::string{wire::kKept};
     const auto answer = accepted(std::move(answers[i]));
     undone |= answer.ok();
-    if (answer) continue;
+    if (answer || kept) continue;
     for (const Problem& problem : of_device(requests[i].device, answer.problems())) {
       if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
     }
     not_restored_.push_back(requests[i].device);
   }
-  if (kept)
+  const std::size_t final = run_sent_ ? wait_for_agreement() : 0;
+  if (final != 0) {
+    const std::string later = final == devices_.size() ? "" : "; not all devices have confirmed this yet";
     return {std::move(problems),
-            "cell " + cell_.name + " is updated, because all devices had made their changes"};
-  if (!undone) return {std::move(problems), undecided()};
+            "cell " + cell_.name + " is updated, because all devices had made their changes" + later};
+  }
+  const bool all_undone = run_sent_ ? in_stage(STAGE_UNDONE) == devices_.size() : undone;
+  if (!all_undone) return {std::move(problems), undecided()};
   if (!not_restored_.empty())
     return {std::move(problems), name + "its changes could not be undone on " + list_of(not_restored_) +
                                      "; takt status shows the present state"};
   return {std::move(problems), name + "all changes were undone"};
+}
+
+// Returns how many devices are known to be in this stage of the update.
+std::size_t Update::in_stage(TransactionStage stage) const {
+  std::set<std::string> found;
+  for (const wire::ObservedDevice& seen : sender_.observer().devices()) {
+    if (seen.alive && seen.status.transaction() == id_ && seen.status.stage() == stage)
+      found.insert(seen.name());
+  }
+  return found.size();
+}
+
+// Waits until all devices have gone back, or all are final. Returns how many devices are final.
+std::size_t Update::wait_for_agreement() const {
+  sender_.observer().wait(
+      [this](const auto&) {
+        return in_stage(STAGE_UNDONE) == devices_.size() || in_stage(STAGE_FINAL) == devices_.size();
+      },
+      kAgreed);
+  return in_stage(STAGE_FINAL);
 }
 
 Updated Update::carry_out(const std::string& text) {
@@ -252,11 +295,11 @@ Updated Update::carry_out(const std::string& text) {
     return {{}, "nothing differs"};
   }
   if (options_.differs) options_.differs(differences_);
-  if (Problems problems = change(); !problems.empty()) {
-    show_progress("undoing the changes");
-    return put_back(std::move(problems));
-  }
-  return decide();
+  Problems problems = change();
+  if (problems.empty()) problems = run();
+  if (problems.empty()) return {{}, "cell " + cell_.name + " is updated"};
+  show_progress("undoing the changes");
+  return put_back(std::move(problems));
 }
 
 }  // namespace

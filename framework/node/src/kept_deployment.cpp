@@ -13,18 +13,57 @@
 
 namespace takt::node {
 
+using agent::Kept;
 using agent::KeptDeployment;
 
 namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr const char* kDeploymentFormat = "takt deployment 3";
-/// The size limit of the file. In JSON, each byte of the descriptor becomes at most six bytes; the rest of
-/// the file is small.
-constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
+constexpr const char* kDeploymentFormat = "takt deployment 4";
+/// The size limit of the file, which contains at most two descriptors. In JSON, each byte becomes at most six
+/// bytes; the rest of the file is small.
+constexpr std::size_t kMostDeploymentBytes = 2 * 6 * descriptor::kMaxBytes + 131072;
 constexpr const char* kUndeployedFormat = "takt undeployed 1";
 constexpr std::size_t kMostUndeployedBytes = 65536;
+
+json to_json(const std::optional<KeptDeployment>& kept) {
+  if (!kept) return nullptr;
+  return {{"id", kept->id},
+          {"transaction", kept->transaction},
+          {"file", kept->file},
+          {"text", kept->text},
+          {"require_real_time", kept->require_real_time},
+          {"t0_ns", kept->t0_ns},
+          {"boot", kept->boot},
+          {"t0_monotonic_ns", kept->t0_monotonic_ns},
+          {"safe", kept->safe},
+          {"devices", kept->devices}};
+}
+
+/// Throws json::exception if a value is missing or wrong.
+std::optional<KeptDeployment> from_json(const json& value) {
+  if (value.is_null()) return std::nullopt;
+  const auto time = [&value](const char* name) {
+    const json& number = value.at(name);
+    const auto positive = model::whole_number(number);
+    if (!number.is_number_integer() || (positive && *positive > std::numeric_limits<std::int64_t>::max()))
+      throw json::other_error::create(501, name, &value);
+    return number.get<std::int64_t>();
+  };
+  KeptDeployment kept{.id = value.at("id"),
+                      .transaction = value.at("transaction"),
+                      .file = value.at("file"),
+                      .text = value.at("text"),
+                      .require_real_time = value.at("require_real_time"),
+                      .t0_ns = time("t0_ns"),
+                      .boot = value.at("boot"),
+                      .t0_monotonic_ns = time("t0_monotonic_ns"),  // negative if it was before the boot
+                      .safe = value.at("safe"),
+                      .devices = value.at("devices")};
+  if (kept.t0_ns < 0) throw json::other_error::create(501, "t0_ns", &value);
+  return kept;
+}
 
 }  // namespace
 
@@ -39,51 +78,26 @@ DeploymentFile::DeploymentFile(const std::string& folder, const std::string& dev
     : path_(folder + "/" + device + "." + std::to_string(domain) + ".deployment"),
       undeployed_path_(folder + "/" + device + "." + std::to_string(domain) + ".undeployed") {}
 
-Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
-  const std::string body = model::json_text({{"id", deployment.id},
-                                             {"file", deployment.file},
-                                             {"text", deployment.text},
-                                             {"require_real_time", deployment.require_real_time},
-                                             {"final", deployment.is_final},
-                                             {"t0_ns", deployment.t0_ns},
-                                             {"boot", deployment.boot},
-                                             {"t0_monotonic_ns", deployment.t0_monotonic_ns},
-                                             {"safe", deployment.safe},
-                                             {"update", deployment.update}});
-  return write_whole(path_, kDeploymentFormat, body);
+Result<void> DeploymentFile::keep(const Kept& kept) const {
+  if (kept.empty()) return os::remove_file(path_);
+  return write_whole(
+      path_, kDeploymentFormat,
+      model::json_text({{"current", to_json(kept.current)}, {"pending", to_json(kept.pending)}}));
 }
 
-Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
+Result<Kept> DeploymentFile::kept() const {
   const Problem damage{path_, "the saved deployment is damaged", "deploy the cell again"};
   const auto body = read_whole(path_, kDeploymentFormat, kMostDeploymentBytes, damage);
   if (!body) return body.problems();
-  if (!*body) return std::optional<KeptDeployment>{};
+  if (!*body) return Kept{};
   const json value = model::parse_json(**body);
-  const Problem wrong{damage.where, damage.what + ": a value is missing or wrong", damage.fix};
   try {
-    KeptDeployment kept{.id = value.at("id"),
-                        .file = value.at("file"),
-                        .text = value.at("text"),
-                        .require_real_time = value.at("require_real_time"),
-                        .is_final = value.at("final"),
-                        .boot = value.at("boot"),
-                        .safe = value.at("safe"),
-                        .update = value.at("update")};
-    const auto t0_ns = model::whole_number(value.at("t0_ns"));
-    if (!t0_ns || *t0_ns > std::numeric_limits<std::int64_t>::max()) return wrong;
-    kept.t0_ns = static_cast<std::int64_t>(*t0_ns);
-    const json& monotonic = value.at("t0_monotonic_ns");  // negative if T0 was before the boot
-    const auto positive = model::whole_number(monotonic);
-    if (!monotonic.is_number_integer() || (positive && *positive > std::numeric_limits<std::int64_t>::max()))
-      return wrong;
-    kept.t0_monotonic_ns = monotonic;
-    return std::optional{std::move(kept)};
-  } catch (const json::exception&) {
-    return wrong;
+    Kept kept{.current = from_json(value.at("current")), .pending = from_json(value.at("pending"))};
+    if (!kept.current || kept.current->t0_ns != 0) return kept;
+  } catch (const json::exception&) {  // reported below
   }
+  return Problem{damage.where, damage.what + ": a value is missing or wrong", damage.fix};
 }
-
-Result<void> DeploymentFile::forget() const { return os::remove_file(path_); }
 
 Result<void> DeploymentFile::keep_undeployed(const std::vector<std::string>& ids) const {
   return write_whole(undeployed_path_, kUndeployedFormat, model::json_text(ids));

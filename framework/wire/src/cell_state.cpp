@@ -118,8 +118,8 @@ std::vector<CellState::LastStatus> CellState::of_deployment(const std::string& i
                                                             const std::string& but) const {
   std::vector<LastStatus> found;
   for (const auto& [node_id, node] : nodes_) {
-    if (node.status.transaction() == id && node.status.device() != but)
-      found.push_back({node.status, node.alive});
+    const bool has_it = node.status.deployment() == id || node.status.transaction() == id;
+    if (has_it && node.status.device() != but) found.push_back({node.status, node.alive});
   }
   return found;
 }

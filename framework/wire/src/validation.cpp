@@ -83,11 +83,11 @@ bool validate(DeviceStatus& status) noexcept {
   clean(status.host_name());
   return are_given(status.path(), status.cell(), status.device(), status.node()) &&
          are_names(status.path(), status.cell(), status.device(), status.node(), status.deployment(),
-                   status.undeployed(), status.update(), status.transaction()) &&
+                   status.undeployed(), status.transaction()) &&
          std::all_of(status.echoes().begin(), status.echoes().end(),
                      [](const StatusEcho& echo) { return are_names(echo.node()); }) &&
-         exists(status.update_state(), UPDATE_UNDONE) && exists(status.stage(), STAGE_FINAL) &&
-         exists(status.state(), DEVICE_ENDED) && exists(status.health(), HEALTH_FAILED);
+         exists(status.stage(), STAGE_FINAL) && exists(status.state(), DEVICE_ENDED) &&
+         exists(status.health(), HEALTH_FAILED);
 }
 
 bool validate(ModuleStatistics& statistics) noexcept { return is_named(statistics); }

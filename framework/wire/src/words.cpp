@@ -106,18 +106,18 @@ const char* to_text(DeviceHealth health) noexcept {
   return "?";
 }
 
-const char* to_text(UpdateState state) noexcept {
-  switch (state) {
-    case UPDATE_NONE:
-      return "none";
-    case UPDATE_OPEN:
-      return "open";
-    case UPDATE_CHANGED:
-      return "changed";
-    case UPDATE_KEPT:
-      return "kept";
-    case UPDATE_UNDONE:
+const char* to_text(TransactionStage stage) noexcept {
+  switch (stage) {
+    case STAGE_PREPARED:
+      return "prepared";
+    case STAGE_ARMED:
+      return "armed";
+    case STAGE_RUNNING:
+      return "running";
+    case STAGE_UNDONE:
       return "undone";
+    case STAGE_FINAL:
+      return "final";
   }
   return "?";
 }
@@ -166,8 +166,6 @@ const char* to_text(CommandKind kind) noexcept {
       return "update";
     case COMMAND_CHANGE:
       return "change";
-    case COMMAND_KEEP:
-      return "keep";
     case COMMAND_PUT_BACK:
       return "put back";
   }

@@ -33,7 +33,7 @@ class Transactions(networks.NetworkCase):
         found = {}
         for device in run.report["devices"]:
             names = {m["name"] for m in device["modules"] if m["state"] != "DESTRUCT"}
-            if not device["alive"] or device["update_state"] in ("open", "changed"):
+            if not device["alive"] or device["stage"] in ("prepared", "armed", "running"):
                 return None
             if device["state"] == "waiting" and not names:
                 found[device["name"]] = "none"

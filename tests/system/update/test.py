@@ -232,7 +232,7 @@ class Update(takt_system.Case):
         if run.status != 0 or "differences" in run.report:
             return False
         devices = [d for d in run.report["devices"] if d["name"] in ("robot", "line")]
-        return len(devices) == 2 and all(d["state"] == "running" and d["update_state"] not in ("open", "changed") for d in devices)
+        return len(devices) == 2 and all(d["state"] == "running" and d["stage"] not in ("prepared", "armed", "running") for d in devices)
 
     def test_all_devices_agree_on_the_old_or_new_version_while_takt_deploy_is_halted_by_sigstop(self):
         nodes = self.running()

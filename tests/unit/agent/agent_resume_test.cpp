@@ -29,21 +29,22 @@ class ResumingAgent : public testing::Test {
 TEST_F(ResumingAgent, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
   device.become_ready();
-  EXPECT_FALSE(file_->kept()->has_value()) << "the device cannot begin yet";
+  EXPECT_TRUE(file_->kept()->empty()) << "the device cannot begin yet";
   device.connect();
-  EXPECT_FALSE((*file_->kept())->is_final);
+  EXPECT_TRUE(file_->kept()->pending);
+  EXPECT_FALSE(file_->kept()->current);
   device.run();
-  EXPECT_FALSE((*file_->kept())->is_final) << "the other device may not be armed";
+  EXPECT_FALSE(file_->kept()->current) << "the other device may not be armed";
   device.start_with_line();
   const auto kept = file_->kept();
-  ASSERT_TRUE(kept.ok() && *kept);
-  EXPECT_EQ((*kept)->id, "d1");
-  EXPECT_EQ((*kept)->text, FakeDevice::kCell);
-  EXPECT_TRUE((*kept)->is_final);
-  EXPECT_EQ((*kept)->t0_ns, device.t0_wall);
+  ASSERT_TRUE(kept.ok() && kept->current);
+  EXPECT_EQ(kept->current->id, "d1");
+  EXPECT_EQ(kept->current->text, FakeDevice::kCell);
+  EXPECT_EQ(kept->current->t0_ns, device.t0_wall);
+  EXPECT_FALSE(kept->pending);
   device.undeploy();
   device.end();
-  EXPECT_FALSE(file_->kept()->has_value());
+  EXPECT_TRUE(file_->kept()->empty());
 }
 
 TEST_F(ResumingAgent, PassesOnAnUndeploymentFromBeforeItsRestart) {
@@ -64,7 +65,7 @@ TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {
   {
     FakeDevice device{file_};
     device.become_running();
-    t0 = (*file_->kept())->t0_ns;
+    t0 = file_->kept()->current->t0_ns;
     device.agent.end(false);
     device.end();
   }
@@ -78,7 +79,7 @@ TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {
   device.agent.step();
   EXPECT_EQ(device.work.t0, device.now + Nanoseconds{t0 - device.wall()});
   EXPECT_LT(*device.work.t0, device.now);
-  EXPECT_EQ((*file_->kept())->t0_ns, t0);
+  EXPECT_EQ(file_->kept()->current->t0_ns, t0);
   EXPECT_TRUE(device.published.replies.empty()) << "no command was sent";
 }
 
@@ -100,8 +101,8 @@ TEST_F(ResumingAgent, KeepsTheGridIfTheWallClockChangesWithinTheSameBoot) {
     device.agent.step();
     EXPECT_EQ(device.work.t0, t0) << hours;
   }
-  KeptDeployment kept = **file_->kept();
-  kept.boot = "another";
+  Kept kept = *file_->kept();
+  kept.current->boot = "another";
   ASSERT_TRUE(file_->keep(kept).ok());
   FakeDevice device{file_};
   device.set = std::chrono::hours{-1};
@@ -123,13 +124,13 @@ TEST_F(ResumingAgent, RetriesAFailedSaveAndReportsItOnlyOnce) {
   EXPECT_EQ(reports(), 1);
   std::filesystem::remove(folder_);
   for (int i = 0; i < 10; ++i) device.pass(seconds{1});
-  ASSERT_TRUE(file_->kept().ok() && *file_->kept());
-  EXPECT_EQ((*file_->kept())->id, "d1");
+  ASSERT_TRUE(file_->kept().ok() && file_->kept()->current);
+  EXPECT_EQ(file_->kept()->current->id, "d1");
   EXPECT_EQ(reports(), 1);
   device.undeploy();
   device.end();
   for (int i = 0; i < 10; ++i) device.pass(seconds{1});
-  EXPECT_FALSE(file_->kept()->has_value());
+  EXPECT_TRUE(file_->kept()->empty());
 }
 
 TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
@@ -145,7 +146,7 @@ TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   EXPECT_EQ(device.status().deployment(), "d1");
   EXPECT_EQ(device.status().health(), HEALTH_FAILED);
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("no file servo.so"));
-  EXPECT_TRUE(file_->kept()->has_value());
+  EXPECT_FALSE(file_->kept()->empty());
   device.prepare("d2");
   EXPECT_EQ(device.text(), "device robot still holds cell cell, which has ended; undeploy it first");
   device.receive(device.command(COMMAND_START));
@@ -156,7 +157,7 @@ TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_OK);
-  EXPECT_FALSE(file_->kept()->has_value());
+  EXPECT_TRUE(file_->kept()->empty());
 }
 
 TEST_F(ResumingAgent, IsNotSaidToHaveFailedIfItsCellIsUndeployedMeanwhile) {
@@ -176,8 +177,8 @@ TEST_F(ResumingAgent, IsNotSaidToHaveFailedIfItsCellIsUndeployedMeanwhile) {
     } else {
       const auto kept = *file_->kept();
       device.undeploy();
-      EXPECT_FALSE(file_->kept()->has_value()) << "otherwise the next start of the node would restore it";
-      ASSERT_TRUE(file_->keep(*kept).ok());
+      EXPECT_TRUE(file_->kept()->empty()) << "otherwise the next start of the node would restore it";
+      ASSERT_TRUE(file_->keep(kept).ok());
     }
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
     EXPECT_EQ(device.status().health(), HEALTH_OK);
@@ -205,11 +206,11 @@ TEST_F(ResumingAgent, HasUndoneADeploymentIfItsNodeIsRestartedBeforeAllDevicesRu
   line.stage(STAGE_PREPARED);
   device.agent.others().receive(line, FakeDevice::kLine);
   device.agent.step();
-  EXPECT_TRUE(file_->kept()->has_value()) << "line may become final";
+  EXPECT_FALSE(file_->kept()->empty()) << "line may become final";
   line.stage(STAGE_UNDONE);
   device.agent.others().receive(line, FakeDevice::kLine);
   device.agent.step();
-  EXPECT_FALSE(file_->kept()->has_value()) << "no device can be final any more";
+  EXPECT_TRUE(file_->kept()->empty()) << "no device can be final any more";
 }
 
 TEST_F(ResumingAgent, BeginsAnUndoneDeploymentIfAnotherDeviceIsFinal) {
@@ -225,8 +226,8 @@ TEST_F(ResumingAgent, BeginsAnUndoneDeploymentIfAnotherDeviceIsFinal) {
   device.t0_wall = t0;
   device.hear_line(DEVICE_RUNNING);
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
-  EXPECT_TRUE((*file_->kept())->is_final);
-  EXPECT_EQ((*file_->kept())->t0_ns, t0) << "this device has received T0 from line only";
+  EXPECT_TRUE(file_->kept()->current);
+  EXPECT_EQ(file_->kept()->current->t0_ns, t0) << "this device has received T0 from line only";
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.work.phase = Phase::ready;
@@ -239,19 +240,19 @@ TEST_F(ResumingAgent, RejectsASavedDeploymentThatStartsFarInTheFuture) {
     FakeDevice device{file_};
     device.become_running();
   }
-  KeptDeployment kept = **file_->kept();
+  const Kept kept = *file_->kept();
   for (const std::int64_t ahead :
-       {std::int64_t{3600'000'000'000}, std::numeric_limits<std::int64_t>::max() - kept.t0_ns}) {
-    KeptDeployment later = kept;
-    later.t0_ns += ahead;
-    later.boot = "another";
+       {std::int64_t{3600'000'000'000}, std::numeric_limits<std::int64_t>::max() - kept.current->t0_ns}) {
+    Kept later = kept;
+    later.current->t0_ns += ahead;
+    later.current->boot = "another";
     ASSERT_TRUE(file_->keep(later).ok());
     FakeDevice device{file_};
     device.resume();
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
     EXPECT_EQ(device.status().health(), HEALTH_FAILED);
     EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
-    EXPECT_TRUE(file_->kept()->has_value());
+    EXPECT_FALSE(file_->kept()->empty());
   }
 }
 

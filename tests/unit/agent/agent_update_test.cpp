@@ -51,6 +51,7 @@ class AgentUpdate : public testing::Test {
     wire::WholeCommand command = device.command(kind);
     command.head.deployment(device.id);
     command.head.property(id);
+    if (kind == COMMAND_CHANGE) command.data = R"({"devices": ["robot", "line"], "safe": []})";
     return command;
   }
   /// Sends a command and returns the reply. Returns null if the agent has not replied yet.
@@ -83,24 +84,47 @@ class AgentUpdate : public testing::Test {
     one({.code = code, .state = lifecycle::State::executing, .text = text, .value = value});
     device.agent.step();
   }
-  /// Receives a status from other devices of the cell, which reports this state of the update.
-  void others_say(UpdateState state, const std::string& id = "u1",
+  /// Receives a status from other devices of the cell, which reports this stage of the update.
+  void others_say(TransactionStage stage, const std::string& id = "u1",
                   const std::vector<std::string>& names = {"line"}) {
     wire::WriterId writer = FakeDevice::kLine;
     for (const std::string& name : names) {
       DeviceStatus status = device.of_line(DEVICE_RUNNING);
       wire::set(status.device(), name);
       wire::set(status.node(), "node of " + name);
-      wire::set(status.update(), id);
-      status.update_state(state);
+      wire::set(status.transaction(), id);
+      status.stage(stage);
       device.agent.others().receive(status, writer++);
     }
     device.agent.step();
   }
-  /// The other device has made its changes too, so both keep the update.
-  const Reply* keep(const std::string& id = "u1") {
-    others_say(UPDATE_CHANGED, id);
-    return send(step(COMMAND_KEEP, id));
+  /// Sends T0 of the update, which is half a second ahead.
+  const Reply* send_t0(const std::string& id = "u1") {
+    wire::WholeCommand run = step(COMMAND_RUN, id);
+    device.t0_wall = device.wall() + 500'000'000;
+    run.head.time_ns(device.t0_wall);
+    return send(run);
+  }
+  /// The update succeeds: all devices get T0, and then hear from each other that they have it.
+  void keep(const std::string& id = "u1", const std::vector<std::string>& names = {"line"}) {
+    EXPECT_EQ(send_t0(id)->code(), REPLY_OK);
+    others_say(STAGE_ARMED, id, names);
+    device.pass(milliseconds{500} - transaction::kBegins);
+    EXPECT_EQ(device.status().stage(), STAGE_RUNNING);
+    device.pass(transaction::kBegins);
+    others_say(STAGE_RUNNING, id, names);
+    EXPECT_EQ(device.status().stage(), STAGE_FINAL);
+    others_say(STAGE_FINAL, id, names);
+  }
+  /// The other device is lost after both have T0, so this device undoes the update.
+  void lose_line_after_t0() {
+    send_t0();
+    others_say(STAGE_ARMED);
+    device.pass(milliseconds{500});
+    EXPECT_EQ(device.status().stage(), STAGE_RUNNING);
+    device.agent.others().lost(FakeDevice::kLine);
+    device.pass(transaction::kHeardWithin + milliseconds{1});
+    EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
   }
   void end_device() { device.end(); }
   void become_ready() {
@@ -121,8 +145,8 @@ TEST_F(AgentUpdate, OnlySavesTheDescriptorIfNoModuleChanges) {
   EXPECT_EQ(device.data()["modules"].size(), 2U)
       << "the reply lists each module with its ports, so that connections from other devices can be checked";
   EXPECT_EQ(send(step(COMMAND_CHANGE))->code(), REPLY_OK);
-  EXPECT_EQ(keep()->code(), REPLY_OK);
-  EXPECT_THAT((*file_->kept())->text, HasSubstr("the same"));
+  keep();
+  EXPECT_THAT(file_->kept()->current->text, HasSubstr("the same"));
   EXPECT_FALSE(device.work.stop_called);
   EXPECT_EQ(device.work.inspections.size(), 2U) << "the files may have been rebuilt";
 }
@@ -138,10 +162,13 @@ TEST_F(AgentUpdate, InspectsAChangedComponentBeforeTheSwap) {
   EXPECT_THAT(device.work.swaps, ElementsAre(std::pair{1U, std::string{"/arm2.so"}}));
   done();
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
-  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell) << "the update can still be undone";
-  EXPECT_EQ(keep()->code(), REPLY_OK);
-  EXPECT_EQ((*file_->kept())->text, kFile);
-  EXPECT_EQ((*file_->kept())->file, "new.xml");
+  EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell) << "the update can still be undone";
+  EXPECT_EQ(file_->kept()->pending->text, kFile) << "another device may become final";
+  keep();
+  EXPECT_EQ(file_->kept()->current->text, kFile);
+  EXPECT_EQ(file_->kept()->current->file, "new.xml");
+  EXPECT_EQ(file_->kept()->current->transaction, "u1");
+  EXPECT_FALSE(file_->kept()->pending);
   EXPECT_FALSE(device.work.stop_called);
   EXPECT_THAT(device.published.faults.back().cause().to_string(),
               HasSubstr("update to new.xml was carried out"));
@@ -158,14 +185,17 @@ TEST_F(AgentUpdate, RestoresThePropertyValueThatAnOperatorHadSet) {
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
   const auto back = step(COMMAND_PUT_BACK);
   EXPECT_EQ(send(back), nullptr);
-  EXPECT_EQ(device.work.properties.back(), "1 gain = 2") << "line may have kept the update already";
-  others_say(UPDATE_UNDONE);
   EXPECT_EQ(device.work.properties.back(), "1 gain = 1.5");
   done();
   EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
   EXPECT_EQ(answer_to(back)->value(), wire::kAsBefore);
-  EXPECT_EQ((*file_->kept())->text, kGain1);
-  EXPECT_TRUE(accepts(kGain2, "u2")) << "the device accepts the next update";
+  EXPECT_EQ(file_->kept()->current->text, kGain1);
+  EXPECT_FALSE(accepts(kGain2, "u2"));
+  EXPECT_THAT(device.text(),
+              HasSubstr("device line has not decided about the last deployment or update yet"));
+  others_say(STAGE_UNDONE);
+  EXPECT_FALSE(file_->kept()->pending) << "no device can be final any more";
+  EXPECT_TRUE(accepts(kGain2, "u2"));
 }
 
 TEST_F(AgentUpdate, UndoesEarlierChangesWhenAStepFails) {
@@ -192,7 +222,6 @@ TEST_F(AgentUpdate, ReportsAChangeThatCannotBeUndone) {
   done();
   const auto back = step(COMMAND_PUT_BACK);
   send(back);
-  others_say(UPDATE_UNDONE);
   done(REPLY_FAILED, "", "restore() refused");
   EXPECT_EQ(answer_to(back)->code(), REPLY_FAILED);
   EXPECT_EQ(answer_to(back)->value(), "");
@@ -262,7 +291,6 @@ TEST_F(AgentUpdate, ReportsThatAFileReplacedUnderTheSameNameCannotBePutBack) {
   done();
   const auto back = step(COMMAND_PUT_BACK);
   send(back);
-  others_say(UPDATE_UNDONE);
   EXPECT_EQ(device.work.swaps.size(), 1U);
   EXPECT_THAT(answer_to(back)->text().to_string(),
               HasSubstr("module robot.arm: its change could not be undone"));
@@ -303,9 +331,9 @@ TEST_F(AgentUpdate, KeepsTheGridWhenItRestartsTheDevice) {
   become_ready();
   EXPECT_EQ(device.work.t0, t0);
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
-  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell);
+  EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
   keep();
-  EXPECT_EQ((*file_->kept())->text, kPeriod);
+  EXPECT_EQ(file_->kept()->current->text, kPeriod);
   for (const FaultEvent& event : device.published.faults)
     EXPECT_NE(event.kind(), FAULT_UNDEPLOYED) << event.cause();
 }
@@ -328,7 +356,33 @@ TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneCannotStart) {
   EXPECT_THAT(answer_to(change)->text().to_string(), HasSubstr("servo cannot be initialised"));
   EXPECT_EQ(answer_to(change)->value(), wire::kAsBefore);
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
-  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell);
+  EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
+}
+
+TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneEndsBeforeTheUpdateIsFinal) {
+  for (const bool stops_cell : {false, true}) {
+    const std::string id = stops_cell ? "u2" : "u1";
+    if (!stops_cell) start_running();
+    ASSERT_TRUE(accepts(kPeriod, id)) << device.text();
+    send(step(COMMAND_CHANGE, id));
+    end_device();
+    become_ready();
+    device.work.failures = {fail("the host has ended")};
+    device.work.stops_cell = stops_cell;
+    end_device();
+    EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+    EXPECT_EQ(device.status().state(), stops_cell ? DEVICE_ENDED : DEVICE_PREPARING);
+    if (stops_cell) break;
+    device.work.failures.clear();
+    device.work.stops_cell = false;
+    EXPECT_EQ(device.work.cell.devices[0].modules[1].period, milliseconds{1});
+    become_ready();
+    EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+    others_say(STAGE_UNDONE);
+  }
+  others_say(STAGE_UNDONE, "u2");
+  EXPECT_FALSE(file_->kept()->pending);
+  EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
 }
 
 TEST_F(AgentUpdate, FailsIfNeitherTheNewNorTheOldDeploymentCanStart) {
@@ -344,7 +398,7 @@ TEST_F(AgentUpdate, FailsIfNeitherTheNewNorTheOldDeploymentCanStart) {
   EXPECT_EQ(answer_to(change)->value(), "");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_FAILED);
-  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell) << "--resume can try again";
+  EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell) << "--resume can try again";
 }
 
 TEST_F(AgentUpdate, RestoresARestartedDeviceWhenAnotherDeviceFails) {
@@ -355,7 +409,6 @@ TEST_F(AgentUpdate, RestoresARestartedDeviceWhenAnotherDeviceFails) {
   become_ready();
   const auto back = step(COMMAND_PUT_BACK);
   EXPECT_EQ(send(back), nullptr);
-  others_say(UPDATE_UNDONE);
   end_device();
   EXPECT_EQ(device.work.cell.devices[0].modules[1].period, milliseconds{1});
   become_ready();
@@ -414,10 +467,11 @@ TEST_F(AgentUpdate, StartsAnAddedDeviceOnTheGridOfTheOtherDevices) {
   become_ready();
   EXPECT_EQ(device.work.t0, device.now - seconds{10});
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
+  EXPECT_FALSE(file_->kept()->current);
+  EXPECT_EQ(file_->kept()->pending->id, "d1");
   keep();
-  EXPECT_FALSE(file_->kept()->has_value()) << "it does not know the devices that the update removes";
-  others_say(UPDATE_KEPT);
-  EXPECT_EQ((*file_->kept())->id, "d1");
+  EXPECT_EQ(file_->kept()->current->id, "d1");
+  EXPECT_EQ(file_->kept()->current->t0_ns, change.head.time_ns());
 }
 
 TEST_F(AgentUpdate, StopsAnAddedDeviceWhenTheUpdateIsUndone) {
@@ -429,7 +483,6 @@ TEST_F(AgentUpdate, StopsAnAddedDeviceWhenTheUpdateIsUndone) {
   become_ready();
   const auto back = step(COMMAND_PUT_BACK);
   send(back);
-  others_say(UPDATE_UNDONE);
   end_device();
   EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
@@ -442,20 +495,22 @@ TEST_F(AgentUpdate, CanRestoreADeviceThatItRemoved) {
     const std::string id = kept ? "u2" : "u1";
     ASSERT_TRUE(accepts(with("name=\"robot\"", "name=\"other\""), id));
     EXPECT_EQ(device.data()["change"], "removed");
-    const auto change = step(COMMAND_CHANGE, id);
+    auto change = step(COMMAND_CHANGE, id);
+    change.data = R"({"devices": ["robot", "line", "other"], "safe": []})";
     send(change);
     end_device();
     EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-    EXPECT_TRUE(file_->kept()->has_value());
+    EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
+    EXPECT_EQ(file_->kept()->pending->text, "");
     if (kept) {
-      others_say(UPDATE_CHANGED, id, {"line", "other"});
-      EXPECT_FALSE(file_->kept()->has_value());
+      keep(id, {"line", "other"});
+      EXPECT_EQ(device.status().transaction(), id) << "the other devices must hear that it is final";
+      EXPECT_TRUE(file_->kept()->empty());
       break;
     }
     const auto back = step(COMMAND_PUT_BACK, id);
     send(back);
-    others_say(UPDATE_UNDONE, id);
     become_ready();
     EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
     EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
@@ -498,54 +553,200 @@ TEST_F(AgentUpdate, RejectsASecondUpdateAtTheSameTime) {
   EXPECT_FALSE(accepts(kFile, "u2"));
   EXPECT_THAT(device.text(), HasSubstr("another operator is updating it"));
   EXPECT_EQ(send(step(COMMAND_CHANGE, "u2"))->code(), REPLY_REFUSED);
-  EXPECT_EQ(send(step(COMMAND_KEEP, "u2"))->code(), REPLY_REFUSED);
+  EXPECT_EQ(send_t0("u2")->code(), REPLY_REFUSED);
   EXPECT_EQ(send(step(COMMAND_PUT_BACK, "u2"))->code(), REPLY_OK) << "there is nothing to undo";
   wire::WholeCommand swap = device.command(COMMAND_SWAP);
   swap.head.module_name("arm");
   EXPECT_EQ(send(swap)->code(), REPLY_REFUSED);
-  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_REFUSED) << "the update is not carried out yet";
+  EXPECT_EQ(send_t0()->code(), REPLY_REFUSED) << "the update is not carried out yet";
   EXPECT_EQ(send(step(COMMAND_PUT_BACK))->code(), REPLY_OK);
   EXPECT_TRUE(accepts(kFile, "u3"));
 }
 
-TEST_F(AgentUpdate, IsGivenUpWhenTheClientStopsSendingKeepAlives) {
-  start_running();
-  ASSERT_TRUE(accepts(kFile));
-  for (int i = 0; i < 5; ++i) {
-    device.pass(seconds{8});
-    send(step(COMMAND_REPORT));
+TEST_F(AgentUpdate, IsUndoneWhenTheClientStopsSendingKeepAlives) {
+  for (const bool changed : {false, true}) {
+    const std::string id = changed ? "u2" : "u1";
+    if (!changed) start_running();
+    ASSERT_TRUE(accepts(kFile, id));
+    if (changed) {
+      send(step(COMMAND_CHANGE, id));
+      done();
+    }
+    for (int i = 0; i < 5; ++i) {
+      device.pass(seconds{18});
+      send(step(COMMAND_REPORT));
+    }
+    EXPECT_EQ(device.status().stage(), STAGE_PREPARED) << "the report commands show that the client is alive";
+    device.pass(transaction::kOperatorSilent + milliseconds{1});
+    EXPECT_EQ(device.status().transaction(), id);
+    EXPECT_EQ(device.status().stage(), STAGE_UNDONE) << "so that the other devices undo it too";
+    EXPECT_EQ(send(step(COMMAND_CHANGE, id))->code(), REPLY_REFUSED);
+    EXPECT_EQ(send_t0(id)->code(), REPLY_REFUSED);
+    EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
   }
-  EXPECT_EQ(device.status().update_state(), UPDATE_OPEN)
-      << "the report commands show that the client is alive";
-  device.pass(milliseconds{10001});
-  EXPECT_EQ(device.status().update_state(), UPDATE_UNDONE) << "so that the other devices undo it too";
-  EXPECT_EQ(send(step(COMMAND_CHANGE))->code(), REPLY_REFUSED);
-  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_FAILED);
-  EXPECT_EQ((*file_->kept())->text, FakeDevice::kCell);
 }
 
-TEST_F(AgentUpdate, IsKeptWithoutTheClientIfAllDevicesHaveMadeTheirChanges) {
+TEST_F(AgentUpdate, IsKeptWithoutTheClientOnceAnotherDeviceHasT0) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
-  EXPECT_EQ(device.status().update(), "u1");
-  EXPECT_EQ(device.status().update_state(), UPDATE_OPEN);
+  EXPECT_EQ(device.status().transaction(), "u1");
   send(step(COMMAND_CHANGE));
-  others_say(UPDATE_OPEN);
+  device.t0_wall = device.wall() + 500'000'000;
+  others_say(STAGE_ARMED);
+  EXPECT_EQ(device.status().stage(), STAGE_PREPARED) << "it has not made its changes";
   done();
-  EXPECT_EQ(device.status().update_state(), UPDATE_CHANGED);
-  device.pass(seconds{3600});
-  EXPECT_EQ(device.status().update_state(), UPDATE_CHANGED) << "it cannot decide alone";
-  others_say(UPDATE_CHANGED);
-  EXPECT_EQ(device.status().update_state(), UPDATE_KEPT);
-  EXPECT_EQ((*file_->kept())->text, kFile);
-  EXPECT_EQ((*file_->kept())->update, "u1");
-  EXPECT_EQ(send(step(COMMAND_KEEP))->code(), REPLY_OK);
+  device.agent.step();
+  EXPECT_EQ(device.status().stage(), STAGE_ARMED);
+  device.pass(milliseconds{500});
+  others_say(STAGE_RUNNING);
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
+  EXPECT_EQ(file_->kept()->current->text, kFile);
   const auto back = step(COMMAND_PUT_BACK);
   EXPECT_EQ(send(back)->code(), REPLY_REFUSED);
   EXPECT_EQ(answer_to(back)->value(), wire::kKept);
 }
 
-TEST_F(AgentUpdate, StillReportsTheUpdateAsKeptAfterTheNodeRestarts) {
+TEST_F(AgentUpdate, IsUndoneIfAnotherDeviceDoesNotConfirmT0) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  send(step(COMMAND_CHANGE));
+  done();
+  EXPECT_EQ(send_t0()->code(), REPLY_OK);
+  others_say(STAGE_PREPARED);
+  device.pass(milliseconds{500});
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+  EXPECT_THAT(device.work.swaps.back(), testing::Pair(1U, "/arm.so"));
+  done();
+  EXPECT_THAT(device.logged.back(), HasSubstr("is not updated: T0 came before it was heard from line"));
+}
+
+TEST_F(AgentUpdate, IsUndoneIfAnotherDeviceUndoesIt) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  others_say(STAGE_UNDONE);
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+  EXPECT_THAT(device.work.swaps, IsEmpty());
+}
+
+TEST_F(AgentUpdate, IsMadeAgainIfAnotherDeviceIsFinal) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  send(step(COMMAND_CHANGE));
+  done();
+  lose_line_after_t0();
+  done();
+  EXPECT_EQ(file_->kept()->pending->text, kFile);
+  others_say(STAGE_FINAL);
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
+  EXPECT_TRUE(device.work.stop_called);
+  end_device();
+  EXPECT_EQ(device.work.inspections.back().text, kFile);
+  EXPECT_EQ(file_->kept()->current->text, kFile);
+  EXPECT_FALSE(file_->kept()->pending);
+  device.agent.step();
+  const auto t0 = device.work.t0;
+  device.work.t0.reset();
+  become_ready();
+  EXPECT_EQ(device.work.t0, t0) << "it keeps the grid";
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+}
+
+TEST_F(AgentUpdate, IsMadeAgainAfterARestartOfTheNode) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  send(step(COMMAND_CHANGE));
+  done();
+  send_t0();
+  FakeDevice again{file_};
+  again.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
+  again.resume();
+  EXPECT_EQ(again.work.inspections.back().text, FakeDevice::kCell);
+  again.agent.step();
+  again.work.phase = Phase::ready;
+  again.agent.step();
+  EXPECT_EQ(again.status().state(), DEVICE_RUNNING);
+  EXPECT_EQ(again.status().transaction(), "u1");
+  EXPECT_EQ(again.status().stage(), STAGE_UNDONE);
+  DeviceStatus line = again.of_line(DEVICE_RUNNING);
+  wire::set(line.transaction(), "u1");
+  again.agent.receive(line, FakeDevice::kLine, again.now);
+  again.agent.step();
+  EXPECT_TRUE(again.work.stop_called);
+  again.end();
+  EXPECT_EQ(again.work.inspections.back().text, kFile);
+  EXPECT_EQ(file_->kept()->current->text, kFile);
+}
+
+TEST_F(AgentUpdate, DoesNotStartADeviceAgainThatHasFailed) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  send(step(COMMAND_CHANGE));
+  done();
+  lose_line_after_t0();
+  done();
+  device.work.failures = {fail("arm crashed")};
+  end_device();
+  EXPECT_EQ(device.status().state(), DEVICE_ENDED);
+  others_say(STAGE_FINAL);
+  EXPECT_EQ(device.status().state(), DEVICE_ENDED);
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
+  EXPECT_EQ(file_->kept()->current->text, kFile) << "the next start of the node restores it";
+}
+
+TEST_F(AgentUpdate, RemovesADeviceThatHadUndoneItsRemovalIfAnotherDeviceIsFinal) {
+  start_running();
+  ASSERT_TRUE(accepts(with("name=\"robot\"", "name=\"other\"")));
+  send(step(COMMAND_CHANGE));
+  end_device();
+  lose_line_after_t0();
+  become_ready();
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+  others_say(STAGE_FINAL);
+  end_device();
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_TRUE(file_->kept()->empty());
+}
+
+TEST_F(AgentUpdate, AnUndeploymentWinsOverAnUndoneUpdate) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  send(step(COMMAND_CHANGE));
+  done();
+  lose_line_after_t0();
+  done();
+  device.undeploy();
+  end_device();
+  others_say(STAGE_FINAL);
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().undeployed(), "d1");
+  EXPECT_TRUE(file_->kept()->empty());
+}
+
+TEST_F(AgentUpdate, IsRejectedWhileAnotherDeviceHasNotHeardThatAllRun) {
+  start_running();
+  DeviceStatus line = device.of_line(DEVICE_STARTED);
+  device.agent.others().receive(line, FakeDevice::kLine);
+  EXPECT_FALSE(accepts(kFile));
+  EXPECT_THAT(device.text(),
+              HasSubstr("device line has not decided about the last deployment or update yet"));
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_TRUE(accepts(kFile, "u2"));
+}
+
+TEST_F(AgentUpdate, RejectsDamagedData) {
+  start_running();
+  ASSERT_TRUE(accepts(kFile));
+  auto change = step(COMMAND_CHANGE);
+  for (const char* data : {"", "[]", R"({"devices": [1], "safe": []})", R"({"devices": []})"}) {
+    change.data = data;
+    change.head.id(std::string{"damaged "} + data);
+    EXPECT_EQ(send(change)->code(), REPLY_REFUSED) << data;
+  }
+  EXPECT_THAT(device.work.swaps, IsEmpty());
+}
+
+TEST_F(AgentUpdate, StillReportsTheUpdateAsFinalAfterTheNodeRestarts) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   send(step(COMMAND_CHANGE));
@@ -553,8 +754,8 @@ TEST_F(AgentUpdate, StillReportsTheUpdateAsKeptAfterTheNodeRestarts) {
   keep();
   FakeDevice again{file_};
   again.resume();
-  EXPECT_EQ(again.status().update(), "u1");
-  EXPECT_EQ(again.status().update_state(), UPDATE_KEPT);
+  EXPECT_EQ(again.status().transaction(), "u1");
+  EXPECT_EQ(again.status().stage(), STAGE_FINAL);
 }
 
 TEST_F(AgentUpdate, FinishesTheCurrentStepBeforeItIsUndone) {

@@ -33,15 +33,11 @@ std::string cell_of(std::size_t devices, const std::string& period = "1000000") 
 /// A disk that survives the node.
 class Disk final : public DeploymentStore {
  public:
-  Result<void> keep(const KeptDeployment& deployment) const override {
-    kept_ = deployment;
+  Result<void> keep(const Kept& kept) const override {
+    kept_ = kept;
     return {};
   }
-  [[nodiscard]] Result<std::optional<KeptDeployment>> kept() const override { return kept_; }
-  Result<void> forget() const override {
-    kept_.reset();
-    return {};
-  }
+  [[nodiscard]] Result<Kept> kept() const override { return kept_; }
   Result<void> keep_undeployed(const std::vector<std::string>& ids) const override {
     undeployed_ = ids;
     return {};
@@ -49,7 +45,7 @@ class Disk final : public DeploymentStore {
   [[nodiscard]] Result<std::vector<std::string>> undeployed() const override { return undeployed_; }
 
  private:
-  mutable std::optional<KeptDeployment> kept_;
+  mutable Kept kept_;
   mutable std::vector<std::string> undeployed_;
 };
 
@@ -100,6 +96,7 @@ class World {
     sent_.resize(devices);
     replied_.resize(devices);
     seen_.resize(devices);
+    restarted_.resize(devices);
     ever_started_.assign(devices, false);
     ever_ran_.assign(devices, false);
   }
@@ -174,6 +171,7 @@ class World {
       if (time_ < fault.from + fault.lasts || fault.lasts == milliseconds{0}) continue;
       fault.lasts = milliseconds{0};
       nodes_[fault.at] = new_node(fault.at);
+      restarted_[fault.at] = now();
       nodes_[fault.at]->agent.resume();
     }
   }
@@ -339,15 +337,24 @@ class World {
     }
     const auto send_all = [&](CommandKind kind, Nanoseconds limit) {
       kept_alive_ = now();
+      std::string names;
+      for (std::size_t i = 0; i < n; ++i)
+        names += std::string{i == 0 ? "\"d" : ", \"d"} + std::to_string(i) + "\"";
       for (std::size_t i = 0; i < n; ++i) {
         if (kind == COMMAND_PUT_BACK && !seen_[i].alive) continue;
         wire::WholeCommand c = command(i, kind);
         c.head.property("u1");
         c.head.time_ns(t0_);
         if (kind == COMMAND_UPDATE) c.data = cell_of(n, "2000000");
+        if (kind == COMMAND_CHANGE) c.data = R"({"safe": [], "devices": [)" + names + "]}";
         send(i, c, limit);
       }
       ++stage_;
+    };
+    const auto count = [&](TransactionStage stage) {
+      return static_cast<std::size_t>(std::count_if(seen_.begin(), seen_.end(), [stage](const Seen& seen) {
+        return seen.alive && seen.status.transaction() == "u1" && seen.status.stage() == stage;
+      }));
     };
     switch (stage_) {
       case 10:
@@ -359,25 +366,45 @@ class World {
           stage_ = 20;
         return;
       case 12:
-        if (const Replies replies = all_replies(seconds{120}); replies == Replies::good)
-          send_all(COMMAND_KEEP, seconds{20});
-        else if (replies == Replies::bad)
+        if (const Replies replies = all_replies(seconds{120}); replies == Replies::good) {
+          t0_ = wall() + 1'000'000'000;
+          run_sent_ = true;
+          send_all(COMMAND_RUN, milliseconds{800});
+        } else if (replies == Replies::bad) {
           stage_ = 20;
+        }
         return;
       case 13:
-        if (all_replies(seconds{20}) == Replies::open) return;
-        exit_ = any(REPLY_OK) ? Exit::ok : any(REPLY_FAILED) ? Exit::unchanged : Exit::unknown;
-        stage_ = 6;
+        if (const Replies replies = all_replies(milliseconds{800}); replies != Replies::open)
+          stage_ = replies == Replies::good ? 14 : 20;
+        return;
+      case 14:
+        if (count(STAGE_FINAL) == n) {
+          exit_ = Exit::ok;
+          stage_ = 6;
+        } else if (count(STAGE_UNDONE) > 0 || wall() - t0_ > 6'000'000'000) {
+          stage_ = 20;
+        }
         return;
       case 20:
         return send_all(COMMAND_PUT_BACK, seconds{10});
       case 21:
         if (const Replies replies = all_replies(seconds{120}); replies != Replies::open) {
-          exit_ = any(REPLY_REFUSED)                          ? Exit::ok
-                  : any(REPLY_OK) && replies == Replies::good ? Exit::unchanged
-                                                              : Exit::unknown;
-          stage_ = 6;
+          if (!run_sent_) {
+            exit_ = any(REPLY_OK) && replies == Replies::good ? Exit::unchanged : Exit::unknown;
+            stage_ = 6;
+            return;
+          }
+          judged_from_ = now();
+          stage_ = 22;
         }
+        return;
+      case 22:
+        if (count(STAGE_UNDONE) < n && count(STAGE_FINAL) < n && now() - judged_from_ < seconds{6}) return;
+        exit_ = count(STAGE_FINAL) > 0     ? Exit::ok
+                : count(STAGE_UNDONE) == n ? Exit::unchanged
+                                           : Exit::unknown;
+        stage_ = 6;
         return;
       default:
         return;
@@ -403,7 +430,7 @@ class World {
 
   enum class Replies { open, good, bad };
   // Waits for the replies to all commands that are open. As in Operator::send(), a command fails if its
-  // device is lost for 700 ms, or if the limit has passed.
+  // node is lost for 700 ms, or if the limit has passed.
   Replies all_replies(Nanoseconds limit) {
     bool bad = false;
     std::vector<ReplyCode> codes;
@@ -415,8 +442,10 @@ class World {
         codes.push_back(reply.head.code());
         one.done = reply.head.code() == REPLY_OK ? 1 : 2;
       }
-      const bool gone =
-          !seen_[one.device].alive && now() - heard_[one.device][nodes_.size()] > milliseconds{1000};
+      const bool restarted =
+          restarted_[one.device] > one.sent && now() - restarted_[one.device] > milliseconds{700};
+      const bool gone = restarted || (!seen_[one.device].alive &&
+                                      now() - heard_[one.device][nodes_.size()] > milliseconds{1000});
       if (!one.done && (gone || now() - one.sent > limit)) one.done = 2;
       if (!one.done) return Replies::open;
       bad |= *one.done == 2;
@@ -475,12 +504,14 @@ class World {
   std::int64_t t0_ = 0;
   bool run_sent_ = false;
   bool unreached_ = false;
+  Instant judged_from_{};
   bool all_ran_at_exit_ = false;
   std::vector<Open> open_;
   std::vector<std::vector<wire::WholeCommand>> sent_;
   std::vector<Copy> copies_;
   std::vector<std::vector<wire::WholeReply>> replied_;
   std::vector<Seen> seen_;
+  std::vector<Instant> restarted_;  // when the node that now runs on the device was started
   Exit exit_ = Exit::none;
 };
 
@@ -661,9 +692,9 @@ World::Exit check_update(std::size_t devices, const std::vector<Fault>& faults, 
   return world.exit();
 }
 
-// The update begins about 1.4 s after the deployment, and takes about half a second.
+// The update begins about 1.4 s after the deployment, and takes about 1.6 s.
 constexpr milliseconds kUpdates{1400};
-constexpr milliseconds kUpdated{2600};
+constexpr milliseconds kUpdated{3600};
 
 TEST(AllOrNone, AnUpdateIsMadeUnlessItFailsOnADevice) {
   for (const std::size_t devices : {1U, 2U, 3U}) {
@@ -678,14 +709,41 @@ TEST(AllOrNone, HoldsForAnUpdateIfAnyLinkIsCutAtAnyMoment) {
       for (std::size_t at = 0; at <= devices; ++at) {
         for (std::size_t other = 0; other <= devices; ++other) {
           if (at == other || (other < at && kind == Fault::Kind::cut)) continue;
-          for (milliseconds from = kUpdates; from < kUpdated; from += every(40, 320)) {
-            for (const int lasts : {100, 1200, 30000}) {
+          for (milliseconds from = kUpdates; from < kUpdated; from += every(40, 600)) {
+            for (const int lasts : {100, 1200, 30000})
               check_update(devices, {{kind, at, other, from, milliseconds{lasts}}});
-              check_update(devices, {{kind, at, other, from, milliseconds{lasts}}}, {.fails_on = 0});
-            }
+            check_update(devices, {{kind, at, other, from, milliseconds{1200}}}, {.fails_on = 0});
           }
         }
       }
+    }
+  }
+}
+
+TEST(AllOrNone, HoldsForAnUpdateIfADeviceIsRestartedOrPausesAtAnyMoment) {
+  for (const std::size_t devices : sizes()) {
+    for (milliseconds from = kUpdates; from < kUpdated; from += every(20, 160)) {
+      for (const int lasts : {200, 1000, 4000, 30000}) {
+        for (const Fault::Kind kind : {Fault::Kind::restart, Fault::Kind::pause})
+          check_update(devices, {{kind, devices - 1, 0, from, milliseconds{lasts}}});
+      }
+    }
+  }
+}
+
+TEST(AllOrNone, HoldsForAnUpdateIfTwoFaultsOccur) {
+  for (milliseconds from = kUpdates; from < kUpdated; from += every(100, 400)) {
+    for (milliseconds second = kUpdates; second < kUpdated; second += every(100, 400)) {
+      check_update(
+          2, {{Fault::Kind::cut, 0, 1, from, seconds{4}}, {Fault::Kind::kill, 2, 0, second, seconds{0}}});
+      check_update(
+          2, {{Fault::Kind::restart, 0, 0, from, seconds{1}}, {Fault::Kind::kill, 2, 0, second, seconds{0}}});
+      check_update(2, {{Fault::Kind::cut_one_way, 0, 1, from, seconds{4}},
+                       {Fault::Kind::restart, 0, 0, second, seconds{1}}});
+      check_update(2, {{Fault::Kind::restart, 0, 0, from, seconds{1}},
+                       {Fault::Kind::restart, 1, 0, second, seconds{1}}});
+      check_update(2, {{Fault::Kind::cut_one_way, 1, 0, from, seconds{4}},
+                       {Fault::Kind::cut, 0, 2, second, seconds{2}}});
     }
   }
 }

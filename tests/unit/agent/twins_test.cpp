@@ -34,12 +34,14 @@ class Twins : public testing::Test {
         : file{std::make_shared<node::DeploymentFile>(folder, "robot", 7)}, device{file, false,   nullptr,
                                                                                    "",   "robot", id} {
       device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
-      EXPECT_TRUE(file->keep({.id = "d1",
-                              .file = "cell.xml",
-                              .text = FakeDevice::kCell,
-                              .t0_ns = device.wall(),
-                              .boot = "since today",
-                              .t0_monotonic_ns = to_ns(device.now)})
+      EXPECT_TRUE(file->keep({.current = KeptDeployment{.id = "d1",
+                                                        .transaction = "d1",
+                                                        .file = "cell.xml",
+                                                        .text = FakeDevice::kCell,
+                                                        .t0_ns = device.wall(),
+                                                        .boot = "since today",
+                                                        .t0_monotonic_ns = to_ns(device.now),
+                                                        .devices = {"robot", "line"}}})
                       .ok());
     }
     std::shared_ptr<node::DeploymentFile> file;
@@ -219,7 +221,7 @@ TEST_F(Twins, ANodeThatWasCutOffEndsIfAnotherNodeHasTakenItsPlace) {
   EXPECT_TRUE(cut_off.device.published.withdrawn.empty());
   EXPECT_EQ(node(1).device.published.steps.size(), steps_of_second + 2)
       << "observers get the states of the remaining node again";
-  EXPECT_TRUE(cut_off.file->kept()->has_value()) << "a restarted node waits for the other node";
+  EXPECT_TRUE(cut_off.file->kept()->current) << "a restarted node waits for the other node";
 }
 
 TEST_F(Twins, ANodeThatBeganWhileItWasCutOffEnds) {

@@ -30,34 +30,39 @@ class StoredDeployment : public testing::Test {
   std::string folder_ = testing::TempDir() + "takt-kept-" + std::to_string(os::process_id());
   DeploymentFile file_{folder_, "robot", 7};
   agent::KeptDeployment deployment_{.id = "a1",
+                                    .transaction = "a2",
                                     .file = "cell.xml",
                                     .text = "<cell name=\"\u00e9\">\n\"\\</cell>",
                                     .require_real_time = true,
                                     .t0_ns = 1'700'000'000'123'456'789,
                                     .boot = "3f1c",
-                                    .t0_monotonic_ns = 123'456'789};
+                                    .t0_monotonic_ns = 123'456'789,
+                                    .safe = "[]",
+                                    .devices = {"robot", "line"}};
+  agent::Kept kept_{.current = deployment_};
 };
 
 TEST_F(StoredDeployment, IsAbsentAtFirst) {
   const auto kept = file_.kept();
   ASSERT_TRUE(kept.ok());
-  EXPECT_FALSE(kept->has_value());
-  EXPECT_TRUE(file_.forget().ok());
+  EXPECT_TRUE(kept->empty());
+  EXPECT_TRUE(file_.keep({}).ok());
 }
 
 TEST_F(StoredDeployment, CanBeReadBackUntilItIsForgotten) {
-  ASSERT_TRUE(file_.keep(deployment_).ok());
-  EXPECT_EQ(**file_.kept(), deployment_);
-  deployment_.id = "a2";
-  deployment_.is_final = false;
-  ASSERT_TRUE(file_.keep(deployment_).ok());
-  EXPECT_EQ(**file_.kept(), deployment_);
-  ASSERT_TRUE(file_.forget().ok());
-  EXPECT_FALSE(file_.kept()->has_value());
+  agent::Kept both = kept_;
+  both.pending = deployment_;
+  both.pending->transaction = "a3";
+  for (const agent::Kept& kept : {kept_, both, agent::Kept{.pending = deployment_}}) {
+    ASSERT_TRUE(file_.keep(kept).ok());
+    EXPECT_EQ(*file_.kept(), kept);
+  }
+  ASSERT_TRUE(file_.keep({}).ok());
+  EXPECT_TRUE(file_.kept()->empty());
 }
 
 TEST_F(StoredDeployment, IsRejectedIfItsFileIsTruncated) {
-  ASSERT_TRUE(file_.keep(deployment_).ok());
+  ASSERT_TRUE(file_.keep(kept_).ok());
   const std::string whole = content();
   for (std::size_t length = 0; length < whole.size(); ++length) {
     write(whole.substr(0, length));
@@ -68,7 +73,7 @@ TEST_F(StoredDeployment, IsRejectedIfItsFileIsTruncated) {
 }
 
 TEST_F(StoredDeployment, IsRejectedIfAnyByteChanged) {
-  ASSERT_TRUE(file_.keep(deployment_).ok());
+  ASSERT_TRUE(file_.keep(kept_).ok());
   const std::string whole = content();
   for (std::size_t at = 0; at < whole.size(); ++at) {
     std::string changed = whole;
@@ -79,29 +84,33 @@ TEST_F(StoredDeployment, IsRejectedIfAnyByteChanged) {
 }
 
 TEST_F(StoredDeployment, IsRejectedIfItsTimeIsInvalid) {
-  for (const char* other : {"-1", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
-    const std::string body =
-        R"({"id":"a","file":"f","text":"","require_real_time":false,"final":true,"update":"","t0_ns":)";
-    for (const std::string& rest : {other + R"(,"boot":"3f1c","t0_monotonic_ns":1,"safe":""})"s,
-                                    R"(1,"boot":"3f1c","t0_monotonic_ns":)"s + other + R"(,"safe":""})"s}) {
-      if (rest.find("t0_monotonic_ns\":-1") != std::string::npos)
-        continue;  // a negative time is valid: it is a time before the boot of the machine
-      ASSERT_TRUE(write_whole(file_.path(), "takt deployment 3", body + rest).ok());
+  for (const char* other : {"-1", "0", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
+    for (const char* part : {R"("t0_ns":1)", R"("t0_monotonic_ns":1)"}) {
+      const std::string name = std::string{part}.substr(0, std::string{part}.size() - 1);
+      // A negative time is valid: it is a time before the boot of the machine.
+      if (name == R"("t0_monotonic_ns":)" && std::string{other}.size() <= 2) continue;
+      std::string body =
+          R"({"current":{"id":"a","transaction":"a","file":"f","text":"","require_real_time":false,"boot":"3f1c",)"
+          R"("t0_ns":1,"t0_monotonic_ns":1,"safe":"","devices":[]},"pending":null})";
+      ASSERT_TRUE(write_whole(file_.path(), "takt deployment 4", body).ok());
+      ASSERT_TRUE(file_.kept().ok());
+      body.replace(body.find(part), std::string{part}.size(), name + other);
+      ASSERT_TRUE(write_whole(file_.path(), "takt deployment 4", body).ok());
       const auto kept = file_.kept();
-      ASSERT_FALSE(kept.ok()) << rest;
+      ASSERT_FALSE(kept.ok()) << body;
       EXPECT_THAT(to_text(kept.problems()), HasSubstr("damaged"));
     }
   }
 }
 
 TEST_F(StoredDeployment, HasItsOwnFilePerDeviceAndDomain) {
-  ASSERT_TRUE(file_.keep(deployment_).ok());
-  EXPECT_FALSE((DeploymentFile{folder_, "robot", 8}).kept()->has_value());
-  EXPECT_FALSE((DeploymentFile{folder_, "line", 7}).kept()->has_value());
+  ASSERT_TRUE(file_.keep(kept_).ok());
+  EXPECT_TRUE((DeploymentFile{folder_, "robot", 8}).kept()->empty());
+  EXPECT_TRUE((DeploymentFile{folder_, "line", 7}).kept()->empty());
 }
 
 TEST_F(StoredDeployment, IsRejectedIfOtherUsersCanReplaceItsFile) {
-  ASSERT_TRUE(file_.keep(deployment_).ok());
+  ASSERT_TRUE(file_.keep(kept_).ok());
   std::filesystem::permissions(folder_, std::filesystem::perms::all);
   const auto kept = file_.kept();
   ASSERT_FALSE(kept.ok());
@@ -122,7 +131,7 @@ TEST_F(StoredDeployment, HasAFileThatListsTheUndeployedDeployments) {
 
 TEST_F(StoredDeployment, CannotBeStoredInAnUnwritableFolder) {
   const DeploymentFile nowhere{"/proc/takt", "robot", 0};
-  const auto kept = nowhere.keep(deployment_);
+  const auto kept = nowhere.keep(kept_);
   ASSERT_FALSE(kept.ok());
   EXPECT_THAT(to_text(kept.problems()), HasSubstr("/proc/takt"));
 }

@@ -52,7 +52,7 @@ TEST(Enumerator, HasATextEvenIfItIsInvalid) {
   EXPECT_STREQ(to_text(ERROR_OVERRUN), "overrun");
   EXPECT_STREQ(to_text(DEVICE_ENDED), "ended");
   EXPECT_STREQ(to_text(DEVICE_ARMED), "armed");
-  EXPECT_STREQ(to_text(UPDATE_KEPT), "kept");
+  EXPECT_STREQ(to_text(STAGE_UNDONE), "undone");
   EXPECT_STREQ(to_text(HEALTH_DEGRADED), "degraded");
   EXPECT_STREQ(to_text(COMMAND_TAP), "tap");
   EXPECT_STREQ(to_text(COMMAND_LOG), "log");
@@ -60,7 +60,6 @@ TEST(Enumerator, HasATextEvenIfItIsInvalid) {
   EXPECT_STREQ(to_text(COMMAND_SWAP), "swap");
   EXPECT_STREQ(to_text(COMMAND_UPDATE), "update");
   EXPECT_STREQ(to_text(COMMAND_CHANGE), "change");
-  EXPECT_STREQ(to_text(COMMAND_KEEP), "keep");
   EXPECT_STREQ(to_text(COMMAND_PUT_BACK), "put back");
   EXPECT_STREQ(to_text(static_cast<LifecycleState>(99)), "?");
 }

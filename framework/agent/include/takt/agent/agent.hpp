@@ -18,7 +18,6 @@
 #include <takt/agent/clock_offset.hpp>
 #include <takt/agent/fault_rate_limiter.hpp>
 #include <takt/agent/inspection.hpp>
-#include <takt/agent/joint_update.hpp>
 #include <takt/agent/memory.hpp>
 #include <takt/agent/publisher.hpp>
 #include <takt/model/cell.hpp>
@@ -107,6 +106,7 @@ class Agent {
   [[nodiscard]] bool has_given_way() const noexcept { return has_given_way_; }
 
  private:
+  struct Transaction;
   struct Deployment;
   class Update;
   struct WholeDevice;
@@ -143,7 +143,6 @@ class Agent {
   [[nodiscard]] bool is_prepared(const Command& command);
   void connect(const wire::WholeCommand& command);
   void step_connectors();
-  void run(const Command& command);
   void undeploy(const Command& command);
   void begin(std::unique_ptr<Deployment> deployment);
   void bring_up();
@@ -152,39 +151,55 @@ class Agent {
   void step_supervised();
   void abandon(const Problems& problems);
   bool check_others();
-  void step_transaction();
-  void step_undone();
-  [[nodiscard]] transaction::Others heard(const Deployment& deployment) const;
-  [[nodiscard]] std::int64_t time_of(const Deployment& deployment) const;
-  void arm(const transaction::State& armed);
   void go();
   void undo(const std::string& why);
   void note_failure();
   void take_back(const std::string& why);
-  void drop_undone();
   void check_undeployed();
   [[nodiscard]] bool was_undeployed(const std::string& id) const;
   void remember_undeployed(const std::string& id);
   [[nodiscard]] std::string undeployed_but_held() const;
   void stop();
   void finish();
-  void keep_for_restart();
-  void forget_kept();
   void clear();
   void stepped(const Step& step);
   [[nodiscard]] std::string occupied() const;
+
+  // What the devices decide about deployments and updates (transactions.cpp)
+  void run(const Command& command);
+  void step_transaction();
+  void step_gone();
+  void go_forward();
+  /// Decides about a transaction, by what was heard from the other devices. Returns true if the stage has
+  /// changed. `operator_heard` is when the operator's last message arrived; nothing if the device does not
+  /// wait for the operator.
+  bool decide(Transaction& transaction, std::optional<Instant> operator_heard);
+  Result<void> receive_t0(Transaction& transaction, std::int64_t t0_ns);
+  [[nodiscard]] transaction::Others heard(const Transaction& transaction) const;
+  [[nodiscard]] std::int64_t time_of(const Transaction& transaction) const;
+  /// The newest transaction in which this device takes or took part; null if there is none.
+  [[nodiscard]] const Transaction* newest_transaction() const;
+  void set_gone(std::unique_ptr<Deployment> deployment);
+  void drop_gone();
+
+  // The saved deployment (restart.cpp)
+  void keep_for_restart();
+  void restore();
+  [[nodiscard]] bool check_start(const KeptDeployment& kept);
+  [[nodiscard]] bool is_of_this_boot(const KeptDeployment& kept) const;
+  [[nodiscard]] std::unique_ptr<Deployment> restored(const KeptDeployment& kept) const;
+  void check_disk();
 
   // Updates (updates.cpp)
   void update(const wire::WholeCommand& command);
   /// Returns the update that the command names. If that update is not in progress, rejects the command and
   /// returns null.
   Update* update_of(const Command& command);
-  void keep(const Command& command);
   void put_back(const Command& command);
-  [[nodiscard]] Vote vote_of(const std::string& device, const std::string& update) const;
+  [[nodiscard]] std::string undecided_on() const;
   void reply_problems(const Command& command, ReplyCode code, const Problems& problems,
                       const std::string& value = {});
-  void begin_again(const Deployment& description);
+  void begin_again(const Deployment& description, const Transaction& transaction);
 
   // The clocks of the other devices (clocks.cpp)
   [[nodiscard]] std::optional<ClockBounds> clock_of(const std::string& device) const;
@@ -200,10 +215,7 @@ class Agent {
   [[nodiscard]] bool gives_way_to(const DeviceStatus& other) const;
   void give_way();
 
-  void restore();
-  void restore_undone(std::unique_ptr<Deployment> deployment);
   void check_cell();
-  void check_disk();
   [[nodiscard]] DeviceStatus status() const;
   void publish_status();
   void publish_measures();
@@ -216,12 +228,11 @@ class Agent {
   Instant stepped_at_;  // when step() was called last
   wire::CellState others_;
   std::unique_ptr<Deployment> deployment_;
-  std::unique_ptr<Deployment> undone_;    // the newest deployment, if it was undone; it begins again if it
-                                          // becomes final
-  std::shared_ptr<Update> update_;        // shared, so that callbacks can check whether it still exists
-  std::string update_id_;                 // id of the newest update that is over
-  UpdateState update_end_ = UPDATE_NONE;  // how that update ended
-  Problems update_problems_;              // why that update was undone
+  // The newest deployment or update, if this device has undone it, or if it has removed this device from the
+  // cell. The device goes forward again if it hears that an undone one is final.
+  std::unique_ptr<Deployment> gone_;
+  std::shared_ptr<Update> update_;  // shared, so that callbacks can check whether it still exists
+  bool unsaved_ = false;            // the deployment could not be written to disk; the agent will try again
   std::string twin_;        // id and activity of another node with this device name; empty if there is none
   std::string name_clash_;  // describes that node
   std::optional<Instant> both_execute_since_;   // since when that node and this node execute

@@ -11,33 +11,42 @@
 
 namespace takt::agent {
 
+/// A deployment, with the descriptor that the transaction `transaction` gave it.
 struct KeptDeployment {
   std::string id;
-  std::string file;  ///< the descriptor's name, for messages
-  std::string text;  ///< the content of the descriptor
+  std::string transaction;  ///< id of the deployment, or of its last update
+  std::string file;         ///< the descriptor's name, for messages
+  std::string text;         ///< the content of the descriptor; empty: the update removes this device
   bool require_real_time = false;
-  /// True: every device of the cell had begun, so a restarted node begins again. False: it begins only if
-  /// another device tells that every device had begun.
-  bool is_final = true;
-  std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since then; 0: not known yet
+  /// The time from which releases are counted, on the wall clock, which may have been set since then. 0: not
+  /// known yet.
+  std::int64_t t0_ns = 0;
   /// Identifies the boot of the machine during which t0_monotonic_ns is valid. Empty if not known.
   std::string boot{};
   std::int64_t t0_monotonic_ns = 0;
-  std::string safe{};    ///< the safe values of the cell's outputs, in the format of model::parse_safe()
-  std::string update{};  ///< id of the last update; empty if there was none
+  std::string safe{};  ///< the safe values of the cell's outputs, in the format of model::parse_safe()
+  std::vector<std::string> devices{};  ///< the devices that take part in the transaction
   bool operator==(const KeptDeployment&) const = default;
 };
 
-/// Saves at most one deployment, which a restarted node can restore, and the ids of the deployments that were
+/// What a restarted node needs.
+struct Kept {
+  std::optional<KeptDeployment> current{};  ///< every device of the cell has it, so the node begins it again
+  /// The node has undone it by its restart, and begins it only if another device tells that it is final.
+  std::optional<KeptDeployment> pending{};
+  [[nodiscard]] bool empty() const { return !current && !pending; }
+  bool operator==(const Kept&) const = default;
+};
+
+/// Saves the deployments that a restarted node can restore, and the ids of the deployments that were
 /// undeployed last. A restarted node publishes these ids for devices that missed the undeploy command.
 class DeploymentStore {
  public:
   virtual ~DeploymentStore() = default;
-  virtual Result<void> keep(const KeptDeployment& deployment) const = 0;
-  /// Returns the saved deployment, or nothing if none is saved. Fails if the saved data is damaged or cannot
-  /// be read.
-  [[nodiscard]] virtual Result<std::optional<KeptDeployment>> kept() const = 0;
-  virtual Result<void> forget() const = 0;
+  /// Replaces what was saved before.
+  virtual Result<void> keep(const Kept& kept) const = 0;
+  /// Returns what is saved. Fails if the saved data is damaged or cannot be read.
+  [[nodiscard]] virtual Result<Kept> kept() const = 0;
   virtual Result<void> keep_undeployed(const std::vector<std::string>& ids) const = 0;
   [[nodiscard]] virtual Result<std::vector<std::string>> undeployed() const = 0;
 };

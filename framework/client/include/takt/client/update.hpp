@@ -29,8 +29,8 @@ struct Updated {
 };
 
 /// Updates a running cell. Each device first reports the differences, and whether it can make the changes.
-/// Then all devices make their changes in parallel, and finally make the changes permanent. If a device
-/// cannot make its changes, all devices undo their changes. `text` is the descriptor from which `cell` was
+/// Then all devices make their changes in parallel, and decide together to keep them. If a device cannot make
+/// its changes, all devices undo their changes. `text` is the descriptor from which `cell` was
 /// read. If no cell with this name runs, reports a problem.
 Updated update(Operator& sender, const model::Cell& cell, const std::string& text,
                const UpdateOptions& options);

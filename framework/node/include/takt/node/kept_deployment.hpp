@@ -1,7 +1,6 @@
 // Stores a node's deployment on disk, so that the node can restore it after a restart.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,9 +19,8 @@ class DeploymentFile final : public agent::DeploymentStore {
  public:
   DeploymentFile(const std::string& folder, const std::string& device, int domain);
 
-  Result<void> keep(const agent::KeptDeployment& deployment) const override;
-  [[nodiscard]] Result<std::optional<agent::KeptDeployment>> kept() const override;
-  Result<void> forget() const override;
+  Result<void> keep(const agent::Kept& kept) const override;
+  [[nodiscard]] Result<agent::Kept> kept() const override;
   Result<void> keep_undeployed(const std::vector<std::string>& ids) const override;
   [[nodiscard]] Result<std::vector<std::string>> undeployed() const override;
 

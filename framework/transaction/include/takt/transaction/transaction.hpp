@@ -1,15 +1,16 @@
 // Decides whether a change of a cell takes place on all of its devices or on none.
 //
-// A change is a transaction: a deployment, an update, or an undeployment. The operator distributes the new
-// descriptor and then the start time, T0. Everything else is decided by the devices, each by itself, because
-// the operator can be lost at any moment, and so can a device. Each device publishes its stage and hears the
-// stages of the others, late or never. These functions know neither a network, a disk nor a clock, so a test
-// can explore every order of events.
+// A change is a transaction: a deployment or an update. The operator distributes the new descriptor and then
+// the start time, T0. Everything else is decided by the devices, each by itself, because the operator can be
+// lost at any moment, and so can a device. Each device publishes its stage and hears the stages of the
+// others, late or never. These functions know neither a network, a disk nor a clock, so a test can explore
+// every order of events.
 //
 // The rules hold for any delay and for clocks that differ by any amount. They need three things from the
-// caller. The change is on disk before a device is armed, and that it is final is on disk before the device acts
-// on it or publishes it. A restarted device that was armed or running has undone the change; one that was final
-// is still final. A device that has gone back keeps what it needs to go forward until settled() is true.
+// caller. The change is on disk before a device is armed, and that it is final is on disk before the device
+// acts on it or publishes it. A restarted device that was armed or running has undone the change; one that
+// was final is still final. A device that has gone back keeps what it needs to go forward until settled() is
+// true.
 #pragma once
 
 #include <cstdint>

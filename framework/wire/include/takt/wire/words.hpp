@@ -21,8 +21,8 @@ const char* to_text(LifecycleError error) noexcept;
 const char* to_text(DeviceState state) noexcept;
 /// The name of a device's health: "ok", "degraded" or "failed".
 const char* to_text(DeviceHealth health) noexcept;
-/// The name of an update's state, such as "kept"; "none" if there was no update.
-const char* to_text(UpdateState state) noexcept;
+/// The name of a transaction's stage, such as "final".
+const char* to_text(TransactionStage stage) noexcept;
 /// The name of a command, such as "start" or "undeploy".
 const char* to_text(CommandKind kind) noexcept;
 
@@ -50,7 +50,7 @@ inline constexpr const char* kRequireRealTime = "require-realtime";
 /// The value of Reply::value after an undone update, if the device is exactly as it was before the update.
 inline constexpr const char* kAsBefore = "as before";
 
-/// The value of Reply::value if an update cannot be undone, because the devices have decided to keep it.
+/// The value of Reply::value if an update cannot be undone, because it is final.
 inline constexpr const char* kKept = "kept";
 
 /// Returns true if the device executes its deployment.
