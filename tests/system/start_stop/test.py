@@ -27,8 +27,10 @@ class StartStop(takt_system.Case):
 
     def test_repeated_runs_leave_no_process_and_no_shared_memory_behind(self):
         for _ in range(takt_system.how_much("TAKT_STARTS", 5, 50)):
-            run = self.takt("run", "cell.xml", "--for", "0.3", "--json")
-            self.assert_ended_well(run)
+            run = self.running()
+            wait_until(lambda: all(m["cycles"] for m in self.status_of()["devices"][0]["modules"] if m["name"] in ("fine", "program")))
+            run.signal(signal.SIGINT)
+            self.assert_ended_well(run.wait())
             self.assert_nothing_left(run)
             self.assert_grid(run, "fine")
             self.assert_grid(run, "program", every=2)
