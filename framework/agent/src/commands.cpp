@@ -166,10 +166,7 @@ void Agent::report(const Command& command) {
   if (now.text().size() != 0 && now.text().to_string() != name_clash_)
     report["text"] = now.text().to_string();
   report["lost"] = lost_devices();
-  report["devices"] = json::array();
-  if (deployment_) {
-    for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
-  }
+  report["devices"] = deployment_ ? json(model::device_names(deployment_->cell)) : json::array();
   report["heard"] = json::array();
   for (const wire::ObservedDevice& other : others_.devices()) {
     if (other.alive) report["heard"].push_back(other.node());

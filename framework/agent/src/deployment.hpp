@@ -14,9 +14,6 @@
 
 namespace takt::agent {
 
-/// Returns the names of the cell's devices.
-std::vector<std::string> names_of(const model::Cell& cell);
-
 /// A change of the cell in which this device takes part: a deployment or an update.
 struct Agent::Transaction {
   std::string id;  ///< that of the deployment or the update

@@ -45,12 +45,6 @@ Result<Found> find_device(const std::string& text, const std::string& file, cons
 
 }  // namespace
 
-std::vector<std::string> names_of(const model::Cell& cell) {
-  std::vector<std::string> names;
-  for (const model::Device& device : cell.devices) names.push_back(device.name);
-  return names;
-}
-
 std::string Agent::Deployment::component_of(const std::string& module) const {
   if (cell.devices.empty()) return "";
   const auto& mine = of_device().modules;
@@ -165,7 +159,7 @@ void Agent::begin(std::unique_ptr<Deployment> deployment) {
   deployment_->cell = std::move(found->cell);
   deployment_->device = found->device;
   if (deployment_->transaction.devices.empty())
-    deployment_->transaction.devices = names_of(deployment_->cell);
+    deployment_->transaction.devices = model::device_names(deployment_->cell);
   log("preparing cell " + deployment_->cell.name);
   auto inspection = factories_.inspect({.text = deployment_->text,
                                         .file = deployment_->file,

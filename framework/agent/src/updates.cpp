@@ -193,7 +193,8 @@ Result<void> Agent::Update::compare() {
   for (model::DeviceDifference& one : *all) {
     if (one.device == agent_.options_.device) difference_ = std::move(one);
   }
-  after.transaction.devices = names_of(agent_.deployment_->cell);  // until the client sends all devices
+  after.transaction.devices =
+      model::device_names(agent_.deployment_->cell);  // until the client sends all devices
   if (difference_.change == Change::removed) after.text.clear();
   if (mine != devices.end()) after.inherit(*agent_.deployment_);
   return {};

@@ -62,18 +62,4 @@ Result<model::CellPorts> ports_of(const model::Cell& cell, const std::vector<wir
   return ports;
 }
 
-void KeepAlive::send(Operator& sender, const std::vector<std::string>& devices,
-                     const std::function<CommandRequest(CommandKind, const std::string& device)>& request) {
-  constexpr std::chrono::seconds kEvery{4};
-  constexpr std::chrono::milliseconds kAnswered{500};
-  if (std::chrono::steady_clock::now() - last_ < kEvery) return;
-  sent();
-  std::vector<CommandRequest> requests;
-  for (const std::string& device : devices) {
-    requests.push_back(request(COMMAND_REPORT, device));
-    requests.back().limit = kAnswered;
-  }
-  static_cast<void>(sender.send(requests));
-}
-
 }  // namespace takt::client

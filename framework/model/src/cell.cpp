@@ -143,6 +143,12 @@ void connect_services(Cell& cell) {
   }
 }
 
+std::vector<std::string> device_names(const Cell& cell) {
+  std::vector<std::string> names;
+  for (const Device& device : cell.devices) names.push_back(device.name);
+  return names;
+}
+
 OverrunContract contract_of(const Device& device, const Module& module) {
   if (module.overrun) return *module.overrun;
   const Executor* executor = executor_of_periodic(device, module);

@@ -155,7 +155,7 @@ class AllOrNone(takt_system.Case):
         begun = time.monotonic()
         run.wait()
         print("takt deploy ended %.2f s after Ctrl-C, while initialize() hung" % (time.monotonic() - begun))
-        self.assert_refused_everywhere(run, "hang", "error: cancelled before all devices were ready")
+        self.assert_refused_everywhere(run, "hang", "error: the deployment was cancelled before all devices were ready")
         self.assert_nothing_runs()
         self.assert_a_good_one_succeeds()
         self.end(self.running)

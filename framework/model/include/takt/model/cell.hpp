@@ -256,6 +256,8 @@ std::string to_text(const Endpoint& end);
 /// takt/<cell>/<device>/<module>/<port> of the writer. For the replies of a service, this name is built from
 /// the reader's names, so that each client has its own topic.
 std::string topic_of(const Cell& cell, const Connection& connection);
+/// Returns the names of all devices of the cell.
+std::vector<std::string> device_names(const Cell& cell);
 /// Returns the module's own overrun contract if it has one, otherwise the contract of its executor.
 OverrunContract contract_of(const Device& device, const Module& module);
 /// Returns the time after which a run() of the module, or the body of a process module, counts as hanging. It

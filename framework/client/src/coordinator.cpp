@@ -1,0 +1,161 @@
+#include "coordinator.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <utility>
+
+#include "answers.hpp"
+
+namespace takt::client {
+
+namespace {
+
+constexpr Nanoseconds kShortestLead = std::chrono::milliseconds{500};
+constexpr Nanoseconds kLongestLead = std::chrono::milliseconds{1000};
+/// Each device must confirm T0 at least this time before T0. If a device does not confirm in time, the
+/// operator can still cancel before T0.
+constexpr Nanoseconds kConfirmed = std::chrono::milliseconds{200};
+/// The longest time after T0 until every device is final or has gone back.
+constexpr Nanoseconds kDecided = std::chrono::seconds{6};
+/// A device that receives nothing for some seconds undoes what it has prepared, because the operator may have
+/// died. So it receives a request at this interval while the operator waits for a slower device.
+constexpr std::chrono::seconds kKeptAliveEvery{4};
+
+}  // namespace
+
+CommandRequest Coordinator::request(CommandKind kind, const std::string& device) const {
+  CommandRequest request{.kind = kind,
+                         .device = device,
+                         .deployment = plan_.deployment,
+                         .property = plan_.id == plan_.deployment ? "" : plan_.id,
+                         .limit = std::nullopt};
+  const auto process = plan_.process_ids.find(device);
+  if (process != plan_.process_ids.end()) request.process_id = process->second;
+  return request;
+}
+
+std::vector<CommandRequest> Coordinator::requests(CommandKind kind) const {
+  std::vector<CommandRequest> all;
+  for (const std::string& device : plan_.devices) all.push_back(request(kind, device));
+  return all;
+}
+
+Coordinator::Answers Coordinator::send(const std::vector<CommandRequest>& requests, bool may_be_cancelled) {
+  const auto begin = std::chrono::steady_clock::now();
+  sent_at_ = begin;
+  Answers answers = sender_.send(requests, [&] {
+    keep_alive();
+    return may_be_cancelled && cancelled();
+  });
+  took_ = std::chrono::steady_clock::now() - begin;
+  return answers;
+}
+
+void Coordinator::keep_alive() {
+  if (std::chrono::steady_clock::now() - sent_at_ < kKeptAliveEvery) return;
+  sent_at_ = std::chrono::steady_clock::now();
+  auto all = requests(COMMAND_REPORT);
+  for (CommandRequest& one : all) one.limit = std::chrono::milliseconds{500};
+  static_cast<void>(sender_.send(all));
+}
+
+Problems Coordinator::problems_in(const std::vector<CommandRequest>& requests, Answers answers,
+                                  std::vector<wire::WholeReply>* replies) const {
+  Problems problems;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const auto answer = accepted(std::move(answers[i]));
+    if (answer) {
+      if (replies != nullptr) replies->push_back(*answer);
+      continue;
+    }
+    for (const Problem& problem : answer.problems()) {
+      // A problem that cites a line of the descriptor needs no device name.
+      const bool of_file = !plan_.cell.file.empty() && problem.where.find(':') != std::string::npos;
+      const Problem placed = of_file ? problem : of_device(requests[i].device, {problem})[0];
+      if (std::find(problems.begin(), problems.end(), placed) == problems.end()) problems.push_back(placed);
+    }
+  }
+  return cancelled() ? cancelled_problem() : problems;
+}
+
+Problems Coordinator::cancelled_problem() const {
+  return {fail("the " + plan_.name + " was cancelled before all devices were " +
+               (run_sent_ ? "final" : "ready"))};
+}
+
+Problems Coordinator::run() {
+  t0_ns_ = wall_ns() + std::clamp(10 * took_, kShortestLead, kLongestLead).count();
+  auto all = requests(COMMAND_RUN);
+  const Nanoseconds left = Nanoseconds{t0_ns_ - wall_ns()} - kConfirmed;
+  for (CommandRequest& one : all) {
+    one.time_ns = t0_ns_;
+    one.limit = std::max(left, Nanoseconds{std::chrono::milliseconds{1}});
+  }
+  run_sent_ = true;
+  if (Problems problems = problems_in(all, send(all)); !problems.empty()) return problems;
+  return decided();
+}
+
+// Waits until each device is final, or until one of them has undone the deployment or update; at most some
+// seconds after T0. Once a device is final, no device undoes it any more.
+Problems Coordinator::decided() const {
+  std::vector<Stands> all;
+  const auto judge = [&](const std::vector<wire::ObservedDevice>& seen) {
+    all.clear();
+    for (const std::string& device : plan_.devices) all.push_back(stands(seen, device));
+  };
+  sender_.observer().wait(
+      [&](const std::vector<wire::ObservedDevice>& seen) {
+        judge(seen);
+        return std::count(all.begin(), all.end(), Stands::undone) != 0 ||
+               std::count(all.begin(), all.end(), Stands::final) == std::ssize(all) || cancelled();
+      },
+      Nanoseconds{t0_ns_ - wall_ns()} + kDecided);
+  judge(sender_.observer().devices());
+  Problems problems;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string where = "device " + plan_.devices[i];
+    if (all[i] == Stands::undecided)
+      problems.push_back({where, "it has not heard from all other devices", "check the network"});
+    else if (all[i] == Stands::lost)
+      problems.push_back(
+          {where, "it was lost before it confirmed the " + plan_.name, "check its machine and network"});
+    else if (all[i] == Stands::undone)
+      problems.push_back({where, "it has undone the " + plan_.name, ""});
+  }
+  return !problems.empty() && cancelled() ? cancelled_problem() : problems;
+}
+
+Coordinator::Stands Coordinator::stands(const std::vector<wire::ObservedDevice>& seen,
+                                        const std::string& device) const {
+  Stands found = Stands::lost;
+  for (const wire::ObservedDevice& one : seen) {
+    if (!one.alive || one.name() != device) continue;
+    const DeviceStatus& status = one.status;
+    const bool has_t0 = status.transaction() == plan_.id && status.t0_ns() == t0_ns_;
+    if (!has_t0 || status.stage() == STAGE_UNDONE || status.undeployed() == plan_.deployment) {
+      // Before T0, an older status may still be on its way.
+      if (found == Stands::lost) found = wall_ns() > t0_ns_ ? Stands::undone : Stands::undecided;
+    } else {
+      found = status.stage() == STAGE_FINAL ? Stands::final : Stands::undecided;
+    }
+  }
+  return found;
+}
+
+bool Coordinator::is_alive(const std::string& device) const {
+  const auto seen = sender_.observer().devices(device);
+  return std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& one) { return one.alive; });
+}
+
+std::size_t Coordinator::in_stage(TransactionStage stage) const {
+  std::set<std::string> found;
+  for (const wire::ObservedDevice& seen : sender_.observer().devices()) {
+    if (seen.alive && seen.status.transaction() == plan_.id && seen.status.stage() == stage)
+      found.insert(seen.name());
+  }
+  return found.size();
+}
+
+}  // namespace takt::client

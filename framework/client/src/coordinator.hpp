@@ -1,0 +1,83 @@
+// Leads the devices of a cell through a deployment or an update.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <takt/client/operator.hpp>
+#include <takt/core/result.hpp>
+#include <takt/core/time.hpp>
+#include <takt/model/cell.hpp>
+
+namespace takt::client {
+
+/// What a coordinator needs to know about its deployment or update.
+struct Plan {
+  const model::Cell& cell;                            ///< the new cell
+  std::string name;                                   ///< "deployment" or "update"
+  std::string id;                                     ///< id of the deployment or update
+  std::string deployment;                             ///< id of the cell's deployment
+  std::vector<std::string> devices;                   ///< all devices that take part
+  std::map<std::string, std::int32_t> process_ids{};  ///< see DeployOptions
+  std::function<void(const std::string&)> progress{};
+  std::function<bool()> cancelled{};
+};
+
+/// Sends the devices each command when all of them have answered the command before, and finally T0. The
+/// devices then decide together.
+class Coordinator {
+ public:
+  using Answers = std::vector<Result<wire::WholeReply>>;
+
+  Coordinator(Operator& sender, Plan plan) : sender_(sender), plan_(std::move(plan)) {}
+
+  [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
+  [[nodiscard]] Operator& sender() const noexcept { return sender_; }
+  /// True if the devices may have received T0. From then on, they decide together.
+  [[nodiscard]] bool run_sent() const noexcept { return run_sent_; }
+  /// T0 on the wall clock, in ns since 1970.
+  [[nodiscard]] std::int64_t t0_ns() const noexcept { return t0_ns_; }
+  [[nodiscard]] bool cancelled() const { return plan_.cancelled && plan_.cancelled(); }
+  void show_progress(const std::string& text) const {
+    if (plan_.progress) plan_.progress(text);
+  }
+
+  /// Returns a command to a device. By default, the device may take as long for it as it needs.
+  [[nodiscard]] CommandRequest request(CommandKind kind, const std::string& device) const;
+  /// Returns a command to each device.
+  [[nodiscard]] std::vector<CommandRequest> requests(CommandKind kind) const;
+  /// Sends the commands and returns the answers in the order of the requests. Keeps the devices from undoing
+  /// everything in the meantime.
+  Answers send(const std::vector<CommandRequest>& requests, bool may_be_cancelled = true);
+  /// Returns the problems in the answers, each problem only once, because several devices may report the same
+  /// problem of the whole cell; or only that the user has cancelled. Stores the answers with REPLY_OK in
+  /// `replies`.
+  Problems problems_in(const std::vector<CommandRequest>& requests, Answers answers,
+                       std::vector<wire::WholeReply>* replies = nullptr) const;
+  /// Sends the devices T0, and waits until each of them is final. Returns the reasons why one is not. The T0
+  /// lies the further ahead, the longer the devices took for the command before.
+  Problems run();
+  /// Returns true if the device has a live node.
+  [[nodiscard]] bool is_alive(const std::string& device) const;
+  /// Returns how many devices are known to be in this stage of the deployment or update.
+  [[nodiscard]] std::size_t in_stage(TransactionStage stage) const;
+
+ private:
+  enum class Stands { final, undone, undecided, lost };
+  [[nodiscard]] Stands stands(const std::vector<wire::ObservedDevice>& seen, const std::string& device) const;
+  [[nodiscard]] Problems decided() const;
+  [[nodiscard]] Problems cancelled_problem() const;
+  void keep_alive();
+
+  Operator& sender_;
+  Plan plan_;
+  Nanoseconds took_{0};  // how long the devices took for the last command
+  std::chrono::steady_clock::time_point sent_at_{};
+  bool run_sent_ = false;
+  std::int64_t t0_ns_ = 0;
+};
+
+}  // namespace takt::client
