@@ -11,7 +11,7 @@ import sys
 
 NOW = 1_700_000_005_000_000_000
 (REPORT, DESCRIPTOR, DESCRIBE, PREPARE, RUN, UNDEPLOY, INITIALIZE, START, STOP, RECOVER, RESET, DESTRUCT, GET, SET, TAP,
- LOG, TRACE, SWAP, UPDATE, CHANGE, PUT_BACK, CONNECT) = range(22)
+ LOG, TRACE, SWAP, CHANGE, PUT_BACK) = range(20)
 CELL = """<cell name="cell"><device name="robot">
 <module><name>servo</name><filename>servo.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
 <period>1000000</period><priority>1</priority><property><value name="gain">1</value></property></module></device></cell>"""
@@ -82,17 +82,24 @@ def module(state):
     return b"m" + counted(cdr.bytes())
 
 
-PREPARED = command(PREPARE, data=CELL.encode(), value="cell.xml")
 SAFE = [{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]
-RUNNING = PREPARED + b"ir" + command(CONNECT, data=json.dumps(SAFE).encode()) + command(RUN, time=NOW + 5 * 10**8) + b"t\x09s\3"
+
+
+def prepare(name, text=CELL):
+    return command(PREPARE, data=text.encode(), name=name, value="cell.xml")
+
+
+def change(*devices, name="u", time=NOW):
+    return command(CHANGE, name=name, time=time, data=json.dumps({"devices": devices or ("robot",), "safe": SAFE}).encode())
 
 
 def update(gain):
-    return command(UPDATE, data=CELL.replace('"gain">1', gain).encode(), name="u", value="cell.xml")
+    return prepare("u", CELL.replace('"gain">1', gain))
 
 
-def change(*devices):
-    return command(CHANGE, name="u", time=NOW, data=json.dumps({"devices": devices or ("robot",), "safe": SAFE}).encode())
+PREPARED = prepare("d1")
+STARTING = PREPARED + b"i" + change(name="d1", time=0)
+RUNNING = STARTING + b"r" + command(RUN, name="d1", time=NOW + 5 * 10**8) + b"t\x09s\3"
 
 
 KEPT = command(RUN, name="u", time=NOW + 10**9) + b"t\x0a"
@@ -105,17 +112,17 @@ COMMANDS = {
     command(SET, module="servo", name="gain", value="2.5") + b"o\0" + command(TAP, module="servo", name="out", time=NOW + 10**10),
     "errors": RUNNING + command(RECOVER, module="servo") + command(RESET, module="servo") + command(DESTRUCT) +
     command(INITIALIZE) + b"o\1" + b"e" + command(REPORT) + command(UNDEPLOY),
-    "describe": PREPARED + b"i" + command(DESCRIBE) + b"i" + command(DESCRIBE) + command(UNDEPLOY),
+    "describe": STARTING + command(DESCRIBE) + b"i" + command(DESCRIBE) + command(UNDEPLOY),
     "descriptor": command(DESCRIPTOR) + RUNNING + command(DESCRIPTOR),
     "describing": RUNNING + command(DESCRIBE) + command(UNDEPLOY),
-    "refused": PREPARED + b"f" + command(PREPARE, data=b"<cell>") + command(RUN) + command(START, deadline=1),
+    "refused": PREPARED + b"f" + prepare("d2", "<cell>") + command(RUN) + command(START, deadline=1),
     "log": command(LOG, data=json.dumps({"module": "servo", "kinds": ["error", "overrun"], "after": 1, "since_ns": 5,
                                          "last": 10}).encode()) + command(TRACE, value="1000000"),
     "trace": RUNNING + command(TRACE, value="1000000"),
     "others": RUNNING + device(RUNNING_STATE) + module(3) + b"t\x0a" + command(REPORT) + b"l" + device(ENDED, health=2, stops=True) + b"g",
     "undeployed": RUNNING + command(UNDEPLOY) + b"e" + device(RUNNING_STATE) + device(WAITING, deployment="", undeployed="d1"),
-    "namesake": device(WAITING, name="robot", deployment="") + command(PREPARE, data=CELL.encode()),
-    "never": PREPARED + b"ir" + b"t\x0f" + b"t\x0f" + b"e",
+    "namesake": device(WAITING, name="robot", deployment="") + PREPARED,
+    "never": STARTING + b"r" + b"t\x0f" + b"t\x0f" + b"e",
     "swap": RUNNING + command(SWAP, module="servo", value="servo2.so") + b"i" + b"o\0",
     "in_place": RUNNING + update('"gain">2').replace(b"servo.so", b"serv2.so") + b"i" + change() + b"o\0" * 3 + KEPT + command(REPORT),
     "put_back": RUNNING + update('"gain">2') + b"i" + change() + b"o\0" * 2 + command(PUT_BACK, name="u") + b"o\0",

@@ -71,7 +71,7 @@ void Agent::step() {
   check_undeployed();
   check_disk();
   check_inspection();
-  step_transaction();
+  step_gone();
   step_supervised();
   check_description();
   check_swap();
@@ -117,7 +117,7 @@ void Agent::check_cell() {
 
 DeviceStatus Agent::status() const {
   DeviceStatus status;
-  const Deployment* const d = deployment_.get();
+  const Deployment* const d = present();
   const std::string cell = d == nullptr ? std::string{wire::kNoCell} : d->cell.name;
   wire::set(status.path(), wire::path_of(cell, options_.device));
   wire::set(status.cell(), cell);
@@ -143,6 +143,9 @@ DeviceStatus Agent::status() const {
   if (d != nullptr && d->supervised) {
     const Supervised& supervised = *d->supervised;
     const Standing standing = supervised.standing();
+    // The new deployment of an update that is not final
+    const transaction::State* const begins =
+        update_ && update_->is_after() ? &update_->transaction().state : nullptr;
     status.real_time(standing.real_time);
     status.host_process_id(standing.host_pid);
     status.host_restarts(standing.host_restarts);
@@ -151,12 +154,13 @@ DeviceStatus Agent::status() const {
       case Phase::preparing:
         break;
       case Phase::ready:
-        status.state(d->stage() == transaction::Stage::prepared ? DEVICE_READY : DEVICE_ARMED);
+        status.state(begins == nullptr || begins->stage == transaction::Stage::prepared ? DEVICE_READY
+                                                                                        : DEVICE_ARMED);
         break;
       case Phase::running:
-        status.state(d->is_final()                                           ? DEVICE_RUNNING
-                     : time_of(d->transaction) >= d->transaction.state.t0_ns ? DEVICE_STARTED
-                                                                             : DEVICE_ARMED);
+        status.state(begins == nullptr                                  ? DEVICE_RUNNING
+                     : time_of(update_->transaction()) >= begins->t0_ns ? DEVICE_STARTED
+                                                                        : DEVICE_ARMED);
         break;
       case Phase::stopping:
         status.state(DEVICE_STOPPING);
@@ -168,7 +172,7 @@ DeviceStatus Agent::status() const {
     const bool ends = supervised.phase() == Phase::stopping || supervised.phase() == Phase::ended;
     if (ends && !supervised.failures().empty()) {
       status.health(HEALTH_FAILED);
-      status.stops_cell(supervised.stops_cell());
+      status.stops_cell(d->began && supervised.stops_cell());
       text = to_text(supervised.failures()[0]);
     } else if (!ends && !standing.faulty.empty()) {
       status.health(HEALTH_DEGRADED);

@@ -2,19 +2,66 @@
 // other, or it ends the present deployment and starts the new one.
 #include <utility>
 
+#include "clocks.hpp"
+#include "limits.hpp"
 #include "update.hpp"
 
 namespace takt::agent {
 
 using model::Change;
+using Phase = Supervised::Phase;
 
-// While an update is in progress, the device runs as part of the transaction before, which is final.
+// While an update is in progress, the device runs as part of the transaction before.
 void Agent::begin_again(const Deployment& description, const Transaction& transaction) {
   last_refusal_.clear();
   deployment_ = description.afresh();
   deployment_->transaction = transaction;
   log("preparing cell " + deployment_->cell.name);
   bring_up();
+}
+
+// Waits until this node has found the nodes of all other devices, with which it decides whether the devices
+// begin, has compared its clock with theirs, and is connected to them. Undoes the update if this takes too
+// long, or if the clocks differ too much: the devices begin at the same time of their wall clocks.
+void Agent::Update::connect() {
+  const Supervised& supervised = *agent_.deployment_->supervised;
+  if (supervised.phase() != Phase::ready) return;
+  const Instant now = agent_.options_.now();
+  if (!ready_since_) {
+    ready_since_ = now;
+    renewed_ = now;
+  }
+  bool others_ready = true;
+  for (const std::string& device : after_->transaction.devices) {
+    if (device == agent_.options_.device) continue;
+    bool found = false;
+    for (const auto& [status, alive] : agent_.others_.of_device(device)) {
+      if (!alive) continue;
+      found = true;
+      others_ready &= status.state() != DEVICE_PREPARING && status.state() != DEVICE_STOPPING;
+    }
+    const auto clock = agent_.ahead(device);
+    if (found && clock && differ(*clock))
+      return undo({fail(difference_text(agent_.options_.device, device, *clock))});
+    if (found && clock) continue;
+    if (now - *ready_since_ <= kOthersFound) return;
+    return undo({fail((found ? "it has had no answer from device " : "it has not found device ") + device +
+                      "; check the network between the two devices")});
+  }
+  const std::string unmatched = supervised.unmatched();
+  if (unmatched.empty()) return changed();
+  if (!connecting_since_ || !others_ready) connecting_since_ = now;
+  if (now - *connecting_since_ > kConnected)
+    undo({fail("the connection " + unmatched + " could not be made; check the network between the devices")});
+}
+
+// Lets the modules that the update has started begin at T0.
+void Agent::Update::begin() {
+  if (!is_after_ || agent_.deployment_->began) return;
+  after_->take_t0();
+  agent_.deployment_->t0_ns = after_->t0_ns;
+  agent_.deployment_->t0 = after_->t0;
+  agent_.go();
 }
 
 // Sets the property of a module to `value`, or swaps the module to the file `value`.
@@ -128,13 +175,6 @@ void Agent::Update::bring_back() {
   is_after_ = false;
   if (before_)
     agent_.begin_again(*before_, before_->transaction);
-  else
-    undone();
-}
-
-void Agent::Update::brought_up() {
-  if (stage_ == Stage::changing)
-    changed();
   else
     undone();
 }

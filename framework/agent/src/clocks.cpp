@@ -83,8 +83,8 @@ std::optional<ClockBounds> Agent::ahead(const std::string& device) const {
 // Returns how far the clock of this device is ahead of the clock of the first device of the cell; null if
 // this is not known, and for a cell of one device.
 json Agent::clock_report() const {
-  if (!deployment_ || deployment_->cell.devices.size() < 2) return nullptr;
-  const std::string& first = deployment_->cell.devices.front().name;
+  if (present() == nullptr || present()->cell.devices.size() < 2) return nullptr;
+  const std::string& first = present()->cell.devices.front().name;
   const auto bounds = first == options_.device ? ClockBounds{} : ahead(first);
   if (!bounds) return nullptr;
   return {{"reference", first},

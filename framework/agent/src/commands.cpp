@@ -52,11 +52,10 @@ namespace {
 /// report, which shows the conflict.
 bool is_ambiguous(const Command& command) {
   switch (command.kind()) {
-    case COMMAND_CONNECT:
-    case COMMAND_RUN:
     case COMMAND_UNDEPLOY:
       return command.deployment().size() == 0;
     case COMMAND_CHANGE:
+    case COMMAND_RUN:
     case COMMAND_PUT_BACK:
     case COMMAND_REPORT:
       return false;
@@ -95,10 +94,14 @@ void Agent::receive(const wire::WholeCommand& command) {
       return describe(head);
     case COMMAND_PREPARE:
       return prepare(command);
-    case COMMAND_CONNECT:
-      return connect(command);
+    case COMMAND_CHANGE:
+      if (Update* const update = update_of(head)) update->change(command);
+      return;
     case COMMAND_RUN:
-      return run(head);
+      if (Update* const update = update_of(head)) update->run(head);
+      return;
+    case COMMAND_PUT_BACK:
+      return put_back(head);
     case COMMAND_UNDEPLOY:
       return undeploy(head);
     case COMMAND_INITIALIZE:
@@ -124,13 +127,6 @@ void Agent::receive(const wire::WholeCommand& command) {
       return trace(head);
     case COMMAND_SWAP:
       return swap(head);
-    case COMMAND_UPDATE:
-      return update(command);
-    case COMMAND_CHANGE:
-      if (Update* const update = update_of(head)) update->change(command);
-      return;
-    case COMMAND_PUT_BACK:
-      return put_back(head);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));
@@ -138,9 +134,7 @@ void Agent::receive(const wire::WholeCommand& command) {
 
 void Agent::report(const Command& command) {
   // While this device waits for slower devices, `takt deploy` sends this request as a keep-alive.
-  if (deployment_ && deployment_->ready_since && deployment_->id == command.deployment().to_string())
-    deployment_->ready_since = options_.now();
-  if (update_ && update_->leads_to(command.deployment().to_string())) update_->renew();
+  if (update_ && update_->after().id == command.deployment().to_string()) update_->renew();
   json report{{"name", options_.device},
               {"alive", true},
               {"real_time", options_.real_time},
@@ -156,8 +150,9 @@ void Agent::report(const Command& command) {
     }
   }
   const DeviceStatus now = status();
-  report["cell"] = deployment_ ? json(deployment_->cell.name) : json(nullptr);
-  report["deployment"] = deployment_ ? json(deployment_->id) : json(nullptr);
+  const Deployment* const d = present();
+  report["cell"] = d != nullptr ? json(d->cell.name) : json(nullptr);
+  report["deployment"] = d != nullptr ? json(d->id) : json(nullptr);
   report["update"] =
       deployment_ && !deployment_->update().empty() ? json(deployment_->update()) : json(nullptr);
   report["stage"] = newest_transaction() != nullptr ? json(takt::to_text(now.stage())) : json(nullptr);
@@ -166,7 +161,7 @@ void Agent::report(const Command& command) {
   if (now.text().size() != 0 && now.text().to_string() != name_clash_)
     report["text"] = now.text().to_string();
   report["lost"] = lost_devices();
-  report["devices"] = deployment_ ? json(model::device_names(deployment_->cell)) : json::array();
+  report["devices"] = d != nullptr ? json(model::device_names(d->cell)) : json::array();
   report["heard"] = json::array();
   for (const wire::ObservedDevice& other : others_.devices()) {
     if (other.alive) report["heard"].push_back(other.node());

@@ -44,29 +44,23 @@ struct Agent::Deployment {
                                                                   ///< deployment
   std::vector<LifecycleStatus> modules;  ///< the status of each module, as published last
 
-  std::vector<Command> preparers;    ///< commands to be answered when every module is in START, or on failure
-  std::vector<Command> connectors;   ///< commands to be answered when every connection is made, or on failure
   std::vector<Command> undeployers;  ///< commands to be answered when the deployment has ended
-  std::optional<Instant> prepared_at;       ///< when every module was in START
-  std::optional<Instant> ready_since;       ///< since when this node has also found all other devices
-  std::optional<Instant> connecting_since;  ///< when the first of `connectors` arrived
-  Transaction transaction;                  ///< the transaction that led to this descriptor
+  Transaction transaction;           ///< the transaction that led to this descriptor
   std::int64_t t0_ns = 0;  ///< the time from which releases are counted, on the wall clock; 0: not known yet
   std::optional<Instant> t0;  ///< the same time on the monotonic clock, converted once
   std::string safe;           ///< safe values of the cell's outputs, in the format of model::parse_safe()
   std::string undone;  ///< the reason why the agent ends the deployment without a command; empty if the
                        ///< agent does not
-  bool ended_elsewhere = false;  ///< `undone` says that the deployment was undeployed on another device
-  bool stopped = false;          ///< an operator, another device or the node has stopped it
-  bool over = false;             ///< true: the deployment has ended by itself; its status can still be read
-  bool replaced = false;         ///< ends because the update in Agent::gone_ is final
+  bool began = false;  ///< the modules have T0
+  bool undone_elsewhere = false;  ///< `undone` says that another device has undone the deployment
+  bool ended_elsewhere = false;   ///< `undone` says that the deployment was undeployed on another device
+  bool stopped = false;           ///< an operator, another device or the node has stopped it
+  bool over = false;              ///< true: the deployment has ended by itself; its status can still be read
+  bool replaced = false;          ///< ends because the update in Agent::gone_ is final
 
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
-  [[nodiscard]] transaction::Stage stage() const { return transaction.state.stage; }
-  [[nodiscard]] bool is_final() const { return stage() == transaction::Stage::final; }
-  /// True if the device is going to begin, or has begun.
-  [[nodiscard]] bool has_begun() const { return stage() == transaction::Stage::running || is_final(); }
-  /// Id of the last update of this deployment; empty if there was none.
+  [[nodiscard]] bool is_final() const { return transaction.state.stage == transaction::Stage::final; }
+  /// Returns the id of the last update of this deployment, or an empty string if it was never updated.
   [[nodiscard]] std::string update() const { return transaction.id == id ? std::string{} : transaction.id; }
   /// Returns true if the device is part of the cell that the descriptor describes. False after an update has
   /// removed the device.

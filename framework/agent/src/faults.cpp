@@ -25,8 +25,7 @@ std::string command_text(const Command& command) {
   std::string text = takt::to_text(command.kind());
   if (command.kind() == COMMAND_SET)
     text += " " + command.property().to_string() + " = " + command.value().to_string();
-  if (command.kind() == COMMAND_SWAP || command.kind() == COMMAND_UPDATE)
-    text += " to " + command.value().to_string();
+  if (command.kind() == COMMAND_SWAP) text += " to " + command.value().to_string();
   return text;
 }
 

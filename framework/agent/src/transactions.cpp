@@ -1,5 +1,5 @@
-// Decides, by the rules of the room `transaction`, about the deployment or update in which this device takes
-// part, and follows the decisions of the other devices.
+// Decides, by the rules of the room `transaction`, about an update in which this device takes part, and
+// follows the decisions of the other devices later.
 #include <algorithm>
 #include <utility>
 
@@ -8,28 +8,7 @@
 
 namespace takt::agent {
 
-using Phase = Supervised::Phase;
 using transaction::Stage;
-
-// Accepts T0 from the operator.
-void Agent::run(const Command& command) {
-  if (command.property().size() != 0) {
-    if (Update* const update = update_of(command)) update->run(command);
-    return;
-  }
-  if (!is_prepared(command)) return;
-  Deployment& d = *deployment_;
-  if (d.stage() == Stage::prepared && (!d.transaction.complete || d.supervised->phase() != Phase::ready)) {
-    answer(command, REPLY_REFUSED, occupied());
-    return;
-  }
-  const auto accepted = receive_t0(d.transaction, command.time_ns());
-  d.take_t0();
-  if (accepted)
-    answer(command, REPLY_OK, "");
-  else
-    answer(command, REPLY_REFUSED, in_words(accepted.problems()));
-}
 
 Result<void> Agent::receive_t0(Transaction& transaction, std::int64_t t0_ns) {
   const auto accepted = transaction::receive_t0(transaction.state, t0_ns, time_of(transaction));
@@ -79,23 +58,6 @@ const Agent::Transaction* Agent::newest_transaction() const {
   if (update_) return &update_->transaction();
   if (gone_) return &gone_->transaction;
   return deployment_ ? &deployment_->transaction : nullptr;
-}
-
-// Carries out what the devices decide. A deployment or update is on disk before the device can be armed, and
-// that it is final is on disk before the device publishes this. If the node is restarted in between, the
-// device has failed. So between T0's arrival and T0 nothing waits for the disk.
-void Agent::step_transaction() {
-  step_gone();
-  if (update_ || !deployment_) return;
-  Deployment& d = *deployment_;
-  while (d.undone.empty() && d.undeployers.empty()) {
-    const Stage before = d.stage();
-    if (!decide(d.transaction, d.ready_since)) return;
-    d.take_t0();
-    if (d.stage() == Stage::undone)
-      return undo((before == Stage::prepared ? "" : "not all devices run: ") + d.transaction.state.why);
-    if (d.stage() == Stage::final) keep_for_restart();
-  }
 }
 
 // Goes forward again if another device is final. Once no device can go the other way any more, the agent

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include <takt/wire/words.hpp>
-#include "deployment.hpp"
 #include "limits.hpp"
+#include "update.hpp"
 
 namespace takt::agent {
 
@@ -41,7 +41,7 @@ void Agent::check_names() {
     both_execute_since_.reset();
   else if (!both_execute_since_)
     both_execute_since_ = options_.now();
-  if (twin && (deployment_ || resuming_) && gives_way_to(*twin))
+  if (twin && (present() != nullptr || resuming_) && gives_way_to(*twin))
     give_way();
   else
     check_resume();
@@ -72,9 +72,9 @@ std::chrono::seconds Agent::uninterrupted() const {
 // execute. Both nodes decide this by the same published numbers.
 bool Agent::gives_way_to(const DeviceStatus& other) const {
   const DeviceState state = other.state();
-  if (!deployment_) return state != DEVICE_WAITING;
+  if (present() == nullptr) return state != DEVICE_WAITING;
   const bool has_smaller_id = other.node().to_string() < options_.node;
-  if (!deployment_->supervised || deployment_->supervised->phase() != Phase::running) {
+  if (!deployment_ || !deployment_->supervised || deployment_->supervised->phase() != Phase::running) {
     const bool begins = state == DEVICE_PREPARING || state == DEVICE_READY || state == DEVICE_ARMED;
     return wire::executes(other) || state == DEVICE_STOPPING || (begins && has_smaller_id);
   }
@@ -88,7 +88,7 @@ bool Agent::gives_way_to(const DeviceStatus& other) const {
 }
 
 void Agent::give_way() {
-  if (!deployment_) {
+  if (present() == nullptr) {
     if (!waits_since_) {
       waits_since_ = options_.now();
       log("this node waits and does not restore its deployment, until the other node has been gone for " +
@@ -98,11 +98,10 @@ void Agent::give_way() {
     resume_at_ = std::max(resume_at_, options_.now() + (lives ? kTwinBack : Nanoseconds{0}));
     return;
   }
-  Deployment& d = *deployment_;
+  const Deployment& d = *present();
   const bool is_over = d.over || !d.undone.empty() || !d.undeployers.empty() || ending_;
   if (is_over || (d.supervised && d.supervised->phase() >= Phase::stopping)) return;
-  const bool restored = d.stage() != transaction::Stage::prepared && !d.ready_since;
-  if (!restored && !both_execute_since_) return undo(name_clash_);
+  if (update_ && update_->is_deployment() && !both_execute_since_) return update_->undo({fail(name_clash_)});
   if (!d.supervised) {
     deployment_.reset();
     resume();

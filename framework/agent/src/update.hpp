@@ -1,4 +1,4 @@
-// Changes the deployment of this device to a new descriptor (takt deploy --update).
+// Changes the deployment of this device to a new descriptor.
 #pragma once
 
 #include <functional>
@@ -12,9 +12,9 @@
 
 namespace takt::agent {
 
-/// An update of the agent's deployment. The agent checks the update, and makes the changes when the client
-/// commands this. It then keeps or undoes the changes, as the devices of the cell decide together
-/// (transactions.cpp).
+/// An update of the agent's deployment; a new deployment is an update from nothing. The agent checks the
+/// update, and makes the changes when the client commands this. It then keeps or undoes the changes, as the
+/// devices of the cell decide together (transactions.cpp). Modules that the update starts begin at T0.
 class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
  public:
   Update(Agent& agent, const wire::WholeCommand& command);
@@ -27,8 +27,12 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   [[nodiscard]] const Deployment* before() const {
     return before_ ? before_.get() : is_after_ ? nullptr : agent_.deployment_.get();
   }
-  /// True if `deployment` is the id of the new deployment.
-  [[nodiscard]] bool leads_to(const std::string& deployment) const { return after_->id == deployment; }
+  /// True if this is a new deployment.
+  [[nodiscard]] bool is_deployment() const { return after_->update().empty(); }
+  /// True if `after()` was started, or is being started.
+  [[nodiscard]] bool is_after() const noexcept { return is_after_; }
+  /// True if the update is being undone.
+  [[nodiscard]] bool is_undoing() const noexcept { return stage_ == Stage::undoing; }
   /// True if the update is ending the old deployment or starting the new one, or is undoing these steps.
   [[nodiscard]] bool in_transit() const {
     const bool moves = stage_ == Stage::changing || stage_ == Stage::undoing;
@@ -52,14 +56,19 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
 
   /// Undoes everything that the update has changed.
   void undo(const Problems& problems);
+  /// Called when the present deployment is ending by itself. Undoes the update if the new deployment has
+  /// failed before T0.
+  void device_fails(const Problems& failures);
   /// Called when the present deployment has ended by itself. Undoes the update if the deployment is the new
-  /// one, unless its failure stops the cell.
+  /// one, unless its failure stops the cell. A new deployment has no update to undo: if it fails after T0, it
+  /// fails as a running device does.
   void device_ended(const Problems& failures, bool stops_cell);
   /// Ends the update, because the deployment that it changes has ended.
   void drop(const std::string& why);
   /// Called when the old deployment has ended, or when the new deployment has ended or could not be started.
   void taken_down(const Problems& problems);
-  void brought_up();
+  /// Ends the update when everything is undone.
+  void undone();
 
  private:
   enum class Stage {
@@ -70,20 +79,22 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
     undoing,
   };
 
-  // Checks (updates.cpp)
+  // The steps of the update (updates.cpp)
   void inspected(const Result<Inspected>& result);
-  void add_rebuilt(const Inspected& found);
-  void judge_in_place(const Inspected& found);
-  [[nodiscard]] Result<void> may_change_in_place() const;
   void changed();
   /// Records why the update is undone. From now on, the other devices hear that it is.
   void note_undone(const Problems& problems);
-  void undone();
   void kept();
+  // What the update changes on this device (differences.cpp)
+  void add_rebuilt(const Inspected& found);
+  void judge_in_place(const Inspected& found);
+  [[nodiscard]] Result<void> may_change_in_place() const;
   // How the update is carried out and undone (changes.cpp)
   void apply_change(const model::ModuleChange& change, const std::string& value,
                     const std::function<void(const Outcome&)>& done);
   void note_build(std::size_t index);
+  void connect();
+  void begin();
   void change_next();
   void undo_last();
   void bring_back();
@@ -99,11 +110,13 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   std::vector<std::string> replaced_;   ///< for a change in place: the old value or file of each module that
                                         ///< was changed so far
   std::unique_ptr<Inspection> inspection_;
-  std::optional<Command> asker_;   ///< a command to be answered after the present stage
-  std::optional<Command> undoer_;  ///< a command to be answered when the update is undone
-  Instant renewed_{};              ///< when the updating client's last message arrived
-  Problems reasons_;               ///< why the update is undone
-  Problems left_;                  ///< changes that could not be undone
+  std::optional<Command> asker_;             ///< a command to be answered after the present stage
+  std::optional<Command> undoer_;            ///< a command to be answered when the update is undone
+  Instant renewed_{};                        ///< when the updating client's last message arrived
+  std::optional<Instant> ready_since_;       ///< since when all modules of the new deployment are in START
+  std::optional<Instant> connecting_since_;  ///< since when all devices make their connections
+  Problems reasons_;                         ///< why the update is undone
+  Problems left_;                            ///< changes that could not be undone
 };
 
 }  // namespace takt::agent

@@ -5,11 +5,18 @@
 #include <set>
 #include <utility>
 
+#include <takt/client/answer_data.hpp>
+#include <takt/model/json.hpp>
+#include <takt/model/ports.hpp>
+#include <takt/model/safe.hpp>
+#include <takt/wire/words.hpp>
 #include "answers.hpp"
 
 namespace takt::client {
 
 namespace {
+
+using json = nlohmann::ordered_json;
 
 constexpr Nanoseconds kShortestLead = std::chrono::milliseconds{500};
 constexpr Nanoseconds kLongestLead = std::chrono::milliseconds{1000};
@@ -28,7 +35,7 @@ CommandRequest Coordinator::request(CommandKind kind, const std::string& device)
   CommandRequest request{.kind = kind,
                          .device = device,
                          .deployment = plan_.deployment,
-                         .property = plan_.id == plan_.deployment ? "" : plan_.id,
+                         .property = plan_.id,
                          .limit = std::nullopt};
   const auto process = plan_.process_ids.find(device);
   if (process != plan_.process_ids.end()) request.process_id = process->second;
@@ -42,14 +49,11 @@ std::vector<CommandRequest> Coordinator::requests(CommandKind kind) const {
 }
 
 Coordinator::Answers Coordinator::send(const std::vector<CommandRequest>& requests, bool may_be_cancelled) {
-  const auto begin = std::chrono::steady_clock::now();
-  sent_at_ = begin;
-  Answers answers = sender_.send(requests, [&] {
+  sent_at_ = std::chrono::steady_clock::now();
+  return sender_.send(requests, [&] {
     keep_alive();
     return may_be_cancelled && cancelled();
   });
-  took_ = std::chrono::steady_clock::now() - begin;
-  return answers;
 }
 
 void Coordinator::keep_alive() {
@@ -60,15 +64,11 @@ void Coordinator::keep_alive() {
   static_cast<void>(sender_.send(all));
 }
 
-Problems Coordinator::problems_in(const std::vector<CommandRequest>& requests, Answers answers,
-                                  std::vector<wire::WholeReply>* replies) const {
+Problems Coordinator::problems_in(const std::vector<CommandRequest>& requests, const Answers& answers) const {
   Problems problems;
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    const auto answer = accepted(std::move(answers[i]));
-    if (answer) {
-      if (replies != nullptr) replies->push_back(*answer);
-      continue;
-    }
+    const auto answer = accepted(answers[i]);
+    if (answer) continue;
     for (const Problem& problem : answer.problems()) {
       // A problem that cites a line of the descriptor needs no device name.
       const bool of_file = !plan_.cell.file.empty() && problem.where.find(':') != std::string::npos;
@@ -79,13 +79,60 @@ Problems Coordinator::problems_in(const std::vector<CommandRequest>& requests, A
   return cancelled() ? cancelled_problem() : problems;
 }
 
+Problems Coordinator::prepare(const std::string& text,
+                              const std::function<void(const std::string&, const json&)>& read) {
+  auto all = requests(COMMAND_PREPARE);
+  for (CommandRequest& one : all) {
+    one.value = wire::cut(plan_.cell.file, 255);
+    one.data = text;
+  }
+  const Answers answers = send(all);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (answers[i] && answers[i]->head.code() == REPLY_REFUSED) rejecting_.insert(all[i].device);
+  }
+  if (Problems problems = problems_in(all, answers); !problems.empty()) return problems;
+  std::vector<wire::WholeReply> replies;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    replies.push_back(*answers[i]);
+    if (!read) continue;
+    const auto done =
+        read_answer(all[i].device, replies[i].data, [&](const json& answer) { read(all[i].device, answer); });
+    if (!done) return done.problems();
+  }
+  const auto ports = ports_of(plan_.cell, replies);
+  if (!ports) return ports.problems();
+  safe_ = model::safe_json(model::safe_outputs(plan_.cell, *ports));
+  return model::check_connections(plan_.cell, *ports);
+}
+
+Problems Coordinator::change(std::int64_t t0_ns, bool require_real_time) {
+  auto all = requests(COMMAND_CHANGE);
+  for (CommandRequest& one : all) {
+    one.time_ns = t0_ns;
+    one.value = require_real_time ? wire::kRequireRealTime : "";
+    one.data = model::json_text({{"devices", plan_.devices}, {"safe", model::parse_json(safe_)}});
+  }
+  const Answers answers = send(all);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (answers[i] && answers[i]->head.code() == REPLY_FAILED &&
+        answers[i]->head.value() != std::string{wire::kAsBefore})
+      not_restored_.insert(all[i].device);
+  }
+  return problems_in(all, answers);
+}
+
 Problems Coordinator::cancelled_problem() const {
   return {fail("the " + plan_.name + " was cancelled before all devices were " +
                (run_sent_ ? "final" : "ready"))};
 }
 
+// The longer the devices take to answer a question, the further ahead T0 lies.
 Problems Coordinator::run() {
-  t0_ns_ = wall_ns() + std::clamp(10 * took_, kShortestLead, kLongestLead).count();
+  const auto questions = requests(COMMAND_REPORT);
+  const auto begin = std::chrono::steady_clock::now();
+  if (Problems problems = problems_in(questions, send(questions)); !problems.empty()) return problems;
+  const Nanoseconds took = std::chrono::steady_clock::now() - begin;
+  t0_ns_ = wall_ns() + std::clamp(10 * took, kShortestLead, kLongestLead).count();
   auto all = requests(COMMAND_RUN);
   const Nanoseconds left = Nanoseconds{t0_ns_ - wall_ns()} - kConfirmed;
   for (CommandRequest& one : all) {

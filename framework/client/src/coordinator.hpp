@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include <takt/client/operator.hpp>
 #include <takt/core/result.hpp>
@@ -45,20 +48,23 @@ class Coordinator {
     if (plan_.progress) plan_.progress(text);
   }
 
+  /// Lets each device check the descriptor and its components, and then checks the connections between the
+  /// devices. `text` is the descriptor from which the cell was read. Calls `read` with each answer, which is
+  /// a JSON object.
+  Problems prepare(const std::string& text,
+                   const std::function<void(const std::string&, const nlohmann::ordered_json&)>& read = {});
+  /// Lets each device make its changes. `t0_ns` is the time from which releases are counted; 0: from T0.
+  Problems change(std::int64_t t0_ns, bool require_real_time);
+  /// The devices that have rejected the descriptor, so they have nothing to undo.
+  [[nodiscard]] const std::set<std::string>& rejecting() const noexcept { return rejecting_; }
+  /// The devices that could neither make nor undo their changes.
+  [[nodiscard]] const std::set<std::string>& not_restored() const noexcept { return not_restored_; }
   /// Returns a command to a device. By default, the device may take as long for it as it needs.
   [[nodiscard]] CommandRequest request(CommandKind kind, const std::string& device) const;
-  /// Returns a command to each device.
-  [[nodiscard]] std::vector<CommandRequest> requests(CommandKind kind) const;
   /// Sends the commands and returns the answers in the order of the requests. Keeps the devices from undoing
   /// everything in the meantime.
   Answers send(const std::vector<CommandRequest>& requests, bool may_be_cancelled = true);
-  /// Returns the problems in the answers, each problem only once, because several devices may report the same
-  /// problem of the whole cell; or only that the user has cancelled. Stores the answers with REPLY_OK in
-  /// `replies`.
-  Problems problems_in(const std::vector<CommandRequest>& requests, Answers answers,
-                       std::vector<wire::WholeReply>* replies = nullptr) const;
-  /// Sends the devices T0, and waits until each of them is final. Returns the reasons why one is not. The T0
-  /// lies the further ahead, the longer the devices took for the command before.
+  /// Sends the devices T0, and waits until each of them is final. Returns the reasons why one is not.
   Problems run();
   /// Returns true if the device has a live node.
   [[nodiscard]] bool is_alive(const std::string& device) const;
@@ -66,6 +72,12 @@ class Coordinator {
   [[nodiscard]] std::size_t in_stage(TransactionStage stage) const;
 
  private:
+  /// Returns a command to each device.
+  [[nodiscard]] std::vector<CommandRequest> requests(CommandKind kind) const;
+  /// Returns the problems in the answers, each problem only once, because several devices may report the same
+  /// problem of the whole cell; or only that the user has cancelled.
+  [[nodiscard]] Problems problems_in(const std::vector<CommandRequest>& requests,
+                                     const Answers& answers) const;
   enum class Stands { final, undone, undecided, lost };
   [[nodiscard]] Stands stands(const std::vector<wire::ObservedDevice>& seen, const std::string& device) const;
   [[nodiscard]] Problems decided() const;
@@ -74,7 +86,10 @@ class Coordinator {
 
   Operator& sender_;
   Plan plan_;
-  Nanoseconds took_{0};  // how long the devices took for the last command
+  std::set<std::string> rejecting_;
+  std::set<std::string> not_restored_;
+  std::string safe_;  // safe values of all outputs of the cell, as JSON; each device gets all values, because
+                      // it knows only its own
   std::chrono::steady_clock::time_point sent_at_{};
   bool run_sent_ = false;
   std::int64_t t0_ns_ = 0;

@@ -4,9 +4,6 @@
 #include <set>
 
 #include <takt/core/words.hpp>
-#include <takt/model/json.hpp>
-#include <takt/model/ports.hpp>
-#include <takt/model/safe.hpp>
 #include <takt/wire/words.hpp>
 #include "answers.hpp"
 #include "coordinator.hpp"
@@ -22,9 +19,7 @@ class Deployment {
       : sender_(sender), cell_(cell), options_(options), coordinator_(sender, plan_of(cell, options)) {}
 
   Problems find();
-  Problems prepare(const std::string& text);
-  Problems connect();
-  Problems run() { return coordinator_.run(); }
+  Problems start(const std::string& text);
   /// Ends the deployment on all devices, and adds the reasons that the devices give to `problems`.
   Problems undo(Problems problems);
   [[nodiscard]] Deployed deployed() const {
@@ -48,8 +43,6 @@ class Deployment {
   const model::Cell& cell_;
   const DeployOptions& options_;
   Coordinator coordinator_;
-  std::string safe_;  // safe values of all outputs of the cell, as JSON; each device gets all values, because
-                      // it knows only its own
 };
 
 // Finds the node of each device. Each device must have exactly one node, and the node must not have a
@@ -121,31 +114,12 @@ Problems Deployment::find() {
   return problems;
 }
 
-Problems Deployment::prepare(const std::string& text) {
+Problems Deployment::start(const std::string& text) {
   coordinator_.show_progress("preparing " + std::to_string(cell_.devices.size()) +
                              (cell_.devices.size() == 1 ? " device" : " devices"));
-  auto requests = coordinator_.requests(COMMAND_PREPARE);
-  for (CommandRequest& one : requests) {
-    one.property = options_.require_real_time ? wire::kRequireRealTime : "";
-    one.value = wire::cut(cell_.file, 255);
-    one.data = text;
-  }
-  std::vector<wire::WholeReply> replies;
-  Problems problems = coordinator_.problems_in(requests, coordinator_.send(requests), &replies);
-  if (!problems.empty()) return problems;
-  const auto ports = ports_of(cell_, replies);
-  if (!ports) return ports.problems();
-  safe_ = model::safe_json(model::safe_outputs(cell_, *ports));
-  return model::check_connections(cell_, *ports);
-}
-
-// Sends each device the safe values, and waits until the ports of different devices are connected. Each
-// device has prepared the cell before, so no device waits for the ports of a device that failed. Afterwards
-// each device has everything that it needs, and can also receive T0 from another device.
-Problems Deployment::connect() {
-  auto requests = coordinator_.requests(COMMAND_CONNECT);
-  for (CommandRequest& one : requests) one.data = safe_;
-  return coordinator_.problems_in(requests, coordinator_.send(requests));
+  Problems problems = coordinator_.prepare(text);
+  if (problems.empty()) problems = coordinator_.change(0, options_.require_real_time);
+  return problems.empty() ? coordinator_.run() : problems;
 }
 
 Problems Deployment::undo(Problems problems) {
@@ -189,11 +163,8 @@ Result<Deployed> deploy(Operator& sender, const model::Cell& cell, const std::st
                 "make it smaller");
   Deployment deployment{sender, cell, options};
   if (Problems problems = deployment.find(); !problems.empty()) return problems;
-  if (Problems problems = deployment.prepare(text); !problems.empty())
+  if (Problems problems = deployment.start(text); !problems.empty())
     return deployment.undo(std::move(problems));
-  if (Problems problems = deployment.connect(); !problems.empty())
-    return deployment.undo(std::move(problems));
-  if (Problems problems = deployment.run(); !problems.empty()) return deployment.undo(std::move(problems));
   return deployment.deployed();
 }
 

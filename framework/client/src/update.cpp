@@ -11,9 +11,6 @@
 #include <takt/client/answer_data.hpp>
 #include <takt/client/undeploy.hpp>
 #include <takt/model/difference.hpp>
-#include <takt/model/json.hpp>
-#include <takt/model/ports.hpp>
-#include <takt/model/safe.hpp>
 #include <takt/wire/words.hpp>
 #include "answers.hpp"
 #include "coordinator.hpp"
@@ -53,69 +50,35 @@ class Update {
   const model::Cell& cell_;
   Coordinator coordinator_;
   std::vector<std::string> differences_;
-  std::vector<std::string> changing_;      // devices on which the update changes something
-  std::set<std::string> rejecting_;        // devices that rejected the update, so they have nothing to undo
-  std::vector<std::string> not_restored_;  // devices that could not undo their changes
-  std::int64_t t0_ns_ = 0;                 // T0 of the deployment
+  std::vector<std::string> changing_;  // devices on which the update changes something
+  std::int64_t t0_ns_ = 0;             // T0 of the deployment
   bool require_real_time_ = false;
-  std::string safe_;
 };
 
 Problems Update::compare(const std::string& text) {
   coordinator_.show_progress("comparing the running cell with the new descriptor on " + list_of(devices()));
-  auto requests = coordinator_.requests(COMMAND_UPDATE);
-  for (CommandRequest& one : requests) {
-    one.value = wire::cut(cell_.file, 255);
-    one.data = text;
-  }
-  std::vector<wire::WholeReply> replies;
-  Coordinator::Answers answers = coordinator_.send(requests);
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    if (answers[i] && answers[i]->head.code() == REPLY_REFUSED) rejecting_.insert(requests[i].device);
-  }
-  Problems problems = coordinator_.problems_in(requests, std::move(answers), &replies);
-  if (!problems.empty()) return problems;
-  for (std::size_t i = 0; i < replies.size(); ++i) {
-    const auto read = read_answer(devices()[i], replies[i].data, [&](const json& answer) {
-      if (answer.value("change", "") != model::to_text(model::Change::none))
-        changing_.push_back(devices()[i]);
-      for (const std::string& line : answer.value("words", std::vector<std::string>{}))
-        differences_.push_back(line);
-      if (!answer.contains("t0_ns")) return;
-      t0_ns_ = answer.at("t0_ns").get<std::int64_t>();
-      require_real_time_ = answer.value("require_real_time", false);
-    });
-    if (!read) return read.problems();
-  }
-  const auto ports = ports_of(cell_, replies);
-  if (!ports) return ports.problems();
-  safe_ = model::safe_json(model::safe_outputs(cell_, *ports));
-  return model::check_connections(cell_, *ports);
+  return coordinator_.prepare(text, [this](const std::string& device, const json& answer) {
+    if (answer.value("change", "") != model::to_text(model::Change::none)) changing_.push_back(device);
+    for (const std::string& line : answer.value("words", std::vector<std::string>{}))
+      differences_.push_back(line);
+    if (!answer.contains("t0_ns")) return;
+    t0_ns_ = answer.at("t0_ns").get<std::int64_t>();
+    require_real_time_ = answer.value("require_real_time", false);
+  });
 }
 
 Problems Update::change() {
   coordinator_.show_progress("changing " + list_of(changing_));
-  auto requests = coordinator_.requests(COMMAND_CHANGE);
-  for (CommandRequest& one : requests) {
-    one.time_ns = t0_ns_;
-    one.value = require_real_time_ ? wire::kRequireRealTime : "";
-    one.data = model::json_text({{"devices", devices()}, {"safe", model::parse_json(safe_)}});
-  }
-  Coordinator::Answers answers = coordinator_.send(requests);
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    if (answers[i] && answers[i]->head.code() == REPLY_FAILED &&
-        answers[i]->head.value() != std::string{wire::kAsBefore})
-      not_restored_.push_back(requests[i].device);
-  }
-  return coordinator_.problems_in(requests, std::move(answers));
+  return coordinator_.change(t0_ns_, require_real_time_);
 }
 
 Updated Update::put_back(Problems problems) {
   const std::string name = "cell " + cell_.name + " is not updated; ";
+  std::set<std::string> not_restored = coordinator_.not_restored();
   std::vector<CommandRequest> requests;
   for (const std::string& device : devices()) {
     // A device without a live node has nothing to undo, so it gets no command.
-    if (!rejecting_.contains(device) && coordinator_.is_alive(device))
+    if (!coordinator_.rejecting().contains(device) && coordinator_.is_alive(device))
       requests.push_back(coordinator_.request(COMMAND_PUT_BACK, device));
   }
   Coordinator::Answers answers = coordinator_.send(requests, false);
@@ -128,7 +91,7 @@ Updated Update::put_back(Problems problems) {
     for (const Problem& problem : of_device(requests[i].device, answer.problems())) {
       if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
     }
-    not_restored_.push_back(requests[i].device);
+    not_restored.insert(requests[i].device);
   }
   const std::size_t final = coordinator_.run_sent() ? wait_for_agreement() : 0;
   if (final != 0) {
@@ -141,8 +104,9 @@ Updated Update::put_back(Problems problems) {
   if (!all_undone)
     return {std::move(problems), "the devices decide together whether cell " + cell_.name +
                                      " is updated; takt status shows their decision"};
-  if (!not_restored_.empty())
-    return {std::move(problems), name + "its changes could not be undone on " + list_of(not_restored_) +
+  if (!not_restored.empty())
+    return {std::move(problems), name + "its changes could not be undone on " +
+                                     list_of({not_restored.begin(), not_restored.end()}) +
                                      "; takt status shows the present state"};
   return {std::move(problems), name + "all changes were undone"};
 }

@@ -28,6 +28,10 @@ std::string all_except(const Others& others, Condition condition) {
   return names;
 }
 
+std::string not_heard(const std::string& names, const std::string& what) {
+  return names + (names.find(',') == std::string::npos ? " was" : " were") + " not heard to " + what;
+}
+
 State at(const State& mine, Stage stage) {
   State state = mine;
   state.stage = stage;
@@ -59,7 +63,7 @@ State wait_for_armed(const State& mine, const Others& others, std::int64_t now_n
   });
   if (missing.empty()) return at(mine, Stage::running);
   if (since_t0 < Nanoseconds{0}) return mine;
-  return undone(mine, "T0 came before it was heard from " + missing);
+  return undone(mine, not_heard(missing, "be ready before T0"));
 }
 
 State wait_for_running(const State& mine, const Others& others, std::int64_t now_ns) {
@@ -69,8 +73,7 @@ State wait_for_running(const State& mine, const Others& others, std::int64_t now
       all_except(others, [](const Heard& heard) { return heard.stage == Stage::running; });
   if (silent.empty()) return at(mine, Stage::final);
   if (since_t0 <= kHeardWithin) return mine;
-  return undone(mine,
-                "within " + takt::to_text(kHeardWithin) + " of T0 it was not heard to run on " + silent);
+  return undone(mine, not_heard(silent, "run within " + takt::to_text(kHeardWithin) + " of T0"));
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ bool validate(FaultEvent& event) noexcept {
 bool validate(Command& command) noexcept {
   clean(command.value());
   return is_part(command) && are_given(command.id(), command.device()) &&
-         exists(command.kind(), COMMAND_CONNECT) &&
+         exists(command.kind(), COMMAND_PUT_BACK) &&
          are_names(command.id(), command.device(), command.node(), command.module_name(),
                    command.deployment(), command.property());
 }

@@ -132,10 +132,12 @@ const char* to_text(CommandKind kind) noexcept {
       return "describe";
     case COMMAND_PREPARE:
       return "prepare";
-    case COMMAND_CONNECT:
-      return "connect";
+    case COMMAND_CHANGE:
+      return "change";
     case COMMAND_RUN:
       return "run";
+    case COMMAND_PUT_BACK:
+      return "put back";
     case COMMAND_UNDEPLOY:
       return "undeploy";
     case COMMAND_INITIALIZE:
@@ -162,12 +164,6 @@ const char* to_text(CommandKind kind) noexcept {
       return "swap";
     case COMMAND_TRACE:
       return "trace";
-    case COMMAND_UPDATE:
-      return "update";
-    case COMMAND_CHANGE:
-      return "change";
-    case COMMAND_PUT_BACK:
-      return "put back";
   }
   return "?";
 }

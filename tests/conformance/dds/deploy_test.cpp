@@ -126,7 +126,7 @@ std::string problems_of_deployment(const std::shared_ptr<dds::Participant>& part
   return deployed ? "" : to_text(deployed.problems());
 }
 
-TEST(Deploy, WaitsUntilTheDevicesAreConnectedBeforeItSendsT0) {
+TEST(Deploy, SendsT0OnlyWhenAllDevicesHaveStartedTheirModules) {
   const auto participant = participate();
   Received received;
   const FakeNode robot{participant, "robot", received, COMMAND_RUN};
@@ -138,16 +138,16 @@ TEST(Deploy, WaitsUntilTheDevicesAreConnectedBeforeItSendsT0) {
   EXPECT_THAT(std::vector(all.begin(), all.begin() + 3),
               UnorderedElementsAre("robot prepare", "line prepare", "desk prepare"));
   EXPECT_THAT(std::vector(all.begin() + 3, all.begin() + 6),
-              UnorderedElementsAre("robot connect", "line connect", "desk connect"));
+              UnorderedElementsAre("robot change", "line change", "desk change"));
   EXPECT_THAT(std::vector(all.begin() + 6, all.begin() + 9),
               UnorderedElementsAre("robot run", "line run", "desk run"));
 }
 
-TEST(Deploy, SendsNoT0IfADeviceCannotBeConnected) {
+TEST(Deploy, SendsNoT0IfADeviceCannotStartItsModules) {
   const auto participant = participate();
   Received received;
   const FakeNode robot{participant, "robot", received};
-  const FakeNode line{participant, "line", received, COMMAND_CONNECT};
+  const FakeNode line{participant, "line", received, COMMAND_CHANGE};
   const FakeNode desk{participant, "desk", received};
   EXPECT_THAT(problems_of_deployment(participant), HasSubstr("device line: error: the test rejects it"));
   const auto all = received.all();

@@ -172,7 +172,7 @@ class AllOrNone(takt_system.Case):
         print("cancelled %.2f s after a node was killed" % took)
         self.assertLess(took, 4, "takt deploy must not wait for the hanging hook")
         self.assert_refused_everywhere(
-            run, "hang", r"(?m)^device line: error: it was lost before it answered command prepare; the command was sent \d+ times?, and "
+            run, "hang", r"(?m)^device line: error: it was lost before it answered command change; the command was sent \d+ times?, and "
             r"the last status of the device arrived [\d.]+ m?s ago; the device may have carried it out: check with takt status before you "
             r"try again$")
         self.running["line"].wait()
@@ -295,7 +295,7 @@ class WithoutTheOperator(networks.NetworkCase):
         run = self.run_of_deploy.wait()
         self.assertEqual((1, ""), (run.status, run.out))
         # The watching program may see that line is ready before the operator hears this of both devices.
-        self.assertRegex(run.err, "(?m)^device (line|robot): error: it was lost before it answered command (prepare|connect)")
+        self.assertRegex(run.err, "(?m)^device (line|robot): error: it was lost before it answered command (change|report)")
         self.assertIn("cell cell was not deployed; the devices are unchanged", run.err)
         self.end(self.running)
 

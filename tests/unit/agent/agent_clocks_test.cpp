@@ -14,10 +14,9 @@ using Phase = Supervised::Phase;
 
 /// Prepares a deployment and lets it continue until every module is in START.
 void prepare(FakeDevice& device) {
-  device.prepare();
-  device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
-  device.agent.step();
+  device.begin();
   device.work.phase = Phase::ready;
+  device.published.replies.clear();
 }
 
 std::vector<std::string> kinds(const FakeDevice& device) {

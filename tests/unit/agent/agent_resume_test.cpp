@@ -28,9 +28,9 @@ class ResumingAgent : public testing::Test {
 
 TEST_F(ResumingAgent, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
-  device.become_ready();
+  device.begin();
   EXPECT_TRUE(file_->kept()->empty()) << "the device cannot begin yet";
-  device.connect();
+  device.become_prepared();
   EXPECT_TRUE(file_->kept()->pending);
   EXPECT_FALSE(file_->kept()->current);
   device.run();
@@ -148,7 +148,7 @@ TEST_F(ResumingAgent, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("no file servo.so"));
   EXPECT_FALSE(file_->kept()->empty());
   device.prepare("d2");
-  EXPECT_EQ(device.text(), "device robot still holds cell cell, which has ended; undeploy it first");
+  EXPECT_EQ(device.text(), "device robot: it still holds cell cell, which has ended; undeploy it first");
   device.receive(device.command(COMMAND_START));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   device.receive(device.command(COMMAND_REPORT));
@@ -191,7 +191,6 @@ TEST_F(ResumingAgent, HasUndoneADeploymentIfItsNodeIsRestartedBeforeAllDevicesRu
   {
     FakeDevice device{file_};
     device.become_ready();
-    device.connect();
     device.run();
     t0 = device.t0_wall;
   }
@@ -218,7 +217,6 @@ TEST_F(ResumingAgent, BeginsAnUndoneDeploymentIfAnotherDeviceIsFinal) {
   {
     FakeDevice device{file_};
     device.become_ready();
-    device.connect();
     t0 = device.wall() + 100'000'000;
   }
   FakeDevice device{file_};

@@ -32,7 +32,7 @@ TEST(Agent, PublishesThatItWaitsForADeployment) {
 
 TEST(Agent, RejectsCommandsThatNeedADeployment) {
   FakeDevice device;
-  for (const CommandKind kind : {COMMAND_CONNECT, COMMAND_RUN, COMMAND_DESCRIBE, COMMAND_START, COMMAND_STOP,
+  for (const CommandKind kind : {COMMAND_CHANGE, COMMAND_RUN, COMMAND_DESCRIBE, COMMAND_START, COMMAND_STOP,
                                  COMMAND_RECOVER, COMMAND_RESET, COMMAND_DESTRUCT, COMMAND_INITIALIZE}) {
     device.receive(device.command(kind));
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << to_text(kind);
@@ -48,6 +48,8 @@ TEST(Agent, RejectsCommandsThatNeedADeployment) {
 TEST(Agent, RejectsACommandAfterItsDeadline) {
   FakeDevice device;
   wire::WholeCommand late = device.command(COMMAND_PREPARE);
+  late.head.deployment("d1");
+  late.head.property("d1");
   late.data = FakeDevice::kCell;
   late.head.deadline_ns(device.wall() - 20'000'000);
   device.receive(late);
@@ -79,7 +81,6 @@ TEST(Agent, RejectsExtremeTimesInCommandsWithoutOverflow) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   FakeDevice device;
   device.become_ready();
-  device.connect();
   for (const std::int64_t time : {kMin, std::int64_t{-1}, std::int64_t{1}, kMax}) {
     wire::WholeCommand run = device.command(COMMAND_RUN);
     run.head.time_ns(time);
@@ -119,7 +120,7 @@ TEST(Agent, FailsPendingDescribeCommandsWhenTheDeploymentEnds) {
 TEST(Agent, RunsAPreparedDeploymentOnCommand) {
   FakeDevice device;
   device.prepare();
-  EXPECT_TRUE(device.published.replies.empty()) << "the reply comes only when the deployment is ready";
+  EXPECT_TRUE(device.published.replies.empty()) << "the reply comes only when the components are inspected";
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
   EXPECT_EQ(device.status().path(), "cell/robot");
   EXPECT_EQ(device.status().modules(), 2U);
@@ -128,17 +129,22 @@ TEST(Agent, RunsAPreparedDeploymentOnCommand) {
 
   device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
   device.agent.step();
-  EXPECT_TRUE(device.published.replies.empty());
-  device.become_prepared();
   ASSERT_EQ(device.published.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.data()["modules"][1]["name"], "arm");
+  EXPECT_EQ(device.work.supervised, 0) << "no module is started before all devices have checked the cell";
+  device.change();
+  EXPECT_EQ(device.work.supervised, 1);
+  device.run(milliseconds{300});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "the modules are not in START yet";
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  device.published.replies.clear();
+  device.become_prepared();
+  ASSERT_EQ(device.published.replies.size(), 1U);
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.status().state(), DEVICE_READY);
   EXPECT_FALSE(device.work.t0);
 
-  device.run(milliseconds{300});
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "it does not have the safe values yet";
-  device.connect();
   device.run(milliseconds{300});
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.status().state(), DEVICE_ARMED);
@@ -198,11 +204,18 @@ TEST(Agent, PublishesEventsStatesAndErrorsWithTheNamesThatTheLifecycleCodeUses) 
 TEST(Agent, RejectsAnInvalidDescriptorAndListsAllProblems) {
   FakeDevice device;
   device.prepare("d1", "<cell name=\"cell\"><device name=\"robot\"><module/></device></cell>");
-  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_GT(device.data().size(), 1U);
   EXPECT_EQ(device.data()[0]["where"], "cell.xml:1");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_TRUE(device.work.inspections.empty());
+}
+
+TEST(Agent, RejectsADescriptorWithoutTheIdOfItsDeployment) {
+  FakeDevice device;
+  device.prepare("");
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot: the command is damaged");
 }
 
 TEST(Agent, RejectsACellWithoutThisDevice) {
@@ -210,7 +223,7 @@ TEST(Agent, RejectsACellWithoutThisDevice) {
   std::string text = FakeDevice::kCell;
   text.replace(text.find("robot"), 5, "robot2");
   device.prepare("d1", text);
-  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(), HasSubstr("cell cell has no device robot"));
 }
 
@@ -219,7 +232,7 @@ TEST(Agent, RejectsACellThatRequiresSecurityIfTheNodeHasNoIdentity) {
   text.replace(text.find(">"), 1, " security=\"required\">");
   FakeDevice without;
   without.prepare("d1", text);
-  EXPECT_EQ(without.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(without.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(without.text(),
               HasSubstr("cell cell requires security, but the node of device robot runs without"));
   EXPECT_EQ(without.status().state(), DEVICE_WAITING);
@@ -231,7 +244,7 @@ TEST(Agent, RejectsACellThatRequiresSecurityIfTheNodeHasNoIdentity) {
 TEST(Agent, RejectsACellForWhichItHasNoIdentity) {
   FakeDevice device{{}, false, {}, "another"};
   device.prepare();
-  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(),
               HasSubstr("the identity of device robot is for cell another, not for cell cell"));
 }
@@ -242,18 +255,17 @@ TEST(Agent, RejectsADeploymentWithMissingComponents) {
   device.work.inspected =
       Problems{{"cell.xml:3", "no file servo.so", "copy it"}, {"cell.xml:5", "no file arm.so", "copy it"}};
   device.agent.step();
-  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   ASSERT_EQ(device.data().size(), 2U);
   EXPECT_EQ(device.data()[1]["what"], "no file arm.so");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_TRUE(device.published.withdrawn.empty()) << "no module was published";
 }
 
-TEST(Agent, ReportsAFailedPreparationOnlyAfterEverythingIsUndone) {
+TEST(Agent, ReportsAFailedStartOfAModuleOnlyAfterEverythingIsUndone) {
   FakeDevice device;
-  device.prepare();
-  device.work.inspected = Inspected{.paths = {"", ""}};
-  device.agent.step();
+  device.begin();
+  device.published.replies.clear();
   device.work.failures = {{"module robot.servo", "initialize() failed: no power", "correct the module"}};
   device.work.phase = Phase::stopping;
   device.agent.step();
@@ -263,6 +275,7 @@ TEST(Agent, ReportsAFailedPreparationOnlyAfterEverythingIsUndone) {
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   EXPECT_EQ(device.data()[0]["where"], "module robot.servo");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE) << "so that line undoes the deployment too";
   EXPECT_THAT(device.published.withdrawn, ElementsAre("cell/robot/servo", "cell/robot/arm"));
   EXPECT_EQ(device.work.supervised, 0);
   device.undeploy("d1");
@@ -272,10 +285,9 @@ TEST(Agent, ReportsAFailedPreparationOnlyAfterEverythingIsUndone) {
 TEST(Agent, RejectsADeploymentThatCannotBeSetUp) {
   FakeDevice device;
   device.work.prepared = fail("no shared memory");
-  device.prepare();
-  device.work.inspected = Inspected{.paths = {"", ""}};
-  device.agent.step();
+  device.begin();
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.text(), "no shared memory");
   EXPECT_EQ(device.work.supervised, 0);
 }
 
@@ -284,40 +296,24 @@ TEST(Agent, RejectsASecondDeployment) {
   device.prepare("d1");
   device.prepare("d2");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("device robot is already preparing cell cell"));
+  EXPECT_THAT(device.text(), HasSubstr("device robot: it is already preparing cell cell"));
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
+  device.change();
+  device.prepare("d2");
+  EXPECT_THAT(device.text(), HasSubstr("device robot: it is already preparing cell cell"));
   device.become_prepared();
-  device.connect();
   device.run();
   device.start_with_line();
   device.prepare("d2");
-  EXPECT_THAT(device.text(), HasSubstr("device robot already runs cell cell; undeploy it first"));
+  EXPECT_THAT(device.text(), HasSubstr("device robot: it already runs cell cell; undeploy it first"));
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
-  EXPECT_EQ(device.work.inspections.size(), 1U);
-}
-
-TEST(Agent, AnswersARepeatedPrepareCommand) {
-  FakeDevice device;
-  device.prepare("d1");
-  device.prepare("d1");
-  EXPECT_TRUE(device.published.replies.empty());
-  device.work.inspected = Inspected{.paths = {"", ""}};
-  device.agent.step();
-  device.become_prepared();
-  ASSERT_EQ(device.published.replies.size(), 2U);
-  EXPECT_EQ(device.published.replies[0].head.code(), REPLY_OK);
-  EXPECT_EQ(device.published.replies[1].head.code(), REPLY_OK);
-  EXPECT_EQ(device.published.replies[1].head.id(), "c2");
-  device.prepare("d1");
-  EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
 TEST(Agent, RejectsAStartTimeInThePastOrFarInTheFuture) {
   FakeDevice device;
   device.become_ready();
-  device.connect();
   device.run(milliseconds{-30});
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(), HasSubstr("passed 30 ms ago"));
@@ -341,8 +337,7 @@ TEST(Agent, UndoesAPreparedDeploymentThatTheClientNeverStarts) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
   device.run();
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(),
-              HasSubstr("has undone this deployment: no message of the operator arrived within 20 s"));
+  EXPECT_THAT(device.text(), HasSubstr("it has undone this: no message of the operator arrived within 20 s"));
 }
 
 // Expects that the pending command fails for `reason` after 10 s, but not earlier, because the nodes or their
@@ -359,37 +354,51 @@ void expect_undone_after_10_s(FakeDevice& device, const std::string& reason) {
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
 }
 
-TEST(Agent, FailsToPrepareIfItDoesNotFindAnotherDeviceOfTheCell) {
+TEST(Agent, UndoesADeploymentIfItDoesNotFindAnotherDeviceOfTheCell) {
   FakeDevice device;
-  device.prepare();
-  device.work.inspected = Inspected{.paths = {"", ""}};
-  device.agent.step();
+  device.begin();
+  device.published.replies.clear();
   device.work.phase = Phase::ready;
   device.pass(milliseconds{10});
   expect_undone_after_10_s(device, "it has not found device line; check the network between the two devices");
 }
 
+/// The request that the client sends while it waits for a slower device.
+wire::WholeCommand keep_alive(FakeDevice& device, const std::string& deployment) {
+  wire::WholeCommand c = device.command(COMMAND_REPORT);
+  c.head.deployment(deployment);
+  return c;
+}
+
+constexpr const char* kUnmatched = "robot.arm.out -> line.panel.in";
+
 TEST(Agent, UndoesADeploymentIfAConnectionCannotBeMade) {
   FakeDevice device;
-  device.become_ready();
-  device.work.unmatched = "robot.arm.out -> line.panel.in";
+  device.begin();
+  device.work.unmatched = kUnmatched;
   device.published.replies.clear();
-  device.connect();
+  device.become_prepared();
+  device.hear_line(DEVICE_READY);
   expect_undone_after_10_s(device,
                            "the connection robot.arm.out -> line.panel.in could not be made; check the "
                            "network between the devices");
 }
 
-TEST(Agent, AnswersAsSoonAsItsConnectionsAreMade) {
+TEST(Agent, WaitsForTheConnectionsToADeviceThatStillPrepares) {
   FakeDevice device;
-  device.become_ready();
-  device.work.unmatched = "robot.arm.out -> line.panel.in";
+  device.begin();
+  device.work.unmatched = kUnmatched;
   device.published.replies.clear();
-  device.connect();
-  device.run();
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  device.work.phase = Phase::ready;
+  for (int i = 0; i < 3; ++i) {
+    device.hear_line(DEVICE_PREPARING);
+    device.pass(seconds{10});
+    device.receive(keep_alive(device, "d1"));
+  }
   device.published.replies.clear();
-  device.agent.step();
+  EXPECT_FALSE(device.work.stop_called);
+  device.hear_line(DEVICE_READY);
+  device.pass(seconds{9});
   EXPECT_TRUE(device.published.replies.empty());
   device.work.unmatched = "";
   device.pass(milliseconds{10});
@@ -401,7 +410,6 @@ TEST(Agent, AnswersAsSoonAsItsConnectionsAreMade) {
 TEST(Agent, UndoesADeploymentIfAnotherDeviceIsNotArmedAtT0) {
   FakeDevice device;
   device.become_ready();
-  device.connect();
   device.run();
   device.hear_line(DEVICE_READY);
   device.pass(milliseconds{499});
@@ -414,19 +422,21 @@ TEST(Agent, UndoesADeploymentIfAnotherDeviceIsNotArmedAtT0) {
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().transaction(), "d1");
   EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
-  EXPECT_EQ(device.status().text(),
-            "cell cell was not started: not all devices run: T0 came before it was heard from line");
+  EXPECT_EQ(device.status().text(), "cell cell was not started: line was not heard to be ready before T0");
   device.prepare("d1");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a late command must not prepare it again";
 }
 
 TEST(Agent, AcceptsT0FromAnotherDeviceIfTheOperatorIsLost) {
   FakeDevice device;
-  device.become_ready();
+  device.begin(FakeDevice::kCell, {.paths = {"/servo.so", "/arm.so"}},
+               model::safe_json({{{"line", "belt", "state"}, R"({"speed": 0})"}}));
+  device.work.unmatched = kUnmatched;
+  device.work.phase = Phase::ready;
   device.t0_wall = device.wall() + 500'000'000;
   device.hear_line(DEVICE_ARMED);
-  EXPECT_EQ(device.status().state(), DEVICE_READY) << "it does not have the safe values yet";
-  device.connect(model::safe_json({{{"line", "belt", "state"}, R"({"speed": 0})"}}));
+  EXPECT_EQ(device.status().state(), DEVICE_READY) << "it is not connected yet";
+  device.work.unmatched = "";
   device.agent.step();
   EXPECT_EQ(device.status().state(), DEVICE_ARMED);
   EXPECT_EQ(device.status().t0_ns(), device.t0_wall);
@@ -438,7 +448,6 @@ TEST(Agent, AcceptsT0FromAnotherDeviceIfTheOperatorIsLost) {
 TEST(Agent, HearsTheMoreAdvancedOfTwoNodesWithOneName) {
   FakeDevice device;
   device.become_ready();
-  device.connect();
   device.run(milliseconds{300});
   device.agent.others().receive(device.of_line(DEVICE_READY), FakeDevice::kLine);
   DeviceStatus second = device.of_line(DEVICE_ARMED);
@@ -452,10 +461,7 @@ TEST(Agent, UndoesADeploymentThatAnotherDeviceHasUndone) {
   for (const bool armed : {false, true}) {
     FakeDevice device;
     device.become_ready();
-    if (armed) {
-      device.connect();
-      device.run();
-    }
+    if (armed) device.run();
     DeviceStatus line = device.of_line(DEVICE_WAITING);
     wire::set(line.deployment(), "");
     wire::set(line.transaction(), "d1");
@@ -464,13 +470,15 @@ TEST(Agent, UndoesADeploymentThatAnotherDeviceHasUndone) {
     device.agent.step();
     EXPECT_TRUE(device.work.stop_called);
     EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+    device.end();
+    device.undeploy("d1");
+    EXPECT_TRUE(device.data()["failures"].empty()) << "line reports why";
   }
 }
 
 TEST(Agent, UndoesTheDeploymentIfTheDeviceFailsBeforeT0) {
   FakeDevice device;
   device.become_ready();
-  device.connect();
   device.run();
   device.hear_line(DEVICE_ARMED);
   device.pass(milliseconds{300});
@@ -492,7 +500,6 @@ class UndoneDevice : public testing::Test {
  protected:
   UndoneDevice() {
     device.become_ready();
-    device.connect();
     device.run();
     device.hear_line(DEVICE_ARMED);
     device.pass(milliseconds{500});
@@ -546,7 +553,6 @@ TEST_F(UndoneDevice, ForgetsTheDeploymentIfItWasUndeployedOnAnotherDevice) {
 TEST(Agent, EndsTheDeploymentIfAnotherDeviceDoesNotReportThatItRunsSoonAfterT0) {
   FakeDevice device;
   device.become_ready();
-  device.connect();
   device.run();
   device.hear_line(DEVICE_ARMED);
   device.pass(milliseconds{500});
@@ -558,8 +564,7 @@ TEST(Agent, EndsTheDeploymentIfAnotherDeviceDoesNotReportThatItRunsSoonAfterT0) 
   EXPECT_TRUE(device.work.stop_called);
   device.undeploy("d1");
   device.end();
-  EXPECT_EQ(device.data()["failures"][0],
-            "device robot: error: not all devices run: within 3 s of T0 it was not heard to run on line");
+  EXPECT_EQ(device.data()["failures"][0], "device robot: error: line was not heard to run within 3 s of T0");
 }
 
 TEST(Agent, UndeploysADeploymentThatAnotherDeviceHasUndeployed) {
@@ -646,20 +651,21 @@ TEST(Agent, ReturnsTheFinalReportWhenItUndeploysADevice) {
 }
 
 TEST(Agent, UndeploysDuringAnyStageOfPreparation) {
-  for (const bool inspected : {false, true}) {
+  for (const bool starting : {false, true}) {
     FakeDevice device;
-    device.prepare();
-    if (inspected) {
-      device.work.inspected = Inspected{.paths = {"", ""}};
-      device.agent.step();
-    }
+    if (starting)
+      device.begin();
+    else
+      device.prepare();
+    device.published.replies.clear();
     device.undeploy("d1");
-    if (inspected) device.end();
+    if (starting) device.end();
     ASSERT_EQ(device.published.replies.size(), 2U);
-    EXPECT_EQ(device.published.replies[0].head.id(), "c1");
     EXPECT_EQ(device.published.replies[0].head.code(), REPLY_FAILED);
+    EXPECT_EQ(device.published.replies[0].head.text(), "device robot: it was undeployed");
     EXPECT_EQ(device.published.replies[1].head.code(), REPLY_OK);
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+    EXPECT_EQ(device.status().transaction(), "");
   }
 }
 
@@ -686,7 +692,7 @@ TEST(Agent, KeepsAFailedDeploymentUntilItIsUndeployed) {
   EXPECT_EQ(device.status().path(), "cell/robot");
   device.prepare("d2");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("still holds cell cell, which has ended; undeploy it first"));
+  EXPECT_THAT(device.text(), HasSubstr("it still holds cell cell, which has ended; undeploy it first"));
   device.undeploy();
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_THAT(device.data()["failures"][0], HasSubstr("it broke"));
@@ -736,9 +742,8 @@ TEST(Agent, PublishesStatisticsOnceASecondDuringADeployment) {
 
 TEST(Agent, SetsTheSafeValuesOfTheCellBeforeItRuns) {
   FakeDevice device;
-  device.become_ready();
   const model::SafeOutput output{{"line", "belt", "state"}, R"({"speed": 0})"};
-  device.connect(model::safe_json({output}));
+  device.become_ready(FakeDevice::kCell, {.paths = {"/servo.so", "/arm.so"}}, model::safe_json({output}));
   device.run(milliseconds{1});
   device.hear_line(DEVICE_ARMED);
   EXPECT_TRUE(device.work.t0);
@@ -789,11 +794,7 @@ TEST(Agent, WaitsBrieflyUntilTaktRunHasFetchedTheFinalReport) {
 TEST(Agent, StaysReadyWhileTheClientSendsKeepAlives) {
   FakeDevice device;
   device.become_ready();
-  const auto ask = [&device](const std::string& id) {
-    wire::WholeCommand c = device.command(COMMAND_REPORT);
-    c.head.deployment(id);
-    device.receive(c);
-  };
+  const auto ask = [&device](const std::string& id) { device.receive(keep_alive(device, id)); };
   for (int i = 0; i < 4; ++i) {
     device.pass(seconds{15});
     ask("d1");

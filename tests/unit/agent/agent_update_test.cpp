@@ -70,7 +70,7 @@ class AgentUpdate : public testing::Test {
     return found;
   }
   bool accepts(const std::string& text, const std::string& id = "u1") {
-    wire::WholeCommand command = step(COMMAND_UPDATE, id);
+    wire::WholeCommand command = step(COMMAND_PREPARE, id);
     command.head.value("new.xml");
     command.data = text;
     const Reply* const reply = send(command);
@@ -127,8 +127,10 @@ class AgentUpdate : public testing::Test {
     EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
   }
   void end_device() { device.end(); }
+  /// Lets every module reach START. The node of the other device is there.
   void become_ready() {
     device.work.phase = Phase::ready;
+    device.agent.receive(device.of_line(DEVICE_RUNNING), FakeDevice::kLine, device.now);
     device.agent.step();
   }
 
@@ -329,10 +331,13 @@ TEST_F(AgentUpdate, KeepsTheGridWhenItRestartsTheDevice) {
   EXPECT_EQ(device.work.cell.devices[0].modules[1].period, milliseconds{2});
   EXPECT_EQ(device.work.inspections.size(), 2U) << "the inspection came before the device was stopped";
   become_ready();
-  EXPECT_EQ(device.work.t0, t0);
+  EXPECT_FALSE(device.work.t0) << "it begins at T0 of the update";
+  EXPECT_EQ(device.status().state(), DEVICE_READY);
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
   EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
   keep();
+  EXPECT_EQ(device.work.t0, t0);
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
   EXPECT_EQ(file_->kept()->current->text, kPeriod);
   for (const FaultEvent& event : device.published.faults)
     EXPECT_NE(event.kind(), FAULT_UNDEPLOYED) << event.cause();
@@ -360,29 +365,39 @@ TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneCannotStart) {
 }
 
 TEST_F(AgentUpdate, RestoresTheOldDeploymentWhenTheNewOneEndsBeforeTheUpdateIsFinal) {
-  for (const bool stops_cell : {false, true}) {
-    const std::string id = stops_cell ? "u2" : "u1";
-    if (!stops_cell) start_running();
+  enum class When { before_t0, after_t0, after_t0_and_stops_the_cell };
+  start_running();
+  int number = 0;
+  for (const When when : {When::before_t0, When::after_t0, When::after_t0_and_stops_the_cell}) {
+    const std::string id = "u" + std::to_string(++number);
+    const bool ends = when == When::after_t0_and_stops_the_cell;
     ASSERT_TRUE(accepts(kPeriod, id)) << device.text();
     send(step(COMMAND_CHANGE, id));
     end_device();
     become_ready();
+    if (when != When::before_t0) {
+      send_t0(id);
+      others_say(STAGE_ARMED, id);
+      device.pass(milliseconds{500});
+      EXPECT_EQ(device.status().state(), DEVICE_STARTED);
+    }
     device.work.failures = {fail("the host has ended")};
-    device.work.stops_cell = stops_cell;
+    device.work.stops_cell = when != When::after_t0;
     end_device();
     EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
-    EXPECT_EQ(device.status().state(), stops_cell ? DEVICE_ENDED : DEVICE_PREPARING);
-    if (stops_cell) break;
-    device.work.failures.clear();
-    device.work.stops_cell = false;
-    EXPECT_EQ(device.work.cell.devices[0].modules[1].period, milliseconds{1});
-    become_ready();
-    EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
-    others_say(STAGE_UNDONE);
+    EXPECT_EQ(device.status().state(), ends ? DEVICE_ENDED : DEVICE_PREPARING);
+    EXPECT_EQ(device.status().stops_cell(), ends) << "before T0, no module has run that could stop the cell";
+    if (!ends) {
+      device.work.failures.clear();
+      device.work.stops_cell = false;
+      EXPECT_EQ(device.work.cell.devices[0].modules[1].period, milliseconds{1});
+      become_ready();
+      EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+    }
+    others_say(STAGE_UNDONE, id);
+    EXPECT_FALSE(file_->kept()->pending);
+    EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
   }
-  others_say(STAGE_UNDONE, "u2");
-  EXPECT_FALSE(file_->kept()->pending);
-  EXPECT_EQ(file_->kept()->current->text, FakeDevice::kCell);
 }
 
 TEST_F(AgentUpdate, FailsIfNeitherTheNewNorTheOldDeploymentCanStart) {
@@ -464,12 +479,14 @@ TEST_F(AgentUpdate, StartsAnAddedDeviceOnTheGridOfTheOtherDevices) {
   change.head.time_ns(device.wall() - 10'000'000'000);
   EXPECT_EQ(send(change), nullptr);
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  const Instant grid = device.now - seconds{10};
   become_ready();
-  EXPECT_EQ(device.work.t0, device.now - seconds{10});
+  EXPECT_FALSE(device.work.t0) << "it begins at T0 of the update";
   EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
   EXPECT_FALSE(file_->kept()->current);
   EXPECT_EQ(file_->kept()->pending->id, "d1");
   keep();
+  EXPECT_EQ(device.work.t0, grid);
   EXPECT_EQ(file_->kept()->current->id, "d1");
   EXPECT_EQ(file_->kept()->current->t0_ns, change.head.time_ns());
 }
@@ -538,10 +555,9 @@ TEST_F(AgentUpdate, RejectsAnInvalidDescriptorWithItsLine) {
 TEST_F(AgentUpdate, IsRejectedUnlessTheGivenDeploymentIsRunning) {
   device.become_ready();
   EXPECT_FALSE(accepts(kFile));
-  EXPECT_THAT(device.text(), HasSubstr("it is not running: its state is ready"));
-  device.connect();
+  EXPECT_THAT(device.text(), HasSubstr("it is already preparing cell cell"));
   device.run();
-  wire::WholeCommand other = step(COMMAND_UPDATE);
+  wire::WholeCommand other = step(COMMAND_PREPARE);
   other.head.deployment("d2");
   other.data = kFile;
   EXPECT_EQ(send(other)->code(), REPLY_REFUSED);
@@ -617,7 +633,7 @@ TEST_F(AgentUpdate, IsUndoneIfAnotherDeviceDoesNotConfirmT0) {
   EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
   EXPECT_THAT(device.work.swaps.back(), testing::Pair(1U, "/arm.so"));
   done();
-  EXPECT_THAT(device.logged.back(), HasSubstr("is not updated: T0 came before it was heard from line"));
+  EXPECT_THAT(device.logged.back(), HasSubstr("is not updated: line was not heard to be ready before T0"));
 }
 
 TEST_F(AgentUpdate, IsUndoneIfAnotherDeviceUndoesIt) {

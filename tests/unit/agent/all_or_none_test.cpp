@@ -117,6 +117,8 @@ class World {
   [[nodiscard]] bool is_new(std::size_t i) const {
     return nodes_[i]->work.cell.devices[i].modules[0].period == milliseconds{2};
   }
+  /// True if a device has ever executed the new version.
+  [[nodiscard]] bool has_run_new() const { return has_run_new_; }
   [[nodiscard]] bool waits(std::size_t i) const { return nodes_[i]->status().state() == DEVICE_WAITING; }
   [[nodiscard]] bool killed(std::size_t who) const {
     for (const Fault& fault : faults_) {
@@ -228,7 +230,9 @@ class World {
         const auto due = std::stable_partition(copies_.begin(), copies_.end(), [&](const Copy& copy) {
           return copy.device != i || copy.at > now();
         });
-        for (auto copy = due; copy != copies_.end(); ++copy) node.receive(copy->command);
+        for (auto copy = due; copy != copies_.end(); ++copy) {
+          if (is_answered(i, copy->command)) node.receive(copy->command);
+        }
         copies_.erase(due, copies_.end());
       }
       work(i);
@@ -238,8 +242,19 @@ class World {
         node.published.replies.clear();
       }
       ever_started_[i] = ever_started_[i] || node.status().state() >= DEVICE_STARTED;
+      has_run_new_ |= update_ && runs(i) && is_new(i);
       ever_ran_[i] = ever_ran_[i] || node.status().state() == DEVICE_RUNNING;
     }
+  }
+
+  // The command server drops a second copy as long as the first is not answered.
+  [[nodiscard]] bool is_answered(std::size_t i, const wire::WholeCommand& command) const {
+    const auto answers = [&command](const wire::WholeReply& reply) {
+      return reply.head.id() == command.head.id();
+    };
+    const auto& replies = nodes_[i]->published.replies;
+    return std::any_of(replies.begin(), replies.end(), answers) ||
+           std::any_of(replied_[i].begin(), replied_[i].end(), answers);
   }
 
   // Models the work of the device: it takes some time to prepare and to stop.
@@ -277,7 +292,11 @@ class World {
       case 1:
         if (const Replies replies = all_replies(seconds{10}); replies != Replies::open) {
           if (replies == Replies::bad) return undo(false);
-          for (std::size_t i = 0; i < n; ++i) send(i, command(i, COMMAND_CONNECT), seconds{10});
+          for (std::size_t i = 0; i < n; ++i) {
+            wire::WholeCommand change = command(i, COMMAND_CHANGE);
+            change.data = changes();
+            send(i, change, seconds{10});
+          }
           stage_ = 2;
         }
         return;
@@ -329,7 +348,7 @@ class World {
   // The operator behaves as client::update() does.
   void step_update() {
     const std::size_t n = nodes_.size();
-    if (stage_ >= 10 && now() - kept_alive_ > seconds{4}) {
+    if (!open_.empty() && now() - kept_alive_ > seconds{4}) {
       kept_alive_ = now();
       for (std::size_t i = 0; i < n; ++i) {
         if (link(n, i)) nodes_[i]->receive(command(i, COMMAND_REPORT));
@@ -337,16 +356,13 @@ class World {
     }
     const auto send_all = [&](CommandKind kind, Nanoseconds limit) {
       kept_alive_ = now();
-      std::string names;
-      for (std::size_t i = 0; i < n; ++i)
-        names += std::string{i == 0 ? "\"d" : ", \"d"} + std::to_string(i) + "\"";
       for (std::size_t i = 0; i < n; ++i) {
         if (kind == COMMAND_PUT_BACK && !seen_[i].alive) continue;
         wire::WholeCommand c = command(i, kind);
         c.head.property("u1");
         c.head.time_ns(t0_);
-        if (kind == COMMAND_UPDATE) c.data = cell_of(n, "2000000");
-        if (kind == COMMAND_CHANGE) c.data = R"({"safe": [], "devices": [)" + names + "]}";
+        if (kind == COMMAND_PREPARE) c.data = cell_of(n, "2000000");
+        if (kind == COMMAND_CHANGE) c.data = changes();
         send(i, c, limit);
       }
       ++stage_;
@@ -358,7 +374,7 @@ class World {
     };
     switch (stage_) {
       case 10:
-        return send_all(COMMAND_UPDATE, seconds{10});
+        return send_all(COMMAND_PREPARE, seconds{10});
       case 11:
         if (const Replies replies = all_replies(seconds{120}); replies == Replies::good)
           send_all(COMMAND_CHANGE, seconds{10});
@@ -418,8 +434,16 @@ class World {
     c.head.device("d" + std::to_string(i));
     c.head.kind(kind);
     c.head.deployment("d1");
+    c.head.property("d1");
     c.head.value("cell.xml");
     return c;
+  }
+  /// Returns the data of COMMAND_CHANGE.
+  [[nodiscard]] std::string changes() const {
+    std::string names;
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      names += std::string{i == 0 ? "\"d" : ", \"d"} + std::to_string(i) + "\"";
+    return R"({"safe": [], "devices": [)" + names + "]}";
   }
   void send(std::size_t i, wire::WholeCommand c, Nanoseconds limit) {
     c.head.deadline_ns(wall() + limit.count());
@@ -496,6 +520,7 @@ class World {
   std::vector<Phase> phase_;
   std::vector<bool> ever_started_;
   std::vector<bool> ever_ran_;
+  bool has_run_new_ = false;
   std::uint64_t sequence_ = 0;
   std::size_t have_t0_ = 0;
   // The following members are the state of the operator.
@@ -689,6 +714,7 @@ World::Exit check_update(std::size_t devices, const std::vector<Fault>& faults, 
   const bool must_be_old = update.fails_on || world.exit() == World::Exit::unchanged;
   EXPECT_TRUE(!must_be_old || is_new == 0);
   EXPECT_TRUE(world.exit() != World::Exit::ok || is_new == devices);
+  EXPECT_TRUE(!update.fails_on || !world.has_run_new()) << "a device began before all were ready";
   return world.exit();
 }
 

@@ -209,24 +209,29 @@ class FakeDevice {
     agent.receive(c);
     agent.step();
   }
+  /// Sends the descriptor of a new deployment.
   void prepare(const std::string& deployment = "d1", const std::string& text = kCell) {
     wire::WholeCommand c = command(COMMAND_PREPARE);
     c.head.deployment(deployment);
+    c.head.property(deployment);
     c.head.value("cell.xml");
     c.data = text;
     receive(c);
   }
-  /// Sends connect, with the safe values of the cell's outputs as JSON.
-  void connect(const std::string& safe = "") {
-    wire::WholeCommand c = command(COMMAND_CONNECT);
+  /// Sends the command to start the modules of the new deployment, with the safe values of the cell's outputs
+  /// as JSON.
+  void change(const std::string& safe = "[]") {
+    wire::WholeCommand c = command(COMMAND_CHANGE);
     c.head.deployment(id);
-    c.data = safe;
+    c.head.property(id);
+    c.data = R"({"devices": ["robot", "line"], "safe": )" + safe + "}";
     receive(c);
   }
   /// Sends T0, which is so far ahead of the present time.
   void run(Nanoseconds ahead = std::chrono::milliseconds{500}, const std::string& deployment = "") {
     wire::WholeCommand c = command(COMMAND_RUN);
     c.head.deployment(deployment.empty() ? id : deployment);
+    c.head.property(deployment.empty() ? id : deployment);
     t0_wall = wall() + ahead.count();
     c.head.time_ns(t0_wall);
     receive(c);
@@ -272,12 +277,19 @@ class FakeDevice {
     c.head.deployment(deployment);
     receive(c);
   }
-  /// Prepares a deployment and lets it continue until every module is in START.
-  void become_ready(const std::string& text = kCell,
-                    const Inspected& found = {.paths = {"/servo.so", "/arm.so"}}) {
+  /// Prepares a deployment and inspects its components. Then the agent begins to start the modules.
+  void begin(const std::string& text = kCell, const Inspected& found = {.paths = {"/servo.so", "/arm.so"}},
+             const std::string& safe = "[]") {
     prepare(id, text);
     work.inspected = found;
     agent.step();
+    change(safe);
+  }
+  /// Prepares a deployment and lets it continue until the device can receive T0.
+  void become_ready(const std::string& text = kCell,
+                    const Inspected& found = {.paths = {"/servo.so", "/arm.so"}},
+                    const std::string& safe = "[]") {
+    begin(text, found, safe);
     become_prepared();
   }
   /// Lets every module reach START and lets the agent find the node of the other device. Then withdraws the
@@ -290,7 +302,6 @@ class FakeDevice {
   void become_running(const std::string& text = kCell,
                       const Inspected& found = {.paths = {"/servo.so", "/arm.so"}}) {
     become_ready(text, found);
-    connect();
     run();
     start_with_line();
     published.replies.clear();

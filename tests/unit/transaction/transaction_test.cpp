@@ -85,7 +85,7 @@ TEST(Transaction, IsUndoneAtT0IfADeviceIsNotArmed) {
   Device device = in(Stage::armed);
   EXPECT_EQ(device.hears(Nanoseconds{-1}, kArmed, {}), Stage::armed);
   EXPECT_EQ(device.hears(Nanoseconds{0}, kPrepared, {}), Stage::undone);
-  EXPECT_EQ(device.state.why, "T0 came before it was heard from press, robot");
+  EXPECT_EQ(device.state.why, "press, robot were not heard to be ready before T0");
 }
 
 TEST(Transaction, IsFinalOnceAllOthersRun) {
@@ -101,7 +101,7 @@ TEST(Transaction, IsUndoneIfADeviceIsNotHeardToRunInTime) {
     Device device = in(Stage::running);
     EXPECT_EQ(device.hears(kHeardWithin, silent, kRunning), Stage::running);
     EXPECT_EQ(device.hears(kHeardWithin + Nanoseconds{1}, silent, kRunning), Stage::undone);
-    EXPECT_EQ(device.state.why, "within 3 s of T0 it was not heard to run on robot");
+    EXPECT_EQ(device.state.why, "robot was not heard to run within 3 s of T0");
   }
 }
 

@@ -58,7 +58,6 @@ TEST(Enumerator, HasATextEvenIfItIsInvalid) {
   EXPECT_STREQ(to_text(COMMAND_LOG), "log");
   EXPECT_STREQ(to_text(COMMAND_TRACE), "trace");
   EXPECT_STREQ(to_text(COMMAND_SWAP), "swap");
-  EXPECT_STREQ(to_text(COMMAND_UPDATE), "update");
   EXPECT_STREQ(to_text(COMMAND_CHANGE), "change");
   EXPECT_STREQ(to_text(COMMAND_PUT_BACK), "put back");
   EXPECT_STREQ(to_text(static_cast<LifecycleState>(99)), "?");

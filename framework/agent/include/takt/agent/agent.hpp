@@ -139,21 +139,19 @@ class Agent {
   void check_devices();
 
   // Deployments (deployments.cpp)
-  void prepare(const wire::WholeCommand& command);
-  [[nodiscard]] bool is_prepared(const Command& command);
-  void connect(const wire::WholeCommand& command);
-  void step_connectors();
   void undeploy(const Command& command);
+  /// Returns the deployment that this device has or prepares; null if there is none.
+  [[nodiscard]] const Deployment* present() const;
+  /// Reads the descriptor of a deployment, and plans the device's schedule, so that no later step can fail
+  /// because there is no schedule. Returns whether the device is part of the cell.
+  Result<bool> read(Deployment& deployment) const;
   void begin(std::unique_ptr<Deployment> deployment);
   void bring_up();
   [[nodiscard]] Result<void> check_security(const model::Cell& cell) const;
   void check_inspection();
   void step_supervised();
   void abandon(const Problems& problems);
-  bool check_others();
   void go();
-  void undo(const std::string& why);
-  void note_failure();
   void take_back(const std::string& why);
   void check_undeployed();
   [[nodiscard]] bool was_undeployed(const std::string& id) const;
@@ -163,11 +161,8 @@ class Agent {
   void finish();
   void clear();
   void stepped(const Step& step);
-  [[nodiscard]] std::string occupied() const;
 
   // What the devices decide about deployments and updates (transactions.cpp)
-  void run(const Command& command);
-  void step_transaction();
   void step_gone();
   void go_forward();
   /// Decides about a transaction, by what was heard from the other devices. Returns true if the stage has
@@ -177,7 +172,7 @@ class Agent {
   Result<void> receive_t0(Transaction& transaction, std::int64_t t0_ns);
   [[nodiscard]] transaction::Others heard(const Transaction& transaction) const;
   [[nodiscard]] std::int64_t time_of(const Transaction& transaction) const;
-  /// The newest transaction in which this device takes or took part; null if there is none.
+  /// Returns the transaction in which this device takes part or took part last, or null if there is none.
   [[nodiscard]] const Transaction* newest_transaction() const;
   void set_gone(std::unique_ptr<Deployment> deployment);
   void drop_gone();
@@ -191,7 +186,8 @@ class Agent {
   void check_disk();
 
   // Updates (updates.cpp)
-  void update(const wire::WholeCommand& command);
+  void prepare(const wire::WholeCommand& command);
+  [[nodiscard]] std::optional<Problem> obstacle(const Command& command) const;
   /// Returns the update that the command names. If that update is not in progress, rejects the command and
   /// returns null.
   Update* update_of(const Command& command);

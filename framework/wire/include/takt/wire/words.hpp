@@ -44,7 +44,7 @@ void set(eprosima::fastrtps::fixed_string<N>& field, std::string_view text) {
 std::string path_of(std::string_view cell, std::string_view device, std::string_view part = {});
 /// Used instead of the cell's name for a device without a deployment.
 inline constexpr std::string_view kNoCell = "-";
-/// The value of Command::property in a COMMAND_PREPARE that a device must reject if it cannot run in real
+/// The value of Command::value in a COMMAND_CHANGE that a device must reject if it cannot run in real
 /// time.
 inline constexpr const char* kRequireRealTime = "require-realtime";
 /// The value of Reply::value after an undone update, if the device is exactly as it was before the update.
