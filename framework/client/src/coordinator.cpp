@@ -18,11 +18,13 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr Nanoseconds kShortestLead = std::chrono::milliseconds{500};
+/// How far ahead T0 lies. A device begins up to 300 ms before T0 (transaction::kBegins), and in this time the
+/// devices hear from each other that all have T0.
+constexpr Nanoseconds kShortestLead = std::chrono::milliseconds{400};
 constexpr Nanoseconds kLongestLead = std::chrono::milliseconds{1000};
 /// Each device must confirm T0 at least this time before T0. If a device does not confirm in time, the
 /// operator can still cancel before T0.
-constexpr Nanoseconds kConfirmed = std::chrono::milliseconds{200};
+constexpr Nanoseconds kConfirmed = std::chrono::milliseconds{100};
 /// The longest time after T0 until every device is final or has gone back.
 constexpr Nanoseconds kDecided = std::chrono::seconds{6};
 /// A device that receives nothing for some seconds undoes what it has prepared, because the operator may have
@@ -132,7 +134,7 @@ Problems Coordinator::run() {
   const auto begin = std::chrono::steady_clock::now();
   if (Problems problems = problems_in(questions, send(questions)); !problems.empty()) return problems;
   const Nanoseconds took = std::chrono::steady_clock::now() - begin;
-  t0_ns_ = wall_ns() + std::clamp(10 * took, kShortestLead, kLongestLead).count();
+  t0_ns_ = wall_ns() + std::min(kShortestLead + 10 * took, kLongestLead).count();
   auto all = requests(COMMAND_RUN);
   const Nanoseconds left = Nanoseconds{t0_ns_ - wall_ns()} - kConfirmed;
   for (CommandRequest& one : all) {
