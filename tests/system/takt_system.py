@@ -522,9 +522,9 @@ class Case(unittest.TestCase):
         return self.agreed(lambda: self.takt("deploy", descriptor, *options))
 
     def agreed(self, deploy):
-        """Runs a command that deploys a cell, and returns its run. If the machine stalls, takt and the devices may miss one of these limits: 3 s
-        to find the devices, 0.3 s to confirm T0, 0.4 s until every device knows that all others have T0, and 3 s from T0 until every device
-        knows that all others have begun. Then the devices undo the deployment, and this function repeats the command."""
+        """Runs a command that deploys a cell, and returns its run. If the machine stalls, takt and the devices may miss one of these limits:
+        3 s to find the devices, 0.3 s to confirm T0, 0.4 s until every device knows that all others have T0, and 3 s from T0 until every
+        device knows that all others have begun. Then the devices undo the deployment, and this function repeats the command."""
         for _ in range(3):
             run = deploy()
             if not re.search("no answer to command run within|not found on domain|not heard to (be ready before T0|run within)", run.err):

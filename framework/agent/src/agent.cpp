@@ -51,7 +51,7 @@ void Agent::end(bool at_once) {
 
 bool Agent::ended() const {
   if (!ending_) return false;
-  if (deployment_ && !deployment_->over) return false;
+  if ((deployment_ && !deployment_->over) || !is_saved()) return false;
   // `takt run` closes the lifetime descriptor once it has received the final report. Until then, the answer
   // to `takt run` may still be on its way.
   return at_once_ || !options_.temporary || !ended_at_ || options_.now() - *ended_at_ > kReportFetched;
@@ -69,6 +69,7 @@ void Agent::step() {
   check_clocks();
   check_cell();
   check_undeployed();
+  check_saved();
   check_disk();
   check_inspection();
   step_gone();
@@ -183,7 +184,9 @@ DeviceStatus Agent::status() const {
   wire::set(status.undeployed(), undeployed_but_held());
   if (const Transaction* const newest = newest_transaction(); newest != nullptr) {
     wire::set(status.transaction(), newest->id);
-    status.stage(static_cast<TransactionStage>(newest->state.stage));
+    // Another device may rely on it that an update is final only when this is on disk.
+    const bool unsaved = update_ && newest->state.stage == transaction::Stage::final;
+    status.stage(unsaved ? STAGE_RUNNING : static_cast<TransactionStage>(newest->state.stage));
     status.t0_ns(newest->state.t0_ns);
   }
   return status;

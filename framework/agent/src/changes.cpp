@@ -58,7 +58,6 @@ void Agent::Update::connect() {
 // Lets the modules that the update has started begin at T0.
 void Agent::Update::begin() {
   if (!is_after_ || agent_.deployment_->began) return;
-  after_->take_t0();
   agent_.deployment_->t0_ns = after_->t0_ns;
   agent_.deployment_->t0 = after_->t0;
   agent_.go();

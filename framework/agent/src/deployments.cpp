@@ -202,7 +202,7 @@ void Agent::abandon(const Problems& problems) {
     deployment_->over = !ending_ && !deployment_->cell.name.empty();
     if (deployment_->over) return;
   }
-  for (const Command& undeployer : deployment_->undeployers) answer(undeployer, REPLY_OK, "");
+  for (const Command& undeployer : deployment_->undeployers) answer_when_saved(undeployer, "", "");
   clear();
 }
 
@@ -290,11 +290,7 @@ void Agent::remember_undeployed(const std::string& id) {
   undeployed_.push_back(id);
   if (undeployed_.size() > kUndeployedKept) undeployed_.erase(undeployed_.begin());
   if (gone_ && gone_->id == id) gone_.reset();
-  if (!options_.store) return;
   keep_for_restart();
-  if (const auto kept = options_.store->keep_undeployed(undeployed_); !kept)
-    log("warning: if this node restarts, it does not pass on that a deployment was undeployed: " +
-        in_words(kept.problems()));
 }
 
 // Returns the id of an undeployed deployment that another device still has, or that still ends on this
@@ -323,8 +319,8 @@ void Agent::undeploy(const Command& command) {
     drop_gone();
     keep_for_restart();  // removes also a saved deployment that was not restored
     last_refusal_.clear();
-    answer(command, REPLY_OK, "device " + options_.device + " has no deployment",
-           !id.empty() && id == last_id_ ? last_data_ : "");
+    answer_when_saved(command, "device " + options_.device + " has no deployment",
+                      !id.empty() && id == last_id_ ? last_data_ : "");
     return;
   }
   deployment_->undeployers.push_back(command);
@@ -401,7 +397,7 @@ void Agent::finish() {
   if (!undeployers.empty() || passed_on) log("cell " + d.cell.name + " is undeployed");
   clear();
   publish_status();  // before the answers, so that a client with an answer sees that the device is free
-  for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
+  for (const Command& undeployer : undeployers) answer_when_saved(undeployer, "", last_data_);
 }
 
 void Agent::clear() {

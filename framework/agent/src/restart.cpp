@@ -30,16 +30,34 @@ void Agent::keep_for_restart() {
   };
   add(update_ ? update_->before() : deployment_.get());
   add(update_ ? &update_->after() : gone_.get());
-  const auto written = options_.store->keep(kept);
-  const bool again = std::exchange(unsaved_, !written);
-  const std::string cell = deployment_ ? "cell " + deployment_->cell.name : "the deployment";
-  if (written && again) log(cell + " is saved for --resume again");
-  if (written || again) return;
-  const std::string what = (kept.empty() ? "the saved deployment could not be removed: "
-                                         : cell + " could not be saved for --resume: ") +
-                           in_words(written.problems());
+  options_.store->save(kept, undeployed_);
+  saving_ = true;
+  check_saved();
+}
+
+// Takes the result of the last save, if it is known.
+void Agent::check_saved() {
+  if (!saving_) return;
+  const auto written = options_.store->saved();
+  if (!written) return;
+  saving_ = false;
+  for (const WaitingAnswer& one : std::exchange(answers_, {}))
+    answer(one.command, REPLY_OK, one.text, one.data);
+  const bool again = std::exchange(unsaved_, !*written);
+  const std::string cell = present() != nullptr ? "cell " + present()->cell.name : "the deployment";
+  if (*written && again) log(cell + " is saved for --resume again");
+  if (*written || again) return;
+  const std::string what = (present() == nullptr ? "the end of the deployment" : cell) +
+                           std::string{" could not be saved for --resume: "} + in_words(written->problems());
   log("warning: " + what);
   note({.kind = model::FaultKind::error, .cause = what});
+}
+
+void Agent::answer_when_saved(const Command& command, const std::string& text, const std::string& data) {
+  if (is_saved())
+    answer(command, REPLY_OK, text, data);
+  else
+    answers_.push_back({command, text, data});
 }
 
 // Tries again, every kDiskTriedEvery, to write the files that could not be written before. The disk may have
@@ -50,7 +68,7 @@ void Agent::check_disk() {
   disk_tried_at_ = now;
   if (options_.record->reopen())
     log("the fault record is written to its file again: " + options_.record->file());
-  if (unsaved_) keep_for_restart();
+  if (unsaved_ && !saving_) keep_for_restart();
 }
 
 void Agent::restore() {

@@ -75,13 +75,17 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
     checking,  ///< the components are being inspected
     held,      ///< the update is checked and accepted; nothing is changed yet
     changing,
-    changed,  ///< the update is carried out; it can still be undone
+    changed,  ///< the changes are made, and can still be undone; they are on disk once is_complete()
     undoing,
   };
 
   // The steps of the update (updates.cpp)
   void inspected(const Result<Inspected>& result);
   void changed();
+  /// Answers the client when the changes are on disk. From then on, the device can receive T0.
+  void confirm();
+  [[nodiscard]] bool is_complete() const { return stage_ == Stage::changed && !asker_; }
+  [[nodiscard]] bool is_final() const { return transaction().state.stage == transaction::Stage::final; }
   /// Records why the update is undone. From now on, the other devices hear that it is.
   void note_undone(const Problems& problems);
   void kept();

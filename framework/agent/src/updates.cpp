@@ -132,8 +132,9 @@ void Agent::Update::step() {
     return;
   }
   if (stage_ == Stage::changing && is_after_) connect();
-  if (stage_ != Stage::held && stage_ != Stage::changed) return;
-  while (agent_.decide(after_->transaction, renewed_)) {
+  if (stage_ == Stage::changed) confirm();
+  if (stage_ != Stage::held && !is_complete()) return;
+  while (!is_final() && agent_.decide(after_->transaction, renewed_)) {
     const transaction::State& state = transaction().state;
     if (state.stage == transaction::Stage::undone) {
       const auto others = agent_.heard(transaction());
@@ -143,9 +144,13 @@ void Agent::Update::step() {
       if (is_after_) agent_.deployment_->undone_elsewhere = elsewhere;
       return undo({fail(state.why)});
     }
-    if (state.stage >= transaction::Stage::running) begin();
-    if (state.stage == transaction::Stage::final) return kept();
+    after_->take_t0();
+    if (is_final()) agent_.keep_for_restart();
+    if (state.stage == transaction::Stage::running) begin();
   }
+  if (!is_final() || !agent_.is_saved()) return;
+  begin();
+  kept();
 }
 
 void Agent::Update::inspected(const Result<Inspected>& result) {
@@ -226,6 +231,11 @@ void Agent::Update::changed() {
   if (!is_after_) renewed_ = agent_.options_.now();  // the operator has waited for the changes
   after_->transaction.complete = true;
   agent_.keep_for_restart();
+  confirm();
+}
+
+void Agent::Update::confirm() {
+  if (!asker_ || !agent_.is_saved()) return;
   agent_.answer(*std::exchange(asker_, std::nullopt), REPLY_OK, "");
 }
 
@@ -237,6 +247,7 @@ void Agent::Update::note_undone(const Problems& problems) {
 }
 
 void Agent::Update::undo(const Problems& problems) {
+  if (is_final()) return;
   const bool nothing = stage_ == Stage::checking || stage_ == Stage::held;
   note_undone(problems);
   if (nothing || difference_.change == Change::none) return undone();
@@ -298,7 +309,7 @@ void Agent::Update::run(const Command& command) {
   const auto refused = [&](const Problems& problems) {
     agent_.reply_problems(command, REPLY_REFUSED, problems);
   };
-  if (stage_ != Stage::changed)
+  if (!is_complete())
     return refused({fail("device " + agent_.options_.device + " has not made its changes yet")});
   if (auto accepted = agent_.receive_t0(after_->transaction, command.time_ns()); !accepted)
     return refused(accepted.problems());
@@ -307,10 +318,10 @@ void Agent::Update::run(const Command& command) {
 
 void Agent::put_back(const Command& command) {
   const std::string id = command.property().to_string();
-  if (update_ && update_->id() == id) return update_->cancel(command);
   const Transaction* const last = newest_transaction();
   if (last != nullptr && last->id == id && last->state.stage == transaction::Stage::final)
     return reply_problems(command, REPLY_REFUSED, {fail("all devices have kept the update")}, wire::kKept);
+  if (update_ && update_->id() == id) return update_->cancel(command);
   answer(command, REPLY_OK, "", {}, {}, wire::kAsBefore);  // there is nothing to undo
 }
 
@@ -337,7 +348,6 @@ void Agent::Update::kept() {
       agent_.described(fail("the device was updated in the meantime", "try again"));
     }
   }
-  agent_.keep_for_restart();
   std::string all;
   for (const std::string& line : model::in_words(difference_)) all += ": " + line;
   if (!all.empty() && !after_is_deployment) {
@@ -355,7 +365,7 @@ void Agent::Update::device_fails(const Problems& failures) {
 }
 
 void Agent::Update::device_ended(const Problems& failures, bool stops_cell) {
-  if (is_deployment()) return;
+  if (is_deployment() || is_final()) return;
   const std::string why = "the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]}));
   if (is_after_ && stage_ == Stage::changed && !stops_cell)
     undo({fail(why)});

@@ -103,6 +103,14 @@ Result<void> DeploymentFile::keep_undeployed(const std::vector<std::string>& ids
   return write_whole(undeployed_path_, kUndeployedFormat, model::json_text(ids));
 }
 
+void DeploymentFile::save(const Kept& kept, const std::vector<std::string>& undeployed) {
+  saved_ = keep(kept);
+  if (undeployed_ == undeployed) return;
+  const auto written = keep_undeployed(undeployed);
+  undeployed_ = written ? std::optional{undeployed} : std::nullopt;
+  if (*saved_ && !written) saved_ = written;
+}
+
 Result<std::vector<std::string>> DeploymentFile::undeployed() const {
   const Problem damage{undeployed_path_, "the saved list of undeployed deployments is damaged",
                        "remove the file"};
@@ -114,6 +122,37 @@ Result<std::vector<std::string>> DeploymentFile::undeployed() const {
   } catch (const json::exception&) {
     return damage;
   }
+}
+
+Result<std::shared_ptr<DeploymentWriter>> DeploymentWriter::create(DeploymentFile file) {
+  auto worker = Worker::start("takt-store");
+  if (!worker) return worker.problems();
+  return std::shared_ptr<DeploymentWriter>{new DeploymentWriter{std::move(file), std::move(*worker)}};
+}
+
+DeploymentWriter::DeploymentWriter(DeploymentFile file, std::unique_ptr<Worker> worker)
+    : shared_(std::make_shared<Shared>(std::move(file))), worker_(std::move(worker)) {}
+
+void DeploymentWriter::save(const Kept& kept, const std::vector<std::string>& undeployed) {
+  {
+    const std::lock_guard lock{shared_->mutex};
+    shared_->next = Next{kept, undeployed};
+    shared_->saved.reset();
+  }
+  worker_->add([shared = shared_] {
+    std::unique_lock lock{shared->mutex};
+    const std::optional<Next> next = std::exchange(shared->next, std::nullopt);
+    if (!next) return;  // written by an earlier call
+    lock.unlock();
+    shared->file.save(next->kept, next->undeployed);
+    lock.lock();
+    if (!shared->next) shared->saved = shared->file.saved();
+  });
+}
+
+std::optional<Result<void>> DeploymentWriter::saved() const {
+  const std::lock_guard lock{shared_->mutex};
+  return shared_->saved;
 }
 
 }  // namespace takt::node

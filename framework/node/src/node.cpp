@@ -209,9 +209,11 @@ int run_node(const NodeOptions& options) {
                                .now = os::now,
                                .wall_ns = os::wall_ns,
                                .instant_of_wall = os::instant_of_wall};
-  if (!options.state_folder.empty() && !temporary)
-    agent_options.store =
-        std::make_shared<DeploymentFile>(options.state_folder, options.device, options.domain);
+  if (!options.state_folder.empty() && !temporary) {
+    auto store = DeploymentWriter::create({options.state_folder, options.device, options.domain});
+    if (!store) return refuse(store.problems());
+    agent_options.store = std::move(*store);
+  }
   std::shared_ptr<FaultRecord> record;
   if (keeps_files) {
     record = std::make_shared<FaultRecord>(

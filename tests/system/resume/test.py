@@ -1,11 +1,25 @@
 import glob
 import os
 import signal
+import subprocess
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 from takt_system import LIFE, wait_until
+
+
+# Replaces fsync() in a node: the disk does not answer while the file HANGS exists.
+HANGING_DISK = r"""
+#include <cstdlib>
+#include <sys/syscall.h>
+#include <unistd.h>
+extern "C" int fsync(int file) {
+  while (access(getenv("HANGS"), F_OK) == 0) usleep(1000);
+  return static_cast<int>(syscall(SYS_fsync, file));
+}
+"""
 
 
 class Resume(takt_system.Case):
@@ -57,6 +71,40 @@ class Resume(takt_system.Case):
         node.wait()
         node = self.node("robot", "--resume")
         self.assert_waits(node)
+        self.end({"robot": node})
+
+    def test_a_node_answers_while_its_disk_does_not_and_confirms_only_what_is_on_disk(self):
+        library = os.path.join(self.folder, "hanging_disk.so")
+        subprocess.run(["c++", "-shared", "-fPIC", "-o", library, self.write("hanging_disk.cpp", HANGING_DISK)], check=True)
+        hangs = os.path.join(self.folder, "hangs")
+        node = self.node("robot", environment={"LD_PRELOAD": library, "HANGS": hangs})
+
+        def answers():
+            begun = time.monotonic()
+            report = self.status_of("robot")
+            print("takt status took %.2f s while the disk did not answer" % (time.monotonic() - begun))
+            self.assertTrue(report["alive"])
+            return report
+
+        self.write("hangs", "")
+        deploy = self.start("deploy", self.beside("cell.xml"))
+        for module in ("grid", "program"):
+            node.wait_for_line(r" robot\.%s: INITIALIZE -> START" % module)
+        self.assertEqual(("ready", "prepared"), tuple(answers()[key] for key in ("state", "stage")))
+        self.assertIsNone(deploy.status)
+        os.remove(hangs)
+        self.assertEqual(0, deploy.wait().status, deploy.err)
+        self.executes(node)
+        self.assertIsNotNone(self.kept())
+
+        self.write("hangs", "")
+        undeploy = self.start("undeploy", "cell")
+        node.wait_for_line("cell cell is undeployed")
+        self.assertEqual("waiting", answers()["state"])
+        self.assertIsNone(undeploy.status)
+        os.remove(hangs)
+        self.assertEqual(0, undeploy.wait().status, undeploy.err)
+        self.assertIsNone(self.kept())
         self.end({"robot": node})
 
     def test_a_node_restarted_without_the_option_resume_does_not_start_its_saved_cell(self):

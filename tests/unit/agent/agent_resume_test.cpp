@@ -47,6 +47,95 @@ TEST_F(ResumingAgent, SavesARunningDeploymentUntilItIsUndeployed) {
   EXPECT_TRUE(file_->kept()->empty());
 }
 
+/// A disk that answers only when the test lets it.
+class HangingDisk final : public DeploymentStore {
+ public:
+  void save(const Kept& kept, const std::vector<std::string>&) override {
+    saving = kept;
+    ++saves;
+  }
+  [[nodiscard]] std::optional<Result<void>> saved() const override {
+    return hangs ? std::nullopt : std::optional<Result<void>>{Result<void>{}};
+  }
+  [[nodiscard]] Result<Kept> kept() const override { return Kept{}; }
+  [[nodiscard]] Result<std::vector<std::string>> undeployed() const override {
+    return std::vector<std::string>{};
+  }
+  Kept saving;
+  int saves = 0;
+  bool hangs = true;
+};
+
+TEST(AgentWithAHangingDisk, CanReceiveT0OnlyWhenTheDeploymentIsOnDisk) {
+  const auto disk = std::make_shared<HangingDisk>();
+  FakeDevice device{disk};
+  device.begin();
+  device.published.replies.clear();
+  device.become_prepared();
+  EXPECT_TRUE(disk->saving.pending);
+  EXPECT_TRUE(device.published.replies.empty());
+  device.run();
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.status().stage(), STAGE_PREPARED);
+  device.published.replies.clear();
+  disk->hangs = false;
+  device.agent.step();
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  device.run();
+  EXPECT_EQ(device.status().stage(), STAGE_ARMED);
+}
+
+TEST(AgentWithAHangingDisk, CanBeUndeployedBeforeTheDeploymentIsOnDisk) {
+  FakeDevice device{std::make_shared<HangingDisk>()};
+  device.become_ready();
+  device.undeploy("d1");
+  EXPECT_TRUE(device.work.stop_called);
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+}
+
+TEST(AgentWithAHangingDisk, IsFinalForOthersOnlyWhenThisIsOnDisk) {
+  const auto disk = std::make_shared<HangingDisk>();
+  disk->hangs = false;
+  FakeDevice device{disk};
+  device.become_ready();
+  device.run();
+  disk->hangs = true;
+  device.start_with_line();
+  EXPECT_TRUE(disk->saving.current);
+  EXPECT_EQ(device.status().stage(), STAGE_RUNNING);
+  DeviceStatus line = device.of_line(DEVICE_WAITING);
+  wire::set(line.transaction(), "d1");
+  line.stage(STAGE_UNDONE);
+  device.agent.receive(line, FakeDevice::kLine, device.now);
+  device.pass(seconds{10});
+  EXPECT_FALSE(device.work.stop_called) << "line can go forward again";
+  disk->hangs = false;
+  device.agent.step();
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+}
+
+TEST(AgentWithAHangingDisk, ConfirmsAnUndeploymentWhenItIsOnDisk) {
+  const auto disk = std::make_shared<HangingDisk>();
+  disk->hangs = false;
+  FakeDevice device{disk};
+  device.become_running();
+  disk->hangs = true;
+  device.undeploy("d1");
+  EXPECT_TRUE(disk->saving.empty());
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING) << "the end itself does not wait for the disk";
+  EXPECT_TRUE(device.published.replies.empty());
+  device.agent.end(false);
+  EXPECT_FALSE(device.agent.ended());
+  disk->hangs = false;
+  device.agent.step();
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.data()["report"]["name"], "robot");
+  EXPECT_TRUE(device.agent.ended());
+}
+
 TEST_F(ResumingAgent, PassesOnAnUndeploymentFromBeforeItsRestart) {
   {
     FakeDevice device{file_};

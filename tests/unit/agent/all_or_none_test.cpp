@@ -30,23 +30,43 @@ std::string cell_of(std::size_t devices, const std::string& period = "1000000") 
   return text + "</cell>";
 }
 
-/// A disk that survives the node.
+/// A disk that survives the node, and takes some time for each write.
 class Disk final : public DeploymentStore {
  public:
-  Result<void> keep(const Kept& kept) const override {
-    kept_ = kept;
-    return {};
+  explicit Disk(std::function<Instant()> now) : now_(std::move(now)) {}
+
+  void save(const Kept& kept, const std::vector<std::string>& undeployed) override {
+    next_ = Content{kept, undeployed};
+    written_at_ = now_() + takes;
   }
-  [[nodiscard]] Result<Kept> kept() const override { return kept_; }
-  Result<void> keep_undeployed(const std::vector<std::string>& ids) const override {
-    undeployed_ = ids;
-    return {};
+  [[nodiscard]] std::optional<Result<void>> saved() const override {
+    write();
+    if (next_) return std::nullopt;
+    return Result<void>{};
   }
-  [[nodiscard]] Result<std::vector<std::string>> undeployed() const override { return undeployed_; }
+  [[nodiscard]] Result<Kept> kept() const override { return content_.kept; }
+  [[nodiscard]] Result<std::vector<std::string>> undeployed() const override { return content_.undeployed; }
+  /// The node has died: what it was writing is lost.
+  void lose() {
+    write();
+    next_.reset();
+  }
+
+  Nanoseconds takes{0};
 
  private:
-  mutable Kept kept_;
-  mutable std::vector<std::string> undeployed_;
+  struct Content {
+    Kept kept;
+    std::vector<std::string> undeployed;
+  };
+  void write() const {
+    if (next_ && now_() >= written_at_) content_ = *std::exchange(next_, std::nullopt);
+  }
+
+  std::function<Instant()> now_;
+  Instant written_at_{};
+  mutable std::optional<Content> next_;
+  mutable Content content_;
 };
 
 /// A fault in one run. Times are counted from the operator's first command.
@@ -56,8 +76,9 @@ struct Fault {
     cut_one_way,
     pause,
     kill,
-    restart,  ///< the node is killed, and a new one with the same disk starts `lasts` later
-    doubled,  ///< each command to the device arrives a second time, `lasts` later
+    restart,    ///< the node is killed, and a new one with the same disk starts `lasts` later
+    doubled,    ///< each command to the device arrives a second time, `lasts` later
+    slow_disk,  ///< from then on, each write of the device's disk takes `lasts`
   };
   Kind kind = Kind::cut;
   std::size_t at = 0;     ///< index of a device; the operator if equal to the number of devices
@@ -66,7 +87,8 @@ struct Fault {
   milliseconds lasts{0};
 
   [[nodiscard]] std::string text() const {
-    const std::vector<std::string> kinds{"cut", "one-way cut", "pause", "kill", "restart", "second copies"};
+    const std::vector<std::string> kinds{"cut",     "one-way cut",   "pause",    "kill",
+                                         "restart", "second copies", "slow disk"};
     return kinds[static_cast<std::size_t>(kind)] + " of " + std::to_string(at) + " (" +
            std::to_string(other) + ") from " + std::to_string(from.count()) + " ms for " +
            std::to_string(lasts.count()) + " ms";
@@ -83,7 +105,7 @@ class World {
   World(std::size_t devices, std::vector<Fault> faults, std::optional<Update> update = {})
       : faults_(std::move(faults)), update_(update) {
     for (std::size_t i = 0; i < devices; ++i) {
-      disks_.push_back(std::make_shared<Disk>());
+      disks_.push_back(std::make_shared<Disk>([this] { return now(); }));
       nodes_.push_back(new_node(i));
     }
     for (const Fault& fault : faults_) {
@@ -103,7 +125,7 @@ class World {
 
   void run_until(milliseconds end) {
     while (time_ < end) {
-      restart_nodes();
+      step_machines();
       step_devices();
       if (operator_present()) step_operator();
       time_ += time_ < seconds{8} ? kTick : 5 * kTick;
@@ -168,10 +190,15 @@ class World {
     node->now = now();
     return node;
   }
-  void restart_nodes() {
+  void step_machines() {
+    for (const Fault& fault : faults_) {
+      if (fault.kind == Fault::Kind::slow_disk && time_ >= fault.from) disks_[fault.at]->takes = fault.lasts;
+    }
     for (Fault& fault : restarts_) {
       if (time_ < fault.from + fault.lasts || fault.lasts == milliseconds{0}) continue;
       fault.lasts = milliseconds{0};
+      nodes_[fault.at].reset();
+      disks_[fault.at]->lose();
       nodes_[fault.at] = new_node(fault.at);
       restarted_[fault.at] = now();
       nodes_[fault.at]->agent.resume();
@@ -654,7 +681,10 @@ TEST(AllOrNone, HoldsIfAnyProgramDiesPausesOrIsRestartedAtAnyMoment) {
         check(devices, {{Fault::Kind::kill, at, 0, from, milliseconds{0}}});
         for (const int lasts : {200, 1000, 4000, 30000}) {
           check(devices, {{Fault::Kind::pause, at, 0, from, milliseconds{lasts}}});
-          if (at != devices) check(devices, {{Fault::Kind::restart, at, 0, from, milliseconds{lasts}}});
+          if (at == devices) continue;
+          const Fault restart{Fault::Kind::restart, at, 0, from, milliseconds{lasts}};
+          check(devices, {restart});
+          check(devices, {restart, {Fault::Kind::slow_disk, at, 0, {}, milliseconds{120}}});
         }
       }
     }
@@ -752,6 +782,8 @@ TEST(AllOrNone, HoldsForAnUpdateIfADeviceIsRestartedOrPausesAtAnyMoment) {
       for (const int lasts : {200, 1000, 4000, 30000}) {
         for (const Fault::Kind kind : {Fault::Kind::restart, Fault::Kind::pause})
           check_update(devices, {{kind, devices - 1, 0, from, milliseconds{lasts}}});
+        check_update(devices, {{Fault::Kind::restart, devices - 1, 0, from, milliseconds{lasts}},
+                               {Fault::Kind::slow_disk, devices - 1, 0, kUpdates, milliseconds{120}}});
       }
     }
   }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include "whole_file.hpp"
 
@@ -127,6 +128,27 @@ TEST_F(StoredDeployment, HasAFileThatListsTheUndeployedDeployments) {
   const auto damaged = file_.undeployed();
   ASSERT_FALSE(damaged.ok());
   EXPECT_THAT(to_text(damaged.problems()), HasSubstr("robot.7.undeployed: error: the saved list"));
+}
+
+TEST_F(StoredDeployment, IsWrittenByAThreadAndTheNewestOneWins) {
+  {
+    const auto writer = DeploymentWriter::create(file_);
+    ASSERT_TRUE(writer.ok());
+    EXPECT_FALSE((*writer)->saved());
+    for (int i = 0; i <= 100; ++i) {
+      kept_.current->id = "a" + std::to_string(i);
+      (*writer)->save(kept_, {std::to_string(i)});
+    }
+    while (!(*writer)->saved()) os::sleep_until(os::now() + std::chrono::milliseconds{1});
+    EXPECT_TRUE((*writer)->saved()->ok());
+    EXPECT_EQ(*(*writer)->kept(), kept_);
+    EXPECT_EQ(*(*writer)->undeployed(), std::vector<std::string>{"100"});
+  }
+  EXPECT_EQ(*file_.kept(), kept_);
+  const auto nowhere = DeploymentWriter::create({"/proc/takt", "robot", 0});
+  (*nowhere)->save(kept_, {});
+  while (!(*nowhere)->saved()) os::sleep_until(os::now() + std::chrono::milliseconds{1});
+  EXPECT_THAT(to_text((*nowhere)->saved()->problems()), HasSubstr("/proc/takt"));
 }
 
 TEST_F(StoredDeployment, CannotBeStoredInAnUnwritableFolder) {

@@ -184,6 +184,11 @@ class Agent {
   [[nodiscard]] bool is_of_this_boot(const KeptDeployment& kept) const;
   [[nodiscard]] std::unique_ptr<Deployment> restored(const KeptDeployment& kept) const;
   void check_disk();
+  void check_saved();
+  /// True if everything that was to be saved is on disk, or could not be written.
+  [[nodiscard]] bool is_saved() const noexcept { return !saving_; }
+  /// Answers a command when everything is saved.
+  void answer_when_saved(const Command& command, const std::string& text, const std::string& data);
 
   // Updates (updates.cpp)
   void prepare(const wire::WholeCommand& command);
@@ -228,6 +233,7 @@ class Agent {
   // cell. The device goes forward again if it hears that an undone one is final.
   std::unique_ptr<Deployment> gone_;
   std::shared_ptr<Update> update_;  // shared, so that callbacks can check whether it still exists
+  bool saving_ = false;             // the result of the last save is not known yet
   bool unsaved_ = false;            // the deployment could not be written to disk; the agent will try again
   std::string twin_;        // id and activity of another node with this device name; empty if there is none
   std::string name_clash_;  // describes that node
@@ -241,6 +247,12 @@ class Agent {
   std::string last_data_;     // the final report of the deployment that ended last
   std::string last_refusal_;  // the reason why the saved deployment could not be restored, or why a
                               // deployment was undone
+  struct WaitingAnswer {
+    Command command;
+    std::string text;
+    std::string data;
+  };
+  std::vector<WaitingAnswer> answers_;   // see answer_when_saved()
   std::vector<std::string> undeployed_;  // ids of the deployments that were undeployed or undone last
   DeviceStatus published_;
   bool published_once_ = false;

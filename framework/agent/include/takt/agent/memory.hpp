@@ -43,11 +43,12 @@ struct Kept {
 class DeploymentStore {
  public:
   virtual ~DeploymentStore() = default;
-  /// Replaces what was saved before.
-  virtual Result<void> keep(const Kept& kept) const = 0;
+  /// Begins to replace what was saved before. Does not wait for the disk.
+  virtual void save(const Kept& kept, const std::vector<std::string>& undeployed) = 0;
+  /// Returns the result of the last save(), or nothing while it is in progress.
+  [[nodiscard]] virtual std::optional<Result<void>> saved() const = 0;
   /// Returns what is saved. Fails if the saved data is damaged or cannot be read.
   [[nodiscard]] virtual Result<Kept> kept() const = 0;
-  virtual Result<void> keep_undeployed(const std::vector<std::string>& ids) const = 0;
   [[nodiscard]] virtual Result<std::vector<std::string>> undeployed() const = 0;
 };
 
