@@ -59,7 +59,7 @@ def next_to(device):
 def text():
     with open(DEMO, encoding="utf-8") as file:
         cell = file.read()
-    cell, timeouts = re.subn(r'(timeout">)0\.2<', r"\g<1>%g<" % STOP_TIMEOUT_S, cell)
+    cell, timeouts = re.subn(r'(timeout">)2<', r"\g<1>%g<" % STOP_TIMEOUT_S, cell)
     assert timeouts == 3, timeouts
     head, *rest = cell.split("</device>")
     parts = [head]
