@@ -151,6 +151,8 @@ DeviceStatus Agent::status() const {
     status.host_process_id(standing.host_pid);
     status.host_restarts(standing.host_restarts);
     status.executing(standing.executing);
+    // Before T0, no module has run that could stop the cell.
+    const bool has_run = d->began && (begins == nullptr || time_of(update_->transaction()) >= begins->t0_ns);
     switch (supervised.phase()) {
       case Phase::preparing:
         break;
@@ -159,9 +161,7 @@ DeviceStatus Agent::status() const {
                                                                                         : DEVICE_ARMED);
         break;
       case Phase::running:
-        status.state(begins == nullptr                                  ? DEVICE_RUNNING
-                     : time_of(update_->transaction()) >= begins->t0_ns ? DEVICE_STARTED
-                                                                        : DEVICE_ARMED);
+        status.state(begins == nullptr ? DEVICE_RUNNING : has_run ? DEVICE_STARTED : DEVICE_ARMED);
         break;
       case Phase::stopping:
         status.state(DEVICE_STOPPING);
@@ -173,7 +173,7 @@ DeviceStatus Agent::status() const {
     const bool ends = supervised.phase() == Phase::stopping || supervised.phase() == Phase::ended;
     if (ends && !supervised.failures().empty()) {
       status.health(HEALTH_FAILED);
-      status.stops_cell(d->began && supervised.stops_cell());
+      status.stops_cell(has_run && supervised.stops_cell());
       text = to_text(supervised.failures()[0]);
     } else if (!ends && !standing.faulty.empty()) {
       status.health(HEALTH_DEGRADED);

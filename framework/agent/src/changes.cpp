@@ -27,10 +27,7 @@ void Agent::Update::connect() {
   const Supervised& supervised = *agent_.deployment_->supervised;
   if (supervised.phase() != Phase::ready) return;
   const Instant now = agent_.options_.now();
-  if (!ready_since_) {
-    ready_since_ = now;
-    renewed_ = now;
-  }
+  if (!ready_since_) ready_since_ = now;
   bool others_ready = true;
   for (const std::string& device : after_->transaction.devices) {
     if (device == agent_.options_.device) continue;

@@ -203,6 +203,7 @@ void Agent::Update::change(const wire::WholeCommand& command) {
     return agent_.reply_problems(command.head, REPLY_REFUSED, {fail("the command is damaged")});
   }
   asker_ = command.head;
+  renew();
   stage_ = Stage::changing;
   if (!is_deployment()) {
     for (const std::string& line : model::in_words(difference_)) agent_.log("is being updated: " + line);
@@ -228,7 +229,6 @@ void Agent::Update::change(const wire::WholeCommand& command) {
 void Agent::Update::changed() {
   if (undoer_) return undo({fail("the update was cancelled")});
   stage_ = Stage::changed;
-  if (!is_after_) renewed_ = agent_.options_.now();  // the operator has waited for the changes
   after_->transaction.complete = true;
   agent_.keep_for_restart();
   confirm();

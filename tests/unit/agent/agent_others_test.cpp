@@ -39,6 +39,28 @@ TEST(AgentWithOtherNodes, RejectsDeploymentsWhileAnotherNodeUsesTheSameName) {
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
 }
 
+TEST(AgentWithOtherNodes, UndoesADeploymentThatAnotherNodeOfItsNameExecutesBeforeT0) {
+  for (const bool starting : {false, true}) {
+    FakeDevice device;
+    if (starting)
+      device.become_ready();
+    else
+      device.prepare();
+    device.published.replies.clear();
+    DeviceStatus twin = other("robot", "there");
+    twin.state(DEVICE_RUNNING);
+    device.agent.others().receive(twin, 1);
+    device.agent.step();
+    EXPECT_EQ(device.work.stop_called, starting);
+    if (starting) device.end();
+    EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+    EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+    EXPECT_FALSE(device.agent.ended());
+    if (starting) continue;
+    EXPECT_THAT(device.text(), HasSubstr("another node named robot is on domain 7"));
+  }
+}
+
 TEST(AgentWithOtherNodes, RejectsCommandsToItsNameWhileAnotherNodeUsesIt) {
   FakeDevice device;
   device.become_running();

@@ -116,6 +116,23 @@ TEST(AgentWithAHangingDisk, IsFinalForOthersOnlyWhenThisIsOnDisk) {
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
 }
 
+TEST(AgentWithAHangingDisk, DoesNotUndoAFinalDeploymentBeforeThisIsOnDisk) {
+  const auto disk = std::make_shared<HangingDisk>();
+  disk->hangs = false;
+  FakeDevice device{disk};
+  device.become_ready();
+  disk->hangs = true;
+  device.t0_wall = device.wall() - 500'000'000;
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_FALSE(device.work.t0) << "its decision is not on disk yet";
+  DeviceStatus twin = device.of_line(DEVICE_RUNNING);
+  wire::set(twin.device(), "robot");
+  wire::set(twin.node(), "another node");
+  device.agent.others().receive(twin, 5);
+  device.pass(milliseconds{10});
+  EXPECT_FALSE(device.work.stop_called);
+}
+
 TEST(AgentWithAHangingDisk, ConfirmsAnUndeploymentWhenItIsOnDisk) {
   const auto disk = std::make_shared<HangingDisk>();
   disk->hangs = false;
@@ -147,6 +164,19 @@ TEST_F(ResumingAgent, PassesOnAnUndeploymentFromBeforeItsRestart) {
   EXPECT_EQ(device.status().undeployed().to_string(), "");
   device.hear_line(DEVICE_RUNNING);  // the other device was lost, and still runs the cell
   EXPECT_EQ(device.status().undeployed().to_string(), "d1");
+}
+
+TEST_F(ResumingAgent, DoesNotRestoreADeploymentOverANewOne) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+  }
+  FakeDevice device{file_};
+  device.agent.resume();
+  device.prepare("d2");
+  device.pass(milliseconds{301});
+  EXPECT_EQ(device.status().deployment(), "d2");
+  EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
 TEST_F(ResumingAgent, RestoresADeploymentOnTheSameGrid) {

@@ -425,6 +425,10 @@ TEST(Agent, UndoesADeploymentIfAnotherDeviceIsNotArmedAtT0) {
   EXPECT_EQ(device.status().text(), "cell cell was not started: line was not heard to be ready before T0");
   device.prepare("d1");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a late command must not prepare it again";
+  device.work.inspected.reset();
+  device.prepare("d2");
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  EXPECT_EQ(device.status().health(), HEALTH_OK) << "the reason is no longer of interest";
 }
 
 TEST(Agent, AcceptsT0FromAnotherDeviceIfTheOperatorIsLost) {
@@ -484,14 +488,46 @@ TEST(Agent, UndoesTheDeploymentIfTheDeviceFailsBeforeT0) {
   device.pass(milliseconds{300});
   EXPECT_EQ(device.status().stage(), STAGE_RUNNING);
   device.work.failures = {fail("the host has crashed")};
+  device.work.stops_cell = true;
   device.work.phase = Phase::stopping;
   device.agent.step();
   EXPECT_EQ(device.status().stage(), STAGE_UNDONE) << "at once, so that no other device becomes final";
+  EXPECT_FALSE(device.status().stops_cell()) << "no module has run yet";
   device.end();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().text(), "cell cell was not started: the host has crashed");
   device.undeploy("d1");
   EXPECT_EQ(device.data()["failures"].size(), 1U);
+}
+
+TEST(Agent, FailsLikeARunningDeviceIfItFailsBetweenT0AndTheDecision) {
+  FakeDevice device;
+  device.become_ready();
+  device.run();
+  device.hear_line(DEVICE_ARMED);
+  device.pass(milliseconds{500});
+  EXPECT_EQ(device.status().state(), DEVICE_STARTED);
+  device.work.failures = {fail("arm crashed")};
+  device.work.stops_cell = true;
+  device.work.phase = Phase::stopping;
+  device.agent.step();
+  EXPECT_TRUE(device.status().stops_cell());
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_ENDED);
+  EXPECT_EQ(device.status().stage(), STAGE_RUNNING) << "line decides as if this device still ran";
+  device.hear_line(DEVICE_STARTED);
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
+  EXPECT_EQ(device.status().state(), DEVICE_ENDED);
+}
+
+TEST(Agent, BeginsIfItOnlyHearsThatAnotherDeviceIsFinal) {
+  FakeDevice device;
+  device.become_ready();
+  device.t0_wall = device.wall() - 500'000'000;
+  device.hear_line(DEVICE_RUNNING);
+  EXPECT_EQ(device.work.t0, device.now - milliseconds{500});
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
 }
 
 /// A device that has undone deployment d1, because it lost the other device soon after T0. The other device
@@ -511,6 +547,11 @@ class UndoneDevice : public testing::Test {
   }
   FakeDevice device;
 };
+
+TEST_F(UndoneDevice, HasRecordedWhyTheCellEnded) {
+  EXPECT_EQ(device.published.faults.back().cause(),
+            "cell cell has ended: line was not heard to run within 3 s of T0");
+}
 
 TEST_F(UndoneDevice, BeginsAgainIfAnotherDeviceIsFinal) {
   device.hear_line(DEVICE_STARTED);
@@ -565,6 +606,7 @@ TEST(Agent, EndsTheDeploymentIfAnotherDeviceDoesNotReportThatItRunsSoonAfterT0) 
   device.undeploy("d1");
   device.end();
   EXPECT_EQ(device.data()["failures"][0], "device robot: error: line was not heard to run within 3 s of T0");
+  EXPECT_EQ(device.published.faults.back().cause(), "cell cell has ended: it was undeployed");
 }
 
 TEST(Agent, UndeploysADeploymentThatAnotherDeviceHasUndeployed) {
