@@ -180,6 +180,7 @@ DeviceStatus Agent::status() const {
       if (text.empty()) text = standing.faulty;
     }
   }
+  if (text.empty() && update_) text = update_->progress();
   wire::set(status.text(), text);
   wire::set(status.undeployed(), undeployed_but_held());
   if (const Transaction* const newest = newest_transaction(); newest != nullptr) {

@@ -1,6 +1,9 @@
 // Carries out an update on a device, or undoes it. Either the agent changes the running modules one after the
 // other, or it ends the present deployment and starts the new one.
+#include <algorithm>
 #include <utility>
+
+#include <takt/core/log_level.hpp>
 
 #include "clocks.hpp"
 #include "limits.hpp"
@@ -55,6 +58,7 @@ void Agent::Update::connect() {
 // Lets the modules that the update has started begin at T0.
 void Agent::Update::begin() {
   if (!is_after_ || agent_.deployment_->began) return;
+  began_ = true;
   agent_.deployment_->t0_ns = after_->t0_ns;
   agent_.deployment_->t0 = after_->t0;
   agent_.go();
@@ -73,46 +77,67 @@ void Agent::Update::apply_change(const model::ModuleChange& change, const std::s
     return;
   }
   agent_.deployment_->supervised->swap(
-      module, value, [this, alive = weak_from_this(), done, index, value](const Outcome& outcome) {
+      module, value, set_by_swap(change.module, stage_ == Stage::undoing),
+      [this, alive = weak_from_this(), done, index, value](const Outcome& outcome) {
         if (alive.expired()) return;
-        if (outcome.code == REPLY_OK && agent_.deployment_) {
-          agent_.deployment_->found.paths.at(index) = value;
-          note_build(index);
-        }
+        if (outcome.code == REPLY_OK && agent_.deployment_) note_file(index, value);
         done(outcome);
       });
 }
 
-// Records the build of a module's component after a swap.
-void Agent::Update::note_build(std::size_t index) {
+bool Agent::Update::is_set_by_swap(const model::ModuleChange& change) const {
+  const auto& all = difference_.in_place;
+  return !change.property.empty() && change.property != kLogLevelProperty &&
+         std::any_of(all.begin(), all.end(), [&change](const model::ModuleChange& other) {
+           return other.module == change.module && other.property.empty();
+         });
+}
+
+std::map<std::string, std::string> Agent::Update::set_by_swap(const std::string& module, bool before) const {
+  std::map<std::string, std::string> values;
+  for (std::size_t i = 0; i < replaced_.size(); ++i) {
+    const model::ModuleChange& one = difference_.in_place[i];
+    if (one.module == module && is_set_by_swap(one)) values[one.property] = before ? replaced_[i] : one.value;
+  }
+  return values;
+}
+
+// Records the file of a module's component, and its build.
+void Agent::Update::note_file(std::size_t index, const std::string& file) {
   Inspected& found = agent_.deployment_->found;
   const Inspected& after = after_->found;
+  found.paths.at(index) = file;
   if (index >= found.builds.size() || index >= after.builds.size()) return;
   found.builds[index] = found.paths.at(index) == after.paths.at(index) ? after.builds[index] : builds_[index];
 }
 
+// The properties of a module come before its file. So if the module is swapped, their old values are known by
+// then, and the new instance begins with the new values. The old instance keeps the old ones.
 void Agent::Update::change_next() {
-  if (undoer_) return undo({fail("the update was cancelled")});
+  if (undoer_) return undo({fail(kCancelled)});
   if (replaced_.size() == difference_.in_place.size()) return changed();
   const model::ModuleChange& next = difference_.in_place[replaced_.size()];
   const std::size_t index = agent_.deployment_->index_of(next.module);
   const auto failed = [this, &next](const Outcome& outcome) {
     undo({{"module " + agent_.options_.device + "." + next.module, next.words + ": " + outcome.text, ""}});
   };
-  const auto apply_next = [this, failed, &next](const std::string& value, const std::string& before) {
-    apply_change(next, value, [this, failed, before](const Outcome& outcome) {
-      if (outcome.code != REPLY_OK) return failed(outcome);
-      replaced_.push_back(before);
-      change_next();
+  const auto go_on = [this](const std::string& before) {
+    replaced_.push_back(before);
+    change_next();
+  };
+  const auto apply_next = [this, failed, go_on, &next](const std::string& value, const std::string& before) {
+    apply_change(next, value, [failed, go_on, before](const Outcome& outcome) {
+      outcome.code == REPLY_OK ? go_on(before) : failed(outcome);
     });
   };
   if (next.property.empty())
     return apply_next(after_->found.paths.at(index), agent_.deployment_->found.paths.at(index));
   agent_.deployment_->supervised->get(
       static_cast<std::uint32_t>(index), next.property,
-      [alive = weak_from_this(), failed, apply_next, &next](const Outcome& outcome) {
+      [this, alive = weak_from_this(), failed, go_on, apply_next, &next](const Outcome& outcome) {
         if (alive.expired()) return;
         if (outcome.code != REPLY_OK) return failed(outcome);
+        if (is_set_by_swap(next)) return go_on(outcome.value);
         apply_next(next.value, outcome.value);
       });
 }
@@ -121,28 +146,54 @@ void Agent::Update::undo_last() {
   if (replaced_.empty()) return undone();
   const model::ModuleChange& last = difference_.in_place[replaced_.size() - 1];
   const std::string value = replaced_.back();
-  replaced_.pop_back();
-  const std::string module = "module " + agent_.options_.device + "." + last.module;
-  if (last.property.empty() && value == after_->found.paths.at(agent_.deployment_->index_of(last.module))) {
-    left_.push_back(
-        {module, "its change could not be undone, because the new component has overwritten the previous one",
-         "restore the previous file and run takt deploy --update again"});
+  const bool stays = stays_changed(last, value);
+  if (stays || is_set_by_swap(last)) {
+    replaced_.pop_back();
     return undo_last();
   }
-  apply_change(last, value, [this, &last, module](const Outcome& outcome) {
-    if (outcome.code != REPLY_OK)
-      left_.push_back({module, last.words + " could not be undone: " + outcome.text,
-                       "undeploy the cell and deploy it again"});
+  apply_change(last, value, [this, &last](const Outcome& outcome) {
+    if (outcome.code != REPLY_OK) {
+      agent_.log("is restarted to undo the update, because " + last.module +
+                 " cannot be changed while it runs: " + outcome.text);
+      return restart_undone();
+    }
+    replaced_.pop_back();
     undo_last();
   });
 }
 
+// Restarts the device as it was before the update. A module that has failed, or whose host has ended, accepts
+// no change.
+void Agent::Update::restart_undone() {
+  for (; !replaced_.empty(); replaced_.pop_back()) {
+    const model::ModuleChange& last = difference_.in_place[replaced_.size() - 1];
+    if (last.property.empty() && !stays_changed(last, replaced_.back()))
+      note_file(agent_.deployment_->index_of(last.module), replaced_.back());
+  }
+  difference_.change = Change::anew;
+  agent_.stop();
+}
+
+// Returns true if the change is that of a file which cannot be undone, and notes this.
+bool Agent::Update::stays_changed(const model::ModuleChange& change, const std::string& before) {
+  if (!change.property.empty() ||
+      before != after_->found.paths.at(agent_.deployment_->index_of(change.module)))
+    return false;
+  left_.push_back(
+      {"module " + agent_.options_.device + "." + change.module,
+       "its change could not be undone, because the new component has overwritten the previous one",
+       "restore the previous file and run takt deploy --update again"});
+  return true;
+}
+
 void Agent::Update::taken_down(const Problems& problems) {
-  if (stage_ == Stage::changing && !is_after_) {
+  if (!is_after_ && !before_) {
     before_ = agent_.deployment_->afresh();
     agent_.clear();
-    if (undoer_) {
-      note_undone({fail("the update was cancelled")});
+    if (stage_ == Stage::undoing) {
+      bring_back();
+    } else if (undoer_) {
+      note_undone({fail(kCancelled)});
       bring_back();
     } else if (difference_.change == Change::removed) {
       changed();

@@ -276,6 +276,8 @@ bool Agent::runs(const Command& command) {
       command, REPLY_REFUSED,
       deployment_
           ? "device " + options_.device + " is not running: its state is " + takt::to_text(published_.state())
+      : resuming_
+          ? "device " + options_.device + " is about to restore its deployment; try again when it is running"
           : "device " + options_.device + " has no deployment; deploy a cell to it first: takt deploy CELL");
   return false;
 }
@@ -416,7 +418,7 @@ void Agent::check_swap() {
   }
   const std::string path = (*result)->paths.at(0);
   const model::Build build = (*result)->builds.empty() ? model::Build{} : (*result)->builds[0];
-  d.supervised->swap(*module, path, [this, path, build, index = *module](const Outcome& outcome) {
+  d.supervised->swap(*module, path, {}, [this, path, build, index = *module](const Outcome& outcome) {
     Deployment& swapped = *deployment_;
     const Command command = *std::exchange(swapped.swap, std::nullopt);
     if (outcome.code == REPLY_OK) {

@@ -23,6 +23,10 @@ struct Agent::Transaction {
   bool complete = false;               ///< this device has everything that it needs to go forward
 };
 
+[[nodiscard]] inline bool is_given_up(const LifecycleStatus& module) {
+  return module.state() == STATE_DESTRUCT && module.event() == EVENT_GIVE_UP;
+}
+
 struct Agent::Deployment {
   std::string id;
   std::string file;

@@ -247,7 +247,7 @@ void Agent::go() {
 
 // Ends the deployment without a command.
 void Agent::take_back(const std::string& why) {
-  if (update_) update_->drop(why);
+  if (update_) update_->drop(why, was_undeployed(update_->after().id));
   if (!deployment_) return;
   deployment_->undone = why;
   if (!deployment_->supervised)
@@ -312,7 +312,7 @@ void Agent::undeploy(const Command& command) {
            "device " + options_.device + " has another deployment, of cell " + deployment_->cell.name);
     return;
   }
-  if (update_) update_->drop("it was undeployed");
+  if (update_) update_->drop("it was undeployed", true);
   if (!deployment_) {
     resuming_ = false;
     if (!id.empty()) remember_undeployed(id);
@@ -369,7 +369,8 @@ void Agent::finish() {
   filter_.flush();
   const bool forward = d.replaced && failures.empty() && undeployers.empty() && !passed_on && !ending_;
   // Until an update is complete, the cell runs on; then the update records itself.
-  const bool goes_on = forward || (in_transit && failures.empty() && update_->before() != nullptr);
+  const bool goes_on =
+      forward || (in_transit && (failures.empty() || d.stopped) && update_->before() != nullptr);
   // A module that was given up before has not ended the cell, if an operator or the node has stopped it.
   if (d.began && !d.over && !goes_on) {
     note({.kind = model::FaultKind::undeployed,

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/log_level.hpp>
+#include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/wire/words.hpp>
 
@@ -98,6 +99,11 @@ Result<void> Agent::Update::compare() {
   for (model::DeviceDifference& one : *all) {
     if (one.device == agent_.options_.device) difference_ = std::move(one);
   }
+  for (model::ModuleChange& one : difference_.in_place) {
+    const auto& set = agent_.deployment_->set[one.module];
+    const auto value = set.find(one.property);
+    if (value != set.end()) one.words += " (an operator has set it to " + brief(value->second) + ")";
+  }
   after.transaction.devices =
       model::device_names(agent_.deployment_->cell);  // until the client sends all devices
   if (difference_.change == Change::removed) after.text.clear();
@@ -149,8 +155,11 @@ void Agent::Update::judge_in_place(const Inspected& found) {
   for (const model::ModuleChange& one : difference.in_place) {
     const std::size_t index = agent_.deployment_->index_of(one.module);
     std::string why = "module " + one.module;
-    if (one.property.empty() &&
-        !same_ports(ports_at(agent_.deployment_->found, index), ports_at(found, index)))
+    const LifecycleStatus& module = agent_.deployment_->modules.at(index);
+    if (one.property != kLogLevelProperty && is_given_up(module))
+      why += " was given up";
+    else if (one.property.empty() &&
+             !same_ports(ports_at(agent_.deployment_->found, index), ports_at(found, index)))
       why += " has different ports in its new file";
     else if (!one.property.empty() && one.property != kLogLevelProperty && !declares(found.description, one))
       why += " reads property " + one.property + " only in initialize()";
@@ -174,7 +183,7 @@ Result<void> Agent::Update::may_change_in_place() const {
       problems.push_back({"module " + agent_.options_.device + "." + one.module,
                           std::string{"it is in "} + takt::to_text(state) +
                               "; its properties can be set once it is in INITIALIZE",
-                          "reset and start the module, or deploy the cell again"});
+                          "run takt restart " + agent_.options_.device + "." + one.module + " first"});
     }
   }
   if (!problems.empty()) return problems;

@@ -22,6 +22,8 @@ namespace {
 
 /// Returns the text of a command for the fault record, such as "stop" or "set gain = 2".
 std::string command_text(const Command& command) {
+  if (command.kind() == COMMAND_PREPARE)
+    return command.property() == command.deployment() ? "deployment" : "update";
   std::string text = takt::to_text(command.kind());
   if (command.kind() == COMMAND_SET)
     text += " " + command.property().to_string() + " = " + command.value().to_string();
@@ -100,6 +102,7 @@ void Agent::note_answer(const Command& command, ReplyCode code, const std::strin
     return;
   }
   if (wire::is_question(command.kind())) return;
+  if (command.kind() == COMMAND_CHANGE && code == REPLY_FAILED) return;  // the undone update is recorded
   const std::string what = command_text(command);
   const bool begins_with_it = text.starts_with(what + " ");  // as in "stop is not allowed in state START"
   // The ids of one client's commands differ only after the last '-', so the part before the '-' identifies

@@ -18,6 +18,9 @@ inline constexpr Nanoseconds kConnected = std::chrono::seconds{10};
 /// over the network (chrony, ptp4l, systemd-timesyncd) keeps clocks much closer than this; a clock that no
 /// service sets soon differs by more than this.
 inline constexpr Nanoseconds kClocksDiffer = std::chrono::milliseconds{100};
+/// If a prepared device hears nothing from the operator for this time, its status says when it undoes what it
+/// has prepared. The operator sends a request every 4 s.
+inline constexpr Nanoseconds kSoonSilent = std::chrono::seconds{5};
 /// A node that `takt run` started waits, before it ends, until `takt run` has received the final report, but
 /// at most for this time.
 inline constexpr Nanoseconds kReportFetched = std::chrono::seconds{2};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +41,9 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
            difference_.change != model::Change::in_place;
   }
 
+  /// Returns what the operator should know about an update that is not over yet; may be empty.
+  [[nodiscard]] std::string progress() const;
+
   /// Compares the running descriptor with the new one, without the components.
   Result<void> compare();
   /// Inspects the components of the new descriptor, and then answers the client. Call this once, after
@@ -64,13 +68,14 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   /// fails as a running device does.
   void device_ended(const Problems& failures, bool stops_cell);
   /// Ends the update, because the deployment that it changes has ended.
-  void drop(const std::string& why);
-  /// Called when the old deployment has ended, or when the new deployment has ended or could not be started.
+  void drop(const std::string& why, bool is_undeployed = false);
+  /// Called when a deployment that the update has started or stopped has ended or could not be started.
   void taken_down(const Problems& problems);
   /// Ends the update when everything is undone.
   void undone();
 
  private:
+  static constexpr const char* kCancelled = "the update was cancelled";
   enum class Stage {
     checking,  ///< the components are being inspected
     held,      ///< the update is checked and accepted; nothing is changed yet
@@ -88,6 +93,10 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   [[nodiscard]] bool is_final() const { return transaction().state.stage == transaction::Stage::final; }
   /// Records why the update is undone. From now on, the other devices hear that it is.
   void note_undone(const Problems& problems);
+  /// True if the changes are made and can still be undone because of a failure on this device.
+  [[nodiscard]] bool is_before_t0() const;
+  /// Returns why a module that the update has changed while it ran has failed, before T0.
+  [[nodiscard]] std::optional<Problem> failed_change() const;
   void kept();
   // What the update changes on this device (differences.cpp)
   void add_rebuilt(const Inspected& found);
@@ -96,11 +105,17 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   // How the update is carried out and undone (changes.cpp)
   void apply_change(const model::ModuleChange& change, const std::string& value,
                     const std::function<void(const Outcome&)>& done);
-  void note_build(std::size_t index);
+  /// True if a swap of the module sets this property, in the new instance only.
+  [[nodiscard]] bool is_set_by_swap(const model::ModuleChange& change) const;
+  /// Returns the properties that a swap of the module sets, with their new values or those before the update.
+  [[nodiscard]] std::map<std::string, std::string> set_by_swap(const std::string& module, bool before) const;
+  void note_file(std::size_t index, const std::string& file);
+  [[nodiscard]] bool stays_changed(const model::ModuleChange& change, const std::string& before);
   void connect();
   void begin();
   void change_next();
   void undo_last();
+  void restart_undone();
   void bring_back();
 
   Agent& agent_;
@@ -111,8 +126,10 @@ class Agent::Update : public std::enable_shared_from_this<Agent::Update> {
   std::vector<model::Build> builds_;    ///< the builds of the components before the update
   std::unique_ptr<Deployment> before_;  ///< the deployment that the update has ended
   bool is_after_ = false;               ///< true: `after_` was started, or is being started
-  std::vector<std::string> replaced_;   ///< for a change in place: the old value or file of each module that
-                                        ///< was changed so far
+  bool carried_out_ = false;            ///< the device has begun to make its changes
+  bool began_ = false;                  ///< the modules that the update has started have T0
+  std::vector<std::string> replaced_;   ///< for changes in place: the old value or file of each change that
+                                        ///< was made so far
   std::unique_ptr<Inspection> inspection_;
   std::optional<Command> asker_;             ///< a command to be answered after the present stage
   std::optional<Command> undoer_;            ///< a command to be answered when the update is undone

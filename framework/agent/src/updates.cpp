@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/agent/problems_json.hpp>
+#include <takt/core/log_level.hpp>
 #include <takt/core/span.hpp>
 #include <takt/model/json.hpp>
 #include <takt/wire/words.hpp>
@@ -24,7 +25,8 @@ using Phase = Supervised::Phase;
 
 void Agent::reply_problems(const Command& command, ReplyCode code, const Problems& problems,
                            const std::string& value) {
-  answer(command, code, in_words({problems[0]}), model::json_text(problems_json(problems)), {}, value);
+  answer(command, code, problems.empty() ? "" : in_words({problems[0]}),
+         problems.empty() ? "" : model::json_text(problems_json(problems)), {}, value);
 }
 
 void Agent::Deployment::take_over(const Deployment& next) {
@@ -102,13 +104,22 @@ void Agent::prepare(const wire::WholeCommand& command) {
 Agent::Update* Agent::update_of(const Command& command) {
   const std::string id = command.property().to_string();
   if (update_ && update_->id() == id) return update_.get();
+  if (was_undeployed(command.deployment().to_string())) {
+    reply_problems(command, REPLY_REFUSED, {{"device " + options_.device, "it was undeployed", ""}},
+                   wire::kUndeployed);
+    return nullptr;
+  }
   const bool is_undone = gone_ && gone_->transaction.id == id && !gone_->undone.empty();
   reply_problems(command, REPLY_REFUSED,
-                 {{"device " + options_.device,
-                   is_undone ? "it has undone this: " + gone_->undone
-                             : "it has not prepared this deployment or update, or has undone it",
-                   "run takt deploy again"}});
+                 {is_undone ? why_undone()
+                            : Problem{"device " + options_.device,
+                                      "it has not prepared this deployment or update, or has undone it",
+                                      "run takt deploy again"}});
   return nullptr;
+}
+
+Problem Agent::why_undone() const {
+  return {"device " + options_.device, "it has undone this: " + gone_->undone, "run takt deploy again"};
 }
 
 Agent::Update::Update(Agent& agent, const wire::WholeCommand& command)
@@ -133,6 +144,7 @@ void Agent::Update::step() {
   }
   if (stage_ == Stage::changing && is_after_) connect();
   if (stage_ == Stage::changed) confirm();
+  if (const auto failed = failed_change()) return undo({*failed});
   if (stage_ != Stage::held && !is_complete()) return;
   while (!is_final() && agent_.decide(after_->transaction, renewed_)) {
     const transaction::State& state = transaction().state;
@@ -141,6 +153,7 @@ void Agent::Update::step() {
       const bool elsewhere = std::any_of(others.begin(), others.end(), [](const auto& other) {
         return other.second && other.second->stage == transaction::Stage::undone;
       });
+      after_->undone_elsewhere = elsewhere;
       if (is_after_) agent_.deployment_->undone_elsewhere = elsewhere;
       return undo({fail(state.why)});
     }
@@ -183,6 +196,19 @@ void Agent::Update::inspected(const Result<Inspected>& result) {
   agent_.answer(*std::exchange(asker_, std::nullopt), REPLY_OK, "", model::json_text(data));
 }
 
+std::string Agent::Update::progress() const {
+  if (is_final()) return "";
+  const std::string what = is_deployment() ? "the deployment" : "the update";
+  if (is_undoing()) return what + " is being undone";
+  const bool waits = stage_ == Stage::held || is_complete();
+  const auto silent = std::chrono::duration_cast<std::chrono::seconds>(agent_.options_.now() - renewed_);
+  if (waits && transaction().state.stage == transaction::Stage::prepared && silent > kSoonSilent)
+    return what + " is undone in " +
+           takt::to_text(std::max(Nanoseconds{0}, transaction::kOperatorSilent - silent)) +
+           ", unless takt deploy is heard again";
+  return is_deployment() ? "" : what + " is in progress";
+}
+
 void Agent::Update::change(const wire::WholeCommand& command) {
   const Change change = difference_.change;
   const bool far = span(agent_.options_.wall_ns(), command.head.time_ns()) > transaction::kFurthestStart;
@@ -205,6 +231,7 @@ void Agent::Update::change(const wire::WholeCommand& command) {
   asker_ = command.head;
   renew();
   stage_ = Stage::changing;
+  carried_out_ = true;
   if (!is_deployment()) {
     for (const std::string& line : model::in_words(difference_)) agent_.log("is being updated: " + line);
   }
@@ -215,7 +242,7 @@ void Agent::Update::change(const wire::WholeCommand& command) {
       return change_next();
     case Change::anew:
     case Change::removed:
-      return agent_.deployment_->supervised->stop();
+      return agent_.stop();
     case Change::added:
       after_->t0_ns = command.head.time_ns();
       if (after_->t0_ns != 0) after_->t0 = agent_.options_.instant_of_wall(after_->t0_ns);
@@ -227,7 +254,7 @@ void Agent::Update::change(const wire::WholeCommand& command) {
 }
 
 void Agent::Update::changed() {
-  if (undoer_) return undo({fail("the update was cancelled")});
+  if (undoer_) return undo({fail(kCancelled)});
   stage_ = Stage::changed;
   after_->transaction.complete = true;
   agent_.keep_for_restart();
@@ -257,7 +284,7 @@ void Agent::Update::undo(const Problems& problems) {
     agent_.log("undoing the update: " + in_words(reasons_));
   if (difference_.change == Change::in_place) return undo_last();
   if (!is_after_) return bring_back();
-  if (!agent_.deployment_->over) return agent_.deployment_->supervised->stop();
+  if (!agent_.deployment_->over) return agent_.stop();
   agent_.clear();
   bring_back();
 }
@@ -265,10 +292,19 @@ void Agent::Update::undo(const Problems& problems) {
 void Agent::Update::undone() {
   const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
   const std::string cell = "cell " + after_->cell.name;
-  agent_.log((is_deployment() ? "the deployment of " + cell + " is undone: " : "is not updated: ") +
-             in_words(reasons_));
+  if (carried_out_ || !undoer_)
+    agent_.log((is_deployment() ? "the deployment of " + cell + " is undone: " : "is not updated: ") +
+               in_words(reasons_));
+  // The end of a cell that has begun is recorded already, with the same reason.
+  if (carried_out_ && !(is_deployment() && began_)) {
+    agent_.note({.kind = model::FaultKind::failed_command,
+                 .cause = (is_deployment() ? "deployment of " : "update to ") + after_->file +
+                          " was undone: " + in_words(reasons_) +
+                          (left_.empty() ? "" : "; " + in_words(left_))});
+  }
   if (is_deployment() && transaction().t0)
     agent_.last_refusal_ = cell + " was not started: " + after_->undone;
+  const bool elsewhere = after_->undone_elsewhere;
   agent_.set_gone(std::move(after_));
   if (!left_.empty()) {
     agent_.log("could not undo the update: " + in_words(left_));
@@ -282,7 +318,8 @@ void Agent::Update::undone() {
     agent_.reply_problems(*asker_, REPLY_FAILED, all, value);
   }
   if (undoer_ && left_.empty())
-    agent_.answer(*undoer_, REPLY_OK, "", {}, {}, value);
+    agent_.reply_problems(*undoer_, REPLY_OK,
+                          elsewhere || reasons_[0].what == kCancelled ? Problems{} : reasons_, value);
   else if (undoer_)
     agent_.reply_problems(*undoer_, REPLY_FAILED, left_, value);
 }
@@ -295,9 +332,9 @@ void Agent::Update::cancel(const Command& command) {
     case Stage::checking:
     case Stage::held:
     case Stage::changed:
-      return undo({fail("the update was cancelled")});
+      return undo({fail(kCancelled)});
     case Stage::changing:
-      if (in_transit() && is_after_) return undo({fail("the update was cancelled")});
+      if (in_transit() && is_after_) return undo({fail(kCancelled)});
       return;  // change_next(), changed() or taken_down() undoes the update after the present step
     case Stage::undoing:
       return;
@@ -309,6 +346,7 @@ void Agent::Update::run(const Command& command) {
   const auto refused = [&](const Problems& problems) {
     agent_.reply_problems(command, REPLY_REFUSED, problems);
   };
+  if (is_undoing()) return refused(reasons_);
   if (!is_complete())
     return refused({fail("device " + agent_.options_.device + " has not made its changes yet")});
   if (auto accepted = agent_.receive_t0(after_->transaction, command.time_ns()); !accepted)
@@ -322,7 +360,9 @@ void Agent::put_back(const Command& command) {
   if (last != nullptr && last->id == id && last->state.stage == transaction::Stage::final)
     return reply_problems(command, REPLY_REFUSED, {fail("all devices have kept the update")}, wire::kKept);
   if (update_ && update_->id() == id) return update_->cancel(command);
-  answer(command, REPLY_OK, "", {}, {}, wire::kAsBefore);  // there is nothing to undo
+  // There is nothing to undo any more.
+  const bool has_undone = gone_ && gone_->transaction.id == id && !gone_->undone_elsewhere;
+  reply_problems(command, REPLY_OK, has_undone ? Problems{why_undone()} : Problems{}, wire::kAsBefore);
 }
 
 void Agent::Update::kept() {
@@ -356,10 +396,31 @@ void Agent::Update::kept() {
   }
 }
 
+bool Agent::Update::is_before_t0() const {
+  const std::int64_t t0_ns = transaction().state.t0_ns;
+  return stage_ == Stage::changed && (t0_ns == 0 || agent_.time_of(transaction()) < t0_ns);
+}
+
+std::optional<Problem> Agent::Update::failed_change() const {
+  if (difference_.change != Change::in_place || !is_before_t0()) return std::nullopt;
+  for (const model::ModuleChange& one : difference_.in_place) {
+    const LifecycleStatus& module = agent_.deployment_->modules.at(agent_.deployment_->index_of(one.module));
+    // An input may be stale because the update has restarted another device.
+    const bool fails = module.state() == STATE_RECOVER && module.error() != ERROR_STALE;
+    if (one.property == kLogLevelProperty || !(fails || is_given_up(module))) continue;
+    const std::string where = "module " + agent_.options_.device + "." + one.module;
+    std::string why = module.text().to_string();
+    // The text of a module that was given up also says how to start it again, but the update does this.
+    for (const Problem& problem : agent_.deployment_->supervised->failures()) {
+      if (problem.where == where) why = problem.what;
+    }
+    return Problem{where, one.words + ": it went to " + takt::to_text(module.state()) + ": " + why, ""};
+  }
+  return std::nullopt;
+}
+
 void Agent::Update::device_fails(const Problems& failures) {
-  const transaction::State& state = transaction().state;
-  if (!is_after_ || stage_ != Stage::changed) return;
-  if (state.t0_ns != 0 && agent_.time_of(transaction()) >= state.t0_ns) return;
+  if (!is_after_ || !is_before_t0()) return;
   note_undone(failures.empty() ? Problems{fail("device " + agent_.options_.device + " has ended")}
                                : failures);
 }
@@ -373,7 +434,7 @@ void Agent::Update::device_ended(const Problems& failures, bool stops_cell) {
     drop(why);
 }
 
-void Agent::Update::drop(const std::string& why) {
+void Agent::Update::drop(const std::string& why, bool is_undeployed) {
   const auto self = std::exchange(agent_.update_, nullptr);  // keeps the update alive in this function
   const Problems problems{{"device " + agent_.options_.device, why, ""}};
   if (after_->transaction.state.stage != transaction::Stage::undone) note_undone(problems);
@@ -383,7 +444,7 @@ void Agent::Update::drop(const std::string& why) {
     agent_.deployment_->transaction = after_->transaction;
   agent_.set_gone(std::move(after_));
   for (const auto& waits : {asker_, undoer_}) {
-    if (waits) agent_.reply_problems(*waits, REPLY_FAILED, problems);
+    if (waits) agent_.reply_problems(*waits, REPLY_FAILED, problems, is_undeployed ? wire::kUndeployed : "");
   }
 }
 

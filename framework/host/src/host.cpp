@@ -365,8 +365,11 @@ Result<std::string> Host::swap(const Request& request) {
   auto reporting = reporter_ ? std::make_unique<ReportingBody>(*next, index, reporter_) : nullptr;
   irp::Property::Values values;
   if (!before.declares_properties()) values = values_of(m);
-  for (const PropertyBase* property : before.properties())
-    values.emplace_back(property->name(), *before.get(property->name()));
+  for (const PropertyBase* property : before.properties()) {
+    const auto given = request.values.find(property->name());
+    values.emplace_back(property->name(),
+                        given == request.values.end() ? *before.get(property->name()) : given->second);
+  }
   const auto table = std::find_if(executors_.begin(), executors_.end(), [&](const Table& each) {
     return setup_.device.executors[each.index].name == m.executor;
   });

@@ -99,7 +99,7 @@ model::Executor executor_from(const json& value) {
 json json_of(const Request& request) {
   return {{"do", request.what},         {"module", request.module}, {"hook", request.hook},
           {"type", request.error_type}, {"id", request.id},         {"property", request.property},
-          {"value", request.value}};
+          {"value", request.value},     {"values", request.values}};
 }
 
 Request request_from(const json& value) {
@@ -109,7 +109,8 @@ Request request_from(const json& value) {
           .error_type = value.at("type"),
           .id = value.at("id"),
           .property = value.at("property"),
-          .value = value.at("value")};
+          .value = value.at("value"),
+          .values = value.at("values")};
 }
 
 template <class T, class Read>

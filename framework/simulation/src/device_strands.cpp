@@ -295,7 +295,7 @@ void Device::command(std::uint32_t module, const Injection& injection) {
     emit({.what = What::answered, .text = text}, *members_[module]);
   };
   if (verb == verbs.end())
-    supervisor_->swap(module, "", done);
+    supervisor_->swap(module, "", {}, done);
   else
     supervisor_->command(module, verb->second, done);
 }

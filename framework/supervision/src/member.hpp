@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -36,6 +37,7 @@ struct PendingCommand {
 /// A swap in progress, in which a new instance replaces the running one.
 struct PendingSwap {
   std::string path;
+  std::map<std::string, std::string> values;  // properties that only the new instance has
   std::function<void(const Outcome&)> done;
 };
 

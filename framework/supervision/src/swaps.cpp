@@ -51,11 +51,13 @@ Result<void> Supervisor::may_swap(std::uint32_t module) const {
   if (member.command)
     return fail(std::string{name_of(member.command->verb)} + " is still in progress", "try again later");
   if (member.swap) return fail("a swap of " + name + " is still in progress", "try again later");
-  if (properties_->busy(member)) return fail("a property of " + name + " is being read or set", "try again later");
+  if (properties_->busy(member))
+    return fail("a property of " + name + " is being read or set", "try again later");
   return {};
 }
 
 void Supervisor::swap(std::uint32_t module, const std::string& path,
+                      const std::map<std::string, std::string>& values,
                       std::function<void(const Outcome&)> done) {
   Member& member = *members_.at(module);
   if (const auto may = may_swap(module); !may) {
@@ -63,11 +65,12 @@ void Supervisor::swap(std::uint32_t module, const std::string& path,
     return;
   }
   log(member, "command: swap to " + path);
-  member.swap = PendingSwap{.path = path, .done = std::move(done)};
+  member.swap = PendingSwap{.path = path, .values = values, .done = std::move(done)};
   host_of(member).process->ask({.what = host::Request::Do::swap,
                                 .module = module,
                                 .hook = Doing::load,
-                                .value = path});  // if the host has ended, host_ended() answers
+                                .value = path,
+                                .values = values});  // if the host has ended, host_ended() answers
 }
 
 void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& text) {
@@ -77,6 +80,7 @@ void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& tex
     // If the host restarts, it loads the new component.
     parts_.paths.at(member.index) = swap.path;
     log(member, "runs " + swap.path + " " + text);
+    for (const auto& [name, value] : swap.values) keep_property(member, name, value);
   } else {
     log(member, "swap failed: " + text);
   }

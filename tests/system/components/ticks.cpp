@@ -5,6 +5,8 @@
 //   ticks_fails    its third run fails        ticks_other     other ports and properties
 //   ticks_crashes  its third run crashes      ticks_forgets   does not restore what version 1 saved
 //   ticks_hangs    its initialize() never returns
+//
+// `ticks.so` crashes if its property `step` is negative, and `ticks_more.so` if it is less than -5.
 #include <takt/component.hpp>
 
 #include <cstdio>
@@ -80,6 +82,7 @@ class Ticks : public takt::Component {
 #ifdef TICKS_CRASHES
     if (runs_ == 3) *nowhere_ = 1;
 #endif
+    if (step < (kVersion == 1 ? 0 : -5)) *nowhere_ = 1;
     fill(count_, ++kept_->count);
     out.write(count_);
   }

@@ -84,7 +84,8 @@ class Update(takt_system.Case):
         self.assertEqual(["7", "mine"], self.done("get robot.live step", "get robot.live label"))
         self.assertEqual(["nothing differs"], self.update(*more))
         # An update replaces a value that an operator has set only if the descriptor changes this value.
-        self.assertEqual(["robot.live: label: a -> b", "cell cell is updated"], self.update(*more, ('"label">a', '"label">b')))
+        self.assertEqual(["robot.live: label: a -> b (an operator has set it to mine)", "cell cell is updated"],
+                         self.update(*more, ('"label">a', '"label">b')))
         self.assertEqual(["7", "b"], self.done("get robot.live step", "get robot.live label"))
         self.assertEqual(["robot.live: log-level: not set -> debug", "cell cell is updated"],
                          self.update(*more, ('"label">a', '"label">b</value><value name="log-level">debug')))
@@ -224,6 +225,37 @@ class Update(takt_system.Case):
         self.assertEqual(["nothing differs"], self.update())
         self.done("undeploy cell")
         self.assert_same_grid(first, self.t0("line"))
+        self.end(nodes)
+
+    def test_an_update_is_undone_if_its_value_crashes_a_module(self):
+        nodes = self.running()
+        hosts = self.hosts(nodes)
+        given = '"label">given</value>'
+        step = lambda value: (given, given + ' <value name="step">%d</value>' % value)
+        run = self.update_fails(step(-1))
+        self.assertRegex(run.err, r"module robot\.ticks: (error: )?step: not set -> -1: it went to (RECOVER|DESTRUCT): ")
+        self.assertIn("cell cell is not updated; all changes were undone", run.err)
+        self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        self.assertEqual(["1"], self.done("get robot.ticks step"))
+        self.assertIn("cell.xml was undone: module robot.ticks: step: not set -> -1", self.done("log robot --kind failed-command --json")[0])
+        self.assertEqual(hosts["line"], nodes["line"].one("takt-host").pid)
+        # The running instance would crash with this value, but only the new one gets it.
+        hosts = self.hosts(nodes)
+        more = ("ticks.so", "ticks_more.so")
+        self.assertEqual(["robot.ticks: step: not set -> -1; file: ticks.so -> ticks_more.so", "cell cell is updated"],
+                         self.update(more, step(-1)))
+        self.assertEqual((hosts, ["-1"]), (self.hosts(nodes), self.done("get robot.ticks step")))
+        # An operator's value crashes the module for good. An update that changes the module starts the device again.
+        self.done("set robot.ticks step -6")
+        wait_until(lambda: self.states_of("robot")["ticks"] == "DESTRUCT", "module ticks to be given up")
+        run = self.takt("deploy", self.changed(more, step(-1)), "--update")
+        self.assertEqual((0, "nothing differs\n"), (run.status, run.out))
+        self.assertRegex(run.err, r"device robot: warning: module ticks is in DESTRUCT: ")
+        self.assertEqual(["robot is restarted: module ticks was given up; module ticks: step: -1 -> -2 (an operator has set it to -6)", "cell cell is updated"],
+                         self.update(more, step(-2)))
+        self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        self.assertEqual(["-2"], self.done("get robot.ticks step"))
+        self.done("undeploy cell")
         self.end(nodes)
 
     def devices_agree(self):

@@ -328,7 +328,7 @@ TEST(Agent, RejectsAStartTimeInThePastOrFarInTheFuture) {
 TEST(Agent, UndoesAPreparedDeploymentThatTheClientNeverStarts) {
   FakeDevice device;
   device.become_ready();
-  device.pass(seconds{20});
+  device.pass(transaction::kOperatorSilent);
   EXPECT_FALSE(device.work.stop_called);
   device.pass(milliseconds{1});
   EXPECT_TRUE(device.work.stop_called);
@@ -337,7 +337,7 @@ TEST(Agent, UndoesAPreparedDeploymentThatTheClientNeverStarts) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
   device.run();
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("it has undone this: no message of the operator arrived within 20 s"));
+  EXPECT_THAT(device.text(), HasSubstr("it has undone this: no message of the operator arrived within 10 s"));
 }
 
 // Expects that the pending command fails for `reason` after 10 s, but not earlier, because the nodes or their
@@ -838,15 +838,15 @@ TEST(Agent, StaysReadyWhileTheClientSendsKeepAlives) {
   device.become_ready();
   const auto ask = [&device](const std::string& id) { device.receive(keep_alive(device, id)); };
   for (int i = 0; i < 4; ++i) {
-    device.pass(seconds{15});
+    device.pass(seconds{8});
     ask("d1");
     EXPECT_EQ(device.status().state(), DEVICE_READY) << "after " << i;
   }
   ask("");
   ask("another");
-  device.pass(seconds{15});
+  device.pass(seconds{8});
   ask("");
-  device.pass(seconds{6});
+  device.pass(seconds{3});
   EXPECT_EQ(device.work.phase, Phase::stopping) << "only keep-alives for this deployment count";
 }
 

@@ -201,15 +201,18 @@ TEST_F(AgentUpdate, RestoresThePropertyValueThatAnOperatorHadSet) {
 }
 
 TEST_F(AgentUpdate, UndoesEarlierChangesWhenAStepFails) {
-  start_running(kGain1);
-  ASSERT_TRUE(accepts(with(kArmBefore, "<name>arm</name><filename>arm2.so</filename>", kGain2)));
+  start_running();
+  ASSERT_TRUE(accepts(
+      with("<priority>1</priority>",
+           "<priority>1</priority><property><value name=\"log-level\">debug</value></property>", kFile)));
   const auto change = step(COMMAND_CHANGE);
   send(change);
-  done(REPLY_OK, "1");
+  done(REPLY_OK, "info");
+  EXPECT_EQ(device.work.properties.back(), "0 log-level = debug");
   done();
   done(REPLY_FAILED, "", "the third is not for me");  // the swap fails with this text
   EXPECT_EQ(answer_to(change), nullptr);
-  EXPECT_EQ(device.work.properties.back(), "1 gain = 1");
+  EXPECT_EQ(device.work.properties.back(), "0 log-level = info");
   done();
   ASSERT_NE(answer_to(change), nullptr);
   EXPECT_EQ(answer_to(change)->code(), REPLY_FAILED);
@@ -217,7 +220,25 @@ TEST_F(AgentUpdate, UndoesEarlierChangesWhenAStepFails) {
   EXPECT_EQ(answer_to(change)->value(), wire::kAsBefore);
 }
 
-TEST_F(AgentUpdate, ReportsAChangeThatCannotBeUndone) {
+TEST_F(AgentUpdate, GivesOnlyTheNewInstanceTheNewPropertyValue) {
+  start_running(kGain1);
+  ASSERT_TRUE(accepts(with(kArmBefore, "<name>arm</name><filename>arm2.so</filename>", kGain2)));
+  const auto change = step(COMMAND_CHANGE);
+  send(change);
+  done(REPLY_OK, "1.5");
+  EXPECT_THAT(device.work.properties, ElementsAre("1 gain")) << "the old instance keeps its value";
+  EXPECT_THAT(device.work.swaps, ElementsAre(std::pair{1U, std::string{"/arm2.so gain = 2"}}));
+  done();
+  EXPECT_EQ(answer_to(change)->code(), REPLY_OK);
+  const auto back = step(COMMAND_PUT_BACK);
+  send(back);
+  EXPECT_EQ(device.work.swaps.back().second, "/arm.so gain = 1.5");
+  done();
+  EXPECT_EQ(answer_to(back)->value(), wire::kAsBefore);
+  EXPECT_THAT(device.work.properties, ElementsAre("1 gain"));
+}
+
+TEST_F(AgentUpdate, RestartsTheDeviceIfAChangeCannotBeUndoneWhileItRuns) {
   start_running();
   ASSERT_TRUE(accepts(kFile));
   send(step(COMMAND_CHANGE));
@@ -225,9 +246,74 @@ TEST_F(AgentUpdate, ReportsAChangeThatCannotBeUndone) {
   const auto back = step(COMMAND_PUT_BACK);
   send(back);
   done(REPLY_FAILED, "", "restore() refused");
-  EXPECT_EQ(answer_to(back)->code(), REPLY_FAILED);
-  EXPECT_EQ(answer_to(back)->value(), "");
-  EXPECT_THAT(answer_to(back)->text().to_string(), HasSubstr("restore() refused"));
+  EXPECT_EQ(answer_to(back), nullptr);
+  EXPECT_THAT(device.logged.back(), HasSubstr("is restarted to undo the update, because arm cannot be "
+                                              "changed while it runs: restore() refused"));
+  EXPECT_TRUE(device.work.stop_called);
+  device.work.failures = {fail("arm was given up")};
+  end_device();
+  EXPECT_THAT(device.work.paths, ElementsAre("/servo.so", "/arm.so"));
+  become_ready();
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+  EXPECT_EQ(answer_to(back)->value(), wire::kAsBefore);
+  for (const FaultEvent& event : device.published.faults)
+    EXPECT_THAT(event.cause().to_string(), testing::Not(HasSubstr("has ended")));
+}
+
+TEST_F(AgentUpdate, IsUndoneIfAChangedModuleFailsBeforeT0) {
+  start_running(kGain1);
+  ASSERT_TRUE(accepts(kGain2));
+  send(step(COMMAND_CHANGE));
+  done(REPLY_OK, "1");
+  done();
+  send_t0();
+  others_say(STAGE_ARMED);
+  device.work.stepped({.module = 0, .transition = {.to = lifecycle::State::recover}, .text = "crash"});
+  device.agent.step();
+  EXPECT_EQ(device.status().stage(), STAGE_ARMED) << "the update does not change this module";
+  device.work.stepped({.module = 1,
+                       .transition = {.to = lifecycle::State::recover},
+                       .error = ErrorType::stale,
+                       .text = "old"});
+  device.agent.step();
+  EXPECT_EQ(device.status().stage(), STAGE_ARMED) << "its input comes from a device that the update restarts";
+  device.work.stepped({.module = 1,
+                       .transition = {.to = lifecycle::State::destruct, .event = lifecycle::Event::give_up},
+                       .text = "crash; run takt restart robot.arm"});
+  device.work.failures = {{"module robot.arm", "crash", ""}};
+  device.agent.step();
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+  EXPECT_EQ(device.work.properties.back(), "1 gain = 1");
+  const std::string why = "module robot.arm: gain: 1 -> 2: it went to DESTRUCT: crash";
+  EXPECT_EQ(send_t0()->text(), why);
+  const auto back = step(COMMAND_PUT_BACK);
+  EXPECT_EQ(send(back), nullptr);
+  done(REPLY_REFUSED, "", "it is in DESTRUCT");
+  EXPECT_TRUE(device.work.stop_called);
+  end_device();
+  EXPECT_EQ(device.work.cell.devices[0].modules[1].properties.at(0).value, "1");
+  become_ready();
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+  EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
+  EXPECT_EQ(answer_to(back)->code(), REPLY_OK);
+  EXPECT_EQ(answer_to(back)->text(), why) << "the client may not know the reason yet";
+  const FaultEvent& event = device.published.faults.back();
+  EXPECT_EQ(event.cause().to_string(), "update to new.xml was undone: " + why);
+  EXPECT_THAT(send(step(COMMAND_PUT_BACK))->text().to_string(), HasSubstr("it has undone this: " + why));
+}
+
+TEST_F(AgentUpdate, IsKeptIfAChangedModuleFailsAfterT0) {
+  start_running(kGain1);
+  ASSERT_TRUE(accepts(kGain2));
+  send(step(COMMAND_CHANGE));
+  done(REPLY_OK, "1");
+  done();
+  send_t0();
+  others_say(STAGE_ARMED);
+  device.pass(milliseconds{500});
+  device.work.stepped({.module = 1, .transition = {.to = lifecycle::State::recover}, .text = "crash"});
+  others_say(STAGE_RUNNING);
+  EXPECT_EQ(device.status().stage(), STAGE_FINAL);
 }
 
 TEST_F(AgentUpdate, RestartsTheDeviceIfAChangedPropertyIsNotDeclared) {
@@ -306,12 +392,28 @@ TEST_F(AgentUpdate, RejectsAnUpdateWhenAModuleCannotBeSwapped) {
   EXPECT_THAT(device.text(), HasSubstr("is in START"));
 }
 
-TEST_F(AgentUpdate, RejectsAPropertyChangeForAModuleInDestruct) {
+TEST_F(AgentUpdate, RejectsAPropertyChangeForAModuleThatAnOperatorHasEnded) {
   start_running(kGain1);
   device.work.stepped({.module = 1, .transition = {.to = lifecycle::State::destruct}});
   EXPECT_FALSE(accepts(kGain2));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(), HasSubstr("module robot.arm: it is in DESTRUCT"));
+  EXPECT_THAT(device.text(), HasSubstr("run takt restart robot.arm first"));
+}
+
+TEST_F(AgentUpdate, RestartsTheDeviceIfAChangedModuleWasGivenUp) {
+  start_running(kGain1);
+  device.work.stepped({.module = 1, .transition = {.to = lifecycle::State::recover}});
+  ASSERT_TRUE(accepts(kGain2));
+  EXPECT_EQ(device.data()["change"], "in place") << "the value may help the module to recover";
+  send(step(COMMAND_PUT_BACK));
+  device.work.stepped(
+      {.module = 1, .transition = {.to = lifecycle::State::destruct, .event = lifecycle::Event::give_up}});
+  device.work.may_swap = fail("it is in DESTRUCT");
+  ASSERT_TRUE(accepts(with(kArmBefore, "<name>arm</name><filename>arm2.so</filename>", kGain2), "u2"));
+  EXPECT_EQ(device.data()["words"][0],
+            "robot is restarted: module arm was given up; module arm: gain: 1 -> 2; module arm: file: arm.so "
+            "-> arm2.so");
 }
 
 TEST_F(AgentUpdate, KeepsTheGridWhenItRestartsTheDevice) {
@@ -589,9 +691,11 @@ TEST_F(AgentUpdate, IsUndoneWhenTheClientStopsSendingKeepAlives) {
       done();
     }
     for (int i = 0; i < 5; ++i) {
-      device.pass(seconds{18});
+      device.pass(transaction::kOperatorSilent - seconds{1});
+      EXPECT_EQ(device.status().text(), "the update is undone in 1 s, unless takt deploy is heard again");
       send(step(COMMAND_REPORT));
     }
+    EXPECT_EQ(device.status().text(), "the update is in progress");
     EXPECT_EQ(device.status().stage(), STAGE_PREPARED) << "the report commands show that the client is alive";
     device.pass(transaction::kOperatorSilent + milliseconds{1});
     EXPECT_EQ(device.status().transaction(), id);
@@ -642,6 +746,7 @@ TEST_F(AgentUpdate, IsUndoneIfAnotherDeviceUndoesIt) {
   others_say(STAGE_UNDONE);
   EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
   EXPECT_THAT(device.work.swaps, IsEmpty());
+  EXPECT_EQ(send(step(COMMAND_PUT_BACK))->text(), "") << "the other device says why";
 }
 
 TEST_F(AgentUpdate, IsMadeAgainIfAnotherDeviceIsFinal) {
@@ -795,6 +900,8 @@ TEST_F(AgentUpdate, FailsWhenTheCellIsUndeployedOrTheNodeEnds) {
   send(change);
   device.undeploy();
   EXPECT_EQ(answer_to(change)->code(), REPLY_FAILED);
+  EXPECT_EQ(answer_to(change)->value(), wire::kUndeployed);
+  EXPECT_EQ(send_t0()->value(), wire::kUndeployed);
   done();  // the swap completes only after the cell was undeployed
   end_device();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);

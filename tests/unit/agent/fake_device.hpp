@@ -119,9 +119,11 @@ class FakeSupervised final : public Supervised {
     work_.done.push_back(std::move(done));
   }
   [[nodiscard]] Result<void> may_swap(std::uint32_t) const override { return work_.may_swap; }
-  void swap(std::uint32_t module, const std::string& path,
+  void swap(std::uint32_t module, const std::string& path, const std::map<std::string, std::string>& values,
             std::function<void(const Outcome&)> done) override {
-    work_.swaps.emplace_back(module, path);
+    std::string text = path;
+    for (const auto& [name, value] : values) text += " " + name + " = " + value;
+    work_.swaps.emplace_back(module, text);
     work_.done.push_back(std::move(done));
   }
   void trace(Nanoseconds last, std::size_t most,

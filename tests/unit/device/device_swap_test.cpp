@@ -1,6 +1,7 @@
 // Tests swaps of a running module in a real host.
 #include <gmock/gmock.h>
 
+#include <map>
 #include <optional>
 
 #include "real_device.hpp"
@@ -14,9 +15,10 @@ using testing::HasSubstr;
 
 class DeviceSwap : public RealDevice {
  protected:
-  Outcome swap(std::uint32_t module, const std::string& file) {
+  Outcome swap(std::uint32_t module, const std::string& file,
+               const std::map<std::string, std::string>& values = {}) {
     std::optional<Outcome> answer;
-    device->swap(module, kComponents + "/" + file, [&answer](const Outcome& outcome) {
+    device->swap(module, kComponents + "/" + file, values, [&answer](const Outcome& outcome) {
       EXPECT_FALSE(answer) << "answered twice";
       answer = outcome;
     });
@@ -98,7 +100,7 @@ TEST_F(DeviceSwap, RejectsAnImpossibleSwapWithTheReason) {
   EXPECT_THAT(bad.text, HasSubstr("cannot load"));
   EXPECT_THAT(swap(0, "bad_initialize.so").text, HasSubstr("initialize() failed: "));
   expect_executing("periodic");
-  device->swap(0, kComponents + "/fine.so",
+  device->swap(0, kComponents + "/fine.so", {},
                [](const Outcome& outcome) { EXPECT_EQ(outcome.code, REPLY_OK); });
   EXPECT_THAT(swap(0, "fine.so").text, HasSubstr("a swap of module d.periodic is still in progress"));
   run_for(milliseconds{100});
@@ -129,6 +131,25 @@ TEST_F(DeviceSwap, RestoresTheOldInstanceIfTheNewOneFailsDuringItsTrial) {
   take_down();
 }
 
+TEST_F(DeviceSwap, GivesOnlyTheNewInstanceTheNewValues) {
+  bring_up(module("ticks", "ticks.so", kEvery));
+  wait_for_cycles("ticks", 20);
+  const auto label = [this] {
+    std::optional<Outcome> answer;
+    device->get(0, "label", [&answer](const Outcome& outcome) { answer = outcome; });
+    EXPECT_TRUE(step_until([&] { return answer.has_value(); }));
+    return answer.value_or(Outcome{}).value;
+  };
+  EXPECT_EQ(swap(0, "ticks_fails.so", {{"label", "new"}}).code, REPLY_FAILED);
+  EXPECT_EQ(label(), "none") << "the old instance continues";
+  EXPECT_EQ(swap(0, "ticks_more.so", {{"label", "new"}}).code, REPLY_OK);
+  EXPECT_EQ(label(), "new");
+  EXPECT_EQ(swap(0, "ticks_crashes.so", {{"label", "newer"}}).code, REPLY_FAILED);
+  ASSERT_TRUE(step_until([&] { return module_of("ticks")["state"] == "EXECUTING"; }));
+  EXPECT_EQ(label(), "new") << "the host was restarted with the present value";
+  take_down();
+}
+
 TEST_F(DeviceSwap, RestoresTheOldInstanceAfterEachCrashOfTheNewOne) {
   bring_up(module("ticks", "ticks.so", kEvery) + module("other", "fine.so", kEvery));
   for (int n = 0; n < 5; ++n) {  // outside of swaps, the supervisor gives up a host that crashes this often
@@ -146,7 +167,8 @@ TEST_F(DeviceSwap, DoesNotPreventTheDeviceFromStoppingIfTheNewInstanceHangs) {
   bring_up(module("ticks", "ticks.so", kEvery));
   wait_for_cycles("ticks", 20);
   std::optional<Outcome> answer;
-  device->swap(0, kComponents + "/ticks_hangs.so", [&answer](const Outcome& outcome) { answer = outcome; });
+  device->swap(0, kComponents + "/ticks_hangs.so", {},
+               [&answer](const Outcome& outcome) { answer = outcome; });
   run_for(milliseconds{200});
   EXPECT_FALSE(answer);
   device->command(0, Verb::stop, [](const Outcome& outcome) { EXPECT_EQ(outcome.code, REPLY_REFUSED); });

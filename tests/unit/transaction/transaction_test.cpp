@@ -68,7 +68,7 @@ TEST(Transaction, IsUndoneIfTheOperatorIsSilentBeforeT0IsKnown) {
   EXPECT_EQ(device.state.stage, Stage::prepared);
   device.state = next(device.state, {{"robot", kPrepared}}, kOperatorSilent.count() + 1);
   EXPECT_EQ(device.state.stage, Stage::undone);
-  EXPECT_EQ(device.state.why, "no message of the operator arrived within 20 s");
+  EXPECT_EQ(device.state.why, "no message of the operator arrived within 10 s");
 }
 
 TEST(Transaction, BeginsShortlyBeforeT0IfAllOthersAreArmed) {

@@ -198,6 +198,7 @@ class Agent {
   Update* update_of(const Command& command);
   void put_back(const Command& command);
   [[nodiscard]] std::string undecided_on() const;
+  [[nodiscard]] Problem why_undone() const;
   void reply_problems(const Command& command, ReplyCode code, const Problems& problems,
                       const std::string& value = {});
   void begin_again(const Deployment& description, const Transaction& transaction);

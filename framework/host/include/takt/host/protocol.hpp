@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,8 @@ struct Request {
   std::uint64_t id = 0;  ///< for get and set: the answer has the same id
   std::string property{};
   std::string value{};  ///< for set: the new value; for swap: the path
+  /// For swap: the properties that the new instance does not take over from the running one, with their values
+  std::map<std::string, std::string> values{};
 };
 
 /// A message from the host to the node.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -113,10 +114,12 @@ class Supervised {
   /// Checks whether the module can be swapped now. Fails with the reason if it cannot.
   [[nodiscard]] virtual Result<void> may_swap(std::uint32_t module) const = 0;
   /// Replaces the module's instance by a new instance from the component at `path`, which the caller has
-  /// inspected. The module misses no release and stays in EXECUTING. If the swap or one of the new instance's
-  /// first runs fails, the old instance continues. `done` receives the outcome, either from step() or from
-  /// this call.
+  /// inspected. The new instance has the present values of the module's properties, except those in `values`,
+  /// by name. The module misses no release and stays in EXECUTING. If the swap or one of the new instance's
+  /// first runs fails, the old instance continues with its own values. `done` receives the outcome, either
+  /// from step() or from this call.
   virtual void swap(std::uint32_t module, const std::string& path,
+                    const std::map<std::string, std::string>& values,
                     std::function<void(const Outcome&)> done) = 0;
 
   /// Makes a trace of the last `last` ns, as Chrome trace JSON of at most `most` bytes. step() calls `done`

@@ -80,7 +80,8 @@ class Supervisor final : public Supervised {
   void set(std::uint32_t module, const std::string& property, const std::string& value,
            std::function<void(const Outcome&)> done) override;
   [[nodiscard]] Result<void> may_swap(std::uint32_t module) const override;
-  void swap(std::uint32_t module, const std::string& path, std::function<void(const Outcome&)> done) override;
+  void swap(std::uint32_t module, const std::string& path, const std::map<std::string, std::string>& values,
+            std::function<void(const Outcome&)> done) override;
 
   [[nodiscard]] std::string unmatched() const override;
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }

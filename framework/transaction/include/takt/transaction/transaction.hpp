@@ -53,7 +53,7 @@ struct Heard {
 using Others = std::map<std::string, std::optional<Heard>>;
 
 /// A prepared device undoes the change if the operator is silent for this time.
-inline constexpr Nanoseconds kOperatorSilent = std::chrono::seconds{20};
+inline constexpr Nanoseconds kOperatorSilent = std::chrono::seconds{10};
 /// The operator may set T0 at most this far in the future.
 inline constexpr Nanoseconds kFurthestStart = std::chrono::seconds{60};
 /// A device begins at the earliest this long before T0, and only if no other device is lost at that moment.

@@ -53,6 +53,9 @@ inline constexpr const char* kAsBefore = "as before";
 /// The value of Reply::value if an update cannot be undone, because it is final.
 inline constexpr const char* kKept = "kept";
 
+/// The value of Reply::value if a step of an update fails, because the cell was undeployed meanwhile.
+inline constexpr const char* kUndeployed = "undeployed";
+
 /// Returns true if the device executes its deployment.
 bool executes(const DeviceStatus& status);
 
