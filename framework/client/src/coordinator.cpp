@@ -30,6 +30,8 @@ constexpr Nanoseconds kDecided = std::chrono::seconds{6};
 /// A device that receives nothing for some seconds undoes what it has prepared, because the operator may have
 /// died. So it receives a request at this interval while the operator waits for a slower device.
 constexpr std::chrono::seconds kKeptAliveEvery{4};
+/// How long after T0 the operator looks for modules that fail in their first run.
+constexpr Nanoseconds kFirstRun = std::chrono::milliseconds{150};
 
 }  // namespace
 
@@ -66,9 +68,10 @@ void Coordinator::keep_alive() {
   static_cast<void>(sender_.send(all));
 }
 
-Problems Coordinator::problems_in(const std::vector<CommandRequest>& requests, const Answers& answers) const {
+Problems Coordinator::problems_in(const std::vector<CommandRequest>& requests, const Answers& answers) {
   Problems problems;
   for (std::size_t i = 0; i < answers.size(); ++i) {
+    undeployed_ |= answers[i] && answers[i]->head.value() == std::string{wire::kUndeployed};
     const auto answer = accepted(answers[i]);
     if (answer) continue;
     for (const Problem& problem : answer.problems()) {
@@ -78,7 +81,15 @@ Problems Coordinator::problems_in(const std::vector<CommandRequest>& requests, c
       if (std::find(problems.begin(), problems.end(), placed) == problems.end()) problems.push_back(placed);
     }
   }
-  return cancelled() ? cancelled_problem() : problems;
+  if (cancelled()) return cancelled_problem();
+  if (const auto cut = problems.empty() ? std::nullopt : cut_off()) return {*cut};
+  return problems;
+}
+
+std::optional<Problem> Coordinator::cut_off() const {
+  const auto alive = [this](const std::string& device) { return is_alive(device); };
+  if (plan_.devices.size() < 2 || std::any_of(plan_.devices.begin(), plan_.devices.end(), alive)) return {};
+  return fail("this machine has lost all devices of the cell at the same moment", "check its own network");
 }
 
 Problems Coordinator::prepare(const std::string& text,
@@ -109,6 +120,7 @@ Problems Coordinator::prepare(const std::string& text,
 
 Problems Coordinator::change(std::int64_t t0_ns, bool require_real_time) {
   auto all = requests(COMMAND_CHANGE);
+  change_sent_ = true;
   for (CommandRequest& one : all) {
     one.time_ns = t0_ns;
     one.value = require_real_time ? wire::kRequireRealTime : "";
@@ -139,7 +151,7 @@ Problems Coordinator::run() {
   const Nanoseconds left = Nanoseconds{t0_ns_ - wall_ns()} - kConfirmed;
   for (CommandRequest& one : all) {
     one.time_ns = t0_ns_;
-    one.limit = std::max(left, Nanoseconds{std::chrono::milliseconds{1}});
+    one.limit = std::max(std::chrono::floor<std::chrono::milliseconds>(left), std::chrono::milliseconds{1});
   }
   run_sent_ = true;
   if (Problems problems = problems_in(all, send(all)); !problems.empty()) return problems;
@@ -162,6 +174,7 @@ Problems Coordinator::decided() const {
       },
       Nanoseconds{t0_ns_ - wall_ns()} + kDecided);
   judge(sender_.observer().devices());
+  if (const auto cut = cut_off()) return {*cut};
   Problems problems;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string where = "device " + plan_.devices[i];
@@ -193,18 +206,40 @@ Coordinator::Stands Coordinator::stands(const std::vector<wire::ObservedDevice>&
   return found;
 }
 
+Problems Coordinator::failed_modules() const {
+  const auto mine = [this](const wire::ObservedDevice& seen) {
+    return seen.alive && seen.status.deployment() == plan_.deployment;
+  };
+  const auto failed = [](const wire::ObservedDevice& seen) {
+    return seen.status.health() == HEALTH_DEGRADED && seen.status.text().to_string().starts_with("module ");
+  };
+  sender_.observer().wait(
+      [&](const std::vector<wire::ObservedDevice>& devices) {
+        return std::all_of(devices.begin(), devices.end(), [&](const wire::ObservedDevice& seen) {
+          return !mine(seen) || failed(seen) || seen.status.executing() == seen.status.modules();
+        });
+      },
+      Nanoseconds{std::max(t0_ns_ - wall_ns(), std::int64_t{0})} + kFirstRun);
+  Problems problems;
+  for (const wire::ObservedDevice& seen : sender_.observer().devices()) {
+    if (mine(seen) && failed(seen))
+      problems.push_back({"device " + seen.name(), seen.status.text().to_string(), ""});
+  }
+  return problems;
+}
+
 bool Coordinator::is_alive(const std::string& device) const {
   const auto seen = sender_.observer().devices(device);
   return std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& one) { return one.alive; });
 }
 
-std::size_t Coordinator::in_stage(TransactionStage stage) const {
+std::set<std::string> Coordinator::in_stage(TransactionStage stage) const {
   std::set<std::string> found;
   for (const wire::ObservedDevice& seen : sender_.observer().devices()) {
     if (seen.alive && seen.status.transaction() == plan_.id && seen.status.stage() == stage)
       found.insert(seen.name());
   }
-  return found.size();
+  return found;
 }
 
 }  // namespace takt::client

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -39,6 +40,8 @@ class Coordinator {
 
   [[nodiscard]] const Plan& plan() const noexcept { return plan_; }
   [[nodiscard]] Operator& sender() const noexcept { return sender_; }
+  /// True if the devices may have begun to make their changes.
+  [[nodiscard]] bool change_sent() const noexcept { return change_sent_; }
   /// True if the devices may have received T0. From then on, they decide together.
   [[nodiscard]] bool run_sent() const noexcept { return run_sent_; }
   /// T0 on the wall clock, in ns since 1970.
@@ -57,6 +60,10 @@ class Coordinator {
   Problems change(std::int64_t t0_ns, bool require_real_time);
   /// The devices that have rejected the descriptor, so they have nothing to undo.
   [[nodiscard]] const std::set<std::string>& rejecting() const noexcept { return rejecting_; }
+  /// True if a device has said that another operator has undeployed the cell.
+  [[nodiscard]] bool undeployed() const noexcept { return undeployed_; }
+  /// Returns the modules that have failed. Waits a moment for the first run of each module.
+  [[nodiscard]] Problems failed_modules() const;
   /// The devices that could neither make nor undo their changes.
   [[nodiscard]] const std::set<std::string>& not_restored() const noexcept { return not_restored_; }
   /// Returns a command to a device. By default, the device may take as long for it as it needs.
@@ -68,16 +75,18 @@ class Coordinator {
   Problems run();
   /// Returns true if the device has a live node.
   [[nodiscard]] bool is_alive(const std::string& device) const;
-  /// Returns how many devices are known to be in this stage of the deployment or update.
-  [[nodiscard]] std::size_t in_stage(TransactionStage stage) const;
+  /// Returns the devices that are known to be in this stage of the deployment or update.
+  [[nodiscard]] std::set<std::string> in_stage(TransactionStage stage) const;
 
  private:
   /// Returns a command to each device.
   [[nodiscard]] std::vector<CommandRequest> requests(CommandKind kind) const;
   /// Returns the problems in the answers, each problem only once, because several devices may report the same
   /// problem of the whole cell; or only that the user has cancelled.
-  [[nodiscard]] Problems problems_in(const std::vector<CommandRequest>& requests,
-                                     const Answers& answers) const;
+  [[nodiscard]] Problems problems_in(const std::vector<CommandRequest>& requests, const Answers& answers);
+  /// Returns a problem if this program has lost all of several devices, because then its own network is
+  /// likely to be the cause.
+  [[nodiscard]] std::optional<Problem> cut_off() const;
   enum class Stands { final, undone, undecided, lost };
   [[nodiscard]] Stands stands(const std::vector<wire::ObservedDevice>& seen, const std::string& device) const;
   [[nodiscard]] Problems decided() const;
@@ -91,7 +100,9 @@ class Coordinator {
   std::string safe_;  // safe values of all outputs of the cell, as JSON; each device gets all values, because
                       // it knows only its own
   std::chrono::steady_clock::time_point sent_at_{};
+  bool change_sent_ = false;
   bool run_sent_ = false;
+  bool undeployed_ = false;
   std::int64_t t0_ns_ = 0;
 };
 

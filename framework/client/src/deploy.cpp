@@ -23,7 +23,9 @@ class Deployment {
   /// Ends the deployment on all devices, and adds the reasons that the devices give to `problems`.
   Problems undo(Problems problems);
   [[nodiscard]] Deployed deployed() const {
-    return {.id = coordinator_.plan().id, .t0_ns = coordinator_.t0_ns()};
+    return {.id = coordinator_.plan().id,
+            .t0_ns = coordinator_.t0_ns(),
+            .failed_modules = options_.process_ids.empty() ? coordinator_.failed_modules() : Problems{}};
   }
 
  private:
@@ -102,13 +104,18 @@ Problems Deployment::find() {
       problems.push_back({where, "another node on " + domain + " has this name", "use another domain"});
     } else if (found[0].status.cell() != std::string{wire::kNoCell}) {
       const std::string cell = found[0].status.cell().to_string();
-      const bool over = found[0].status.state() == DEVICE_ENDED;
-      std::string fix = "run takt undeploy " + cell + " first";
-      if (!over && cell == cell_.name)
+      const DeviceState state = found[0].status.state();
+      const bool prepares = state == DEVICE_PREPARING || state == DEVICE_READY || state == DEVICE_ARMED ||
+                            state == DEVICE_STARTED;
+      std::string fix = (prepares ? "wait for it, or run takt undeploy " : "run takt undeploy ") + cell +
+                        (prepares ? "" : " first");
+      if (state == DEVICE_RUNNING && cell == cell_.name)
         fix += "; or run takt deploy --update to change the cell while it runs";
-      problems.push_back(
-          {where, over ? "it still holds cell " + cell + ", which has ended" : "it already runs cell " + cell,
-           fix});
+      problems.push_back({where,
+                          state == DEVICE_ENDED ? "it still holds cell " + cell + ", which has ended"
+                          : prepares            ? "it is already preparing cell " + cell
+                                                : "it already runs cell " + cell,
+                          fix});
     }
   }
   return problems;
@@ -128,21 +135,17 @@ Problems Deployment::undo(Problems problems) {
       .names = {}, .process_ids = options_.process_ids, .deployment = coordinator_.plan().deployment};
   std::vector<Undeployed> unreached;
   for (const std::string& device : coordinator_.plan().devices) {
-    // A device without a live node gets no command. If T0 was sent, the state of such a device is not known.
-    // Otherwise the device cannot start, and nothing is reported.
     if (coordinator_.is_alive(device))
       devices.names.push_back(device);
-    else if (coordinator_.run_sent())
+    else if (coordinator_.change_sent())
       unreached.push_back({.device = device,
                            .problems = {{"device " + device, "it is lost, so its state is not known", ""}}});
   }
   auto undone = undeploy(sender_, devices, [this] { static_cast<void>(coordinator_.cancelled()); });
   undone.insert(undone.end(), unreached.begin(), unreached.end());
   for (Undeployed& one : undone) {
-    if (!coordinator_.run_sent()) {
-      one.problems.clear();  // without T0 the device cannot start, and undoes its preparation by itself
-      continue;
-    }
+    if (!coordinator_.change_sent()) one.problems.clear();  // so the device has only checked the descriptor
+    if (!coordinator_.run_sent()) continue;  // without T0, the device undoes by itself what it has prepared
     problems.insert(problems.end(), one.problems.begin(), one.problems.end());
     for (const std::string& failure : one.failures) {
       const std::string where = "device " + one.device;

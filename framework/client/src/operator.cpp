@@ -48,7 +48,7 @@ Problem no_answer(const CommandRequest& request, const std::string& what, int se
   return {device_of(request),
           what + "; the command was sent " + std::to_string(sent) + (sent == 1 ? " time" : " times") +
               ", and the last status of the device arrived " + takt::to_text(silent) + " ago",
-          sent == 0 || wire::is_question(request.kind)
+          sent == 0 || wire::is_question(request.kind) || request.kind == COMMAND_PREPARE
               ? "check the network, and try again"
               : "the device may have carried it out: check with takt status before you try again"};
 }

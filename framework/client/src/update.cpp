@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -38,13 +39,17 @@ class Update {
   Problems compare(const std::string& text);
   Problems change();
   Problems run() { return coordinator_.run(); }
+  /// Undoes the changes. `problems` says why.
   Updated put_back(Problems problems);
+  [[nodiscard]] Problems failed_modules() const { return coordinator_.failed_modules(); }
   /// One line of text for each difference.
   [[nodiscard]] const std::vector<std::string>& differences() const noexcept { return differences_; }
 
  private:
   [[nodiscard]] const std::vector<std::string>& devices() const { return coordinator_.plan().devices; }
-  [[nodiscard]] std::size_t wait_for_agreement() const;
+  /// Waits until the devices have decided, if they may have T0. Returns the outcome if any device is final,
+  /// or if their decision is not known.
+  [[nodiscard]] std::optional<Updated> decided(const Problems& problems) const;
 
   Operator& sender_;
   const model::Cell& cell_;
@@ -73,53 +78,83 @@ Problems Update::change() {
 }
 
 Updated Update::put_back(Problems problems) {
-  const std::string name = "cell " + cell_.name + " is not updated; ";
   std::set<std::string> not_restored = coordinator_.not_restored();
+  std::set<std::string> silent;
   std::vector<CommandRequest> requests;
   for (const std::string& device : devices()) {
-    // A device without a live node has nothing to undo, so it gets no command.
-    if (!coordinator_.rejecting().contains(device) && coordinator_.is_alive(device))
+    if (coordinator_.rejecting().contains(device)) continue;
+    if (coordinator_.is_alive(device))
       requests.push_back(coordinator_.request(COMMAND_PUT_BACK, device));
+    else
+      silent.insert(device);
   }
-  Coordinator::Answers answers = coordinator_.send(requests, false);
-  bool undone = false;
+  const Coordinator::Answers answers = coordinator_.send(requests, false);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const bool kept = answers[i] && answers[i]->head.value() == std::string{wire::kKept};
-    const auto answer = accepted(std::move(answers[i]));
-    undone |= answer.ok();
-    if (answer || kept) continue;
-    for (const Problem& problem : of_device(requests[i].device, answer.problems())) {
+    const auto answer = accepted(answers[i]);
+    if (kept) continue;
+    // A device that has undone the update by itself says why.
+    const bool says_why = answer && !answer->data.empty();
+    const Problems more = says_why ? problems_of(*answer) : answer ? Problems{} : answer.problems();
+    for (const Problem& problem : of_device(requests[i].device, more)) {
       if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
     }
-    not_restored.insert(requests[i].device);
+    if (answer) continue;
+    (answers[i] ? not_restored : silent).insert(requests[i].device);
   }
-  const std::size_t final = coordinator_.run_sent() ? wait_for_agreement() : 0;
-  if (final != 0) {
-    const std::string later = final == devices().size() ? "" : "; not all devices have confirmed this yet";
-    return {std::move(problems),
-            "cell " + cell_.name + " is updated, because all devices had made their changes" + later};
+  const std::string cell = "cell " + cell_.name;
+  if (coordinator_.undeployed()) return {std::move(problems), cell + " was undeployed in the meantime"};
+  if (coordinator_.run_sent()) {
+    if (auto outcome = decided(problems)) return std::move(*outcome);
+    silent.clear();
   }
-  const bool all_undone =
-      coordinator_.run_sent() ? coordinator_.in_stage(STAGE_UNDONE) == devices().size() : undone;
-  if (!all_undone)
-    return {std::move(problems), "the devices decide together whether cell " + cell_.name +
-                                     " is updated; takt status shows their decision"};
+  std::string outcome = cell + " is not updated; ";
   if (!not_restored.empty())
-    return {std::move(problems), name + "its changes could not be undone on " +
-                                     list_of({not_restored.begin(), not_restored.end()}) +
-                                     "; takt status shows the present state"};
-  return {std::move(problems), name + "all changes were undone"};
+    outcome += "its changes could not be undone on " + list_of({not_restored.begin(), not_restored.end()}) +
+               "; takt status shows the present state";
+  else if (!silent.empty())
+    outcome +=
+        list_of({silent.begin(), silent.end()}) + (silent.size() == 1 ? " has" : " have") +
+        " not confirmed this; a device that hears nothing from takt deploy undoes its changes by itself";
+  else
+    outcome += "all changes were undone";
+  return {std::move(problems), outcome};
 }
 
-// Waits until all devices have gone back, or all are final. Returns how many devices are final.
-std::size_t Update::wait_for_agreement() const {
+std::optional<Updated> Update::decided(const Problems& problems) const {
+  const std::string cell = "cell " + cell_.name;
+  coordinator_.show_progress("waiting for the decision of the devices");
   sender_.observer().wait(
       [this](const auto&) {
-        return coordinator_.in_stage(STAGE_UNDONE) == devices().size() ||
-               coordinator_.in_stage(STAGE_FINAL) == devices().size();
+        return coordinator_.in_stage(STAGE_UNDONE).size() == devices().size() ||
+               coordinator_.in_stage(STAGE_FINAL).size() == devices().size();
       },
       kAgreed);
-  return coordinator_.in_stage(STAGE_FINAL);
+  const std::set<std::string> final = coordinator_.in_stage(STAGE_FINAL);
+  if (final.size() == devices().size()) return Updated{.outcome = cell + " is updated"};
+  if (final.empty()) {
+    if (coordinator_.in_stage(STAGE_UNDONE).size() == devices().size()) return std::nullopt;
+    return Updated{.problems = problems,
+                   .outcome = "the devices decide together whether " + cell +
+                              " is updated; takt status shows their decision"};
+  }
+  Updated updated{.outcome = cell +
+                             " is updated, because all devices had made their changes; not all devices "
+                             "have confirmed this yet"};
+  for (const std::string& device : devices()) {
+    if (final.contains(device)) continue;
+    const auto seen = sender_.observer().devices(device);
+    const bool is_free = std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& one) {
+      return one.alive && one.status.deployment().size() == 0;
+    });
+    updated.problems.push_back({"device " + device,
+                                !coordinator_.is_alive(device) ? "it is lost"
+                                : is_free ? "its node was restarted without --resume, so it has no deployment"
+                                          : "it has not confirmed the update yet",
+                                is_free ? "run takt deploy --update again"
+                                        : "it follows the others as soon as it is in contact with them"});
+  }
+  return updated;
 }
 
 }  // namespace
@@ -159,14 +194,18 @@ Updated update(Operator& sender, const model::Cell& cell, const std::string& tex
     return {update.put_back(std::move(problems)).problems, unchanged};
   if (update.differences().empty()) {
     static_cast<void>(update.put_back({}));
-    return {{}, "nothing differs"};
+    return {.outcome = "nothing differs", .failed_modules = update.failed_modules()};
   }
   if (options.differs) options.differs(update.differences());
   Problems problems = update.change();
   if (problems.empty()) problems = update.run();
-  if (problems.empty()) return {{}, "cell " + cell.name + " is updated"};
-  if (options.progress) options.progress("undoing the changes");
-  return update.put_back(std::move(problems));
+  Updated updated{.outcome = "cell " + cell.name + " is updated"};
+  if (!problems.empty()) {
+    if (options.progress) options.progress("undoing the changes");
+    updated = update.put_back(std::move(problems));
+  }
+  if (updated.problems.empty()) updated.failed_modules = update.failed_modules();
+  return updated;
 }
 
 }  // namespace takt::client

@@ -42,6 +42,7 @@ int update_cell(client::Operator& sender, const Loaded& loaded, const std::funct
                                                printed = print(line + "\n") && printed;
                                            },
                                        .cancelled = cancelled});
+  warn(updated.failed_modules);
   if (updated.problems.empty()) return print(updated.outcome + "\n") && printed ? 0 : 1;
   complain(updated.problems);
   std::fprintf(stderr, "%s\n", updated.outcome.c_str());
@@ -91,15 +92,14 @@ int deploy(const DeployOptions& options) {
       unknown += (unknown.empty() ? "" : ", ") + one.device;
       ++many;
     }
-    const std::string state =
-        unknown.empty()
-            ? "the devices are unchanged"
-            : unknown + (many == 1 ? " has" : " have") +
-                  " not confirmed this; the devices decide together whether the cell runs, and takt "
-                  "status shows it";
+    const std::string state = unknown.empty()
+                                  ? "the devices are unchanged"
+                                  : unknown + (many == 1 ? " has" : " have") +
+                                        " not confirmed this; takt status shows whether the cell runs there";
     std::fprintf(stderr, "cell %s was not deployed; %s\n", loaded->cell.name.c_str(), state.c_str());
     return 1;
   }
+  warn(deployed->failed_modules);
   std::string names;
   for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;
   return print("cell " + loaded->cell.name + " runs on " + names + "\n") ? 0 : 1;

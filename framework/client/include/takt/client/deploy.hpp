@@ -32,8 +32,9 @@ struct DeployOptions {
 };
 
 struct Deployed {
-  std::string id;          ///< id of the deployment
-  std::int64_t t0_ns = 0;  ///< T0, at which the devices start; wall clock, in ns since 1970
+  std::string id;             ///< id of the deployment
+  std::int64_t t0_ns = 0;     ///< T0, at which the devices start; wall clock, in ns since 1970
+  Problems failed_modules{};  ///< modules that failed at once
 };
 
 /// Finds the devices, prepares all of them in parallel, starts all of them at the same instant, and waits

@@ -26,6 +26,7 @@ struct Updated {
   Problems problems{};  ///< the reasons why the cell was not updated; empty if the cell now matches the new
                         ///< descriptor
   std::string outcome;  ///< a sentence about the present state of the cell
+  Problems failed_modules{};  ///< modules that have failed although the cell matches the descriptor
 };
 
 /// Updates a running cell. Each device first reports the differences, and whether it can make the changes.
