@@ -117,7 +117,7 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
     writer.publish_mode().kind = dds::fast::SYNCHRONOUS_PUBLISH_MODE;
     writer.reliable_writer_qos().times.heartbeatPeriod = dds::duration(10ms);
     writer.reliable_writer_qos().times.nackResponseDelay = dds::duration(1ms);
-    writer_ = mine.publisher().create_datawriter(out_, writer);
+    writer_ = mine.make_writer(out_, writer, nullptr, dds::fast::StatusMask::none());
     dds::fast::DataReaderQos reader;
     set(reader, reliable);
     reader.endpoint().history_memory_policy = dds::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
@@ -127,7 +127,7 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
   ~Bare() override {
     dds::OwnParticipant& mine = dds::own(*participant_);
     mine.end(reader_);
-    mine.publisher().delete_datawriter(writer_);
+    mine.end(writer_);
     mine.release(in_);
     mine.release(out_);
   }

@@ -149,8 +149,8 @@ class Ends : Recreatable {
     writer_qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
     writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kCommandHeartbeat);
     writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kCommandNackDelay);
-    writer_ = mine.publisher().create_datawriter(out_topic_, writer_qos, writer_listener_,
-                                                 fast::StatusMask::publication_matched());
+    writer_ =
+        mine.make_writer(out_topic_, writer_qos, writer_listener_, fast::StatusMask::publication_matched());
     fast::DataReaderQos reader_qos;
     set_command_quality(reader_qos);
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});

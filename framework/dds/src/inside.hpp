@@ -78,7 +78,13 @@ class OwnParticipant final : public Participant {
   void dismiss(Recreatable& one);
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
-  [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
+  /// Creates a writer; returns null if DDS fails to create it.
+  ///
+  /// Only one thread at a time creates or deletes readers and writers. Otherwise Fast DDS 2.9.1 may match a
+  /// new writer with a reader that is being deleted, and use the listener that the reader no longer has (Fast
+  /// DDS issue 3303).
+  fast::DataWriter* make_writer(fast::Topic* topic, const fast::DataWriterQos& qos,
+                                fast::DataWriterListener* listener, const fast::StatusMask& mask);
   /// Deletes a writer, which may be null, and sets the pointer to null. Removes the writer's samples first.
   /// Otherwise Fast DDS would free the samples while a heartbeat of the writer is being sent, and would then
   /// search for a freed sample in an endless loop.
@@ -110,6 +116,7 @@ class OwnParticipant final : public Participant {
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;
   fast::Subscriber* subscriber_;
+  std::mutex endpoints_;  // held while a reader or writer is created or deleted
   std::mutex mutex_;
   std::map<std::string, Shared> topics_;
   std::map<std::string, Known> types_;

@@ -382,9 +382,17 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
   return made;
 }
 
+fast::DataWriter* OwnParticipant::make_writer(fast::Topic* topic, const fast::DataWriterQos& qos,
+                                              fast::DataWriterListener* listener,
+                                              const fast::StatusMask& mask) {
+  const std::lock_guard lock{endpoints_};
+  return publisher_->create_datawriter(topic, qos, listener, mask);
+}
+
 void OwnParticipant::end(fast::DataWriter*& writer) {
   if (writer == nullptr) return;
   writer->set_listener(nullptr);
+  const std::lock_guard lock{endpoints_};
   std::size_t removed = 0;
   static_cast<void>(writer->clear_history(&removed));
   publisher_->delete_datawriter(writer);
@@ -394,6 +402,7 @@ void OwnParticipant::end(fast::DataWriter*& writer) {
 fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
                                               fast::DataReaderListener* listener,
                                               const fast::StatusMask& mask) {
+  const std::lock_guard lock{endpoints_};
   const ReceiveLock::Pause pause{filter_->receive_lock};
   return subscriber_->create_datareader(topic, qos, listener, mask);
 }
@@ -401,6 +410,7 @@ fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, const fast::Da
 void OwnParticipant::end(fast::DataReader*& reader) {
   if (reader == nullptr) return;
   reader->set_listener(nullptr);
+  const std::lock_guard lock{endpoints_};
   const ReceiveLock::Pause pause{filter_->receive_lock};
   subscriber_->delete_datareader(reader);
   reader = nullptr;

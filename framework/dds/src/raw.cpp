@@ -123,7 +123,7 @@ Result<void> RawWriter::make() {
   qos.writer_resource_limits().reader_filters_allocation.maximum = 0;
   fast::StatusMask mask = fast::StatusMask::publication_matched();
   mask << fast::StatusMask::offered_incompatible_qos();
-  writer_ = own(*participant_).publisher().create_datawriter(topic_, qos, this, mask);
+  writer_ = own(*participant_).make_writer(topic_, qos, this, mask);
   if (writer_ == nullptr)
     return fail("DDS could not create a writer for topic '" + flow_.topic + "'",
                 "see the message that DDS printed");

@@ -164,7 +164,7 @@ struct Writer<T>::Inside final : Recreatable {
     qos.reliable_writer_qos().times.heartbeatPeriod = duration(kTopicHeartbeat);
     qos.reliable_writer_qos().times.nackResponseDelay = duration(kTopicNackDelay);
     qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
-    writer = own(*participant).publisher().create_datawriter(topic, qos, nullptr, fast::StatusMask::none());
+    writer = own(*participant).make_writer(topic, qos, nullptr, fast::StatusMask::none());
     if (writer == nullptr) return no_entity<T>("writer");
     return {};
   }

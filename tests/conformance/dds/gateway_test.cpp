@@ -380,6 +380,34 @@ TEST_F(DdsGateway, AddsAndRemovesFlowsWithoutDisturbingOtherFlows) {
     ASSERT_EQ(tap.line(), "sample " + std::to_string(number));
 }
 
+TEST_F(DdsGateway, LetsSeveralThreadsAddAndRemoveFlowsOfOneTopic) {
+  std::atomic<bool> ending{false};
+  std::vector<std::thread> writing;
+  for (int i = 0; i < 4; ++i) {
+    writing.emplace_back([&] {
+      const Memory out{queue(8, kWake)};
+      while (!ending) {
+        const auto going = gateway_->add_outgoing(flow("passing", kReliable), out.link());
+        channel::LinkWriter writer{out.link()};
+        for (std::uint64_t number = 1; number <= 60; ++number) {
+          write(writer, bytes_of(number));
+          std::this_thread::sleep_for(20us);
+        }
+        gateway_->remove(*going);
+      }
+    });
+  }
+  const Memory in{queue(8, channel::kSporadicBit)};
+  for (int i = 0; i < 300; ++i) {
+    const auto coming = gateway_->add_incoming(flow("passing", kReliable), {in.link()});
+    ASSERT_TRUE(coming.ok());
+    std::this_thread::sleep_for(4ms);
+    gateway_->remove(*coming);
+  }
+  ending = true;
+  for (std::thread& one : writing) one.join();
+}
+
 TEST_F(DdsGateway, ReportsTheQosPolicyThatPreventsAMatch) {
   const Memory out{queue(8, kWake)};
   const auto going = gateway_->add_outgoing(flow("quality"), out.link());

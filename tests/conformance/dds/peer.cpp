@@ -341,7 +341,7 @@ void forge(const Participant& participant, const Arguments& arguments) {
     qos.liveliness().lease_duration = dds::duration(300ms);
     qos.liveliness().announcement_period = dds::duration(100ms);
   }
-  auto* writer = mine.publisher().create_datawriter(topic, qos);
+  auto* writer = mine.make_writer(topic, qos, nullptr, dds::fast::StatusMask::none());
   dds::fast::PublicationMatchedStatus status;
   do {
     std::this_thread::sleep_for(10ms);
@@ -358,7 +358,7 @@ void forge(const Participant& participant, const Arguments& arguments) {
   writer->wait_for_acknowledgments(dds::duration(5s));
   print("forged");
   next_line();
-  mine.publisher().delete_datawriter(writer);
+  mine.end(writer);
   mine.release(topic);
 }
 
@@ -411,7 +411,8 @@ void returning(const Participant& participant, const Arguments& arguments) {
     while (!ending) {
       for (const std::string announcer : {"000003c2", "000004c2"}) {
         const std::string number = "0000000001000000";
-        forger.send(bytes_of_hex("0701"), bytes_of_hex("00000000" + announcer + number + number + "01000000"));
+        forger.send(bytes_of_hex("0701"),
+                    bytes_of_hex("00000000" + announcer + number + number + "01000000"));
       }
       std::this_thread::sleep_for(3ms);
     }
@@ -434,7 +435,7 @@ void deceive(const Participant& participant, const Arguments& arguments) {
   qos.reliability().kind = arguments[1] == "reliable" ? dds::fast::RELIABLE_RELIABILITY_QOS
                                                       : dds::fast::BEST_EFFORT_RELIABILITY_QOS;
   qos.data_sharing().off();
-  auto* writer = mine.publisher().create_datawriter(topic, qos);
+  auto* writer = mine.make_writer(topic, qos, nullptr, dds::fast::StatusMask::none());
   const dds::rtps::GUID_t& guid = writer->guid();
   const Forger forger{mine.participant().get_domain_id(), guid.guidPrefix};
   print("ready");
@@ -451,7 +452,7 @@ void deceive(const Participant& participant, const Arguments& arguments) {
     forger.send(bytes_of_hex(kind + flags), content);
     print("sent");
   }
-  mine.publisher().delete_datawriter(writer);
+  mine.end(writer);
   mine.release(topic);
 }
 
@@ -621,11 +622,10 @@ Result<Participant> participate(int domain) {
 int run(int domain, const std::string& command, const Arguments& arguments) {
   const Participant participant = must(participate(domain));
   const std::map<std::string, std::function<void(const Participant&, const Arguments&)>> commands{
-      {"device", device}, {"stop", stop},   {"state", state},    {"transitions", transitions},
-      {"server", server}, {"forge", forge}, {"tap", tap},        {"feed", feed},
-      {"echo", echo},     {"show", show},   {"give", give},      {"statistics", statistics},
-      {"all", all},       {"keys", keys},   {"deceive", deceive},
-      {"returning", returning}};
+      {"device", device}, {"stop", stop},   {"state", state},     {"transitions", transitions},
+      {"server", server}, {"forge", forge}, {"tap", tap},         {"feed", feed},
+      {"echo", echo},     {"show", show},   {"give", give},       {"statistics", statistics},
+      {"all", all},       {"keys", keys},   {"deceive", deceive}, {"returning", returning}};
   std::atomic<bool> rescanning{std::getenv("PEER_RESCAN") != nullptr};
   std::thread rescan{[&] {
     while (rescanning) {
