@@ -32,6 +32,7 @@
 #include "workarounds/rejoining.hpp"
 #include "workarounds/returning_readers.hpp"
 #include "workarounds/spent_tokens.hpp"
+#include "workarounds/unmatched_writers.hpp"
 
 namespace takt::dds {
 
@@ -235,6 +236,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   if (auto room = os::can_open(kDescriptors); !room) return refuse(room.problems());
   ignore_environment();
   check_what_readers_receive();
+  lock_readers_that_lose_writers();
   send_again_to_returning_readers();
   prepare_to_rejoin();
   defer_deletion_of_timers();
