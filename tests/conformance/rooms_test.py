@@ -47,8 +47,8 @@ CASES = {
     "supervision": (["takt/host/protocol.hpp", "takt/lifecycle/machine.hpp", "takt/wire/flow_health.hpp"],
                     ["takt/os/clock.hpp", "takt/dds/gateway.hpp", "takt/node/node.hpp", "takt/descriptor/descriptor.hpp", "unistd.h"]),
     "transaction": (["takt/core/result.hpp"], ["takt/os/clock.hpp", "takt/model/cell.hpp", "takt/agent/agent.hpp", "unistd.h"]),
-    "agent": (["takt/supervision/supervisor.hpp", "takt/descriptor/descriptor.hpp", "takt/wire/assembly.hpp"],
-              ["takt/os/clock.hpp", "takt/dds/commands.hpp", "takt/node/node.hpp", "takt/host/inspect.hpp", "unistd.h"]),
+    "agent": (["takt/supervision/supervisor.hpp", "takt/wire/assembly.hpp"],
+              ["takt/descriptor/descriptor.hpp", "takt/os/clock.hpp", "takt/dds/commands.hpp", "takt/node/node.hpp", "takt/host/inspect.hpp", "unistd.h"]),
     "node": (["takt/host/inspect.hpp", "takt/descriptor/descriptor.hpp", "takt/dds/gateway.hpp", "fastrtps/utils/fixed_size_string.hpp"],
              ["sys/wait.h", "poll.h", "tinyxml2.h", "fastdds/dds/log/Log.hpp", "fastrtps/utils/IPLocator.h", "takt/wire/taktPubSubTypes.h"]),
 }

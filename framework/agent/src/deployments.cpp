@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/wire/words.hpp>
@@ -69,7 +68,7 @@ const Agent::Deployment* Agent::present() const {
 }
 
 Result<bool> Agent::read(Deployment& deployment) const {
-  auto cell = descriptor::parse(deployment.text, deployment.file);
+  auto cell = factories_.parse(deployment.text, deployment.file);
   if (!cell) return cell.problems();
   deployment.cell = std::move(*cell);
   if (const auto secured = check_security(deployment.cell); !secured) return secured.problems();

@@ -2,7 +2,6 @@
 #include <utility>
 
 #include <takt/core/span.hpp>
-#include <takt/descriptor/descriptor.hpp>
 #include "limits.hpp"
 #include "update.hpp"
 
@@ -92,7 +91,7 @@ void Agent::restore() {
   }
   if (!kept->pending) return;
   std::unique_ptr<Deployment> pending = restored(*kept->pending);
-  if (auto cell = descriptor::parse(pending->text, pending->file)) pending->cell = std::move(*cell);
+  if (auto cell = factories_.parse(pending->text, pending->file)) pending->cell = std::move(*cell);
   pending->undone = "it was undone before all devices ran";
   pending->transaction.state = {.stage = Stage::undone, .why = pending->undone};
   if (pending->update().empty())
@@ -139,7 +138,7 @@ void Agent::report_kept() const {
   if (!options_.store) return;
   const auto kept = options_.store->kept();
   if (!kept || !kept->current || kept->current->text.empty()) return;
-  const auto cell = descriptor::parse(kept->current->text, kept->current->file);
+  const auto cell = factories_.parse(kept->current->text, kept->current->file);
   log((cell ? "cell " + cell->name : "a cell") +
       " was deployed here before and is not restored; to restore it, start the node with --resume");
 }

@@ -16,6 +16,7 @@
 #include <takt/agent/agent.hpp>
 #include <takt/dds/commands.hpp>
 #include <takt/dds/topics.hpp>
+#include <takt/descriptor/descriptor.hpp>
 #include <takt/host/component_path.hpp>
 #include <takt/model/findings.hpp>
 #include <takt/model/validate.hpp>
@@ -229,7 +230,8 @@ int run_node(const NodeOptions& options) {
   // The platforms of all Supervisors that still exist.
   std::vector<std::weak_ptr<const DevicePlatform>> platforms;
   Agent agent{agent_options,
-              {.inspect = inspect,
+              {.parse = descriptor::parse,
+               .inspect = inspect,
                .supervise =
                    [&](Supervisor::Options o) {
                      auto platform = std::make_shared<DevicePlatform>(

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/agent/agent.hpp>
+#include <takt/descriptor/descriptor.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/node/kept_deployment.hpp>
 #include <takt/wire/words.hpp>
@@ -177,7 +178,8 @@ class FakeDevice {
                .now = [this] { return now; },
                .wall_ns = [this] { return wall(); },
                .instant_of_wall = [this](std::int64_t ns) { return now + Nanoseconds{ns - wall()}; }},
-              {.inspect = [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
+              {.parse = descriptor::parse,
+               .inspect = [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
                  work.inspections.push_back(request);
                  return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
                },

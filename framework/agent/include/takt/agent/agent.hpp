@@ -63,9 +63,11 @@ class Agent {
     std::function<std::int64_t()> wall_ns;
     std::function<Instant(std::int64_t)> instant_of_wall;
   };
-  /// Functions that create the inspections and supervisions that the agent uses. Tests pass functions that
-  /// create fakes.
+  /// Functions that create what the agent uses. Tests and the simulation pass functions that create other
+  /// things than a node does.
   struct Factories {
+    /// Reads the cell from a descriptor. `file` is the descriptor's name, for messages.
+    std::function<Result<model::Cell>(const std::string& text, const std::string& file)> parse;
     std::function<Result<std::unique_ptr<Inspection>>(const InspectionRequest&)> inspect;
     std::function<std::unique_ptr<Supervised>(Supervisor::Options)> supervise;
   };
