@@ -8,39 +8,30 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/check.hpp>
-#include <takt/model/safe.hpp>
 #include "member.hpp"
 #include "network.hpp"
+#include "node.hpp"
 #include "virtual_platform.hpp"
 
 namespace takt::simulation {
 
 namespace {
 
-/// The interval at which a node checks its modules.
-constexpr Nanoseconds kStepEvery = std::chrono::milliseconds{5};
 /// The priority of a process module is lower by this number than the priority of its executor.
 constexpr int kProgramBelow = 2;
 
 }  // namespace
 
-Device::Device(const World& world, std::uint32_t index)
-    : world_(world), index_(index), draws_(world.seed, world.cell.devices[index].name) {}
+Device::Device(const World& world, std::uint32_t index, Node& node)
+    : world_(world), index_(index), draws_(world.seed, world.cell.devices[index].name), node_(node) {}
 
 Device::~Device() = default;
 
-Result<void> Device::prepare() {
-  supervisor_ = std::make_unique<supervision::Supervisor>(
-      supervision::Supervisor::Options{.cell = world_.cell,
-                                       .device = index_,
-                                       .paths = std::vector<std::string>(model().modules.size()),
-                                       .ports = world_.ports[index_],
-                                       .executes = world_.executes},
-      std::make_shared<VirtualPlatform>(*this));
-  if (auto prepared = supervisor_->prepare(); !prepared) return prepared;
-  supervisor_->give_safe(model::safe_outputs(world_.cell, world_.ports));
-  step_regularly();
-  return {};
+std::unique_ptr<supervision::Supervised> Device::supervise(supervision::Supervisor::Options options) {
+  auto supervisor =
+      std::make_unique<supervision::Supervisor>(std::move(options), std::make_shared<VirtualPlatform>(*this));
+  supervisor_ = supervisor.get();
+  return supervisor;
 }
 
 void Device::begin(supervision::Parts& parts) {
@@ -85,39 +76,7 @@ void Device::make_links() {
   }
 }
 
-bool Device::executes(const std::string& module) const {
-  for (const auto& member : members_) {
-    if (member->model.name == module)
-      return supervisor_->machine(member->index).state() == lifecycle::State::executing;
-  }
-  return false;
-}
-
-void Device::stop() { supervisor_->stop(); }
-
-void Device::stop_for(Problem problem) {
-  if (phase() == Phase::running) supervisor_->stop_for(std::move(problem));
-}
-
-void Device::step() {
-  if (phase() == Phase::ended) return;
-  supervisor_->step();
-  if (supervisor_->stops_cell() && !std::exchange(stopped_cell_, true))
-    world_.stop_cell(index_, to_text(failures().front()));
-}
-
-void Device::step_regularly() {
-  step();
-  if (phase() != Phase::ended) world_.kernel.at(now() + kStepEvery, [this] { step_regularly(); });
-}
-
-void Device::poke() {
-  if (std::exchange(poked_, true)) return;
-  world_.kernel.at(now(), [this] {
-    poked_ = false;
-    step();
-  });
-}
+void Device::poke() { node_.poke(); }
 
 executor::Unit Device::unit_of(Member& member) const {
   const model::Module& m = member.model;

@@ -30,6 +30,7 @@
 namespace takt::simulation {
 
 class Network;
+class Node;
 class ThreadBody;
 class VirtualHost;
 class VirtualPlatform;
@@ -46,33 +47,22 @@ struct World {
   int cpus = 0;  ///< CPUs per device for executors that name no CPU; if 0, each of these executors has its
                  ///< own CPU
   Network* network = nullptr;
-  /// Called when a fault on this device stops the whole cell.
-  std::function<void(std::uint32_t device, const std::string& why)> stop_cell{};
-  /// Returns true if a module is in EXECUTING. Other devices call this function.
-  std::function<bool(const std::string& device, const std::string& module)> executes{};
+  const std::vector<std::unique_ptr<Node>>* nodes = nullptr;  ///< the node of each device
 };
 
 class Device {
  public:
   using Phase = supervision::Supervised::Phase;
 
-  Device(const World& world, std::uint32_t index);
+  Device(const World& world, std::uint32_t index, Node& node);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  /// Loads, initialises and starts every module. This takes no simulated time. Afterwards, the device is
-  /// ready.
-  Result<void> prepare();
-  void go(Instant t0) { supervisor_->go(t0); }
-  /// Begins to halt the executors and to destruct the modules; the device ends some time later.
-  void stop();
-  /// Stops the device because another device had a fault that stops the whole cell.
-  void stop_for(Problem problem);
+  /// Returns the supervision of this device, which runs its modules. The device must outlive it, and uses it.
+  [[nodiscard]] std::unique_ptr<supervision::Supervised> supervise(supervision::Supervisor::Options options);
   [[nodiscard]] Phase phase() const noexcept { return supervisor_->phase(); }
   [[nodiscard]] const Problems& failures() const noexcept { return supervisor_->failures(); }
-  /// True if the module is in EXECUTING.
-  [[nodiscard]] bool executes(const std::string& module) const;
 
   void inject(const Injection& injection);
   /// Delivers a sample to a module of this device; `wall_ns` is the sample's time on the sender's wall clock.
@@ -103,8 +93,6 @@ class Device {
                                    int below);
   Kernel::Scheduling scheduling_of(const Member& member);
   void command(std::uint32_t module, const Injection& injection);
-  void step();
-  void step_regularly();
   /// Makes the supervision react now, before its next regular step.
   void poke();
   [[nodiscard]] static std::uint64_t cycles(const Member& member);
@@ -139,24 +127,19 @@ class Device {
   [[nodiscard]] Instant now() const noexcept { return world_.kernel.now(); }
   [[nodiscard]] const model::Device& model() const { return world_.cell.devices[index_]; }
   [[nodiscard]] channel::WakeWord& wake_word() const { return parts_->wake_word[0]; }
-  [[nodiscard]] std::int64_t wall_of(std::int64_t monotonic_ns) const noexcept {
-    return monotonic_ns + wall_offset_.count();
-  }
 
   const World& world_;
   std::uint32_t index_;
   Draws draws_;
-  supervision::Parts* parts_ = nullptr;  // owned by the supervisor; null before prepare()
-  std::unique_ptr<supervision::Supervisor> supervisor_;
-  std::map<int, Cpu> shared_cpus_;  // the CPUs that strands share, by number
+  supervision::Parts* parts_ = nullptr;  // owned by the supervisor; null before it begins
+  Node& node_;
+  supervision::Supervisor* supervisor_ = nullptr;  // owned by the agent of the node
+  std::map<int, Cpu> shared_cpus_;                 // the CPUs that strands share, by number
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<SimulatedLink>> links_;  // the links of connections, in the order of the wiring
   std::vector<Row*> rows_;                             // the row of each executor; the executor's host owns
                                                        // it
-  Nanoseconds wall_offset_{};                          // wall clock minus monotonic clock
   bool gateway_awake_ = false;
-  bool poked_ = false;
-  bool stopped_cell_ = false;
 };
 
 }  // namespace takt::simulation

@@ -6,6 +6,7 @@
 
 #include "member.hpp"
 #include "network.hpp"
+#include "node.hpp"
 #include "virtual_platform.hpp"
 
 namespace takt::simulation {
@@ -250,7 +251,7 @@ void Device::forward_samples() {
       const std::byte* sample = link->link().payload(reader.buffer());
       if (!is_whole(sample, link->connection()))
         emit({.what = What::read, .connection = link->connection(), .number = number_of(sample), .count = 1});
-      world_.network->send(link->connection(), sample, wall_of(reader.info().stamp_ns));
+      world_.network->send(link->connection(), sample, node_.wall_of(from_ns(reader.info().stamp_ns)));
     }
     next = std::min(next, reader.news_at());
   }
@@ -264,7 +265,7 @@ void Device::forward_samples() {
 
 void Device::arrive(SimulatedLink& link, const std::byte* sample, std::int64_t wall_ns) {
   if (phase() == Phase::ended) return;
-  const std::int64_t stamp = std::min(wall_ns - wall_offset_.count(), to_ns(now()));
+  const std::int64_t stamp = to_ns(now()) - std::max<std::int64_t>(node_.wall_of(now()) - wall_ns, 0);
   if (link.model().lifespan && to_ns(now()) - stamp > link.model().lifespan->count()) {
     emit({.what = What::lost,
           .connection = link.connection(),
@@ -326,7 +327,7 @@ void Device::inject(const Injection& injection) {
       rows_[injection.target]->oversleep += injection.by;
       break;
     case Injection::Kind::clock_step:
-      wall_offset_ += injection.by;
+      node_.set_clock(injection.by);
       break;
     case Injection::Kind::cut:
       world_.network->cut(injection.device, injection.target, injection.by);

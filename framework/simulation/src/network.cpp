@@ -31,7 +31,31 @@ std::uint32_t device_of(const model::Cell& cell, const std::string& name) {
 }  // namespace
 
 Network::Network(const World& world)
-    : world_(world), draws_(world.seed, "network"), ways_(world.cell.connections.size()) {}
+    : world_(world),
+      draws_(world.seed, "network"),
+      message_draws_(world.seed, "messages"),
+      ways_(world.cell.connections.size()) {}
+
+Nanoseconds Network::latency(Draws& draws) {
+  return draws.chance(kSeldom) ? draws.between(kUsual, kLongestDelay) : draws.between(kShortest, kUsual);
+}
+
+std::optional<Instant> Network::past_cuts(std::pair<std::uint32_t, std::uint32_t> between, Instant arrival,
+                                          bool reliable, Draws& draws) const {
+  const auto cut = cut_until_.find(between);
+  if (cut == cut_until_.end() || arrival > cut->second) return arrival;
+  if (!reliable) return std::nullopt;
+  return cut->second + draws.between(Nanoseconds{0}, kResend);
+}
+
+void Network::tell(std::uint32_t from, std::uint32_t to, bool reliable, std::function<void()> arrive) {
+  const auto arrival =
+      past_cuts(ordered(from, to), world_.kernel.now() + latency(message_draws_), reliable, message_draws_);
+  if (!arrival) return;
+  Instant& last = last_told_[{from, to}];
+  last = std::max(*arrival, last + Nanoseconds{1});
+  world_.kernel.at(last, std::move(arrive));
+}
 
 void Network::connect(std::uint32_t connection, Device& device, SimulatedLink& link) {
   const model::Connection& model = world_.cell.connections[connection];
@@ -46,31 +70,23 @@ void Network::send(std::uint32_t connection, const std::byte* sample, std::int64
   if (way.to == nullptr) return;  // the reader is an external program
   const model::Connection& model = world_.cell.connections[connection];
   const Instant now = world_.kernel.now();
-  Instant arrival = now + (draws_.chance(kSeldom) ? draws_.between(kUsual, kLongestDelay)
-                                                  : draws_.between(kShortest, kUsual));
-  arrival += std::exchange(way.to_delay, Nanoseconds{0});
-  bool lost = false;
+  const Nanoseconds late = std::exchange(way.to_delay, Nanoseconds{0});
+  auto arrival = past_cuts(way.between, now + latency(draws_) + late,
+                           model.reliability == model::Reliability::reliable, draws_);
   if (way.to_lose != 0) {
     --way.to_lose;
-    lost = true;
+    arrival.reset();
   }
-  if (const auto cut = cut_until_.find(way.between); cut != cut_until_.end() && arrival <= cut->second) {
-    if (model.reliability == model::Reliability::reliable)
-      arrival = cut->second + draws_.between(Nanoseconds{0}, kResend);
-    else
-      lost = true;
-  }
-  if (lost) {
+  if (!arrival) {
     ++way.lost;
     world_.listener.on_event(
         {.at = now, .what = What::lost, .connection = connection, .number = number_of(sample)});
     return;
   }
-  arrival = std::max(arrival, way.last + Nanoseconds{1});  // keeps the order of the samples
-  way.last = arrival;
+  way.last = std::max(*arrival, way.last + Nanoseconds{1});  // keeps the order of the samples
   std::array<std::byte, kSampleBytes> bytes{};
   std::memcpy(bytes.data(), sample, bytes.size());
-  world_.kernel.at(arrival, [&way, bytes, wall_ns] { way.to->arrive(*way.link, bytes.data(), wall_ns); });
+  world_.kernel.at(way.last, [&way, bytes, wall_ns] { way.to->arrive(*way.link, bytes.data(), wall_ns); });
 }
 
 void Network::cut(std::uint32_t a, std::uint32_t b, Nanoseconds time) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,8 +12,9 @@
 
 namespace takt::simulation {
 
-/// Carries samples in order; each sample takes a few tenths of a millisecond. lose() and delay() inject
-/// faults. While a link is cut, best-effort samples are lost, and reliable samples arrive after the cut.
+/// Carries samples, and the messages between nodes, in order; each takes a few tenths of a millisecond.
+/// lose() and delay() inject faults. While a link is cut, best-effort samples and messages are lost, and
+/// reliable ones arrive after the cut.
 class Network {
  public:
   explicit Network(const World& world);
@@ -19,6 +22,8 @@ class Network {
   /// Sets the destination of a connection's samples.
   void connect(std::uint32_t connection, Device& device, SimulatedLink& link);
   void send(std::uint32_t connection, const std::byte* sample, std::int64_t wall_ns);
+  /// Sends a message from the node of one device to that of another. Calls `arrive` when it has arrived.
+  void tell(std::uint32_t from, std::uint32_t to, bool reliable, std::function<void()> arrive);
 
   void cut(std::uint32_t a, std::uint32_t b, Nanoseconds time);
   void lose(std::uint32_t connection, std::uint64_t count);
@@ -38,8 +43,15 @@ class Network {
     Nanoseconds to_delay{};
   };
 
+  [[nodiscard]] Nanoseconds latency(Draws& draws);
+  /// Returns when something that would arrive at `arrival` does arrive; nothing if it is lost.
+  [[nodiscard]] std::optional<Instant> past_cuts(std::pair<std::uint32_t, std::uint32_t> between,
+                                                 Instant arrival, bool reliable, Draws& draws) const;
+
   const World& world_;
   Draws draws_;
+  Draws message_draws_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Instant> last_told_;  // by sender and receiver
   std::vector<Way> ways_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Instant> cut_until_;
 };
