@@ -36,8 +36,9 @@ void Agent::Deployment::take_over(const Deployment& next) {
   transaction = next.transaction;
 }
 
-// Returns a device that may still need to know how this device has decided about the last transaction, or an
-// empty string if there is none. Without this, the two devices could decide differently.
+// Returns a device that may still need this device's decision about the last transaction, or an empty string.
+// While there is such a device, this one takes part in no other transaction, because it publishes only one
+// stage.
 std::string Agent::undecided_on() const {
   const Transaction* const last = newest_transaction();
   if (last == nullptr) return "";

@@ -142,7 +142,7 @@ class Agent {
 
   // Deployments (deployments.cpp)
   void undeploy(const Command& command);
-  /// Returns the deployment that this device has or prepares; null if there is none.
+  /// Returns the deployment that this device has or prepares, or null.
   [[nodiscard]] const Deployment* present() const;
   /// Reads the descriptor of a deployment, and plans the device's schedule, so that no later step can fail
   /// because there is no schedule. Returns whether the device is part of the cell.
@@ -174,7 +174,7 @@ class Agent {
   Result<void> receive_t0(Transaction& transaction, std::int64_t t0_ns);
   [[nodiscard]] transaction::Others heard(const Transaction& transaction) const;
   [[nodiscard]] std::int64_t time_of(const Transaction& transaction) const;
-  /// Returns the transaction in which this device takes part or took part last, or null if there is none.
+  /// Returns the transaction in which this device takes part or took part last, or null.
   [[nodiscard]] const Transaction* newest_transaction() const;
   void set_gone(std::unique_ptr<Deployment> deployment);
   void drop_gone();
