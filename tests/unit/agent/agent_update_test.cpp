@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -126,6 +127,16 @@ class AgentUpdate : public testing::Test {
     device.pass(transaction::kHeardWithin + milliseconds{1});
     EXPECT_EQ(device.status().stage(), STAGE_UNDONE);
   }
+  /// Changes a property of arm. Both devices have T0.
+  void change_gain_and_send_t0() {
+    start_running(kGain1);
+    ASSERT_TRUE(accepts(kGain2));
+    send(step(COMMAND_CHANGE));
+    done(REPLY_OK, "1");
+    done();
+    send_t0();
+    others_say(STAGE_ARMED);
+  }
   void end_device() { device.end(); }
   /// Lets every module reach START. The node of the other device is there.
   void become_ready() {
@@ -218,6 +229,11 @@ TEST_F(AgentUpdate, UndoesEarlierChangesWhenAStepFails) {
   EXPECT_EQ(answer_to(change)->code(), REPLY_FAILED);
   EXPECT_THAT(answer_to(change)->text().to_string(), HasSubstr("the third is not for me"));
   EXPECT_EQ(answer_to(change)->value(), wire::kAsBefore);
+  const auto says_why = [](const FaultEvent& event) {
+    return event.cause().to_string().find("the third is not for me") != std::string::npos;
+  };
+  const auto& faults = device.published.faults;
+  EXPECT_EQ(std::count_if(faults.begin(), faults.end(), says_why), 1) << "the failure is recorded once";
 }
 
 TEST_F(AgentUpdate, GivesOnlyTheNewInstanceTheNewPropertyValue) {
@@ -261,13 +277,7 @@ TEST_F(AgentUpdate, RestartsTheDeviceIfAChangeCannotBeUndoneWhileItRuns) {
 }
 
 TEST_F(AgentUpdate, IsUndoneIfAChangedModuleFailsBeforeT0) {
-  start_running(kGain1);
-  ASSERT_TRUE(accepts(kGain2));
-  send(step(COMMAND_CHANGE));
-  done(REPLY_OK, "1");
-  done();
-  send_t0();
-  others_say(STAGE_ARMED);
+  change_gain_and_send_t0();
   device.work.stepped({.module = 0, .transition = {.to = lifecycle::State::recover}, .text = "crash"});
   device.agent.step();
   EXPECT_EQ(device.status().stage(), STAGE_ARMED) << "the update does not change this module";
@@ -303,13 +313,7 @@ TEST_F(AgentUpdate, IsUndoneIfAChangedModuleFailsBeforeT0) {
 }
 
 TEST_F(AgentUpdate, IsKeptIfAChangedModuleFailsAfterT0) {
-  start_running(kGain1);
-  ASSERT_TRUE(accepts(kGain2));
-  send(step(COMMAND_CHANGE));
-  done(REPLY_OK, "1");
-  done();
-  send_t0();
-  others_say(STAGE_ARMED);
+  change_gain_and_send_t0();
   device.pass(milliseconds{500});
   device.work.stepped({.module = 1, .transition = {.to = lifecycle::State::recover}, .text = "crash"});
   others_say(STAGE_RUNNING);
