@@ -306,10 +306,11 @@ std::string Agent::undeployed_but_held() const {
 
 void Agent::undeploy(const Command& command) {
   const std::string id = command.deployment().to_string();
-  if (deployment_ && !id.empty() && deployment_->id != id) {
-    answer(command, REPLY_REFUSED,
-           "device " + options_.device + " has another deployment, of cell " + deployment_->cell.name);
-    return;
+  const Deployment* const mine = deployment_ ? deployment_.get() : update_ ? &update_->after() : nullptr;
+  if (mine != nullptr && !id.empty() && mine->id != id) {
+    remember_undeployed(id);
+    return answer_when_saved(
+        command, "device " + options_.device + " has another deployment, of cell " + mine->cell.name, "");
   }
   if (update_) update_->drop("it was undeployed", true);
   if (!deployment_) {

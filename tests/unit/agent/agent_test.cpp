@@ -90,7 +90,7 @@ TEST(Agent, RejectsExtremeTimesInCommandsWithoutOverflow) {
     undeploy.head.deployment("another");
     undeploy.head.deadline_ns(time);
     device.receive(undeploy);
-    EXPECT_EQ(device.reply().code(), time == kMax ? REPLY_REFUSED : REPLY_LATE) << time;
+    EXPECT_EQ(device.reply().code(), time == kMax ? REPLY_OK : REPLY_LATE) << time;
   }
   device.run();
   device.start_with_line();
@@ -637,6 +637,31 @@ TEST(Agent, UndeploysADeploymentThatAnotherDeviceHasUndeployed) {
   EXPECT_EQ(device.data()["failures"].size(), 0U);
 }
 
+// An operator whose deployment was rejected, because the device prepares another one, undoes its own on all
+// devices.
+TEST(Agent, KeepsItsDeploymentWhenAnotherOneIsUndeployed) {
+  FakeDevice device;
+  device.prepare();
+  device.undeploy("d2");
+  EXPECT_EQ(device.reply().code(), REPLY_OK) << "the device does not have deployment d2";
+  EXPECT_EQ(device.text(), "device robot has another deployment, of cell cell");
+  device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
+  device.agent.step();
+  device.change();
+  device.become_prepared();
+  device.undeploy("d3");
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_FALSE(device.work.stop_called);
+  EXPECT_EQ(device.status().deployment(), "d1");
+  device.undeploy("d1");
+  device.end();
+  for (const char* const id : {"d2", "d3"}) {
+    device.prepare(id);
+    EXPECT_EQ(device.text(), "device robot: it has already ended this deployment")
+        << "its commands may be late";
+  }
+}
+
 TEST(Agent, DoesNotReportAFailureIfAnotherDeviceUndeploysBeforeTheStart) {
   FakeDevice device;
   device.become_ready();
@@ -672,9 +697,6 @@ TEST(Agent, KeepsTheCellRunningIfTheClientStopsSendingKeepAlives) {
 TEST(Agent, ReturnsTheFinalReportWhenItUndeploysADevice) {
   FakeDevice device;
   device.become_running();
-  device.undeploy("another");
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  device.published.replies.clear();
   device.undeploy("d1");
   EXPECT_TRUE(device.published.replies.empty());
   EXPECT_TRUE(device.work.stop_called);
