@@ -36,17 +36,20 @@ TEST_F(FileAccess, ReturnsNoContentForAMissingFile) {
 // The file is the /proc entry of a thread. Its descriptor stays open after the thread has ended, but reading
 // from it then fails.
 TEST_F(FileAccess, ReturnsNoTextIfReadingFails) {
-  std::promise<int> opened;
+  std::promise<std::string> began;
   std::promise<void> end;
   std::thread thread{[&] {
-    opened.set_value(::open(("/proc/self/task/" + std::to_string(::gettid()) + "/stat").c_str(), O_RDONLY));
+    began.set_value("/proc/self/task/" + std::to_string(::gettid()));
     end.get_future().wait();
   }};
-  const int file = opened.get_future().get();
+  const std::string folder = began.get_future().get();
+  const int file = ::open((folder + "/stat").c_str(), O_RDONLY);
   const std::string path = "/proc/self/fd/" + std::to_string(file);
   EXPECT_THAT(text_of(path), HasSubstr(" ("));
   end.set_value();
   thread.join();
+  while (::access(folder.c_str(), F_OK) == 0)
+    std::this_thread::yield();  // the kernel removes it a little later
   EXPECT_EQ(text_of(path), "");
   ::close(file);
 }
