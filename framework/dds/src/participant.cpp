@@ -30,6 +30,7 @@
 #include "workarounds/participant_removal.hpp"
 #include "workarounds/reader_checks.hpp"
 #include "workarounds/rejoining.hpp"
+#include "workarounds/removed_readers.hpp"
 #include "workarounds/returning_readers.hpp"
 #include "workarounds/spent_tokens.hpp"
 #include "workarounds/unmatched_writers.hpp"
@@ -237,6 +238,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   ignore_environment();
   check_what_readers_receive();
   lock_readers_that_lose_writers();
+  remove_readers_without_deadlock();
   send_again_to_returning_readers();
   prepare_to_rejoin();
   defer_deletion_of_timers();
