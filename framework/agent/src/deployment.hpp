@@ -37,7 +37,7 @@ struct Agent::Deployment {
 
   std::unique_ptr<Inspection> inspection;  ///< the inspection, while it is in progress
   Inspected found;  ///< the result of `inspection`; later swaps change `paths` and `builds`
-  std::unique_ptr<Supervised> supervised;  ///< null until the inspection has succeeded
+  std::shared_ptr<Supervised> supervised;  ///< null until the inspection has succeeded
   std::string description;                 ///< JSON; empty until it is requested
   std::unique_ptr<Inspection> describing;  ///< the inspection that makes the description
   std::vector<Command> describers;         ///< commands to be answered with the description

@@ -22,20 +22,40 @@ constexpr int kProgramBelow = 2;
 
 }  // namespace
 
-Device::Device(const World& world, std::uint32_t index, Node& node)
-    : world_(world), index_(index), draws_(world.seed, world.cell.devices[index].name), node_(node) {}
+Device::Device(const World& world, std::uint32_t index, Node& node, std::uint32_t life)
+    : world_(world),
+      index_(index),
+      draws_(world.seed, world.cell().devices[index].name),
+      node_(node),
+      life_(life) {}
 
 Device::~Device() = default;
 
-std::unique_ptr<supervision::Supervised> Device::supervise(supervision::Supervisor::Options options) {
-  auto supervisor =
-      std::make_unique<supervision::Supervisor>(std::move(options), std::make_shared<VirtualPlatform>(*this));
-  supervisor_ = supervisor.get();
-  return supervisor;
+std::shared_ptr<supervision::Supervised> Device::supervise(supervision::Supervisor::Options options) {
+  const auto same_file = [&options](const SimulatedCell& one) { return one.cell.file == options.cell.file; };
+  const auto& all = world_.versions;
+  version_ = static_cast<std::uint32_t>(std::find_if(all.begin(), all.end(), same_file) - all.begin());
+  supervisor_ =
+      std::make_shared<supervision::Supervisor>(std::move(options), std::make_shared<VirtualPlatform>(*this));
+  return supervisor_;
+}
+
+void Device::lose_power() {
+  last_report_ = supervisor_->report();  // the supervision asks the agent, which ends now
+  has_lost_power_ = true;
+  world_.network->disconnect(*this);
+  for (const Row* row : rows_) {
+    if (row != nullptr) row->host.kill();
+  }
+  for (const auto& member : members_) {
+    if (member->host != nullptr) member->host->kill();
+    if (member->process != nullptr) member->process->kill();
+  }
 }
 
 void Device::begin(supervision::Parts& parts) {
   parts_ = &parts;
+  emit({.what = What::prepares});
   // The placement has enough CPUs that each process module has its own CPU for spinning.
   for (int i = 0; i <= static_cast<int>(model().modules.size()); ++i) parts.placement.background.push_back(i);
   parts.placement.executors.resize(model().executors.size());
@@ -54,25 +74,26 @@ void Device::make_links() {
   const auto add = [&](std::uint32_t index) {
     TAKT_CHECK(links_.size() < planned.size());
     const supervision::Wiring::CreatedLink& created = planned[links_.size()];
-    const model::Connection& connection = world_.cell.connections[index];
-    links_.push_back(std::make_unique<SimulatedLink>(connection, index, created.plan.from.module,
-                                                     created.plan.to.module, created.link));
+    const model::Connection& connection = cell().connections[index];
+    links_.push_back(
+        std::make_unique<SimulatedLink>(connection, index, world_.versions[version_].numbers[index],
+                                        created.plan.from.module, created.plan.to.module, created.link));
     SimulatedLink& link = *links_.back();
     if (link.reader()) {
-      const model::Port* port = model::find_port(world_.cell, world_.ports, connection.to);
+      const model::Port* port = model::find_port(cell(), world_.versions[version_].ports, connection.to);
       members_[*link.reader()]->inputs.push_back({&link, port->direction == model::Direction::event});
     }
     if (link.writer()) members_[*link.writer()]->outputs.push_back({&link});
     return &link;
   };
-  for (std::uint32_t i = 0; i < world_.cell.connections.size(); ++i) {
-    const model::Connection& connection = world_.cell.connections[i];
+  for (std::uint32_t i = 0; i < cell().connections.size(); ++i) {
+    const model::Connection& connection = cell().connections[i];
     const bool from = connection.from.given() && connection.from.device == model().name;
     const bool to = connection.to.given() && connection.to.device == model().name;
     if (from) add(i);
     if (!to || connection.topic.empty()) continue;
     SimulatedLink* const link = add(i);
-    if (connection.from.given()) world_.network->connect(i, *this, *link);
+    if (connection.from.given()) world_.network->connect(*this, *link);
   }
 }
 
@@ -145,6 +166,7 @@ Kernel::Scheduling Device::scheduling_of(const Member& member) {
 void Device::emit(Event event) {
   event.at = now();
   event.device = index_;
+  event.version = version_;
   world_.listener.on_event(event);
 }
 
@@ -182,6 +204,8 @@ Totals Device::totals() const {
   return totals;
 }
 
-nlohmann::ordered_json Device::report() const { return supervisor_->report(); }
+nlohmann::ordered_json Device::report() const {
+  return has_lost_power_ ? last_report_ : supervisor_->report();
+}
 
 }  // namespace takt::simulation

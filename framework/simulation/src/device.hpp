@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include <takt/core/result.hpp>
 #include <takt/executor/executor.hpp>
@@ -25,12 +25,14 @@
 #include "invariants.hpp"
 #include "kernel.hpp"
 #include "run_time.hpp"
+#include "simulated_cell.hpp"
 #include "simulated_link.hpp"
 
 namespace takt::simulation {
 
 class Network;
 class Node;
+class Operator;
 class ThreadBody;
 class VirtualHost;
 class VirtualPlatform;
@@ -40,27 +42,36 @@ class VirtualProgram;
 struct World {
   Kernel& kernel;
   Listener& listener;
-  const model::Cell& cell;        ///< the result of simulated_cell()
-  const model::CellPorts& ports;  ///< the ports of every module
+  const std::vector<SimulatedCell>& versions;  ///< the descriptors: the first one, and that of an update
   const model::Profile& profile;
   std::uint64_t seed = 0;
+  Nanoseconds message_delay{};
   int cpus = 0;  ///< CPUs per device for executors that name no CPU; if 0, each of these executors has its
                  ///< own CPU
   Network* network = nullptr;
-  const std::vector<std::unique_ptr<Node>>* nodes = nullptr;  ///< the node of each device
+  /// The node of each device, and then the second nodes of devices. The index is the node's address.
+  const std::vector<std::unique_ptr<Node>>* nodes = nullptr;
+  Operator* operator_ = nullptr;
+
+  [[nodiscard]] const model::Cell& cell() const { return versions.front().cell; }
 };
 
 class Device {
  public:
   using Phase = supervision::Supervised::Phase;
 
-  Device(const World& world, std::uint32_t index, Node& node);
+  /// `life` counts the devices that the node has had before.
+  Device(const World& world, std::uint32_t index, Node& node, std::uint32_t life);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
   /// Returns the supervision of this device, which runs its modules. The device must outlive it, and uses it.
-  [[nodiscard]] std::unique_ptr<supervision::Supervised> supervise(supervision::Supervisor::Options options);
+  [[nodiscard]] std::shared_ptr<supervision::Supervised> supervise(supervision::Supervisor::Options options);
+  /// Kills all processes of the device. No supervision notices their end.
+  void lose_power();
+  [[nodiscard]] bool has_lost_power() const noexcept { return has_lost_power_; }
+  [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
   [[nodiscard]] Phase phase() const noexcept { return supervisor_->phase(); }
   [[nodiscard]] const Problems& failures() const noexcept { return supervisor_->failures(); }
 
@@ -97,8 +108,8 @@ class Device {
   void poke();
   [[nodiscard]] static std::uint64_t cycles(const Member& member);
   /// True if hooks and starts of process modules take simulated time. They do not while the device is being
-  /// prepared.
-  [[nodiscard]] bool takes_time() const { return phase() != Phase::preparing; }
+  /// prepared for the first time.
+  [[nodiscard]] bool takes_time() const { return life_ != 0 || phase() != Phase::preparing; }
 
   // Real-time strands (device_strands.cpp)
   void walk_rows(Row& row);
@@ -125,7 +136,12 @@ class Device {
   [[nodiscard]] std::int64_t news_at(const Member& member) const;
 
   [[nodiscard]] Instant now() const noexcept { return world_.kernel.now(); }
-  [[nodiscard]] const model::Device& model() const { return world_.cell.devices[index_]; }
+  [[nodiscard]] const model::Cell& cell() const { return world_.versions[version_].cell; }
+  [[nodiscard]] const model::Device& model() const { return cell().devices[index_]; }
+  /// Returns the number of the next sample of an output. No earlier device of this node has used it.
+  [[nodiscard]] std::uint64_t number_of_next(const channel::LinkWriter& writer) const {
+    return (std::uint64_t{life_} << 32) + writer.next();
+  }
   [[nodiscard]] channel::WakeWord& wake_word() const { return parts_->wake_word[0]; }
 
   const World& world_;
@@ -133,8 +149,13 @@ class Device {
   Draws draws_;
   supervision::Parts* parts_ = nullptr;  // owned by the supervisor; null before it begins
   Node& node_;
-  supervision::Supervisor* supervisor_ = nullptr;  // owned by the agent of the node
-  std::map<int, Cpu> shared_cpus_;                 // the CPUs that strands share, by number
+  const std::uint32_t life_;
+  std::uint32_t version_ = 0;
+  std::shared_ptr<supervision::Supervisor> supervisor_;
+  bool began_ = false;
+  bool has_lost_power_ = false;
+  nlohmann::ordered_json last_report_{};
+  std::map<int, Cpu> shared_cpus_;  // the CPUs that strands share, by number
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<SimulatedLink>> links_;  // the links of connections, in the order of the wiring
   std::vector<Row*> rows_;                             // the row of each executor; the executor's host owns

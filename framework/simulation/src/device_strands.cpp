@@ -243,15 +243,16 @@ void Device::ring(std::uint32_t bits) {
 // Does the work of the gateway: takes all samples for other devices, sends them, and sleeps until the next
 // wake-up.
 void Device::forward_samples() {
+  if (has_lost_power_) return;
   std::int64_t next = channel::kNever;
   for (const auto& link : links_) {
     if (link->reader()) continue;
     channel::LinkReader reader{link->link()};
     while (reader.take(to_ns(now()))) {
       const std::byte* sample = link->link().payload(reader.buffer());
-      if (!is_whole(sample, link->connection()))
+      if (!is_whole(sample, link->number()))
         emit({.what = What::read, .connection = link->connection(), .number = number_of(sample), .count = 1});
-      world_.network->send(link->connection(), sample, node_.wall_of(from_ns(reader.info().stamp_ns)));
+      world_.network->send(version_, *link, sample, node_.wall_of(from_ns(reader.info().stamp_ns)));
     }
     next = std::min(next, reader.news_at());
   }
@@ -302,7 +303,6 @@ void Device::command(std::uint32_t module, const Injection& injection) {
 }
 
 void Device::inject(const Injection& injection) {
-  emit({.what = What::fault, .text = to_text(injection, world_.cell)});
   if (injection.hook != channel::Doing::run) return members_[injection.target]->in_hooks.push_back(injection);
   switch (injection.kind) {
     case Injection::Kind::late:
@@ -326,18 +326,6 @@ void Device::inject(const Injection& injection) {
     case Injection::Kind::oversleep:
       rows_[injection.target]->oversleep += injection.by;
       break;
-    case Injection::Kind::clock_step:
-      node_.set_clock(injection.by);
-      break;
-    case Injection::Kind::cut:
-      world_.network->cut(injection.device, injection.target, injection.by);
-      break;
-    case Injection::Kind::lose:
-      world_.network->lose(injection.target, injection.count);
-      break;
-    case Injection::Kind::delay:
-      world_.network->delay(injection.target, injection.by);
-      break;
     case Injection::Kind::initialize:
     case Injection::Kind::start:
     case Injection::Kind::stop:
@@ -346,6 +334,8 @@ void Device::inject(const Injection& injection) {
     case Injection::Kind::destruct:
     case Injection::Kind::swap:
       command(injection.target, injection);
+      break;
+    default:  // not a fault of a module or an executor
       break;
   }
 }

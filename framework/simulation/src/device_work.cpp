@@ -74,8 +74,8 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
     if (const char* stale = stale_input(member, start); stale != nullptr) return {ErrorType::stale, stale};
   }
   for (Member::Output& output : member.outputs) {
-    write_first_half(output.writer.link().payload(output.writer.buffer()), output.link->connection(),
-                     output.writer.next());
+    write_first_half(output.writer.link().payload(output.writer.buffer()), output.link->number(),
+                     number_of_next(output.writer));
   }
   // Takes all samples of each input, and keeps the buffer of the last one while the run takes time.
   for (Member::Input& input : member.inputs) {
@@ -89,7 +89,7 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
       emit({.what = What::read,
             .connection = connection,
             .number = number_of(sample),
-            .count = is_whole(sample, connection) ? 0U : 1U});
+            .count = is_whole(sample, input.link->number()) ? 0U : 1U});
     }
   }
   Nanoseconds time = member.run_time.draw(member.draws);
@@ -104,7 +104,7 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
   }
   for (Member::Input& input : member.inputs) {
     const std::byte* sample = input.link->link().payload(input.reader.buffer());
-    if (input.reader.info().sequence == 0 || is_whole(sample, input.link->connection())) continue;
+    if (input.reader.info().sequence == 0 || is_whole(sample, input.link->number())) continue;
     emit({.what = What::read,
           .connection = input.link->connection(),
           .number = number_of(sample),
@@ -113,8 +113,8 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
   if (std::exchange(member.to_fail, false)) return "injected failure";
   for (Member::Output& output : member.outputs) {
     std::byte* const sample = output.writer.link().payload(output.writer.buffer());
-    const std::uint64_t number = output.writer.next();
-    write_second_half(sample, output.link->connection(), number);
+    const std::uint64_t number = number_of_next(output.writer);
+    write_second_half(sample, output.link->number(), number);
     output.writer.publish(kSampleBytes, to_ns(start), valid);
     wake_word().note(output.link->link().block().wake_bits);
     emit({.what = What::wrote, .connection = output.link->connection(), .number = number});

@@ -118,8 +118,17 @@ std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
     case What::halted:
       line += " halted";
       break;
+    case What::prepares:
+      line += " prepares its modules";
+      break;
+    case What::begins:
+      fmt::format_to(to, " begins, with T0 at {}", seconds_text(event.release - t0));
+      break;
     case What::fault:
       line += " fault";
+      break;
+    case What::operated:
+      line += " operator";
       break;
   }
   if (event.error != ErrorType::none) fmt::format_to(to, ", {}", takt::to_text(event.error));

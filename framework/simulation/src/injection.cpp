@@ -16,7 +16,7 @@ namespace {
 
 using Kind = Injection::Kind;
 
-enum class Of { module, executor, device, devices, connection };
+using Of = Injection::Target;
 enum class Amount { none, duration, count };
 
 struct Word {
@@ -43,12 +43,22 @@ constexpr std::array kFaultWords{
          "the executor's next wake-up is 3 ms late"},
     Word{Kind::clock_step, Of::device, "clock-step", Amount::duration, "robot clock-step -2 ms",
          "the device's wall clock is set back by 2 ms"},
-    Word{Kind::cut, Of::devices, "cut for", Amount::duration, "link robot line cut for 500 ms",
-         "no sample passes between the two devices"},
+    Word{Kind::cut, Of::link, "cut for", Amount::duration, "link robot line cut for 500 ms",
+         "nothing passes between the two devices; one may be 'operator'"},
     Word{Kind::lose, Of::connection, "lose", Amount::count, "connection robot.arm.state lose 3",
          "the output's next three samples to other devices are lost"},
     Word{Kind::delay, Of::connection, "late", Amount::duration, "connection robot.arm.state late 5 ms",
          "the output's next sample to other devices takes 5 ms longer"},
+    Word{Kind::down, Of::device, "down for", Amount::duration, "robot down for 2 s",
+         "the device loses its power, and its node starts again with --resume"},
+    Word{Kind::pause, Of::device, "paused for", Amount::duration, "robot paused for 2 s",
+         "the node of the device stands still, but its modules run on"},
+    Word{Kind::twin, Of::device, "twin", Amount::none, "robot twin",
+         "a second node with this device name starts on another machine"},
+    Word{Kind::deploy, Of::cell, "deploy", Amount::none, "deploy", "as with takt deploy"},
+    Word{Kind::update, Of::cell, "update", Amount::none, "update",
+         "as with takt deploy --update, with the descriptor given with --update"},
+    Word{Kind::undeploy, Of::cell, "undeploy", Amount::none, "undeploy", "as with takt undeploy"},
     Word{Kind::finish, Of::module, "finish", Amount::none, "robot.servo finish",
          "the module's next run is its last one, because the module has finished"},
     Word{Kind::initialize, Of::module, "initialize", Amount::none, "robot.servo initialize",
@@ -62,8 +72,7 @@ constexpr std::array kFaultWords{
     Word{Kind::swap, Of::module, "swap", Amount::none, "robot.servo swap",
          "an update replaces the module's instance while it runs"},
 };
-/// The number of kinds of faults that draw_injections() can draw. These kinds come first in kFaultWords;
-/// `finish` and the commands follow.
+/// The number of kinds of faults that draw_injections() can draw. These kinds come first in kFaultWords.
 constexpr std::uint64_t kFaultKinds = static_cast<std::uint64_t>(Kind::delay) + 1;
 
 using channel::Doing;
@@ -75,6 +84,9 @@ constexpr std::array<std::pair<std::string_view, Doing>, 6> kHooks{{{"load", Doi
                                                                     {"error", Doing::error},
                                                                     {"recover", Doing::recover},
                                                                     {"destruct", Doing::destruct}}};
+
+/// The name of the operator in a script.
+constexpr std::string_view kOperator = "operator";
 
 bool may_name_hook(Kind kind) { return kind == Kind::crash || kind == Kind::fail || kind == Kind::hang; }
 
@@ -131,7 +143,7 @@ class Line {
       if (*a == *b)
         return wrong("a link is between two different devices",
                      "write, for example, link robot line cut for 500 ms");
-      of = Of::devices;
+      of = Of::link;
       injection.device = *a;
       injection.target = *b;
       targets.push_back(injection);
@@ -139,6 +151,9 @@ class Line {
       next();
       of = Of::connection;
       if (!connections(next(), injection, targets)) return *problem_;
+    } else if (is_action(peek()) && (words_.size() == at_ + 1 || !is_device(peek()))) {
+      of = Of::cell;
+      targets.push_back(injection);
     } else if (!target(next(), injection, targets, of)) {
       return *problem_;
     }
@@ -174,13 +189,20 @@ class Line {
     return Nanoseconds{std::llround(value * scale)};
   }
 
+  /// Returns the index of a device, or the number of devices for the operator.
   std::optional<std::uint32_t> device(std::string_view name) {
     std::vector<std::string_view> known;
     for (std::uint32_t i = 0; i < cell_.devices.size(); ++i) {
       if (cell_.devices[i].name == name) return i;
       known.emplace_back(cell_.devices[i].name);
     }
-    wrong("there is no device " + in_quotes(name), suggestion(name, known));
+    if (name == kOperator) return static_cast<std::uint32_t>(cell_.devices.size());
+    const bool is_alone = at_ == words_.size() && name.find('.') == std::string_view::npos;
+    for (const Word& word : kFaultWords) {
+      if (is_alone && word.of == Of::cell) known.push_back(word.word);
+    }
+    wrong(std::string{"there is no "} + (is_alone ? "action " : "device ") + in_quotes(name),
+          suggestion(name, known));
     return std::nullopt;
   }
 
@@ -190,6 +212,11 @@ class Line {
     const auto found = device(name.substr(0, dot));
     if (!found) return false;
     injection.device = *found;
+    const bool may_be_operator = dot == std::string_view::npos && (peek() == "down" || peek() == "paused");
+    if (*found == cell_.devices.size() && !may_be_operator) {
+      wrong("the operator can only be down or paused", "write, for example, operator paused for 2 s");
+      return false;
+    }
     of = Of::device;
     if (dot != std::string_view::npos) {
       const std::string_view part = name.substr(dot + 1);
@@ -213,6 +240,15 @@ class Line {
     }
     targets.push_back(injection);
     return true;
+  }
+
+  [[nodiscard]] bool is_device(std::string_view name) const {
+    return std::any_of(cell_.devices.begin(), cell_.devices.end(),
+                       [name](const model::Device& one) { return one.name == name; });
+  }
+  static bool is_action(std::string_view word) {
+    return std::any_of(kFaultWords.begin(), kFaultWords.end(),
+                       [word](const Word& one) { return one.of == Of::cell && one.word == word; });
   }
 
   bool connections(std::string_view name, Injection injection, std::vector<Injection>& targets) {
@@ -317,9 +353,13 @@ class Line {
 
 }  // namespace
 
+Injection::Target target_of(Kind kind) { return word_of(kind).of; }
+
 std::string to_text(const Injection& injection, const model::Cell& cell) {
   const Word& word = word_of(injection.kind);
-  const model::Device& device = cell.devices[injection.device];
+  const auto name = [&cell](std::uint32_t device) {
+    return device < cell.devices.size() ? cell.devices[device].name : std::string{kOperator};
+  };
   // Prints a time exactly; takt::to_text() would round it.
   const auto exact = [](Nanoseconds time) {
     return time.count() % 1000 == 0 ? fmt::format("{} us", time.count() / 1000)
@@ -328,24 +368,28 @@ std::string to_text(const Injection& injection, const model::Cell& cell) {
   std::string line = "at " + exact(injection.at) + " ";
   switch (word.of) {
     case Of::module:
-      line += device.name + "." + device.modules[injection.target].name;
+      line +=
+          name(injection.device) + "." + cell.devices[injection.device].modules[injection.target].name + " ";
       break;
     case Of::executor:
-      line += device.name + "." + device.executors[injection.target].name;
+      line += name(injection.device) + "." + cell.devices[injection.device].executors[injection.target].name +
+              " ";
       break;
     case Of::device:
-      line += device.name;
+      line += name(injection.device) + " ";
       break;
-    case Of::devices:
-      line += "link " + device.name + " " + cell.devices[injection.target].name;
+    case Of::link:
+      line += "link " + name(injection.device) + " " + name(injection.target) + " ";
       break;
     case Of::connection:
-      line += "connection " + model::to_text(cell.connections[injection.target].from);
+      line += "connection " + model::to_text(cell.connections[injection.target].from) + " ";
+      break;
+    case Of::cell:
       break;
   }
-  line += " " + std::string{word.word};
-  for (const auto& [name, doing] : kHooks) {
-    if (doing == injection.hook) line += " in " + std::string{name};
+  line += std::string{word.word};
+  for (const auto& [hook, doing] : kHooks) {
+    if (doing == injection.hook) line += " in " + std::string{hook};
   }
   if (word.amount == Amount::duration) line += " " + exact(injection.by);
   if (word.amount == Amount::count) line += " " + std::to_string(injection.count);
@@ -378,6 +422,8 @@ std::string script_help() {
     text += fmt::format("  at 1.5 s {:<40} {}\n", word.example, word.means);
   text += fmt::format("  at 1.5 s {:<40} {}\n", "robot.servo fail in recover",
                       "crash, fail and hang may name a hook of a thread module");
+  text += fmt::format("  at 1.5 s {:<40} {}\n", "operator paused for 2 s",
+                      "the program takt stands still; it may also be down: it then ends its action");
   return text;
 }
 
@@ -404,11 +450,11 @@ std::vector<Injection> draw_injections(const model::Cell& cell, Draws& draws, Na
     std::size_t targets = 1;
     if (word.of == Of::module) targets = device.modules.size();
     if (word.of == Of::executor) targets = device.executors.size();
-    if (word.of == Of::devices) targets = cell.devices.size();
+    if (word.of == Of::link) targets = cell.devices.size();
     if (word.of == Of::connection) targets = crossing.size();
     if (targets == 0) continue;
     injection.target = static_cast<std::uint32_t>(draws.below(targets));
-    if (word.of == Of::devices && injection.target == injection.device) {
+    if (word.of == Of::link && injection.target == injection.device) {
       if (cell.devices.size() == 1) continue;
       injection.target = (injection.device + 1) % static_cast<std::uint32_t>(cell.devices.size());
     }

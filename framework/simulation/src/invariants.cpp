@@ -32,22 +32,35 @@ std::string number(std::uint64_t n) { return std::to_string(n); }
 }  // namespace
 
 Invariants::Invariants(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans, Instant t0)
-    : cell_(cell), plans_(plans), t0_(t0), connections_(cell.connections.size()) {
-  for (const model::Device& device : cell.devices)
-    devices_.push_back(
-        {std::vector<OfExecutor>(device.executors.size()), std::vector<OfModule>(device.modules.size())});
+    : t0_(t0) {
+  add_version(cell, plans);
+  for (std::size_t i = 0; i < cell.devices.size(); ++i) devices_.push_back(as_new(i, 0));
+}
+
+void Invariants::add_version(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans) {
+  versions_.push_back({&cell, &plans, numbers_.of(cell)});
+  connections_.resize(numbers_.size());
+}
+
+Invariants::OfDevice Invariants::as_new(std::size_t device, std::size_t version) const {
+  const model::Device& model = versions_[version].cell->devices[device];
+  return {.version = version,
+          .t0 = t0_,
+          .executors = std::vector<OfExecutor>(model.executors.size()),
+          .modules = std::vector<OfModule>(model.modules.size())};
 }
 
 void Invariants::violated(const Event& event, const std::string& what) {
-  if (violations_.size() < kMaxViolations) violations_.push_back(to_text(event, cell_, t0_) + ": " + what);
+  if (violations_.size() < kMaxViolations)
+    violations_.push_back(to_text(event, *versions_[event.version].cell, t0_) + ": " + what);
 }
 
 Nanoseconds Invariants::period_of(std::uint32_t device, std::uint32_t module) const {
-  return *cell_.devices[device].modules[module].period;
+  return *model_of(device).modules[module].period;
 }
 
 std::uint32_t Invariants::executor_of(std::uint32_t device, std::uint32_t module) const {
-  const model::Device& model = cell_.devices[device];
+  const model::Device& model = model_of(device);
   const auto found = std::find_if(model.executors.begin(), model.executors.end(), [&](const auto& executor) {
     return executor.name == model.modules[module].executor;
   });
@@ -61,17 +74,19 @@ void Invariants::on_event(const Event& event) {
   }
   if (event.device == Event::kNone) return;
   OfDevice& device = devices_[event.device];
+  if (event.what == What::prepares) device = as_new(event.device, event.version);
+  if (event.what == What::begins) device.t0 = event.release;
   if (event.executor != Event::kNone) {
     on_row(event, device);
   } else if (event.module != Event::kNone) {
     on_module(event, device);
   } else if (event.what == What::host_ended) {
-    const model::HostShare host = model::hosts_of(cell_.devices[event.device])[event.host];
+    const model::HostShare host = model::hosts_of(model_of(event.device))[event.host];
     for (const std::size_t index : host.executors) {
       OfExecutor& executor = device.executors[index];
       // The end of the host cut the current row short. The row counts as missed, even for the modules that it
       // has already served.
-      const Nanoseconds basic = plans_[event.device].executors[index].basic_period;
+      const Nanoseconds basic = plan_of(event.device).executors[index].basic_period;
       for (const Served& served : executor.served) {
         const bool unfinished = executor.runs == served.module && &served == &executor.served.back();
         if (!executor.in_row || unfinished) continue;
@@ -98,12 +113,13 @@ void Invariants::on_event(const Event& event) {
 
 void Invariants::on_row(const Event& event, OfDevice& device) {
   OfExecutor& executor = device.executors[event.executor];
-  const schedule::ExecutorPlan& plan = plans_[event.device].executors[event.executor];
+  const schedule::ExecutorPlan& plan = plan_of(event.device).executors[event.executor];
   const Nanoseconds basic = plan.basic_period;
-  const auto due = [&](std::uint64_t row) { return t0_ + basic * static_cast<std::int64_t>(row); };
+  const auto due = [&](std::uint64_t row) { return device.t0 + basic * static_cast<std::int64_t>(row); };
   switch (event.what) {
     case What::joined: {
       const std::uint64_t from = event.number - event.count;
+      if (!std::exchange(executor.has_joined, true)) executor.first_row = from;
       if (event.count > event.number || from < executor.next_row)
         violated(event, "expected row " + number(executor.next_row));
       if (event.release != due(event.number)) violated(event, "the row is not on the grid");
@@ -167,17 +183,17 @@ void Invariants::count_missed(OfDevice& device, const schedule::ExecutorPlan& pl
 std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
     const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
   const std::vector<Served>& served = device.executors[event.executor].served;
-  const auto name = [&](std::uint32_t module) { return cell_.devices[event.device].modules[module].name; };
+  const auto name = [&](std::uint32_t module) { return model_of(event.device).modules[module].name; };
   auto next = served.begin();
   std::uint64_t last_row = 0;
   std::size_t last_place = 0;
   for (; next != served.end() && next->number && next->release < event.release; ++next) {
-    const model::Module& model = cell_.devices[event.device].modules[next->module];
-    const model::OverrunContract contract = model::contract_of(cell_.devices[event.device], model);
+    const model::Module& model = model_of(event.device).modules[next->module];
+    const model::OverrunContract contract = model::contract_of(model_of(event.device), model);
     const Rows rows = rows_of(plan, next->module, period_of(event.device, next->module));
     const std::uint64_t row = rows.first + *next->number * rows.stride;
     if (contract.what != model::Overrun::catch_up) violated(event, name(next->module) + " must not catch up");
-    if (next->release != t0_ + plan.basic_period * static_cast<std::int64_t>(row))
+    if (next->release != device.t0 + plan.basic_period * static_cast<std::int64_t>(row))
       violated(event, name(next->module) + " got a wrong release");
     if (rows.in(row, event.number) > static_cast<std::uint64_t>(contract.limit))
       violated(event, name(next->module) + " caught up beyond its limit");
@@ -196,15 +212,15 @@ std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
 // True for a process module that catches up. Such a module may get several releases at once, and not all of
 // them appear in the events.
 bool Invariants::has_pending_releases(std::uint32_t device, std::uint32_t module) const {
-  const model::Module& model = cell_.devices[device].modules[module];
+  const model::Module& model = model_of(device).modules[module];
   return model.type == model::ModuleType::process &&
-         model::contract_of(cell_.devices[device], model).what == model::Overrun::catch_up;
+         model::contract_of(model_of(device), model).what == model::Overrun::catch_up;
 }
 
 void Invariants::check_row(const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
   const OfExecutor& executor = device.executors[event.executor];
   const std::vector<std::uint32_t> row = plan.row(event.number % plan.rows());
-  const auto name = [&](std::uint32_t module) { return cell_.devices[event.device].modules[module].name; };
+  const auto name = [&](std::uint32_t module) { return model_of(event.device).modules[module].name; };
   auto next = check_made_up(event, device, plan);
   for (const std::uint32_t index : row) {
     OfModule& module = device.modules[index];
@@ -226,7 +242,7 @@ void Invariants::check_row(const Event& event, OfDevice& device, const schedule:
 }
 
 void Invariants::on_module(const Event& event, OfDevice& device) {
-  const model::Module& model = cell_.devices[event.device].modules[event.module];
+  const model::Module& model = model_of(event.device).modules[event.module];
   OfModule& module = device.modules[event.module];
   const bool scheduled = model.operation != model::Operation::non_real;
   switch (event.what) {
@@ -308,7 +324,7 @@ void Invariants::on_run(const Event& event, OfDevice& device) {
   const std::uint32_t on = executor_of(event.device, event.module);
   OfExecutor& executor = device.executors[on];
   OfModule& module = device.modules[event.module];
-  if (cell_.devices[event.device].modules[event.module].operation == model::Operation::periodic) {
+  if (model_of(event.device).modules[event.module].operation == model::Operation::periodic) {
     if (!executor.in_row) violated(event, "no row is running");
     if (executor.runs) violated(event, "another module of the row is running");
     executor.runs = event.module;
@@ -318,11 +334,11 @@ void Invariants::on_run(const Event& event, OfDevice& device) {
   if (executor.sporadic) violated(event, "another sporadic module is running");
   executor.sporadic = event.module;
   if (!module.ready_until) violated(event, "it was not ready");
-  for (const std::uint32_t other : plans_[event.device].executors[on].sporadic) {
+  for (const std::uint32_t other : plan_of(event.device).executors[on].sporadic) {
     const OfModule& o = device.modules[other];
     if (other == event.module || !o.ready_until || o.ready_changes != o.changes || !o.in_tables) continue;
     if (module.ready_until && *o.ready_until < *module.ready_until)
-      violated(event, cell_.devices[event.device].modules[other].name + " has an earlier deadline");
+      violated(event, model_of(event.device).modules[other].name + " has an earlier deadline");
   }
   module.ready_until.reset();
 }
@@ -344,10 +360,12 @@ void Invariants::on_step(const Event& event, OfModule& module) {
 }
 
 void Invariants::on_sample(const Event& event) {
-  OfConnection& connection = connections_[event.connection];
+  OfConnection& connection = connections_[versions_[event.version].numbers[event.connection]];
   switch (event.what) {
     case What::wrote:
-      if (event.number != connection.wrote + 1)
+      // The numbers of a device that begins again begin at the next multiple of 2^32.
+      if (event.number != connection.wrote + 1 &&
+          (event.number < connection.wrote || static_cast<std::uint32_t>(event.number) != 1))
         violated(event, "expected number " + number(connection.wrote + 1));
       connection.wrote = event.number;
       break;
@@ -372,14 +390,20 @@ void Invariants::on_sample(const Event& event) {
   }
 }
 
+// Returns the first row that the executor ran or missed.
+std::uint64_t Invariants::first_row(const OfDevice& device, std::size_t executor, const Totals& totals) {
+  const OfExecutor& one = device.executors[executor];
+  return one.has_joined ? one.first_row : totals.executors[executor].next_row;
+}
+
 void Invariants::close(std::uint32_t index, const Totals& totals) {
-  const model::Device& model = cell_.devices[index];
+  const model::Device& model = model_of(index);
   OfDevice& device = devices_[index];
   // If the last row never ended, the rows skipped before it count as missed.
   for (std::size_t e = 0; e < model.executors.size(); ++e) {
     const OfExecutor& executor = device.executors[e];
     if (!executor.in_row) continue;
-    count_missed(device, plans_[index].executors[e], index, executor.next_row, totals.executors[e].next_row,
+    count_missed(device, plan_of(index).executors[e], index, executor.next_row, totals.executors[e].next_row,
                  true);
   }
   const auto wrong = [this](const std::string& who, const std::string& what, std::uint64_t counted,
@@ -392,7 +416,8 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
     const std::string who = model.name + " executor " + model.executors[e].name;
     const Totals::OfExecutor& counted = totals.executors[e];
     wrong(who, "rows", counted.cycles, device.executors[e].cycles);
-    wrong(who, "executed or missed rows", counted.cycles + counted.missed, counted.next_row);
+    wrong(who, "executed or missed rows", counted.cycles + counted.missed,
+          counted.next_row - first_row(device, e, totals));
   }
   for (std::size_t m = 0; m < model.modules.size(); ++m) {
     const std::string who = model.name + "." + model.modules[m].name;
@@ -404,11 +429,13 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
     if (model.modules[m].operation == model::Operation::periodic && !pending) {
       wrong(who, "missed releases", counted.missed, happened.missed);
       const schedule::ExecutorPlan& plan =
-          plans_[index].executors[executor_of(index, static_cast<std::uint32_t>(m))];
+          plan_of(index).executors[executor_of(index, static_cast<std::uint32_t>(m))];
       const Rows due = rows_of(plan, static_cast<std::uint32_t>(m), *model.modules[m].period);
-      const std::uint64_t rows = totals.executors[executor_of(index, static_cast<std::uint32_t>(m))].next_row;
+      const std::size_t on = executor_of(index, static_cast<std::uint32_t>(m));
+      const std::uint64_t rows = totals.executors[on].next_row;
       wrong(who, "releases including missed, busy and omitted ones",
-            counted.cycles + counted.missed + happened.busy + happened.out - happened.twice, due.in(0, rows));
+            counted.cycles + counted.missed + happened.busy + happened.out - happened.twice,
+            due.in(first_row(device, on, totals), rows));
       if (model.modules[m].type == model::ModuleType::process)
         wrong(who, "overruns", counted.overruns, happened.busy);
     }
@@ -417,8 +444,8 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
                             lifecycle::to_text(happened.state));
   }
   for (const std::uint32_t connection : totals.unbalanced) {
-    violations_.push_back("connection " + model::to_text(cell_.connections[connection].from) + " to " +
-                          model::to_text(cell_.connections[connection].to) +
+    violations_.push_back("connection " + model::to_text(cell_of(index).connections[connection].from) +
+                          " to " + model::to_text(cell_of(index).connections[connection].to) +
                           ": a written sample was neither taken nor overwritten, but is gone");
   }
 }

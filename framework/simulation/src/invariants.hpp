@@ -21,6 +21,7 @@
 #include <takt/model/cell.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/simulation/event.hpp>
+#include "simulated_cell.hpp"
 
 namespace takt::simulation {
 
@@ -50,6 +51,8 @@ class Invariants final : public Listener {
 
   /// `cell` and `plans` must outlive this object.
   Invariants(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans, Instant t0);
+  /// Adds a descriptor to which the cell may be updated. Its indices are those of events with version 1.
+  void add_version(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans);
 
   void on_event(const Event& event) override;
   /// Compares the device's final counters with its events. Call close() when the device has ended.
@@ -64,6 +67,8 @@ class Invariants final : public Listener {
     Instant release;
   };
   struct OfExecutor {
+    bool has_joined = false;
+    std::uint64_t first_row = 0;  // a device that is restored begins later than at row 0
     std::uint64_t next_row = 0;
     std::uint64_t cycles = 0;
     bool in_row = false;
@@ -99,8 +104,15 @@ class Invariants final : public Listener {
     std::uint64_t arrived = 0;
   };
   struct OfDevice {
-    std::vector<OfExecutor> executors;
-    std::vector<OfModule> modules;
+    std::size_t version = 0;
+    Instant t0{};
+    std::vector<OfExecutor> executors{};
+    std::vector<OfModule> modules{};
+  };
+  struct Version {
+    const model::Cell* cell;
+    const std::vector<schedule::DevicePlan>* plans;
+    std::vector<std::uint32_t> numbers;  // of the connections
   };
 
   void violated(const Event& event, const std::string& what);
@@ -115,14 +127,27 @@ class Invariants final : public Listener {
   void on_sample(const Event& event);
   void count_missed(OfDevice& device, const schedule::ExecutorPlan& plan, std::uint32_t on,
                     std::uint64_t from, std::uint64_t to, bool as_woken);
+  [[nodiscard]] static std::uint64_t first_row(const OfDevice& device, std::size_t executor,
+                                               const Totals& totals);
   [[nodiscard]] Nanoseconds period_of(std::uint32_t device, std::uint32_t module) const;
   [[nodiscard]] std::uint32_t executor_of(std::uint32_t device, std::uint32_t module) const;
 
-  const model::Cell& cell_;
-  const std::vector<schedule::DevicePlan>& plans_;
+  [[nodiscard]] OfDevice as_new(std::size_t device, std::size_t version) const;
+  [[nodiscard]] const model::Cell& cell_of(std::uint32_t device) const {
+    return *versions_[devices_[device].version].cell;
+  }
+  [[nodiscard]] const model::Device& model_of(std::uint32_t device) const {
+    return cell_of(device).devices[device];
+  }
+  [[nodiscard]] const schedule::DevicePlan& plan_of(std::uint32_t device) const {
+    return (*versions_[devices_[device].version].plans)[device];
+  }
+
   Instant t0_;
+  std::vector<Version> versions_;
+  ConnectionNumbers numbers_;
+  std::vector<OfConnection> connections_;  // by number
   std::vector<OfDevice> devices_;
-  std::vector<OfConnection> connections_;
   std::vector<std::string> violations_;
 };
 

@@ -33,7 +33,7 @@ struct Device::Member {
         block(parts.channel.module(i)),
         slot(parts.slot_of(i)),
         draws(world.seed, parts.of_device().name + "." + model.name),
-        run_time(world.cell, parts.of_device(), model, world.profile),
+        run_time(device.cell(), parts.of_device(), model, world.profile),
         contract(model::contract_of(parts.of_device(), model)),
         logical(model::timing_of(parts.of_device(), model) == model::Timing::let),
         body(device, *this) {

@@ -31,10 +31,12 @@ std::uint32_t device_of(const model::Cell& cell, const std::string& name) {
 }  // namespace
 
 Network::Network(const World& world)
-    : world_(world),
-      draws_(world.seed, "network"),
-      message_draws_(world.seed, "messages"),
-      ways_(world.cell.connections.size()) {}
+    : world_(world), draws_(world.seed, "network"), message_draws_(world.seed, "messages") {
+  for (const SimulatedCell& version : world.versions) {
+    for (const std::uint32_t number : version.numbers)
+      ways_.resize(std::max<std::size_t>(ways_.size(), number + 1));
+  }
+}
 
 Nanoseconds Network::latency(Draws& draws) {
   return draws.chance(kSeldom) ? draws.between(kUsual, kLongestDelay) : draws.between(kShortest, kUsual);
@@ -49,44 +51,56 @@ std::optional<Instant> Network::past_cuts(std::pair<std::uint32_t, std::uint32_t
 }
 
 void Network::tell(std::uint32_t from, std::uint32_t to, bool reliable, std::function<void()> arrive) {
-  const auto arrival =
-      past_cuts(ordered(from, to), world_.kernel.now() + latency(message_draws_), reliable, message_draws_);
+  const Instant uncut = world_.kernel.now() + latency(message_draws_) +
+                        message_draws_.between(Nanoseconds{0}, world_.message_delay);
+  const auto arrival = past_cuts(ordered(from, to), uncut, reliable, message_draws_);
   if (!arrival) return;
   Instant& last = last_told_[{from, to}];
   last = std::max(*arrival, last + Nanoseconds{1});
   world_.kernel.at(last, std::move(arrive));
 }
 
-void Network::connect(std::uint32_t connection, Device& device, SimulatedLink& link) {
-  const model::Connection& model = world_.cell.connections[connection];
-  ways_[connection].to = &device;
-  ways_[connection].link = &link;
-  ways_[connection].between =
-      ordered(device_of(world_.cell, model.from.device), device_of(world_.cell, model.to.device));
+void Network::connect(Device& device, SimulatedLink& link) {
+  Way& way = ways_[link.number()];
+  way.to = &device;
+  way.link = &link;
+  way.between = ordered(device_of(world_.cell(), link.model().from.device),
+                        device_of(world_.cell(), link.model().to.device));
 }
 
-void Network::send(std::uint32_t connection, const std::byte* sample, std::int64_t wall_ns) {
-  Way& way = ways_[connection];
-  if (way.to == nullptr) return;  // the reader is an external program
-  const model::Connection& model = world_.cell.connections[connection];
+void Network::disconnect(const Device& device) {
+  for (Way& way : ways_) {
+    if (way.to == &device) way.to = nullptr;
+  }
+}
+
+void Network::send(std::uint32_t version, const SimulatedLink& from, const std::byte* sample,
+                   std::int64_t wall_ns) {
+  Way& way = ways_[from.number()];
+  if (way.to == nullptr) return;  // the reader is an external program, or its device is not there
   const Instant now = world_.kernel.now();
   const Nanoseconds late = std::exchange(way.to_delay, Nanoseconds{0});
   auto arrival = past_cuts(way.between, now + latency(draws_) + late,
-                           model.reliability == model::Reliability::reliable, draws_);
+                           from.model().reliability == model::Reliability::reliable, draws_);
   if (way.to_lose != 0) {
     --way.to_lose;
     arrival.reset();
   }
   if (!arrival) {
     ++way.lost;
-    world_.listener.on_event(
-        {.at = now, .what = What::lost, .connection = connection, .number = number_of(sample)});
+    world_.listener.on_event({.at = now,
+                              .what = What::lost,
+                              .version = version,
+                              .connection = from.connection(),
+                              .number = number_of(sample)});
     return;
   }
   way.last = std::max(*arrival, way.last + Nanoseconds{1});  // keeps the order of the samples
   std::array<std::byte, kSampleBytes> bytes{};
   std::memcpy(bytes.data(), sample, bytes.size());
-  world_.kernel.at(way.last, [&way, bytes, wall_ns] { way.to->arrive(*way.link, bytes.data(), wall_ns); });
+  world_.kernel.at(way.last, [&way, bytes, wall_ns] {
+    if (way.to != nullptr) way.to->arrive(*way.link, bytes.data(), wall_ns);
+  });
 }
 
 void Network::cut(std::uint32_t a, std::uint32_t b, Nanoseconds time) {
@@ -95,12 +109,9 @@ void Network::cut(std::uint32_t a, std::uint32_t b, Nanoseconds time) {
 }
 
 bool Network::is_cut(std::uint32_t connection) const {
-  const auto cut = cut_until_.find(ways_[connection].between);
-  return ways_[connection].to != nullptr && cut != cut_until_.end() && world_.kernel.now() < cut->second;
+  const Way& way = ways_[connection];
+  const auto cut = cut_until_.find(way.between);
+  return way.to != nullptr && cut != cut_until_.end() && world_.kernel.now() < cut->second;
 }
-
-void Network::lose(std::uint32_t connection, std::uint64_t count) { ways_[connection].to_lose += count; }
-
-void Network::delay(std::uint32_t connection, Nanoseconds by) { ways_[connection].to_delay += by; }
 
 }  // namespace takt::simulation

@@ -17,17 +17,22 @@ namespace takt::simulation {
 /// reliable ones arrive after the cut.
 class Network {
  public:
+  /// The address of the operator. The address of a node is its index in World::nodes.
+  static constexpr std::uint32_t kOperator = ~0U;
   explicit Network(const World& world);
 
   /// Sets the destination of a connection's samples.
-  void connect(std::uint32_t connection, Device& device, SimulatedLink& link);
-  void send(std::uint32_t connection, const std::byte* sample, std::int64_t wall_ns);
-  /// Sends a message from the node of one device to that of another. Calls `arrive` when it has arrived.
+  void connect(Device& device, SimulatedLink& link);
+  /// No sample arrives at the device any more.
+  void disconnect(const Device& device);
+  void send(std::uint32_t version, const SimulatedLink& from, const std::byte* sample, std::int64_t wall_ns);
+  /// Sends a message from one address to another. Calls `arrive` when it has arrived.
   void tell(std::uint32_t from, std::uint32_t to, bool reliable, std::function<void()> arrive);
 
   void cut(std::uint32_t a, std::uint32_t b, Nanoseconds time);
-  void lose(std::uint32_t connection, std::uint64_t count);
-  void delay(std::uint32_t connection, Nanoseconds by);
+  /// `connection` is the number of a connection.
+  void lose(std::uint32_t connection, std::uint64_t count) { ways_[connection].to_lose += count; }
+  void delay(std::uint32_t connection, Nanoseconds by) { ways_[connection].to_delay += by; }
   /// True if the link between the two devices of a connection is cut now.
   [[nodiscard]] bool is_cut(std::uint32_t connection) const;
   [[nodiscard]] std::uint64_t lost(std::uint32_t connection) const { return ways_[connection].lost; }
@@ -52,7 +57,7 @@ class Network {
   Draws draws_;
   Draws message_draws_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Instant> last_told_;  // by sender and receiver
-  std::vector<Way> ways_;
+  std::vector<Way> ways_;                                                 // by the number of the connection
   std::map<std::pair<std::uint32_t, std::uint32_t>, Instant> cut_until_;
 };
 

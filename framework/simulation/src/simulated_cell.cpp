@@ -36,6 +36,16 @@ bool has_safe_value(const model::Module& module, const std::string& port, const 
 
 }  // namespace
 
+std::vector<std::uint32_t> ConnectionNumbers::of(const model::Cell& cell) {
+  std::vector<std::uint32_t> numbers;
+  for (const model::Connection& connection : cell.connections) {
+    const auto next = static_cast<std::uint32_t>(known_.size());
+    const auto ends = std::pair{model::to_text(connection.from), model::to_text(connection.to)};
+    numbers.push_back(known_.try_emplace(ends, next).first->second);
+  }
+  return numbers;
+}
+
 SimulatedCell simulated_cell(const model::Cell& cell, const model::CellPorts& ports) {
   SimulatedCell simulated{.cell = cell, .ports = {}};
   const auto add = [&](const model::Endpoint& end, bool output) {

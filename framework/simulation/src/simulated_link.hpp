@@ -26,12 +26,19 @@ class SimulatedLink {
   /// The owner of an end: the index of a module of the device; empty for the gateway.
   using End = std::optional<std::uint32_t>;
 
-  SimulatedLink(const model::Connection& connection, std::uint32_t index, End writer, End reader,
-                channel::Link link)
-      : model_(&connection), connection_(index), writer_(writer), reader_(reader), link_(link) {}
+  /// `index` is that of the connection in its descriptor; `number` is that of ConnectionNumbers.
+  SimulatedLink(const model::Connection& connection, std::uint32_t index, std::uint32_t number, End writer,
+                End reader, channel::Link link)
+      : model_(&connection),
+        connection_(index),
+        number_(number),
+        writer_(writer),
+        reader_(reader),
+        link_(link) {}
 
   [[nodiscard]] const model::Connection& model() const noexcept { return *model_; }
   [[nodiscard]] std::uint32_t connection() const noexcept { return connection_; }
+  [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
   [[nodiscard]] End writer() const noexcept { return writer_; }
   [[nodiscard]] End reader() const noexcept { return reader_; }
   [[nodiscard]] channel::Link link() const noexcept { return link_; }
@@ -47,6 +54,7 @@ class SimulatedLink {
 
   const model::Connection* model_;
   std::uint32_t connection_;
+  std::uint32_t number_;
   End writer_;
   End reader_;
   channel::Link link_;

@@ -168,6 +168,7 @@ void VirtualHost::spawn(const Kernel::Scheduling& scheduling, Strand** kept, std
 }
 
 void VirtualHost::begin_rows() {
+  if (!std::exchange(device_.began_, true)) device_.emit({.what = What::begins, .release = t0()});
   for (auto& pointer : rows_) {
     Device::Row& row = *pointer;
     if (row.plan.basic_period == Nanoseconds{0}) continue;
@@ -311,7 +312,7 @@ class VirtualFlows final : public supervision::Flows {
   void step(Instant) override {}
   [[nodiscard]] std::optional<wire::FlowHealth> health(std::size_t link) const override {
     if (link >= device_.links_.size()) return std::nullopt;  // this link is for observers
-    const std::uint32_t connection = device_.links_[link]->connection();
+    const std::uint32_t connection = device_.links_[link]->number();
     wire::FlowHealth health;
     health.matched = device_.world_.network->is_cut(connection) ? 0 : 1;
     health.lost = device_.world_.network->lost(connection);

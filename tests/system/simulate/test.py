@@ -66,6 +66,32 @@ class Simulate(takt_system.Case):
         times = [float(line.split(" ")[0]) for line in lines]
         self.assertEqual(sorted(times), times)
 
+    def test_the_script_of_takt_simulate_updates_and_undeploys_the_cell(self):
+        with open(DEMO) as file:
+            new = self.write("new.xml", file.read().replace("<period>1ms</period>", "<period>2ms</period>"))
+        script = self.write("script.txt", "at 500 ms update\nat 2 s line down for 300 ms\nat 3 s undeploy\nat 4 s deploy\n")
+        run = self.takt("simulate", DEMO, "--for", "6", "--script", script, "--update", new, "--trace", "trace.txt")
+        self.assertEqual(0, run.status, run.err)
+        reports = [line for line in run.err.splitlines() if line.startswith("takt: operator: ")]
+        self.assertEqual(["takt: operator: %s: done" % action for action in ("update", "undeploy", "deploy")], reports)
+        with open(os.path.join(self.folder, "trace.txt")) as file:
+            begins = re.findall(r"^(\S+) (\w+) begins, with T0 at (\S+)$", file.read(), re.MULTILINE)
+        # The update restarts devices on the same time grid. So does the node of the line after its loss of power.
+        self.assertIn("robot", [device for at, device, t0 in begins if 0.5 < float(at) < 2 and float(t0) == 0])
+        self.assertEqual(["line"], [device for at, device, t0 in begins if 2 < float(at) < 3 and float(t0) == 0])
+        self.assertEqual(["line", "robot", "station"], sorted(device for at, device, t0 in begins if 4 < float(at) < float(t0)))
+
+        wrong = self.takt("simulate", DEMO, "--script", script)
+        self.assertEqual((1, ""), (wrong.status, wrong.out))
+        self.assertIn("the script updates the cell, but no new descriptor is given; give it with --update FILE", wrong.err)
+        other = self.takt("simulate", DEMO, "--script", script, "--update", EXAMPLE)
+        self.assertEqual((1, ""), (other.status, other.out))
+        self.assertIn("the update has other devices than the cell", other.err)
+        lost = self.takt("simulate", DEMO, "--for", "2", "--update", new,
+                         "--script", self.write("lost.txt", "at 500 ms robot down for 1 s\nat 1 s update\n"))
+        self.assertEqual(1, lost.status)
+        self.assertIn("takt: operator: update: failed; the devices run what they ran before: device robot: it is not found", lost.err)
+
     def test_takt_simulate_reports_the_line_of_each_error_in_a_fault_script(self):
         wrong = self.beside("wrong.txt")
         run = self.takt("simulate", DEMO, "--for", "1", "--script", wrong, "--trace", "trace.txt")

@@ -85,6 +85,39 @@ TEST(FaultScript, AcceptsEveryKindOfFault) {
               .kind = Injection::Kind::cut, .at = milliseconds{2000}, .target = 1, .by = milliseconds{500}}));
 }
 
+TEST(FaultScript, AcceptsActionsOfTheOperatorAndFaultsOfNodes) {
+  using Kind = Injection::Kind;
+  const std::uint32_t the_operator = 2;  // the number of devices
+  EXPECT_THAT(
+      read("at 1 s update\n"
+           "at 1 s undeploy # all devices\n"
+           "at 1 s deploy\n"
+           "at 1 s line down for 2 s\n"
+           "at 1 s robot paused for 3 ms\n"
+           "at 1 s line twin\n"
+           "at 1 s operator down for 2 s\n"
+           "at 1 s link operator line cut for 1 s"),
+      ElementsAre(
+          Injection{.kind = Kind::update, .at = milliseconds{1000}},
+          Injection{.kind = Kind::undeploy, .at = milliseconds{1000}},
+          Injection{.kind = Kind::deploy, .at = milliseconds{1000}},
+          Injection{.kind = Kind::down, .at = milliseconds{1000}, .device = 1, .by = milliseconds{2000}},
+          Injection{.kind = Kind::pause, .at = milliseconds{1000}, .by = milliseconds{3}},
+          Injection{.kind = Kind::twin, .at = milliseconds{1000}, .device = 1},
+          Injection{
+              .kind = Kind::down, .at = milliseconds{1000}, .device = the_operator, .by = milliseconds{2000}},
+          Injection{.kind = Kind::cut,
+                    .at = milliseconds{1000},
+                    .device = the_operator,
+                    .target = 1,
+                    .by = milliseconds{1000}}));
+  for (const char* line : {"at 1 s operator fail", "at 1 s operator.arm fail", "at 1 s operator twin"})
+    EXPECT_THAT(error_of(line), HasSubstr("the operator can only be down or paused")) << line;
+  EXPECT_THAT(error_of("at 1 s update now"), HasSubstr("the line continues after the fault: 'now'"));
+  EXPECT_THAT(error_of("at 1 s updat"), HasSubstr("there is no action 'updat'; did you mean update?"));
+  EXPECT_THAT(error_of("at 1 s robot down"), HasSubstr("'for' is missing after 'down'"));
+}
+
 TEST(FaultScript, AppliesAFaultOfAnOutputToAllItsConnectionsToOtherDevices) {
   EXPECT_THAT(
       read("at 1 ms connection robot.arm.state lose 3"),

@@ -16,12 +16,14 @@ namespace takt::simulation::simulated {
 
 class Text final : public Listener {
  public:
-  explicit Text(const model::Cell& cell) : cell_(cell) {}
-  void on_event(const Event& event) override { lines.push_back(to_text(event, cell_, kT0)); }
+  explicit Text(std::vector<const model::Cell*> versions) : versions_(std::move(versions)) {}
+  void on_event(const Event& event) override {
+    lines.push_back(to_text(event, *versions_.at(event.version), kT0));
+  }
   std::vector<std::string> lines;
 
  private:
-  const model::Cell& cell_;
+  std::vector<const model::Cell*> versions_;
 };
 
 struct Outcome {
@@ -36,8 +38,8 @@ class Cell {
     auto cell = descriptor::load(source_path("deploy/palletizing.xml"));
     return Cell{std::move(*cell)};
   }
-  static Cell of(const std::string& devices) {
-    auto cell = descriptor::parse("<cell name=\"c\">" + devices + "</cell>", "cell.xml");
+  static Cell of(const std::string& devices, const std::string& file = "cell.xml") {
+    auto cell = descriptor::parse("<cell name=\"c\">" + devices + "</cell>", file);
     if (!cell) ADD_FAILURE() << to_text(cell.problems());
     return Cell{std::move(*cell)};
   }
@@ -45,7 +47,7 @@ class Cell {
     auto faults = parse_script(script, "script", cell_);
     if (!faults) ADD_FAILURE() << to_text(faults.problems());
     options.injections = *faults;
-    Text text{cell_};
+    Text text{{&cell_, options.update == nullptr ? &cell_ : &options.update->cell}};
     if (options.listener == nullptr) options.listener = &text;
     auto course = simulate(cell_, plans_, {}, options);
     EXPECT_TRUE(course.ok());
@@ -53,6 +55,8 @@ class Cell {
     return {std::move(text.lines), std::move(*course)};
   }
   [[nodiscard]] const model::Cell& model() const { return cell_; }
+  /// The cell as an update.
+  [[nodiscard]] Version version() const { return {.cell = cell_, .plans = plans_}; }
 
  private:
   explicit Cell(model::Cell cell) : cell_(std::move(cell)), plans_(*schedule::plan(cell_)) {}

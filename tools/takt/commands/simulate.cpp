@@ -1,4 +1,5 @@
 // takt simulate: runs a whole cell on virtual time, in a single process.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -38,6 +39,7 @@ struct SimulateOptions {
   double seconds = 10;
   std::uint64_t seed = 1;
   std::string script;
+  std::string update;
   std::string profile;
   double faults = 0;
   int cpus = 0;
@@ -50,16 +52,19 @@ struct SimulateOptions {
 /// Writes the trace of a simulation: one line for each event.
 class Trace final : public simulation::Listener {
  public:
-  Trace(os::OutputFile file, const model::Cell& cell) : file_(std::move(file)), cell_(cell) {}
+  Trace(os::OutputFile file, const model::Cell& cell, const simulation::Version* update)
+      : file_(std::move(file)), cell_(cell), update_(update) {}
 
   void on_event(const simulation::Event& event) override {
-    file_.write(simulation::to_text(event, cell_, simulation::kT0) + '\n');
+    const model::Cell& cell = event.version == 0 ? cell_ : update_->cell;
+    file_.write(simulation::to_text(event, cell, simulation::kT0) + '\n');
   }
   Result<void> close() { return file_.close(); }
 
  private:
   os::OutputFile file_;
   const model::Cell& cell_;
+  const simulation::Version* update_;
 };
 
 int show_simulation(const SimulateOptions& options, const model::Cell& cell,
@@ -72,7 +77,7 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
       complain(file.problems());
       return 1;
     }
-    simulated.listener = &trace.emplace(std::move(*file), cell);
+    simulated.listener = &trace.emplace(std::move(*file), cell, simulated.update);
   }
   const Instant begun = os::now();
   Progress progress;
@@ -101,8 +106,9 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
       return 1;
     }
   }
-  const bool printed =
-      print(options.json ? model::json_text(course->report) + "\n" : run_text(course->report));
+  auto report = course->report;
+  for (const simulation::Report& action : course->reports) report["operator"].push_back(to_text(action));
+  const bool printed = print(options.json ? model::json_text(report) + "\n" : run_text(report));
   const double simulated_s = std::chrono::duration<double>(simulated.length).count();
   std::fprintf(stderr, "takt: simulated %g s in %.3f s, %.0f times real time; seed %llu\n", simulated_s,
                took.count(), simulated_s / took.count(), static_cast<unsigned long long>(simulated.seed));
@@ -111,10 +117,17 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
                  "takt: the components are not called; every module writes each of its outputs in every run, "
                  "so a queue may drop samples that the components would not write\n");
   }
+  for (const std::string& fault : course->without_effect)
+    std::fprintf(stderr, "takt: warning: %s\n", fault.c_str());
+  bool all_done = true;
+  for (const simulation::Report& action : course->reports) {
+    all_done &= action.outcome == simulation::Outcome::done;
+    std::fprintf(stderr, "takt: operator: %s\n", on_one_line(to_text(action)).c_str());
+  }
   if (!course->failures.empty()) complain(course->failures);
   for (const std::string& violation : course->violations)
     std::fprintf(stderr, "takt: error: the simulation violated an invariant: %s\n", violation.c_str());
-  return course->failures.empty() && course->violations.empty() && printed ? 0 : 1;
+  return course->failures.empty() && course->violations.empty() && all_done && printed ? 0 : 1;
 }
 
 /// Describes a random cell as text, because it has no descriptor.
@@ -219,6 +232,26 @@ int simulate(const SimulateOptions& options) {
     simulated.injections = std::move(*faults);
     warn_of_no_effect(simulated, loaded->cell);
   }
+  std::optional<simulation::Version> update;
+  if (!options.update.empty()) {
+    const auto loaded_update = load(options.update, &missing);
+    if (!loaded_update) {
+      complain(loaded_update.problems());
+      return 1;
+    }
+    update = {.cell = loaded_update->cell, .plans = loaded_update->plans, .ports = loaded_update->ports};
+    simulated.update = &*update;
+  }
+  const auto& injections = simulated.injections;
+  const auto updates = [](const auto& one) { return one.kind == simulation::Injection::Kind::update; };
+  if (update && std::none_of(injections.begin(), injections.end(), updates))
+    std::fprintf(stderr,
+                 "takt: warning: --update has no effect: the script has no line such as 'at 2 s update'\n");
+  if (!update && std::any_of(injections.begin(), injections.end(), updates)) {
+    complain({{options.script, "the script updates the cell, but no new descriptor is given",
+               "give it with --update FILE"}});
+    return 1;
+  }
   if (const std::string guessed = without_budget(loaded->cell); options.profile.empty() && !guessed.empty()) {
     std::fprintf(
         stderr,
@@ -253,6 +286,10 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
                      ->add_option("--script", options->script,
                                   "a script with the faults to inject, one per line; see below")
                      ->type_name("FILE");
+  auto* update =
+      command
+          ->add_option("--update", options->update, "the new descriptor to which the script updates the cell")
+          ->type_name("FILE");
   auto* profile =
       command
           ->add_option(
@@ -280,10 +317,11 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
                      ->check(whole_number())
                      ->excludes(file);
   // The number of the random cell also determines the values of these options.
-  for (auto* fixed : {length, seed, script, profile, faults, cpus}) random->excludes(fixed);
+  for (auto* fixed : {length, seed, script, update, profile, faults, cpus}) random->excludes(fixed);
   command->footer(
-      "Exit status: 0 the cell ended cleanly; 1 a module or device was given up, or an invariant was\n"
-      "violated. An invariant is a rule that must hold whatever faults occur. A run of a module without a\n"
+      "Exit status: 0 the cell ended cleanly; 1 a module or device was given up, an action of the operator\n"
+      "failed, or an invariant was violated. An invariant is a rule that must hold whatever faults occur. A "
+      "run of a module without a\n"
       "budget and without a run time in the profile takes 5 % of the module's period or deadline.\n\n"
       "A script; times count from the first row, in ns, us, ms or s:\n" +
       simulation::script_help());

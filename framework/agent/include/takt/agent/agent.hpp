@@ -69,7 +69,8 @@ class Agent {
     /// Reads the cell from a descriptor. `file` is the descriptor's name, for messages.
     std::function<Result<model::Cell>(const std::string& text, const std::string& file)> parse;
     std::function<Result<std::unique_ptr<Inspection>>(const InspectionRequest&)> inspect;
-    std::function<std::unique_ptr<Supervised>(Supervisor::Options)> supervise;
+    /// Shared, because the simulation keeps it longer than the agent does.
+    std::function<std::shared_ptr<Supervised>(Supervisor::Options)> supervise;
   };
 
   Agent(Options options, Factories factories, Publisher& publisher);

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include <takt/wire/takt.h>
 #include <takt/component.hpp>
 #include <takt/core/time.hpp>
 #include <takt/lifecycle/machine.hpp>
@@ -43,7 +44,11 @@ enum class What : std::uint8_t {
   host_began,
   halted,  ///< all executors of the host halted
   // Events of a device
-  fault,  ///< a fault was injected
+  prepares,  ///< the device begins to prepare its modules, which are as new
+  begins,    ///< the modules of the device begin; `release` is T0 of their rows
+  fault,     ///< a fault was injected
+  // Events of the operator
+  operated,  ///< the operator has ended an action, as `text` states
 };
 
 struct Event {
@@ -51,6 +56,7 @@ struct Event {
 
   Instant at{};
   What what = What::fault;
+  std::uint32_t version = 0;  ///< the descriptor that the indices refer to: 0, or 1 for Options::update
   std::uint32_t device = kNone;
   std::uint32_t executor = kNone;
   std::uint32_t module = kNone;
@@ -70,6 +76,11 @@ class Listener {
  public:
   virtual ~Listener() = default;
   virtual void on_event(const Event& event) = 0;
+  /// Called for each status that the node of a device publishes.
+  virtual void on_status(std::uint32_t device, const DeviceStatus& status) {
+    static_cast<void>(device);
+    static_cast<void>(status);
+  }
 };
 
 /// Returns a line such as "+0.001000412 robot.servo ran 10600 ns": the time since T0 in seconds, the subject

@@ -1,5 +1,5 @@
-// Faults and operator's commands that are injected into a simulated cell. Both come from a script; faults can
-// also be drawn from the seed.
+// Faults that are injected into a simulated cell, and what the operator does to it. Both come from a script;
+// faults can also be drawn from the seed.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace takt::simulation {
 
-/// A fault that is injected into a simulated cell, or an operator's command to a module.
+/// A fault that is injected into a simulated cell, or an action of the operator.
 struct Injection {
   enum class Kind : std::uint8_t {
     late,        ///< the module's next run takes `by` longer
@@ -25,10 +25,16 @@ struct Injection {
     unmended,    ///< the module's next `count` recovery attempts fail
     oversleep,   ///< the executor's next wake-up is `by` late
     clock_step,  ///< the device's wall clock is set forward by `by`, which may be negative
-    cut,         ///< no sample passes between `device` and `target`, in either direction, for `by`
+    cut,         ///< nothing passes between `device` and `target`, in either direction, for `by`
     lose,        ///< the connection's next `count` samples are lost on the way
     delay,       ///< the connection's next sample takes `by` longer
     finish,      ///< the module's next run is its last one, because the module has finished
+    down,        ///< the device loses its power; its node starts again after `by`
+    pause,       ///< the node of the device gets no CPU for `by`
+    twin,        ///< a second node with the device's name starts
+    deploy,      ///< the operator deploys the cell
+    update,      ///< the operator updates the cell to another descriptor
+    undeploy,
     // An operator's command to the module
     initialize,
     start,
@@ -38,9 +44,11 @@ struct Injection {
     destruct,
     swap,  ///< an update replaces the module's instance while it runs
   };
+  enum class Target : std::uint8_t { module, executor, device, link, connection, cell };
+
   Kind kind = Kind::late;
-  Nanoseconds at{};  ///< time since T0; not negative
-  std::uint32_t device = 0;
+  Nanoseconds at{};          ///< time since T0; not negative
+  std::uint32_t device = 0;  ///< the number of devices for the operator
   std::uint32_t target = 0;  ///< index of the module, executor, connection or other device
   Nanoseconds by{};
   std::uint64_t count = 0;
@@ -49,6 +57,8 @@ struct Injection {
 
   bool operator==(const Injection&) const = default;
 };
+
+[[nodiscard]] Injection::Target target_of(Injection::Kind kind);
 
 /// Returns the injection as a line of a script, such as "at 1.5 s robot.servo late 3 ms".
 std::string to_text(const Injection& injection, const model::Cell& cell);
@@ -61,8 +71,7 @@ Result<std::vector<Injection>> parse_script(std::string_view text, const std::st
 /// Returns the help text about scripts: an example and an explanation for each fault.
 std::string script_help();
 
-/// Draws `per_second` faults per second on average, of all kinds except `finish` that are possible in the
-/// cell. Draws no commands.
+/// Draws `per_second` faults per second on average, of all kinds up to `delay` that are possible in the cell.
 std::vector<Injection> draw_injections(const model::Cell& cell, Draws& draws, Nanoseconds length,
                                        double per_second);
 
