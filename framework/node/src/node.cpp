@@ -229,8 +229,15 @@ int run_node(const NodeOptions& options) {
           : options.state_folder + "/traces/" + options.device + "." + std::to_string(options.domain);
   // The platforms of all Supervisors that still exist.
   std::vector<std::weak_ptr<const DevicePlatform>> platforms;
+  // The cell of the command that the agent is receiving. Reading a large descriptor takes a second, and the
+  // main loop must not wait for this.
+  std::shared_ptr<Result<model::Cell>> received;
   Agent agent{agent_options,
-              {.parse = descriptor::parse,
+              {.parse =
+                   [&received](const std::string& text, const std::string& file) {
+                     const auto ready = std::exchange(received, nullptr);
+                     return ready ? std::move(*ready) : descriptor::parse(text, file);
+                   },
                .inspect = inspect,
                .supervise =
                    [&](Supervisor::Options o) {
@@ -275,8 +282,16 @@ int run_node(const NodeOptions& options) {
        .lost = {}});
   if (!modules) return refuse(modules.problems());
   auto server = dds::CommandServer::create(*participant, options.device, agent_options.node,
-                                           [&inbox](const wire::WholeCommand& command) {
-                                             inbox.put([command](Agent& a) { a.receive(command); });
+                                           [&inbox, &received](const wire::WholeCommand& command) {
+                                             std::shared_ptr<Result<model::Cell>> cell;
+                                             if (command.head.kind() == COMMAND_PREPARE)
+                                               cell = std::make_shared<Result<model::Cell>>(descriptor::parse(
+                                                   command.data, command.head.value().to_string()));
+                                             inbox.put([command, cell, &received](Agent& a) {
+                                               received = cell;
+                                               a.receive(command);
+                                               received.reset();
+                                             });
                                            });
   if (!server) return refuse(server.problems());
   (*dds_publisher)->set_reply_sender([&server](const wire::WholeReply& reply) { server->reply(reply); });
