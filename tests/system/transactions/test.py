@@ -82,7 +82,7 @@ class Transactions(networks.NetworkCase):
         """Returns the outcomes that the exit status and the messages of takt allow."""
         if run.status is None or run.status < 0 or re.search(UNKNOWN, run.err):
             return {before, after}
-        if run.status == 0:
+        if run.status == 0 or re.search(" is updated, because ", run.err):
             return {after}
         return {before} if action != "undeploy" else {before, after}
 
