@@ -90,7 +90,7 @@ class Disk final : public agent::DeploymentStore {
   }
   [[nodiscard]] Result<agent::Kept> kept() const override { return content_.kept; }
   [[nodiscard]] Result<std::vector<std::string>> undeployed() const override { return content_.undeployed; }
-  /// The device loses its power: what is being written is lost.
+  /// The device loses its power, and with it a write in progress.
   void lose() {
     write();
     next_.reset();
@@ -194,6 +194,7 @@ void Node::receive(const wire::WholeCommand& command) {
 }
 
 void Node::end() {
+  ending_ = true;
   paused_until_ = {};
   if (!is_down()) agent_->end(true);
   poke();
@@ -208,7 +209,9 @@ void Node::go_down(Nanoseconds lasts) {
   heard_.clear();
   modules_.clear();
   status_ = {};
-  world_.kernel.at(now() + lasts, [this] { start(true); });
+  world_.kernel.at(now() + lasts, [this] {
+    if (!ending_) start(true);
+  });
 }
 
 void Node::pause(Nanoseconds lasts) { paused_until_ = std::max(paused_until_, now() + lasts); }

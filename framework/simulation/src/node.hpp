@@ -30,7 +30,7 @@ class Node final : private agent::Publisher {
   void receive(const wire::WholeCommand& command);
   /// Takes the status of another node.
   void hear(const DeviceStatus& status, std::uint32_t from, wire::WriterId writer);
-  /// Stops the device and then the node, as SIGTERM does.
+  /// Stops the device and then the node, as SIGTERM does. A node that is down stays down.
   void end();
   [[nodiscard]] bool ended() const { return agent_ == nullptr || agent_->ended(); }
   /// Makes the agent react now, before its next regular step.
@@ -96,6 +96,7 @@ class Node final : private agent::Publisher {
   DeviceStatus status_;                             // as published last
   std::uint64_t sequence_ = 0;
   bool poked_ = false;
+  bool ending_ = false;
   std::shared_ptr<Disk> disk_;
   // The devices outlive the agents that have supervised them, because events of the kernel refer to them.
   std::vector<std::unique_ptr<Device>> devices_;

@@ -83,12 +83,39 @@ TEST(Nodes, APausedNodeLetsItsModulesRunOn) {
   EXPECT_EQ(module_of(run, "m")["cycles"], 200);
 }
 
+/// Returns the time since T0, in s, of the first line that contains `text`; 0 if there is none.
+double time_of(const Outcome& run, const std::string& text) {
+  for (const std::string& line : run.lines) {
+    if (line.find(text) != std::string::npos) return std::stod(line);
+  }
+  return 0;
+}
+
+TEST(Nodes, APausedNodeRecoversItsModulesAfterThePause) {
+  const Outcome run =
+      pair("10000000", "cell.xml")
+          .run({.length = milliseconds{3000}}, "at 300 ms a paused for 1 s\nat 500 ms a.m fail");
+  EXPECT_GE(time_of(run, "a.m EXECUTING -> RECOVER"), 1.3);
+  EXPECT_GE(time_of(run, "a.m RECOVER -> EXECUTING"), 1.3);
+}
+
+TEST(Nodes, AnUpdateTakesLongerIfMessagesAreSlow) {
+  const Version update = pair("20000000", "new.xml").version();
+  const auto took = [&update](milliseconds delay) {
+    const Outcome run = pair("10000000", "cell.xml")
+                            .run({.length = milliseconds{3000}, .message_delay = delay, .update = &update},
+                                 "at 300 ms update");
+    return time_of(run, "update: done");
+  };
+  EXPECT_GT(took(milliseconds{80}), took(milliseconds{0}) + 0.03);
+}
+
 TEST(Nodes, ADeviceThatMissesAnUndeploymentEndsTheCellWhenItIsBack) {
   EXPECT_EQ(run_pair("at 300 ms a down for 2 s\nat 1 s undeploy", milliseconds{6000}),
             "undeploy: its outcome is not known: device a: it is lost; none none ");
 }
 
-TEST(Nodes, TheDevicesUndoAnUpdateWhoseOperatorIsGone) {
+TEST(Nodes, TheDevicesUndoAnUpdateIfTheOperatorGoesDown) {
   EXPECT_EQ(run_pair("at 300 ms update\nat 330 ms operator down for 1 s", milliseconds{20000}),
             "update: its outcome is not known: the operator went down; old old ");
 }
@@ -109,7 +136,12 @@ Cell writing(const std::string& period, const std::string& file, const std::stri
                   file);
 }
 
-TEST(Nodes, ADeviceThatIsDownAtTheEndIsReportedAsItWas) {
+TEST(Nodes, ADeviceThatWouldHavePowerAgainAfterTheEndStaysDown) {
+  for (int ms = 11; ms < 40; ++ms)
+    EXPECT_EQ(run_pair("at 2990 ms a down for " + std::to_string(ms) + " ms"), "none old ") << ms;
+}
+
+TEST(Nodes, TheReportShowsTheLastStateOfADeviceThatIsDown) {
   const Outcome run =
       writing("10000000", "cell.xml").run({.length = milliseconds{2000}}, "at 1 s b down for 5 s");
   EXPECT_EQ(run.course.report["devices"][1]["modules"][0]["cycles"], 100);
@@ -153,6 +185,8 @@ TEST(Nodes, AFaultWithoutEffectIsReported) {
 
 TEST(Nodes, ASecondNodeOfADeviceDoesNotBegin) {
   EXPECT_EQ(run_pair("at 300 ms a twin"), "old old ");
+  EXPECT_THAT(run_pair("at 300 ms a twin\nat 1 s undeploy"),
+              StartsWith("undeploy: its outcome is not known: device a: 2 nodes have this name"));
   EXPECT_THAT(run_pair("at 300 ms a twin\nat 1 s update"),
               StartsWith("update: failed; the devices run what they ran before"));
 }
