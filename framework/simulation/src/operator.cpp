@@ -103,9 +103,11 @@ std::size_t Operator::in_stage(TransactionStage stage) const {
 }
 
 void Operator::send(CommandKind kind, Nanoseconds limit) {
-  since_ = kept_alive_ = world_.kernel.now();
-  limit_ = limit;
-  open_.clear();
+  kept_alive_ = world_.kernel.now();
+  if (kind != COMMAND_REPORT) {
+    limit_ = limit;
+    open_.clear();
+  }
   for (std::uint32_t i = 0; i < devices(); ++i) {
     const bool undoes = kind == COMMAND_UNDEPLOY || kind == COMMAND_PUT_BACK;
     const auto nodes = alive(i);
@@ -172,13 +174,8 @@ void Operator::step() {
   if (stage_ == Stage::deciding) return decide();
   if (stage_ == Stage::agreeing) return agree();
   // While it waits for a slower device, the operator lets the devices know that it is there.
-  if (world_.kernel.now() - kept_alive_ > kKeptAliveEvery && stage_ != Stage::undoing) {
-    const auto open = std::exchange(open_, {});
-    const auto [since, limit] = std::pair{since_, limit_};
-    send(COMMAND_REPORT, limit);
-    open_ = open;
-    since_ = since;
-  }
+  if (world_.kernel.now() - kept_alive_ > kKeptAliveEvery && stage_ != Stage::undoing)
+    send(COMMAND_REPORT, kBegun);
   const Replies got = replies();
   if (got == Replies::open) return;
   if (stage_ == Stage::undoing) {
@@ -267,6 +264,7 @@ void Operator::undo(std::string why) {
 void Operator::finish(Outcome outcome) {
   stage_ = Stage::nothing;
   open_.clear();
+  if (outcome == Outcome::done) why_.clear();  // it was done in spite of this
   reports_.push_back({.action = action_, .outcome = outcome, .transaction = transaction_, .why = why_});
   const std::string text = to_text(reports_.back());
   world_.listener.on_event({.at = world_.kernel.now(), .what = What::operated, .text = text});

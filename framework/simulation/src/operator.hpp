@@ -89,7 +89,7 @@ class Operator {
   std::string why_;
   bool run_sent_ = false;
   bool unreached_ = false;
-  Instant since_{};      // since when the stage lasts
+  Instant since_{};      // since when the devices are to agree
   Nanoseconds limit_{};  // of the open commands
   Instant kept_alive_{};
   Instant away_until_{};

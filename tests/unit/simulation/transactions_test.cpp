@@ -121,6 +121,10 @@ std::string wrong_with(std::uint64_t seed) {
   const auto undeploys = [](const Injection& one) { return one.kind == Kind::undeploy; };
   if (!ran[0] && std::none_of(plan.injections.begin(), plan.injections.end(), undeploys))
     wrong += "the devices do not run\n";
+  for (const Report& report : course->reports) {
+    if (report.outcome == simulation::Outcome::done && !report.why.empty())
+      wrong += "the operator reported: " + to_text(report) + "\n";
+  }
   if (!course->reports.empty()) {
     const Report& last = course->reports.back();
     const std::optional<std::uint32_t> expected = last.action == Action::update   ? std::optional{1U}
