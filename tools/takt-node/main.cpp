@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
   }
 
   std::set_terminate(report_exhaustion);
+  takt::os::share_heaps();
 
   takt::node::NodeOptions options;
   takt::client::Network network;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/eventfd.h>
 #include <sys/resource.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <array>
@@ -38,6 +39,8 @@ std::string environment(const char* name) {
 }
 
 void set_environment(const char* name, const std::string& value) { ::setenv(name, value.c_str(), 1); }
+
+void share_heaps() noexcept { ::mallopt(M_ARENA_MAX, 2); }
 
 std::vector<std::string> program_arguments() {
   std::ifstream file{"/proc/self/cmdline", std::ios::binary};

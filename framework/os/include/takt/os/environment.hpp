@@ -1,5 +1,5 @@
-// The environment of this process: variables, arguments, inherited file descriptors and resource limits, and
-// the name of its machine.
+// The environment of this process: variables, arguments, inherited file descriptors, resource limits and heaps,
+// and the name of its machine.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +28,11 @@ std::string environment(const char* name);
 /// Sets an environment variable for this process and for its later child processes. Call it only while this
 /// process has a single thread.
 void set_environment(const char* name, const std::string& value);
+
+/// Lets the threads of this process share two heaps. By default there are up to eight for each CPU, and each keeps
+/// the memory that its threads have needed at most: in a node, that of the largest text. Call it before the process
+/// starts threads.
+void share_heaps() noexcept;
 
 /// Returns the arguments of this program, without the program's name.
 std::vector<std::string> program_arguments();
