@@ -39,16 +39,10 @@ class Networks:
             self._in_bridge("link", "set", "lo", "up")
             self._in_bridge("link", "add", "br0", "type", "bridge", "mcast_snooping", "0")
             self._in_bridge("link", "set", "br0", "up")
-            for number, machine in enumerate(self.machines, 1):
-                space = self._space(machine)
-                self._ip("netns", "add", space)
-                self._ip("link", "add", self._cable(machine), "netns", self._bridge, "type", "veth",
-                         "peer", "name", "eth0", "netns", space)
-                self._in_bridge("link", "set", self._cable(machine), "master", "br0")
-                self._in_bridge("link", "set", self._cable(machine), "up")
-                self._ip("-n", space, "addr", "add", "%s/24" % self.address(machine), "dev", "eth0")
-                self._ip("-n", space, "link", "set", "eth0", "up")
-                self._ip("-n", space, "link", "set", "lo", "up")
+            for machine in self.machines:
+                self._ip("netns", "add", self._space(machine))
+                self._in(machine, "link", "set", "lo", "up")
+                self.create(machine)
         except BaseException:
             self.__exit__()
             raise
@@ -62,11 +56,43 @@ class Networks:
         for space in [self._space(m) for m in self.machines] + [self._bridge]:
             subprocess.run(["ip", "netns", "del", space], capture_output=True)
 
+    def number(self, machine):
+        """Returns the last number of the address that the machine has at first."""
+        return self.machines.index(machine) + 1
+
     def address(self, machine):
-        return "10.77.0.%d" % (self.machines.index(machine) + 1)
+        return "10.77.0.%d" % self.number(machine)
 
     def on(self, machine):
         return ["ip", "netns", "exec", self._space(machine)]
+
+    def create(self, machine):
+        """Creates the network interface of the machine."""
+        self._ip("link", "add", self._cable(machine), "netns", self._bridge, "type", "veth",
+                 "peer", "name", "eth0", "netns", self._space(machine))
+        self._in_bridge("link", "set", self._cable(machine), "master", "br0")
+        self._in_bridge("link", "set", self._cable(machine), "up")
+        self._in(machine, "addr", "add", "%s/24" % self.address(machine), "dev", "eth0")
+        self.turn(machine, "up")
+
+    def remove(self, machine):
+        self._in(machine, "link", "del", "eth0")
+
+    def turn(self, machine, state):
+        """Turns the network interface of the machine "up" or "down"."""
+        self._in(machine, "link", "set", "eth0", state)
+
+    def set_address(self, machine, number):
+        """Gives the machine another address, with this last number, or none."""
+        self._in(machine, "addr", "flush", "dev", "eth0")
+        if number is not None:
+            self._in(machine, "addr", "add", "10.77.0.%d/24" % number, "dev", "eth0")
+
+    def lose_route(self, machine):
+        self._in(machine, "route", "del", "10.77.0.0/24", "dev", "eth0")
+
+    def add_route(self, machine):
+        self._in(machine, "route", "add", "10.77.0.0/24", "dev", "eth0")
 
     def cut(self, machine):
         """Disconnects the network cable of the machine."""
@@ -104,6 +130,9 @@ class Networks:
 
     def _cable(self, machine):
         return "ve%d" % (self.machines.index(machine) + 1)
+
+    def _in(self, machine, *arguments):
+        self._ip("-n", self._space(machine), *arguments)
 
     def _in_bridge(self, *arguments):
         self._ip("-n", self._bridge, *arguments)

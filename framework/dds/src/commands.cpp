@@ -89,21 +89,17 @@ bool write_parts(fast::DataWriter& writer, const Whole& whole) {
 }
 
 /// The two ends of a command connection: a writer of one topic and a reader of one or two other topics.
-class Ends : Recreatable {
+class Ends {
  public:
   explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
-  ~Ends() override { end(); }
+  ~Ends() { end(); }
 
   /// Creates a writer of topic `out` and a reader of topic `in`. `also_in` is another topic to read, with the
   /// same type as `in`, or null.
   Result<void> begin(const char* out, const fast::TypeSupport& out_type, const char* in,
                      const fast::TypeSupport& in_type, const char* also_in,
-                     fast::DataWriterListener* writer_listener, fast::DataReaderListener* reader_listener,
-                     std::function<void()> matches_are_gone) {
+                     fast::DataWriterListener* writer_listener, fast::DataReaderListener* reader_listener) {
     OwnParticipant& mine = own(*participant_);
-    writer_listener_ = writer_listener;
-    reader_listener_ = reader_listener;
-    matches_are_gone_ = std::move(matches_are_gone);
     auto topic = mine.topic(out, out_type);
     if (!topic) return topic.problems();
     out_topic_ = *topic;
@@ -116,15 +112,14 @@ class Ends : Recreatable {
       also_in_topic_ = *topic;
     }
     undecoded_ = &undecoded(mine.participant(), *in_topic_);
-    if (auto made = make(); !made) return made.problems();
-    mine.enlist(*this);
-    return {};
+    return make(writer_listener, reader_listener);
   }
 
   /// Deletes the writer and the readers. When this function has returned, no listener is called any more.
   void end() {
-    own(*participant_).dismiss(*this);
-    unmake();
+    own(*participant_).end(reader_);
+    own(*participant_).end(also_reader_);
+    own(*participant_).end(writer_);
     for (fast::Topic** topic : {&in_topic_, &also_in_topic_, &out_topic_}) {
       if (*topic != nullptr) own(*participant_).release(*topic);
       *topic = nullptr;
@@ -133,8 +128,7 @@ class Ends : Recreatable {
 
   template <class Whole>
   void write(const Whole& whole) {
-    const std::lock_guard lock{using_it_};
-    if (writer_ != nullptr) write_parts(*writer_, whole);
+    write_parts(*writer_, whole);
   }
   [[nodiscard]] OwnParticipant& participant() noexcept { return own(*participant_); }
   [[nodiscard]] std::uint64_t not_decoded() const {
@@ -142,7 +136,7 @@ class Ends : Recreatable {
   }
 
  private:
-  Result<void> make() {
+  Result<void> make(fast::DataWriterListener* writer_listener, fast::DataReaderListener* reader_listener) {
     OwnParticipant& mine = own(*participant_);
     fast::DataWriterQos writer_qos;
     set_command_quality(writer_qos);
@@ -150,41 +144,26 @@ class Ends : Recreatable {
     writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kCommandHeartbeat);
     writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kCommandNackDelay);
     writer_ =
-        mine.make_writer(out_topic_, writer_qos, writer_listener_, fast::StatusMask::publication_matched());
+        mine.make_writer(out_topic_, writer_qos, writer_listener, fast::StatusMask::publication_matched());
     fast::DataReaderQos reader_qos;
     set_command_quality(reader_qos);
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
     reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kCommandFirstAck);
-    reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
+    reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener, fast::StatusMask::data_available());
     if (also_in_topic_ != nullptr) {
       also_reader_ =
-          mine.make_reader(also_in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
+          mine.make_reader(also_in_topic_, reader_qos, reader_listener, fast::StatusMask::data_available());
     }
     if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
       return fail("DDS could not create a writer and a reader for commands",
                   "see the message that DDS printed");
     return {};
   }
-  void unmake() {
-    own(*participant_).end(reader_);
-    own(*participant_).end(also_reader_);
-    own(*participant_).end(writer_);
-  }
-  void recreate() override {
-    const std::lock_guard lock{using_it_};
-    unmake();
-    matches_are_gone_();
-    static_cast<void>(make());
-  }
 
   std::shared_ptr<Participant> participant_;
-  fast::DataWriterListener* writer_listener_ = nullptr;
-  fast::DataReaderListener* reader_listener_ = nullptr;
-  std::function<void()> matches_are_gone_;
   fast::Topic* out_topic_ = nullptr;
   fast::Topic* in_topic_ = nullptr;
   fast::Topic* also_in_topic_ = nullptr;
-  std::mutex using_it_;
   fast::DataWriter* writer_ = nullptr;
   fast::DataReader* reader_ = nullptr;
   fast::DataReader* also_reader_ = nullptr;
@@ -360,11 +339,6 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     changed.notify_all();
   }
 
-  void matches_are_gone() {
-    const std::lock_guard lock{mutex};
-    matched.clear();
-  }
-
   void serve() {
     std::unique_lock lock{mutex};
     while (!ending) {
@@ -417,10 +391,9 @@ Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> partici
   // takt/question.
   const char* questions =
       inside->ends.participant().discovery_listener() == nullptr ? nullptr : security::kQuestionTopic;
-  if (auto made =
-          inside->ends.begin("takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
-                             "takt/command", fast::TypeSupport{new CheckedType<CommandPubSubType>}, questions,
-                             inside.get(), inside.get(), [me = inside.get()] { me->matches_are_gone(); });
+  if (auto made = inside->ends.begin("takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
+                                     "takt/command", fast::TypeSupport{new CheckedType<CommandPubSubType>},
+                                     questions, inside.get(), inside.get());
       !made) {
     return made.problems();
   }
@@ -510,11 +483,6 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     changed.notify_all();
   }
 
-  void matches_are_gone() {
-    const std::lock_guard lock{mutex};
-    matched = 0;
-  }
-
   void send() {
     std::unique_lock lock{mutex};
     while (!ending) {
@@ -552,10 +520,9 @@ Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> partici
   DiscoveryListener* const listener = inside->ends.participant().discovery_listener();
   const bool is_observer = listener != nullptr && listener->mine().subject.role == security::Role::observer;
   const char* const topic = is_observer ? security::kQuestionTopic : "takt/command";
-  if (auto made =
-          inside->ends.begin(topic, fast::TypeSupport{new CheckedType<CommandPubSubType>}, "takt/reply",
-                             fast::TypeSupport{new CheckedType<ReplyPubSubType>}, nullptr, inside.get(),
-                             inside.get(), [me = inside.get()] { me->matches_are_gone(); });
+  if (auto made = inside->ends.begin(topic, fast::TypeSupport{new CheckedType<CommandPubSubType>},
+                                     "takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
+                                     nullptr, inside.get(), inside.get());
       !made) {
     return made.problems();
   }

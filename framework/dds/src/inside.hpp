@@ -24,8 +24,10 @@
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 #include <takt/dds/participant.hpp>
+#include <takt/os/network.hpp>
+#include <takt/os/notice.hpp>
 #include <takt/wire/notices.hpp>
-#include "workarounds/filtered_transport.hpp"
+#include "udp_transport.hpp"
 
 namespace takt::dds {
 
@@ -33,27 +35,18 @@ namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
-/// An object whose readers and writers can be recreated. This is necessary when the machine's addresses
-/// change, because in Fast DDS 2.9.1 readers and writers announce their addresses only when they are created.
-class Recreatable {
- public:
-  virtual ~Recreatable() = default;
-  /// Recreates the readers and writers. The thread that rescans the interfaces calls this function, while
-  /// other threads may use this object.
-  virtual void recreate() = 0;
-};
-
 class DiscoveryListener;
 
 /// The one participant of the process, with its topics. Thread-safe.
 class OwnParticipant final : public Participant {
  public:
-  /// `listener` must be null if DDS Security is off.
+  /// `listener` must be null if DDS Security is off. `must_rejoin`: others do not follow this participant to
+  /// a new address unless it leaves and joins again.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
-                 fast::Subscriber* subscriber, bool only_loopback, std::unique_ptr<wire::Notices> notices,
-                 std::unique_ptr<DiscoveryListener> listener, std::shared_ptr<PacketFilter> filter);
+                 fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
+                 std::unique_ptr<DiscoveryListener> listener, const UdpTransportDescriptor& transport,
+                 os::InterfaceNews news, os::Notice ending, bool must_rejoin);
   ~OwnParticipant() override;
-  void rescan_interfaces() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
     return identity_;
   }
@@ -71,11 +64,6 @@ class OwnParticipant final : public Participant {
   Result<fast::Topic*> topic(const std::string& name, const fast::TypeSupport& type);
   /// Releases a topic that topic() returned; the last release deletes the topic.
   void release(fast::Topic* topic);
-
-  void enlist(Recreatable& one);
-  /// Removes `one` from the objects that rescan_interfaces() recreates. When dismiss() has returned, `one` is
-  /// not recreated any more.
-  void dismiss(Recreatable& one);
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
   /// Creates a writer; returns null if DDS fails to create it.
@@ -97,7 +85,9 @@ class OwnParticipant final : public Participant {
   void end(fast::DataReader*& reader);
 
  private:
-  void rejoin_after_halts(std::stop_token end);
+  void follow_machine(std::stop_token end);
+  void follow_interfaces();
+  void announce_endpoints();
 
   struct Shared {
     fast::Topic* topic = nullptr;
@@ -111,7 +101,9 @@ class OwnParticipant final : public Participant {
   };
   std::unique_ptr<wire::Notices> notices_;
   std::unique_ptr<DiscoveryListener> discovery_listener_;  // it is the participant's listener, too
+  std::shared_ptr<Interfaces> interfaces_;
   std::shared_ptr<PacketFilter> filter_;
+  std::shared_ptr<UdpChannels> channels_;
   std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;
@@ -120,10 +112,11 @@ class OwnParticipant final : public Participant {
   std::mutex mutex_;
   std::map<std::string, Shared> topics_;
   std::map<std::string, Known> types_;
-  std::jthread halts_;  // calls rejoin_after_halts() if DDS Security is on
-  std::mutex remaking_;
-  std::vector<Recreatable*> remade_;
-  bool only_loopback_;  // true if loopback was the only interface when the readers and writers were created
+  os::InterfaceNews news_;
+  os::Notice ending_;
+  const bool must_rejoin_;
+  bool has_moved_ = false;  // an address that others used has disappeared, and none has been added since
+  std::jthread machine_;    // calls follow_machine()
 };
 
 /// Casts a Participant to OwnParticipant, the only implementation.

@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <charconv>
-#include <condition_variable>
 #include <cstdlib>
 #include <functional>
 #include <mutex>
@@ -12,7 +11,6 @@
 #include <string_view>
 #include <utility>
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -21,15 +19,16 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/network.hpp>
+#include <takt/os/notice.hpp>
 #include <takt/os/real_time.hpp>
+#include <takt/os/signals.hpp>
 #include "discovery_listener.hpp"
 #include "inside.hpp"
 #include "log.hpp"
 #include "workarounds/deferred_timers.hpp"
-#include "workarounds/filtered_transport.hpp"
+#include "workarounds/own_announcement.hpp"
 #include "workarounds/participant_removal.hpp"
 #include "workarounds/reader_checks.hpp"
-#include "workarounds/rejoining.hpp"
 #include "workarounds/removed_readers.hpp"
 #include "workarounds/returning_readers.hpp"
 #include "workarounds/spent_tokens.hpp"
@@ -42,15 +41,13 @@ namespace {
 constexpr const char* kServerPrefix =
     "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the GUID prefix that the manual of Fast DDS gives to the first
                                             // discovery server
-constexpr const char* kLoopback = "127.0.0.1";
 constexpr std::uint16_t kServerPort = 11811;
-constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
 /// Other participants forget this one if they hear nothing of it for this time.
 constexpr Nanoseconds kParticipantLease = std::chrono::seconds{3};
-constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{250};
-/// The number of participants for which Fast DDS searches on a peer, a machine of which only the address is
-/// known.
-constexpr std::uint32_t kPeerParticipants = 40;
+constexpr int kAnnounceEveryMs = 250;
+constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{kAnnounceEveryMs};
+/// After the first notice of a change of the interfaces, wait for more: a change often takes several steps.
+constexpr int kMoreNewsMs = 100;
 /// The number of file descriptors that must be free before a participant is created. A participant needs
 /// fewer on a machine with a few networks. If Fast DDS runs out of file descriptors, it ends the process.
 constexpr std::size_t kDescriptors = 48;
@@ -89,14 +86,7 @@ Result<rtps::Locator_t> server_locator(const std::string& server) {
   return locator(server.substr(0, colon), port);
 }
 
-bool only_loopback(const std::vector<std::string>& addresses) {
-  return std::all_of(addresses.begin(), addresses.end(),
-                     [](const std::string& address) { return address.starts_with("127."); });
-}
-
-/// `mine` are the addresses of this machine, and `interfaces` those of the interfaces to use; empty for all.
-Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery,
-                           const std::vector<std::string>& mine, const std::vector<std::string>& interfaces) {
+Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = duration(kParticipantLease);
@@ -122,25 +112,9 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
       if (discovery.serve) {
         config.discoveryProtocol = rtps::DiscoveryProtocol::SERVER;
         std::istringstream{kServerPrefix} >> qos.wire_protocol().prefix;
-        // With a list of interfaces, Fast DDS cannot listen on 0.0.0.0.
-        const bool everywhere = rtps::IPLocator::toIPv4string(*place) == "0.0.0.0" && !interfaces.empty();
-        if (!everywhere) builtin.metatrafficUnicastLocatorList.push_back(*place);
-        for (std::size_t i = 0; everywhere && i < interfaces.size(); ++i) {
-          auto at = locator(interfaces[i], place->port);
-          if (!at) return at.problems();
-          builtin.metatrafficUnicastLocatorList.push_back(*at);
-        }
+        builtin.metatrafficUnicastLocatorList.push_back(*place);
       } else {
         config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
-        // Fast DDS opens a channel to 127.0.0.1 instead of another address of this machine. When the settings
-        // of the participant change later, it sends to the original address, for which there is no channel,
-        // and ends the process with an assertion. So it is given 127.0.0.1 in the first place.
-        const auto has = [](const std::vector<std::string>& all, const std::string& one) {
-          return std::find(all.begin(), all.end(), one) != all.end();
-        };
-        if (has(mine, rtps::IPLocator::toIPv4string(*place)) &&
-            (interfaces.empty() || has(interfaces, kLoopback)))
-          rtps::IPLocator::setIPv4(*place, kLoopback);
         rtps::RemoteServerAttributes server;
         server.ReadguidPrefix(kServerPrefix);
         server.metatrafficUnicastLocatorList.push_back(*place);
@@ -152,26 +126,34 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   return {};
 }
 
-Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<std::string>& interfaces,
-                           const std::vector<std::string>& mine, std::shared_ptr<PacketFilter> filter) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->receiveBufferSize = kReceiveBuffer;
-  udp->non_blocking_send = true;
-  udp->maxInitialPeersRange = kPeerParticipants;
-  for (const std::string& address : interfaces) {
-    if (std::find(mine.begin(), mine.end(), address) == mine.end()) {
-      std::string known;
-      for (const std::string& each : mine) known += (known.empty() ? "" : ", ") + each;
-      return fail("this machine has no interface with the address '" + address + "'",
+/// Reads the addresses of this machine. Fails if it has not one of those in `only`.
+Result<std::shared_ptr<Interfaces>> find_interfaces(const std::vector<std::string>& only,
+                                                    model::Discovery::Kind discovery) {
+  const auto addresses = os::interface_addresses();
+  if (!addresses) return addresses.problems();
+  Interfaces::Options options{.only = {},
+                              .groups_stay_here = discovery == model::Discovery::Kind::peers,
+                              .has_server = discovery == model::Discovery::Kind::server};
+  std::string known;
+  for (const os::InterfaceAddress& each : *addresses) {
+    if (each.connected) known += (known.empty() ? "" : ", ") + os::in_dots(each.address);
+  }
+  for (const std::string& name : only) {
+    const auto found =
+        std::find_if(addresses->begin(), addresses->end(), [&](const os::InterfaceAddress& each) {
+          return each.connected && os::in_dots(each.address) == name;
+        });
+    if (found == addresses->end()) {
+      return fail("this machine has no interface with the address '" + name + "'",
                   known.empty() ? "no network interface is up"
                                 : "set TAKT_INTERFACE to one of its addresses: " + known);
     }
-    udp->interfaceWhiteList.push_back(address);
+    options.only.push_back(found->address);
   }
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(
-      std::make_shared<FilteredTransportDescriptor>(std::move(udp), std::move(filter)));
-  return {};
+  auto interfaces = std::make_shared<Interfaces>(std::move(options));
+  interfaces->update(*addresses);
+  interfaces->settle();
+  return interfaces;
 }
 
 /// Reads the identity from the folder `options.security`. Fails if the identity is damaged or not valid for
@@ -232,15 +214,19 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     there_is_one = false;
     return problems;
   };
-  const auto addresses = os::ipv4_addresses();
-  if (!addresses) return refuse(addresses.problems());
+  auto interfaces = find_interfaces(options.interfaces, options.discovery.kind);
+  if (!interfaces) return refuse(interfaces.problems());
+  auto news = os::InterfaceNews::open();
+  if (!news) return refuse(news.problems());
+  auto ending = os::Notice::create();
+  if (!ending) return refuse(ending.problems());
   if (auto room = os::can_open(kDescriptors); !room) return refuse(room.problems());
   ignore_environment();
   check_what_readers_receive();
   lock_readers_that_lose_writers();
   remove_readers_without_deadlock();
   send_again_to_returning_readers();
-  prepare_to_rejoin();
+  prepare_own_announcement(options.security.empty());
   defer_deletion_of_timers();
   log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
@@ -249,13 +235,14 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
-  if (auto set = set_discovery(qos, options.discovery, *addresses, options.interfaces); !set)
-    return refuse(set.problems());
+  if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
   auto notices = std::make_unique<wire::Notices>(options.refused);
   auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
   pause_during_removals(filter->receive_lock);
-  if (auto set = set_transport(qos, options.interfaces, *addresses, filter); !set)
-    return refuse(set.problems());
+  const auto transport = std::make_shared<UdpTransportDescriptor>(*interfaces, filter,
+                                                                  std::make_shared<UdpChannels>(*interfaces));
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(transport);
 
   std::unique_ptr<DiscoveryListener> listener;
   if (!options.security.empty()) {
@@ -278,74 +265,88 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
-      made, publisher, subscriber, options.interfaces.empty() && only_loopback(*addresses),
-      std::move(notices), std::move(listener), std::move(filter));
+      made, publisher, subscriber, std::move(notices), std::move(listener), *transport, std::move(*news),
+      std::move(*ending),
+      !options.security.empty() || options.discovery.kind != model::Discovery::Kind::multicast);
   if (publisher == nullptr || subscriber == nullptr)
     return fail("DDS could not create a publisher and a subscriber", "see the message that DDS printed");
   return participant;
 }
 
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
-                               fast::Subscriber* subscriber, bool only_loopback,
-                               std::unique_ptr<wire::Notices> notices,
+                               fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
                                std::unique_ptr<DiscoveryListener> listener,
-                               std::shared_ptr<PacketFilter> filter)
+                               const UdpTransportDescriptor& transport, os::InterfaceNews news,
+                               os::Notice ending, bool must_rejoin)
     : notices_(std::move(notices)),
       discovery_listener_(std::move(listener)),
-      filter_(std::move(filter)),
+      interfaces_(transport.interfaces()),
+      filter_(transport.filter()),
+      channels_(transport.channels()),
       participant_(participant),
       publisher_(publisher),
       subscriber_(subscriber),
-      only_loopback_(only_loopback) {
-  if (discovery_listener_ == nullptr) return;
-  identity_ = discovery_listener_->mine();
-  look_at_log(
-      [listener = discovery_listener_.get()](const std::string& message) { return listener->look(message); });
-  halts_ = std::jthread{[this](std::stop_token end) { rejoin_after_halts(std::move(end)); }};
+      news_(std::move(news)),
+      ending_(std::move(ending)),
+      must_rejoin_(must_rejoin) {
+  if (discovery_listener_ != nullptr) {
+    identity_ = discovery_listener_->mine();
+    look_at_log([listener = discovery_listener_.get()](const std::string& message) {
+      return listener->look(message);
+    });
+  }
+  machine_ = std::jthread{[this](std::stop_token end) { follow_machine(std::move(end)); }};
 }
 
-// Other participants may have forgotten a process that was halted, or whose machine was suspended.
-void OwnParticipant::rejoin_after_halts(std::stop_token end) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock{mutex};
+void OwnParticipant::follow_machine(std::stop_token end) {
+  const std::stop_callback wake{end, [this] { ending_.give(); }};
   for (Instant last = os::boot_time(); !end.stop_requested();) {
-    never.wait_for(lock, end, kAnnounceEvery, [] { return false; });
-    const Instant now = os::boot_time();
-    if (!end.stop_requested() && now - last > kParticipantLease - 2 * kAnnounceEvery) rejoin(*filter_);
-    last = now;
+    os::wait_readable({&news_.fd(), &ending_.fd()}, kAnnounceEveryMs);
+    // Other participants may have forgotten a process that was halted, or whose machine was suspended.
+    const bool was_halted = os::boot_time() - last > kParticipantLease - 2 * kAnnounceEvery;
+    if (end.stop_requested()) return;
+    if (was_halted && identity_) rejoin(*filter_, true);
+    if (news_.take()) {
+      while (os::wait_readable({&news_.fd()}, kMoreNewsMs)) news_.take();
+      follow_interfaces();
+    }
+    last = os::boot_time();
   }
 }
 
+void OwnParticipant::follow_interfaces() {
+  const auto addresses = os::interface_addresses();
+  if (!addresses) return;
+  const Interfaces::Change change = interfaces_->update(*addresses);
+  if (!change.any) return;
+  announce_addresses(interfaces_->announced());
+  announce_endpoints();
+  interfaces_->settle();
+  channels_->follow_interfaces();
+  // While this participant has no address, other machines cannot hear where it is.
+  if (must_rejoin_ && (change.removed_used || (has_moved_ && change.added)))
+    rejoin(*filter_, false);
+  else
+    announce_again();
+  has_moved_ = change.removed_used || (has_moved_ && !change.added);
+}
+
+void OwnParticipant::announce_endpoints() {
+  const std::lock_guard lock{endpoints_};
+  std::vector<fast::DataWriter*> writers;
+  publisher_->get_datawriters(writers);
+  for (fast::DataWriter* each : writers) each->set_qos(each->get_qos());
+  std::vector<fast::DataReader*> readers;
+  subscriber_->get_datareaders(readers);
+  for (fast::DataReader* each : readers) each->set_qos(each->get_qos());
+}
+
 OwnParticipant::~OwnParticipant() {
-  halts_ = {};  // ends the thread
+  machine_ = {};  // ends the thread
   look_at_log(nullptr);
   participant_->delete_contained_entities();
   fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   there_is_one = false;
-}
-
-void OwnParticipant::rescan_interfaces() {
-  // os::ipv4_addresses() fails if the process has no free file descriptor. Fast DDS would need one, too, so
-  // do not call Fast DDS in this case.
-  const auto addresses = os::ipv4_addresses();
-  if (!addresses) return;
-  fast::DomainParticipantQos qos;
-  if (participant_->get_qos(qos) == ReturnCode::RETCODE_OK) participant_->set_qos(qos);
-  const std::lock_guard lock{remaking_};
-  if (!only_loopback_ || only_loopback(*addresses)) return;
-  only_loopback_ = false;
-  for (Recreatable* each : remade_) each->recreate();
-}
-
-void OwnParticipant::enlist(Recreatable& one) {
-  const std::lock_guard lock{remaking_};
-  remade_.push_back(&one);
-}
-
-void OwnParticipant::dismiss(Recreatable& one) {
-  const std::lock_guard lock{remaking_};
-  std::erase(remade_, &one);
 }
 
 Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::TypeSupport& type) {

@@ -100,13 +100,11 @@ Result<std::unique_ptr<RawWriter>> RawWriter::create(std::shared_ptr<Participant
   if (!topic) return topic.problems();
   writer->topic_ = *topic;
   if (auto made = writer->make(); !made) return made.problems();
-  own(*writer->participant_).enlist(*writer);
   return writer;
 }
 
 RawWriter::~RawWriter() {
-  own(*participant_).dismiss(*this);
-  unmake();
+  own(*participant_).end(writer_);
   if (topic_ != nullptr) own(*participant_).release(topic_);
 }
 
@@ -127,17 +125,7 @@ Result<void> RawWriter::make() {
   if (writer_ == nullptr)
     return fail("DDS could not create a writer for topic '" + flow_.topic + "'",
                 "see the message that DDS printed");
-  if (origin_ == rtps::GUID_t::unknown()) origin_ = writer_->guid();
   return {};
-}
-
-void RawWriter::unmake() { own(*participant_).end(writer_); }
-
-void RawWriter::recreate() {
-  const std::lock_guard lock{using_it_};
-  unmake();
-  health_.matched(0);
-  static_cast<void>(make());  // if this fails, each later write() fails and is counted
 }
 
 bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns, std::uint64_t number) {
@@ -146,11 +134,10 @@ bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns, std::uint64_t nu
   rtps::WriteParams parameters;
   parameters.source_timestamp().from_ns(std::max<std::int64_t>(time_ns, 0));
   if (number != 0) {
-    parameters.related_sample_identity().writer_guid(origin_);
+    parameters.related_sample_identity().writer_guid(writer_->guid());
     parameters.related_sample_identity().sequence_number(rtps::SequenceNumber_t{number});
   }
-  const std::lock_guard lock{using_it_};
-  const bool taken = writer_ != nullptr && writer_->write(&sample, parameters);
+  const bool taken = writer_->write(&sample, parameters);
   taken ? health_.moved() : health_.failed();
   return taken;
 }
@@ -183,13 +170,11 @@ Result<std::unique_ptr<RawReader>> RawReader::create(std::shared_ptr<Participant
   if (!topic) return topic.problems();
   reader->topic_ = *topic;
   if (auto made = reader->make(); !made) return made.problems();
-  own(*reader->participant_).enlist(*reader);
   return reader;
 }
 
 RawReader::~RawReader() {
-  own(*participant_).dismiss(*this);
-  unmake();
+  own(*participant_).end(reader_);
   if (topic_ != nullptr) own(*participant_).release(topic_);
 }
 
@@ -212,14 +197,6 @@ Result<void> RawReader::make() {
     return fail("DDS could not create a reader for topic '" + flow_.topic + "'",
                 "see the message that DDS printed");
   return {};
-}
-
-void RawReader::unmake() { own(*participant_).end(reader_); }
-
-void RawReader::recreate() {
-  unmake();
-  health_.matched(0);
-  static_cast<void>(make());
 }
 
 void RawReader::take(const Bytes& bytes) {

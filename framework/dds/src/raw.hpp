@@ -79,7 +79,7 @@ class SampleWriter {
 };
 
 /// Writes samples of one topic to DDS.
-class RawWriter final : public SampleWriter, fast::DataWriterListener, Recreatable {
+class RawWriter final : public SampleWriter, fast::DataWriterListener {
  public:
   static Result<std::unique_ptr<RawWriter>> create(std::shared_ptr<Participant> participant,
                                                    const Flow& flow);
@@ -92,8 +92,6 @@ class RawWriter final : public SampleWriter, fast::DataWriterListener, Recreatab
   RawWriter(std::shared_ptr<Participant> participant, Flow flow)
       : participant_(std::move(participant)), flow_(std::move(flow)) {}
   Result<void> make();
-  void unmake();
-  void recreate() override;
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override;
   void on_offered_incompatible_qos(fast::DataWriter*,
                                    const fast::OfferedIncompatibleQosStatus& status) override;
@@ -101,9 +99,7 @@ class RawWriter final : public SampleWriter, fast::DataWriterListener, Recreatab
   std::shared_ptr<Participant> participant_;
   Flow flow_;
   fast::Topic* topic_ = nullptr;
-  std::mutex using_it_;
   fast::DataWriter* writer_ = nullptr;
-  rtps::GUID_t origin_;  // identifies this writer in its samples, and stays the same after recreate()
   Health health_;
 };
 
@@ -118,7 +114,7 @@ class Gaps {
 };
 
 /// Reads samples of one topic and passes the valid ones to a receiver.
-class RawReader final : fast::DataReaderListener, Taker, Recreatable {
+class RawReader final : fast::DataReaderListener, Taker {
  public:
   /// Receives the samples. Threads of Fast DDS call a Receiver, but never two at the same time.
   struct Receiver {
@@ -146,8 +142,6 @@ class RawReader final : fast::DataReaderListener, Taker, Recreatable {
   RawReader(std::shared_ptr<Participant> participant, Flow flow, Receiver& receiver)
       : participant_(std::move(participant)), flow_(std::move(flow)), receiver_(receiver) {}
   Result<void> make();
-  void unmake();
-  void recreate() override;
   void take(const Bytes& bytes) override;
   void on_data_available(fast::DataReader* from) override;
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <deque>
 #include <map>
 #include <mutex>
 #include <set>
@@ -37,8 +36,6 @@ constexpr std::int32_t kEventsKept = 64;  ///< number of events per device that 
 constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
-/// The length of one step of wait_acknowledged(), which holds the writer's lock during each step.
-constexpr Nanoseconds kStep = std::chrono::milliseconds{20};
 
 /// The kinds of topics. DDS keeps the last state of each key and the last events for readers that join later,
 /// but does not keep measurements. For states, DDS also checks that the writer is alive.
@@ -142,17 +139,13 @@ Problem no_entity(const char* what) {
 }  // namespace
 
 template <class T>
-struct Writer<T>::Inside final : Recreatable {
+struct Writer<T>::Inside final {
   std::shared_ptr<Participant> participant;
   fast::Topic* topic = nullptr;
-  std::mutex using_it;
   fast::DataWriter* writer = nullptr;
-  std::map<std::string, T> states;  // the last sample of each path, for recreate() to publish again
-  std::deque<T> events;             // the last events, for recreate() to publish again
   std::atomic<std::uint64_t> failures{0};
 
-  ~Inside() override {
-    own(*participant).dismiss(*this);
+  ~Inside() {
     own(*participant).end(writer);
     if (topic != nullptr) own(*participant).release(topic);
   }
@@ -168,14 +161,6 @@ struct Writer<T>::Inside final : Recreatable {
     if (writer == nullptr) return no_entity<T>("writer");
     return {};
   }
-
-  void recreate() override {
-    const std::lock_guard lock{using_it};
-    own(*participant).end(writer);
-    if (!make()) return;  // if make() fails, each later write() fails and is counted
-    for (auto& [path, sample] : states) writer->write(&sample);
-    for (T& sample : events) writer->write(&sample);
-  }
 };
 
 template <class T>
@@ -187,7 +172,6 @@ Result<Writer<T>> Writer<T>::create(std::shared_ptr<Participant> participant) {
   if (!topic) return topic.problems();
   inside->topic = *topic;
   if (auto made = inside->make(); !made) return made.problems();
-  mine.enlist(*inside);
   return Writer{std::move(inside)};
 }
 
@@ -202,24 +186,14 @@ Writer<T>::~Writer() = default;
 
 template <class T>
 bool Writer<T>::write(const T& sample) {
-  const std::lock_guard lock{inside_->using_it};
-  if constexpr (TopicOf<T>::sort == Sort::state)
-    inside_->states.insert_or_assign(sample.path().to_string(), sample);
-  if constexpr (TopicOf<T>::sort == Sort::event) {
-    inside_->events.push_back(sample);
-    if (inside_->events.size() > kEventsKept) inside_->events.pop_front();
-  }
   // Fast DDS takes a non-const pointer, but does not write through it.
-  const bool taken = inside_->writer != nullptr && inside_->writer->write(const_cast<T*>(&sample));
+  const bool taken = inside_->writer->write(const_cast<T*>(&sample));
   if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
   return taken;
 }
 
 template <class T>
 void Writer<T>::dispose(const T& sample) {
-  const std::lock_guard lock{inside_->using_it};
-  inside_->states.erase(sample.path().to_string());
-  if (inside_->writer == nullptr) return;
   T copy = sample;
   const SentKey key{copy};
   inside_->writer->dispose(&copy, inside_->writer->lookup_instance(&copy));
@@ -228,24 +202,12 @@ void Writer<T>::dispose(const T& sample) {
 
 template <class T>
 void Writer<T>::assert_liveliness() {
-  const std::lock_guard lock{inside_->using_it};
-  if (inside_->writer != nullptr) static_cast<void>(inside_->writer->assert_liveliness());
+  static_cast<void>(inside_->writer->assert_liveliness());
 }
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  // Wait in steps and release the lock between them, so that other threads can assert the writer's liveliness
-  // in time.
-  const auto end = std::chrono::steady_clock::now() + limit;
-  for (;;) {
-    const auto left = std::max(
-        Nanoseconds{0}, std::chrono::duration_cast<Nanoseconds>(end - std::chrono::steady_clock::now()));
-    const std::lock_guard lock{inside_->using_it};
-    if (inside_->writer == nullptr) return false;
-    if (inside_->writer->wait_for_acknowledgments(duration(std::min(left, kStep))) == ReturnCode::RETCODE_OK)
-      return true;
-    if (left <= kStep) return false;
-  }
+  return inside_->writer->wait_for_acknowledgments(duration(limit)) == ReturnCode::RETCODE_OK;
 }
 
 template <class T>
@@ -254,7 +216,7 @@ std::uint64_t Writer<T>::failures() const noexcept {
 }
 
 template <class T>
-struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
+struct Reader<T>::Inside final : fast::DataReaderListener {
   std::shared_ptr<Participant> participant;
   Callbacks<T> callbacks;
   fast::Topic* topic = nullptr;
@@ -269,8 +231,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   std::map<rtps::InstanceHandle_t, std::string> paths;
 
   ~Inside() override {
-    own(*participant).dismiss(*this);
-    unmake();
+    own(*participant).end(reader);
     if (topic != nullptr) own(*participant).release(topic);
   }
 
@@ -284,16 +245,6 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
     reader = own(*participant).make_reader(topic, qos, this, mask);
     if (reader == nullptr) return no_entity<T>("reader");
     return {};
-  }
-  void unmake() { own(*participant).end(reader); }
-  void recreate() override {
-    unmake();
-    {
-      const std::lock_guard lock{calling};
-      matched = 0;
-      while (!living.empty()) is_lost(*living.begin());
-    }
-    static_cast<void>(make());
   }
 
   void lives(wire::WriterId writer) {
@@ -353,7 +304,6 @@ Result<Reader<T>> Reader<T>::create(std::shared_ptr<Participant> participant, Ca
   inside->topic = *topic;
   inside->undecoded = &undecoded(mine.participant(), **topic);
   if (auto made = inside->make(); !made) return made.problems();
-  mine.enlist(*inside);
   return Reader{std::move(inside)};
 }
 

@@ -123,7 +123,6 @@ class BridgeProgram {
     for (const auto id : flows_) list.push_back(to_json(gateway_->health(id)));
     return {{"health", list}};
   }
-  void rescan_interfaces() { participant_->rescan_interfaces(); }
 
  private:
   Result<std::byte*> attach(int fd) {
@@ -227,12 +226,10 @@ int run_bridge(const std::vector<std::string>& interfaces) {
     node.send_wait(model::json_text({{"problems", problems_json(opened.problems())}}));
     return 1;
   }
-  int reports = 0;
   while (node.send_wait(model::json_text(program.health()))) {
     os::wait_readable({&node.fd()}, kReportEveryMs);
     static_cast<void>(node.receive());
     if (node.closed()) break;
-    if (++reports % 4 == 0) program.rescan_interfaces();
   }
   return 0;
 }

@@ -23,7 +23,6 @@ using std::chrono::milliseconds;
 /// shorter than the lease of the topic.
 constexpr milliseconds kAssertEvery{100};
 /// The interval at which the participant looks for new network interfaces.
-constexpr Nanoseconds kRescanEvery = std::chrono::seconds{2};
 /// The maximum number of fault events that wait to be published. If there are more, the oldest events are not
 /// published, and stay only in the fault record.
 constexpr std::size_t kMostFaults = 1024;
@@ -79,7 +78,6 @@ struct DdsPublisher::Inside {
   // statistics.
   void run_publisher() {
     Instant asserted{};
-    Instant scanned = os::now();
     while (!end) {
       const bool sent = outbox.serve(lifecycle, kAssertEvery / 2);
       const Instant now = os::now();
@@ -90,10 +88,6 @@ struct DdsPublisher::Inside {
       if (sent) continue;
       write_faults();
       write_measures();
-      if (now - scanned >= kRescanEvery) {
-        scanned = now;
-        participant->rescan_interfaces();
-      }
     }
     const Instant limit = os::now() + kFarewell;
     while (os::now() < limit && outbox.serve(lifecycle, milliseconds{0})) {

@@ -2,12 +2,15 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <linux/netlink.h>
+#include <linux/rtnetlink.h>
 #include <net/if.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <array>
+#include <cerrno>
+#include <cstring>
 #include <memory>
 
 #include "error.hpp"
@@ -16,28 +19,57 @@ namespace takt::os {
 
 namespace {
 
-std::string in_dots(const sockaddr* address) {
-  std::array<char, INET_ADDRSTRLEN> text{};
-  const auto* in = reinterpret_cast<const sockaddr_in*>(address);
-  return inet_ntop(AF_INET, &in->sin_addr, text.data(), text.size()) == nullptr ? "" : text.data();
+Ipv4 numbers_of(const sockaddr* address) {
+  Ipv4 numbers{};
+  if (address != nullptr) {
+    std::memcpy(numbers.data(), &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, numbers.size());
+  }
+  return numbers;
 }
 
 }  // namespace
 
-Result<std::vector<std::string>> ipv4_addresses() {
+std::string in_dots(const Ipv4& address) {
+  std::string text;
+  for (const std::uint8_t number : address) text += (text.empty() ? "" : ".") + std::to_string(number);
+  return text;
+}
+
+Result<std::vector<InterfaceAddress>> interface_addresses() {
   ifaddrs* all = nullptr;
   if (getifaddrs(&all) != 0) return errno_problem("getifaddrs");
-  std::vector<std::string> addresses;
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner{all, &freeifaddrs};
+  std::vector<InterfaceAddress> addresses;
   for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
-    constexpr unsigned kUsable = IFF_UP | IFF_RUNNING;
-    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET ||
-        (each->ifa_flags & kUsable) != kUsable) {
-      continue;
-    }
-    addresses.push_back(in_dots(each->ifa_addr));
+    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET) continue;
+    constexpr unsigned kConnected = IFF_UP | IFF_RUNNING;
+    const unsigned interface = if_nametoindex(each->ifa_name);
+    if (interface == 0) continue;  // it has disappeared since getifaddrs(), or its label is not its name
+    addresses.push_back({.interface = static_cast<int>(interface),
+                         .address = numbers_of(each->ifa_addr),
+                         .mask = numbers_of(each->ifa_netmask),
+                         .connected = (each->ifa_flags & kConnected) == kConnected,
+                         .loopback = (each->ifa_flags & IFF_LOOPBACK) != 0});
   }
-  freeifaddrs(all);
   return addresses;
+}
+
+Result<InterfaceNews> InterfaceNews::open() {
+  Fd fd{::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE)};
+  sockaddr_nl wanted{};
+  wanted.nl_family = AF_NETLINK;
+  wanted.nl_groups = RTMGRP_LINK | RTMGRP_IPV4_IFADDR;
+  if (!fd || ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&wanted), sizeof wanted) != 0)
+    return errno_problem("netlink socket");
+  return InterfaceNews{std::move(fd)};
+}
+
+bool InterfaceNews::take() const noexcept {
+  std::array<char, 16384> notices{};
+  for (bool changed = false;; changed = true) {
+    const ssize_t n = ::recv(fd_.get(), notices.data(), notices.size(), 0);
+    if (n < 0 && errno != EINTR && errno != ENOBUFS) return changed;  // ENOBUFS: the kernel has lost notices
+  }
 }
 
 Result<std::string> resolve_ipv4(const std::string& host) {
@@ -50,7 +82,7 @@ Result<std::string> resolve_ipv4(const std::string& host) {
                 "give a host name that this machine can look up, or an IPv4 address");
   }
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner{found, &freeaddrinfo};
-  return in_dots(found->ai_addr);
+  return in_dots(numbers_of(found->ai_addr));
 }
 
 }  // namespace takt::os

@@ -626,13 +626,6 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
       {"server", server}, {"forge", forge}, {"tap", tap},         {"feed", feed},
       {"echo", echo},     {"show", show},   {"give", give},       {"statistics", statistics},
       {"all", all},       {"keys", keys},   {"deceive", deceive}, {"returning", returning}};
-  std::atomic<bool> rescanning{std::getenv("PEER_RESCAN") != nullptr};
-  std::thread rescan{[&] {
-    while (rescanning) {
-      std::this_thread::sleep_for(100ms);
-      participant->rescan_interfaces();
-    }
-  }};
   int status = 0;
   if (command == "client") {
     status = client(participant, arguments);
@@ -641,8 +634,6 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
   } else {
     status = 2;
   }
-  rescanning = false;
-  rescan.join();
   return status;
 }
 

@@ -32,8 +32,18 @@ class TwoMachines:
             ip("netns", "add", space)
             ip("-n", space, "link", "set", "lo", "up")
         for cable in (0, 1):
-            ip("link", "add", "net%d" % cable, "netns", self.spaces["robot"], "type", "veth", "peer", "name", "net%d" % cable,
-               "netns", self.spaces["line"])
+            self.create(cable)
+
+    def create(self, cable):
+        ip("link", "add", "net%d" % cable, "netns", self.spaces["robot"], "type", "veth", "peer", "name", "net%d" % cable,
+           "netns", self.spaces["line"])
+
+    def remove(self, cable):
+        ip("-n", self.spaces["robot"], "link", "del", "net%d" % cable)
+
+    def change_address(self, machine, cable, host):
+        ip("-n", self.spaces[machine], "addr", "flush", "dev", "net%d" % cable, "scope", "global")
+        ip("-n", self.spaces[machine], "addr", "add", "10.80.%d.%d/24" % (cable, host), "dev", "net%d" % cable)
 
     def connect(self, cable):
         for number, space in enumerate(self.spaces.values(), 1):
@@ -136,8 +146,8 @@ class Interfaces(unittest.TestCase):
         self.assertLess(after[0] - before[0], 2000, "only the kernel itself may send on the other cable")
 
     def test_dds_uses_a_network_interface_that_comes_up_after_the_start(self):
-        tap = self.peer("line", "tap", "t", "reliable", "64", PEER_RESCAN="yes")
-        feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_RESCAN="yes")
+        tap = self.peer("line", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
         time.sleep(1)
         feed.write("0")
         self.assertIn("matched 0", feed.line())
@@ -161,6 +171,79 @@ class Interfaces(unittest.TestCase):
             self.assertEqual("sample %d" % number, tap.line())
         self.assertTrue(feed.line().startswith("written %d failures 0" % (last + 50)))
         self.assert_arrive(feed, tap, last + 51, 10)
+
+    def found_again(self, feed, tap, what):
+        """Waits until ten samples arrive one after the other."""
+        begin = time.monotonic()
+        while time.monotonic() < begin + takt_system.LONG:
+            last = self.match(feed, tap)
+            feed.write("10")
+            if [tap.line(1.0) for _ in range(10)] == ["sample %d" % (last + 1 + number) for number in range(10)]:
+                feed.line()
+                print("%s: found again after %.1f s" % (what, time.monotonic() - begin))
+                return
+            feed.line()
+        self.fail("%s: the samples do not arrive" % what)
+
+    def test_a_participant_uses_an_interface_again_that_was_removed_and_created_again(self):
+        self.net.connect(0)
+        tap = self.peer("line", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
+        self.match(feed, tap)
+        for _ in range(3):
+            self.net.remove(0)
+            self.net.create(0)
+            self.net.connect(0)
+            self.found_again(feed, tap, "interface created again")
+
+    def test_a_participant_is_found_at_its_new_address(self):
+        self.net.connect(0)
+        tap = self.peer("line", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
+        self.match(feed, tap)
+        for machine in ("robot", "line"):
+            for host in (11, 12):
+                self.net.change_address(machine, 0, host + 10 * (machine == "line"))
+                self.found_again(feed, tap, "new address of " + machine)
+                self.found_again(feed, self.peer("line", "tap", "t", "reliable", "64"), "process started afterwards")
+
+    def test_a_participant_is_found_at_its_new_address_if_its_peers_do_not_use_multicast(self):
+        self.net.connect(0)
+        tap = self.peer("line", "tap", "t", "reliable", "64", PEER_DISCOVERY="peers=10.80.0.1")
+        feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_DISCOVERY="peers=10.80.0.2")
+        self.match(feed, tap)
+        self.net.change_address("line", 0, 22)
+        self.found_again(feed, tap, "new address of line")
+
+    def test_processes_of_one_machine_communicate_without_any_address(self):
+        self.net.connect(0)
+        tap = self.peer("robot", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
+        last = self.match(feed, tap)
+        self.net.remove(0)
+        self.assert_arrive(feed, tap, last + 1, 10)
+        new = self.peer("robot", "tap", "t", "reliable", "64")
+        self.found_again(feed, new, "process started without a network")
+        new_feed = self.peer("robot", "feed", "u", "reliable", "64")
+        self.net.create(0)
+        self.net.connect(0)
+        remote = self.peer("line", "tap", "u", "reliable", "64")
+        self.found_again(new_feed, remote, "process started without a network, from another machine")
+
+    def test_connections_go_on_while_an_interface_that_they_do_not_use_appears_and_disappears(self):
+        self.net.connect(0)
+        tap = self.peer("line", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
+        last = self.match(feed, tap)
+        self.net.set("robot", 1, "up")
+        self.net.set("line", 1, "up")
+        for _ in range(5):
+            for change in ("add", "del"):
+                ip("-n", self.net.spaces["robot"], "addr", change, "10.90.0.1/24", "dev", "net1")
+                for _ in range(5):  # the participants follow the change within this time
+                    self.assert_arrive(feed, tap, last + 1, 10)
+                    last += 10
+                    time.sleep(0.1)
 
 
 if __name__ == "__main__":

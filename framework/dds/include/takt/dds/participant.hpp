@@ -14,11 +14,12 @@
 namespace takt::dds {
 
 struct ParticipantOptions {
-  std::string name;                     ///< name for diagnostics; other participants see it
-  int domain = 0;                       ///< 0 to 232
-  model::Discovery discovery;           ///< how participants find each other; by default with multicast
-  std::vector<std::string> interfaces;  ///< IPv4 addresses of the interfaces to use; empty for all
-  std::string security{};               ///< an identity folder; if empty, DDS Security is off
+  std::string name;            ///< name for diagnostics; other participants see it
+  int domain = 0;              ///< 0 to 232
+  model::Discovery discovery;  ///< how participants find each other; by default with multicast
+  std::vector<std::string>
+      interfaces;          ///< IPv4 addresses to use, besides the loopback interface; empty for all
+  std::string security{};  ///< an identity folder; if empty, DDS Security is off
   /// Called with a sentence about each rejected participant or packet: the same sentence only once, and at
   /// most ten sentences per minute. Threads of Fast DDS call this function, so it must return quickly. The
   /// function may be empty.
@@ -27,7 +28,10 @@ struct ParticipantOptions {
 
 /// All topics of a process belong to one participant, because several participants in one process can
 /// deadlock in Fast DDS 2.9.1. The participant's threads inherit the scheduling policy and CPUs of the thread
-/// that creates the participant. The last owner of the participant must release it before main() returns. The
+/// that creates the participant. The participant follows the machine's network interfaces: an interface or an
+/// address that appears is used, and if one disappears that other machines use, the participant leaves the
+/// domain and joins it again on the remaining ones. Processes on one machine communicate over its loopback
+/// interface in any case. The last owner of the participant must release it before main() returns. The
 /// destructor also deletes all DDS objects of the participant.
 class Participant {
  public:
@@ -37,13 +41,6 @@ class Participant {
   /// options name a discovery server.
   static Result<std::shared_ptr<Participant>> create(const ParticipantOptions& options);
   virtual ~Participant() = default;
-
-  /// Starts to use network interfaces that have come up since the last call. A call is cheap; repeat it every
-  /// few seconds. If only the loopback interface was up before, as on a machine that is starting, the call
-  /// recreates every reader and writer. Processes on this machine then lose the connection to these readers
-  /// and writers for a moment. Otherwise only new readers and writers use the new interfaces; existing
-  /// connections keep their addresses.
-  virtual void rescan_interfaces() = 0;
 
   /// Returns the identity of this process; empty if DDS Security is off.
   [[nodiscard]] virtual const std::optional<security::Identity>& identity() const noexcept = 0;

@@ -1,0 +1,38 @@
+#include "packet_filter.hpp"
+
+#include <cstring>
+#include <string>
+
+#include <takt/security/identity.hpp>
+#include <takt/wire/rtps.hpp>
+
+namespace takt::dds {
+
+void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& from, bool here,
+                        const std::function<void(std::size_t)>& handle) {
+  if (is_silent(here)) return;
+  const std::size_t readable = wire::readable_rtps(packet, secured_ ? &security::names_somebody : nullptr);
+  if (readable == 0) return drop(from, "it is not a valid RTPS message");
+  packet = packet.first(readable);
+  if (secured_) {
+    if (!wire::is_protected_rtps(packet)) return drop(from, "it is not encrypted");
+    const wire::Announcement announcement = wire::announcement_in(packet);
+    std::uint32_t address = 0;
+    std::memcpy(&address, from.data(), sizeof address);
+    if (announcement.of != wire::Announcement::Of::nobody && !unauthenticated.admit(announcement, address))
+      return drop(from,
+                  "it announces an invalid participant, or there are too many unauthenticated participants");
+  }
+  // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
+  if (wire::concerns_participants(packet))
+    receive_lock.handle_alone([&] { handle(readable); });
+  else
+    receive_lock.handle([&] { handle(readable); });
+}
+
+void PacketFilter::drop(const os::Ipv4& from, const char* why) {
+  refused.fetch_add(1, std::memory_order_relaxed);
+  notices_.tell("dropped a packet from " + os::in_dots(from) + ": " + why);
+}
+
+}  // namespace takt::dds

@@ -1,0 +1,50 @@
+// Drops packets that are not valid RTPS messages, before Fast DDS reads them. With DDS Security, it also
+// drops packets that are not encrypted, and announcements of unauthenticated participants above the limits.
+// While a reader is created or deleted, no packet is handled. Only the source files of this room include this
+// header.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include <takt/os/network.hpp>
+#include <takt/wire/notices.hpp>
+#include <takt/wire/unauthenticated_participants.hpp>
+#include "workarounds/receive_lock.hpp"
+
+namespace takt::dds {
+
+/// With which participants the process exchanges no packets at the moment.
+enum class Silence { none, on_this_machine, on_other_machines, everywhere };
+
+/// The filter of the process's participant. Any thread may call its functions.
+class PacketFilter {
+ public:
+  PacketFilter(wire::Notices& notices, bool secured) : notices_(notices), secured_(secured) {}
+
+  /// Calls `handle` with the number of bytes that Fast DDS may read, unless the packet must be dropped.
+  /// `here`: it comes from this machine.
+  void pass(std::span<const std::uint8_t> packet, const os::Ipv4& from, bool here,
+            const std::function<void(std::size_t)>& handle);
+  /// Returns true if no packet may be sent to participants on this machine, or on others.
+  [[nodiscard]] bool is_silent(bool here) const noexcept {
+    const Silence now = silence;
+    return now == Silence::everywhere ||
+           now == (here ? Silence::on_this_machine : Silence::on_other_machines);
+  }
+
+  wire::UnauthenticatedParticipants unauthenticated;  // used only with DDS Security
+  std::atomic<std::uint64_t> refused{0};
+  std::atomic<Silence> silence{Silence::none};
+  ReceiveLock receive_lock;
+
+ private:
+  void drop(const os::Ipv4& from, const char* why);
+
+  wire::Notices& notices_;
+  const bool secured_;
+};
+
+}  // namespace takt::dds

@@ -1,0 +1,153 @@
+#include "own_announcement.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <fastdds/rtps/builtin/data/ParticipantProxyData.h>
+#include <fastdds/rtps/builtin/data/ReaderProxyData.h>
+#include <fastdds/rtps/builtin/data/WriterProxyData.h>
+#include <fastdds/rtps/builtin/discovery/participant/PDP.h>
+#include <fastdds/rtps/builtin/discovery/participant/PDPSimple.h>
+#include <fastrtps/utils/IPLocator.h>
+#include "replaced_function.hpp"
+
+namespace {
+
+namespace rtps = eprosima::fastrtps::rtps;
+
+using Begin = bool(rtps::PDP*, rtps::RTPSParticipantImpl*);
+using SetLocators = void(void*, const rtps::LocatorList_t&);
+using Matches = bool(void*);
+
+Begin* original() noexcept {
+  static Begin* const found =
+      takt::dds::replaced<Begin>("_ZN8eprosima8fastrtps4rtps3PDP7initPDPEPNS1_19RTPSParticipantImplE");
+  return found;
+}
+
+// The longest time that another participant is expected to need to handle all packets sent to it.
+constexpr std::chrono::milliseconds kSilence{500};
+
+// Fast DDS gives no access to its participant discovery (PDP), so initPDP() keeps it.
+std::function<void(takt::dds::PacketFilter&, bool)> leave_and_join;
+std::function<void()> set_own_addresses;
+std::function<void(bool changed)> announce;
+
+bool follows_others = false;
+
+std::mutex addresses_mutex;
+std::vector<takt::os::Ipv4> own_addresses;  // empty until the first change
+
+template <class Locators>
+void replace_addresses(Locators& unicast, std::uint32_t port) {
+  unicast.clear();
+  for (const takt::os::Ipv4& address : own_addresses) {
+    rtps::Locator_t locator;
+    locator.kind = LOCATOR_KIND_UDPv4;
+    locator.port = port;
+    rtps::IPLocator::setIPv4(locator, address[0], address[1], address[2], address[3]);
+    unicast.push_back(locator);
+  }
+}
+
+// The transport has replaced the addresses of participants on this machine.
+bool is_here(const rtps::ParticipantProxyData& one) {
+  const auto& addresses = one.metatraffic_locators.unicast;
+  return std::any_of(addresses.begin(), addresses.end(),
+                     [](const rtps::Locator_t& each) { return rtps::IPLocator::isLocal(each); });
+}
+
+// Called only for the readers and writers of this participant. Their own lists are never updated.
+void set_announced(rtps::RemoteLocatorList& list, const rtps::LocatorList_t& of_creation) {
+  const std::lock_guard lock{addresses_mutex};
+  if (own_addresses.empty() || of_creation.empty()) {
+    list.unicast.clear();
+    for (const rtps::Locator_t& each : of_creation) list.add_unicast_locator(each);
+  } else {
+    replace_addresses(list.unicast, of_creation.begin()->port);
+  }
+}
+
+}  // namespace
+
+namespace takt::dds {
+
+void prepare_own_announcement(bool follows) noexcept {
+  follows_others = follows;
+  static_cast<void>(original());
+  static_cast<void>(replaced<Matches>("_ZN8eprosima8fastrtps4rtps9PDPSimple20updateInfoMatchesEDPEv"));
+  for (const char* name : {"_ZN8eprosima8fastrtps4rtps15ReaderProxyData30set_announced_unicast_locatorsERKNS_"
+                           "7fastdds4rtps11LocatorListE",
+                           "_ZN8eprosima8fastrtps4rtps15WriterProxyData30set_announced_unicast_locatorsERKNS_"
+                           "7fastdds4rtps11LocatorListE"})
+    static_cast<void>(replaced<SetLocators>(name));
+}
+
+void announce_addresses(const std::vector<os::Ipv4>& addresses) {
+  {
+    const std::lock_guard lock{addresses_mutex};
+    own_addresses = addresses;
+  }
+  set_own_addresses();
+  announce(true);
+}
+
+void announce_again() { announce(false); }
+void rejoin(PacketFilter& filter, bool also_here) { leave_and_join(filter, also_here); }
+
+}  // namespace takt::dds
+
+namespace eprosima::fastrtps::rtps {
+
+void ReaderProxyData::set_announced_unicast_locators(const LocatorList_t& of_creation) {
+  set_announced(remote_locators_, of_creation);
+}
+
+void WriterProxyData::set_announced_unicast_locators(const LocatorList_t& of_creation) {
+  set_announced(remote_locators_, of_creation);
+}
+
+// Fast DDS asks this when a known participant announces something new.
+bool PDPSimple::updateInfoMatchesEDP() { return follows_others; }
+
+bool PDP::initPDP(RTPSParticipantImpl* participant) {
+  announce = [this](bool changed) { announceParticipantState(changed, false); };
+  set_own_addresses = [this] {
+    const std::lock_guard lock{*mp_mutex};
+    const std::lock_guard addresses{addresses_mutex};
+    ParticipantProxyData& own = *getLocalParticipantProxyData();
+    for (RemoteLocatorList* list : {&own.metatraffic_locators, &own.default_locators}) {
+      if (!list->unicast.empty()) replace_addresses(list->unicast, list->unicast.begin()->port);
+    }
+  };
+  leave_and_join = [this](takt::dds::PacketFilter& filter, bool also_here) {
+    using takt::dds::Silence;
+    filter.silence = also_here ? Silence::none : Silence::on_this_machine;
+    announceParticipantState(true, true);
+    // A message of an earlier authentication, or a second copy of the announcement that this participant
+    // leaves, must not meet the new authentication. It would hang for ever.
+    filter.silence = Silence::everywhere;
+    announceParticipantState(true, false);
+    filter.silence = also_here ? Silence::everywhere : Silence::on_other_machines;
+    std::this_thread::sleep_for(kSilence);
+    std::vector<GUID_t> others;
+    {
+      const std::lock_guard lock{*mp_mutex};
+      for (const ParticipantProxyData* each : participant_proxies_) {
+        if (also_here || !is_here(*each)) others.push_back(each->m_guid);
+      }
+    }
+    // remove_remote_participant() ignores this participant itself.
+    for (const GUID_t& each : others)
+      remove_remote_participant(each, ParticipantDiscoveryInfo::DROPPED_PARTICIPANT);
+    filter.silence = Silence::none;
+    announceParticipantState(true, false);
+  };
+  return original()(this, participant);
+}
+
+}  // namespace eprosima::fastrtps::rtps

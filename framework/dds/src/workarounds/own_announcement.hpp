@@ -1,0 +1,39 @@
+// What this participant announces of itself, after its addresses have changed or it was halted. Only the
+// source files of this room include this header.
+//
+// In Fast DDS 2.9.1, a participant adds new addresses to its announcement, but removes none, and its readers
+// and writers announce for ever the addresses that it had when they were created. Who knows it sends
+// discovery messages for ever to the addresses that it announced first.
+//
+// Participants that hear nothing of a halted one for the lease forget it. But the halted one does not forget
+// them, because their announcements wait in its socket. With DDS Security, Fast DDS 2.9.1 then never
+// authenticates the two again: one side begins a new authentication, and the other side ignores it, because
+// it has already authenticated its partner. So they do not communicate again until one of them ends, or until
+// it rejoins.
+#pragma once
+
+#include <vector>
+
+#include <takt/os/network.hpp>
+#include "../packet_filter.hpp"
+
+namespace takt::dds {
+
+/// Finds the functions of Fast DDS that own_announcement.cpp replaces; ends the process if one is missing.
+/// Call this function before the participant of this process is created. `follows` says whether this
+/// participant sends discovery messages to the new addresses of others that announce some; with DDS Security
+/// it cannot.
+void prepare_own_announcement(bool follows) noexcept;
+/// From now on, this participant announces these addresses, also those of its new readers and writers. Its
+/// present readers and writers announce them when their QoS is set again. Any thread but a real-time one may
+/// call this function while the participant exists.
+void announce_addresses(const std::vector<os::Ipv4>& addresses);
+/// Announces this participant once more.
+void announce_again();
+/// Makes the participant of this process forget others and be forgotten by them, and announces it again. For
+/// half a second in between, the process exchanges nothing with them. The listeners report that they are lost
+/// and found again. `also_here`: participants on this machine, too, and not only those on others. Any thread
+/// but a real-time one may call this function while the participant exists.
+void rejoin(PacketFilter& filter, bool also_here);
+
+}  // namespace takt::dds
