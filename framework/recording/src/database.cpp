@@ -1,5 +1,6 @@
 #include <takt/recording/database.hpp>
 
+#include <filesystem>
 #include <utility>
 
 #include <sqlite3.h>
@@ -40,6 +41,18 @@ Problem problem_of(sqlite3* database, const std::string& file) {
   }
 }
 
+// Returns the path as a URI, to which parameters of SQLite can be added.
+std::string uri_of(const std::string& file) {
+  std::string uri = "file://";
+  for (const char letter : std::filesystem::absolute(file).string()) {
+    if (letter == '%' || letter == '?' || letter == '#')
+      uri += letter == '%' ? "%25" : letter == '?' ? "%3f" : "%23";
+    else
+      uri += letter;
+  }
+  return uri;
+}
+
 }  // namespace
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
@@ -57,7 +70,26 @@ Result<Database> Database::open(const std::string& file, Access access) {
   }
   if (code != SQLITE_OK) return problem_of(raw, file);
   sqlite3_busy_timeout(raw, kBusy_ms);
+  if (access == Access::read) {
+    const int probe = sqlite3_exec(raw, "SELECT 1 FROM sqlite_master", nullptr, nullptr, nullptr) & 0xFF;
+    if (probe == SQLITE_CANTOPEN || probe == SQLITE_READONLY) return open_unchanged(file);
+  }
   return Database{file, std::move(opened)};
+}
+
+Result<Database> Database::open_unchanged(const std::string& file) {
+  // An immutable file is read without its log. With a log, SQLite keeps the index of the log in memory only
+  // for the sole user of the file, who locks it exclusively. Without locks, a reader can do so.
+  std::error_code none;
+  const bool has_log = std::filesystem::exists(file + "-wal", none);
+  const std::string uri = uri_of(file) + (has_log ? "?vfs=unix-none" : "?immutable=1");
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(uri.c_str(), &raw,
+                                   SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+  Database database{file, std::unique_ptr<sqlite3, Close>{raw}};
+  if (code != SQLITE_OK) return database.problem();
+  if (auto set = database.run("PRAGMA locking_mode=EXCLUSIVE"); !set) return set.problems();
+  return database;
 }
 
 Result<void> Database::run(const std::string& sql) {

@@ -1,5 +1,7 @@
 #include <takt/recording/writer.hpp>
 
+#include <sys/fsuid.h>
+
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +13,7 @@
 #include <takt/core/cdr.hpp>
 #include <takt/os/environment.hpp>
 
+#include <takt/recording/database.hpp>
 #include <takt/recording/reader.hpp>
 
 namespace takt::recording::writer_test {
@@ -352,6 +355,56 @@ TEST_F(RecordingFile, CanBeReadWhileItIsWritten) {
   auto recording = Recording::open(file());
   ASSERT_TRUE(recording) << to_text(recording.problems());
   EXPECT_EQ(100U, all(*recording).size());
+}
+
+/// While this object exists, this thread has the file rights of an ordinary user, even if the test runs as
+/// root.
+class OrdinaryUser {
+ public:
+  OrdinaryUser() : before_(::setfsuid(65534)) {}
+  ~OrdinaryUser() { ::setfsuid(static_cast<uid_t>(before_)); }
+  OrdinaryUser(const OrdinaryUser&) = delete;
+  OrdinaryUser& operator=(const OrdinaryUser&) = delete;
+
+ private:
+  int before_;
+};
+
+TEST_F(RecordingFile, CanBeReadFromAReadOnlyFolder) {
+  RecordingOptions options = quick(file());
+  options.max_bytes = 0;  // then the samples stay in the log
+  auto writer = RecordingWriter::create(options);
+  ASSERT_TRUE(writer);
+  const auto port = (*writer)->add_port(number_port());
+  for (int i = 0; i < 100; ++i) add(**writer, port, i, i);
+  settle(**writer, 100);
+  // These are the files that a killed recorder leaves, without FILE-shm, as in a backup.
+  const std::filesystem::path disc = folder_ / "disc %41?#";
+  const auto copy = [&](const std::string& suffix, const std::string& name) {
+    std::filesystem::copy_file(file() + suffix, disc / (name + suffix));
+  };
+  std::filesystem::create_directory(disc);
+  copy("", "with-log");
+  copy("-wal", "with-log");
+  {
+    auto database = Database::open(file(), Access::append);
+    ASSERT_TRUE(database);
+    ASSERT_TRUE(database->run("PRAGMA wal_checkpoint(TRUNCATE)"));
+  }
+  copy("", "empty-log");
+  copy("-wal", "empty-log");
+  copy("", "without-log");
+  std::filesystem::permissions(disc, std::filesystem::perms{0555});
+  {
+    const OrdinaryUser user;
+    for (const char* const name : {"with-log", "empty-log", "without-log"}) {
+      auto recording = Recording::open(disc / name);
+      ASSERT_TRUE(recording) << name << ": " << to_text(recording.problems());
+      EXPECT_EQ(100U, all(*recording).size()) << name;
+    }
+  }
+  std::filesystem::permissions(disc, std::filesystem::perms{0755});
+  EXPECT_EQ(5, std::distance(std::filesystem::directory_iterator{disc}, {})) << "a reader has left a file";
 }
 
 TEST_F(RecordingFile, CanBeReadByTimeAndPort) {

@@ -22,6 +22,7 @@ enum class Access { read, append, create };
 class Database {
  public:
   /// Opens a file. With Access::create the file must not exist; with other kinds of access it must exist.
+  /// With Access::read, this user needs no right to write to the file or its folder.
   static Result<Database> open(const std::string& file, Access access);
 
   /// Runs one or more statements without results.
@@ -43,6 +44,9 @@ class Database {
   };
   Database(std::string file, std::unique_ptr<sqlite3, Close> open)
       : file_(std::move(file)), open_(std::move(open)) {}
+  /// Opens a file for reading without creating SQLite's index of the log (FILE-shm) beside it. Only for a
+  /// file that nobody writes: a recorder that runs has created the index.
+  static Result<Database> open_unchanged(const std::string& file);
 
   std::string file_;
   std::unique_ptr<sqlite3, Close> open_;
