@@ -3,6 +3,7 @@
 #include <elf.h>
 #include <fcntl.h>
 #include <link.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -182,5 +183,10 @@ Result<void> make_private_folder(const std::string& path) {
 }
 
 bool output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
+
+bool output_has_no_reader() {
+  pollfd output{.fd = STDOUT_FILENO, .events = 0, .revents = 0};
+  return ::poll(&output, 1, 0) == 1;
+}
 
 }  // namespace takt::os

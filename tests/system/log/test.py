@@ -341,6 +341,20 @@ class Log(takt_system.Case):
             self.assertIn("deployed", [e["kind"] for e in seen])
         self.end(nodes)
 
+    def test_a_command_that_prints_until_ctrl_c_ends_with_its_reader(self):
+        def ends(command, lines):
+            # The reader ends after these lines. Then the command has nothing more to print, so that no write can fail.
+            run = self.takt(*command.split(), before=["bash", "-c", 'set -o pipefail; "$0" "$@" | head -n %d' % lines])
+            self.assertEqual((141, lines, ""), (run.status, len(run.out_lines), run.err), command)
+        ends("watch", 0)
+        node = self.node("d")
+        self.deploy(os.path.join(os.path.dirname(self.beside(".")), "..", "recording", "source.xml"))
+        self.done("stop d")
+        ends("log --follow", 1)
+        ends("echo d.source.out", 0)
+        self.done("undeploy source")
+        self.end({"d": node})
+
     def test_takt_log_follow_begins_with_the_last_events(self):
         node = self.node("robot")
         self.refused({"stop robot.m%d" % n: "robot" for n in range(14)})

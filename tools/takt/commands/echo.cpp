@@ -20,6 +20,7 @@
 #include <takt/model/ports.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
 #include <takt/os/signals.hpp>
 #include <takt/wire/words.hpp>
 
@@ -140,6 +141,7 @@ int echo(const EchoOptions& options) {
   while (options.count == 0 || printed < options.count) {
     os::wait_readable({&signals->fd()}, 20);
     if (signals->next()) break;
+    if (os::output_has_no_reader()) return kNoReader;
     const Instant now = os::now();
     if (now >= again) {
       again = now + client::kAskAgain;

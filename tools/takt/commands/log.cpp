@@ -11,6 +11,7 @@
 #include <takt/core/words.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
 #include <takt/os/signals.hpp>
 
 #include "commands/commands.hpp"
@@ -169,6 +170,7 @@ int log(const LogOptions& options) {
       if (filter.takes(event)) held.push_back({os::now(), std::move(event)});
     }
     if (!print_until(os::now() - kHold)) return 1;
+    if (os::output_has_no_reader()) return kNoReader;
     complain(problems);
   }
   return print_until(os::now()) ? 0 : 1;

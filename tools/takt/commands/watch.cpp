@@ -17,6 +17,7 @@
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
 #include <takt/os/keyboard.hpp>
 #include <takt/os/notice.hpp>
 #include <takt/os/signals.hpp>
@@ -101,6 +102,7 @@ int print_lines(const WatchOptions& options, const os::SignalQueue& signals, New
       if (!print(piece.line + "\n")) return 1;
     }
     if (signals.next()) break;
+    if (os::output_has_no_reader()) return kNoReader;
   }
   return 0;
 }

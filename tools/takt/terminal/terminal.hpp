@@ -14,4 +14,8 @@ Style terminal_style();
 /// returns false.
 bool print(const std::string& text);
 
+/// The exit status of a command that ends because nobody reads its standard output any longer. In a shell, a
+/// program that is ended by SIGPIPE has the same status.
+constexpr int kNoReader = 128 + 13;
+
 }  // namespace takt::tool

@@ -56,5 +56,7 @@ Result<void> make_private_folder(const std::string& path);
 
 /// Returns true if standard output is a terminal.
 bool output_is_terminal();
+/// Returns true if standard output is a pipe or socket that nobody reads any longer. Does not wait.
+bool output_has_no_reader();
 
 }  // namespace takt::os
