@@ -224,9 +224,10 @@ class LineReader {
     }
     if (key == "order") {
       order_given_ = true;
-      point_.encoding.low_first = value == "low-first";
-      if (!point_.encoding.low_first && value != "high-first")
-        wrong("the word order cannot be " + in_quotes(value), "write high-first or low-first");
+      point_.encoding.low_first = value == "low-first" || value == "DCBA";
+      point_.encoding.bytes_swapped = value == "BADC" || value == "DCBA";
+      if (!point_.encoding.low_first && !point_.encoding.bytes_swapped && value != "high-first")
+        wrong("the word order cannot be " + in_quotes(value), "write high-first, low-first, BADC or DCBA");
       return;
     }
     const auto x = number<double>(value);

@@ -20,11 +20,17 @@ struct Encoding {
   Type type = Type::uint16;
   double scale = 1;  ///< value = register content * scale + offset; not 0
   double offset = 0;
-  bool low_first = false;  ///< true: the first of two registers holds the low word; usually the high word
+  bool low_first = false;      ///< true: the first of two registers holds the low word; usually the high word
+  bool bytes_swapped = false;  ///< true: each of two registers holds its low byte first
 };
 
 /// Returns the number of registers that hold a value of this type.
 constexpr unsigned words(Type type) noexcept { return type == Type::uint16 || type == Type::int16 ? 1 : 2; }
+
+/// Returns the word as a register of this encoding holds it, and the other way round.
+constexpr std::uint16_t in_register(const Encoding& encoding, std::uint32_t word) noexcept {
+  return static_cast<std::uint16_t>(encoding.bytes_swapped ? word << 8 | (word >> 8 & 0xFF) : word);
+}
 
 inline std::optional<Type> type_of(std::string_view text) noexcept {
   if (text == "uint16") return Type::uint16;
@@ -90,20 +96,19 @@ inline bool encode(const Encoding& encoding, double value, std::uint16_t* to) no
     to[0] = static_cast<std::uint16_t>(bits);
     return true;
   }
-  to[encoding.low_first ? 1 : 0] = static_cast<std::uint16_t>(bits >> 16);
-  to[encoding.low_first ? 0 : 1] = static_cast<std::uint16_t>(bits);
+  to[encoding.low_first ? 1 : 0] = in_register(encoding, bits >> 16);
+  to[encoding.low_first ? 0 : 1] = in_register(encoding, bits);
   return true;
 }
 
 /// Converts registers to a value. The value is not finite if the registers hold a float32 that is not finite.
 inline double decode(const Encoding& encoding, const std::uint16_t* from) noexcept {
-  const std::uint32_t first = from[0];
   double raw = 0;
   if (words(encoding.type) == 1) {
-    raw = encoding.type == Type::int16 ? static_cast<double>(static_cast<std::int16_t>(first)) : first;
+    raw = encoding.type == Type::int16 ? static_cast<double>(static_cast<std::int16_t>(from[0])) : from[0];
   } else {
-    const std::uint32_t second = from[1];
-    const std::uint32_t bits = encoding.low_first ? second << 16 | first : first << 16 | second;
+    const std::uint32_t high = in_register(encoding, from[encoding.low_first ? 1 : 0]);
+    const std::uint32_t bits = high << 16 | in_register(encoding, from[encoding.low_first ? 0 : 1]);
     raw = encoding.type == Type::float32 ? static_cast<double>(std::bit_cast<float>(bits))
           : encoding.type == Type::int32 ? static_cast<double>(static_cast<std::int32_t>(bits))
                                          : bits;

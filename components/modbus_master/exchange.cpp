@@ -97,6 +97,7 @@ void Exchange::exchange_all() {
     ++now_.exchanges;
     if (std::exchange(faulty_, false))
       report_("the exchange works again after " + in_seconds(Clock::now() - faulty_since_));
+    rejected_.clear();
   }
   now_.connected = ok_;
   image.writing() = now_;
@@ -177,9 +178,10 @@ void Exchange::check_result(int result, int wanted, const char* doing, const Gro
   }
   ++now_.failures;
   ok_ = false;
-  if (std::exchange(faulty_, true)) return;
-  faulty_since_ = Clock::now();
-  report_("the device rejected " + what + ": " + modbus_strerror(error) + "; correct the map or the device");
+  if (!std::exchange(faulty_, true)) faulty_since_ = Clock::now();
+  if (rejected_.insert(what).second)
+    report_("the device rejected " + what + ": " + modbus_strerror(error) +
+            "; correct the map or the device");
 }
 
 void Exchange::read(const Group& group) {
@@ -238,8 +240,22 @@ void Exchange::write_run(const Group& group, std::size_t first, std::size_t last
     else
       encode(points_[i].encoding, from.value[i], &registers[at]);
   }
-  const int done = is_bit(group.table) ? modbus_write_bits(device_, address, count, bits.data())
-                                       : modbus_write_registers(device_, address, count, registers.data());
+  const bool bit = is_bit(group.table);
+  bool& singly = singly_[bit ? 1 : 0];
+  int done = 0;
+  if (!singly) {
+    done = bit ? modbus_write_bits(device_, address, count, bits.data())
+               : modbus_write_registers(device_, address, count, registers.data());
+    singly = done < 0 && errno == EMBXILFUN;
+  }
+  if (singly) {
+    const auto write_one = [&](int at) {
+      const auto place = static_cast<std::size_t>(at);
+      return bit ? modbus_write_bit(device_, address + at, bits[place])
+                 : modbus_write_register(device_, address + at, registers[place]);
+    };
+    for (done = 0; done < count && write_one(done) == 1;) ++done;
+  }
   check_result(done, count, "writing", group, first, last);
 }
 

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -90,8 +91,11 @@ class Exchange {
 
   _modbus* device_ = nullptr;  ///< null while not connected
   Image now_;
-  bool ok_ = false;      ///< true: the current exchange has had no fault so far
-  bool faulty_ = false;  ///< true: a fault is present and has been reported
+  /// For registers and for coils: true if the device knows only the functions that write a single one.
+  std::array<bool, 2> singly_{};
+  std::set<std::string> rejected_;  ///< the rejected requests that have been reported
+  bool ok_ = false;                 ///< true: the current exchange has had no fault so far
+  bool faulty_ = false;             ///< true: a fault is present and has been reported
   Clock::time_point faulty_since_{};
   Clock::time_point heard_{};  ///< time of the body's last outputs
   bool ever_heard_ = false;

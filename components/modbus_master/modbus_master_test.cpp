@@ -51,6 +51,8 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   [[nodiscard]] int port() const { return port_; }
+  /// From now on, the device knows only the functions that write a single coil or register.
+  void write_only_singly() { only_single_ = true; }
   /// Calls `use` with the device's tables while the device answers no request.
   template <class Use>
   auto with_tables(Use&& use) {
@@ -71,6 +73,12 @@ class Device {
       std::uint8_t request[MODBUS_TCP_MAX_ADU_LENGTH];
       const int length = modbus_receive(context_.get(), request);
       const std::lock_guard lock{mutex_};
+      const bool multiple =
+          request[7] == MODBUS_FC_WRITE_MULTIPLE_COILS || request[7] == MODBUS_FC_WRITE_MULTIPLE_REGISTERS;
+      if (length > 0 && only_single_ && multiple) {
+        modbus_reply_exception(context_.get(), request, MODBUS_EXCEPTION_ILLEGAL_FUNCTION);
+        continue;
+      }
       if (length > 0 && modbus_reply(context_.get(), request, length, tables_.get()) >= 0) continue;
       modbus_close(context_.get());
       client = -1;
@@ -83,6 +91,7 @@ class Device {
   std::unique_ptr<modbus_mapping_t, void (*)(modbus_mapping_t*)> tables_{modbus_mapping_new(16, 16, 16, 16),
                                                                          modbus_mapping_free};
   int port_ = 0;
+  std::atomic<bool> only_single_{false};
   std::mutex mutex_;
   std::atomic<bool> end_{false};
   std::thread thread_;
@@ -153,6 +162,35 @@ TEST_F(ModbusMaster, WritesSafeValuesWhenItEnds) {
   ASSERT_TRUE(module.destruct());
   EXPECT_TRUE(lamp_is(false));
   EXPECT_EQ(speed(), 0);
+}
+
+TEST_F(ModbusMaster, WritesSinglyIfTheDeviceKnowsNoOtherWayToWrite) {
+  device->write_only_singly();
+  ASSERT_TRUE(module.set("map",
+                         "lamp out coil 0 safe 0; horn out coil 1 safe 1\n"
+                         "speed out register 10 safe 3; place out register 11 uint32 safe 65540"));
+  ASSERT_TRUE(module.initialize());
+  auto& lamp = module.in<basic::Flag>("lamp");
+  auto& horn = module.in<basic::Flag>("horn");
+  auto& speed_wanted = module.in<basic::Number>("speed");
+  auto& place = module.in<basic::Number>("place");
+  auto& connected = module.out<basic::Flag>("connected");
+  ASSERT_TRUE(module.start());
+  lamp.write(flag(true));
+  horn.write(flag(false));
+  speed_wanted.write(number(7));
+  place.write(number(131080));
+  const auto device_has = [&](int lamp_bit, int horn_bit, int speed_register, int high, int low) {
+    return device->with_tables([&](modbus_mapping_t& tables) {
+      return tables.tab_bits[0] == lamp_bit && tables.tab_bits[1] == horn_bit &&
+             tables.tab_registers[10] == speed_register && tables.tab_registers[11] == high &&
+             tables.tab_registers[12] == low;
+    });
+  };
+  ASSERT_TRUE(comes([&] { return device_has(1, 0, 7, 2, 8); }));
+  EXPECT_TRUE(comes([&] { return connected.value().value(); })) << "this is no fault";
+  ASSERT_TRUE(module.destruct());
+  EXPECT_TRUE(device_has(0, 1, 3, 1, 4)) << "the device has not got its safe values";
 }
 
 TEST_F(ModbusMaster, PublishesNoValuesWhileTheDeviceIsGone) {

@@ -110,18 +110,23 @@ class Modbus(takt_system.Case):
         wait_until(lambda: device.coils[0] == 1)
         # The failed request may be any of those that the master sends.
         request = r"(reading|writing) [a-z ]+ \d+ to \d+ \(\w+\): "
-        for mood, words in (("refuses", "the device rejected " + request + "Illegal data address; correct the map"),
+        refuses = ("refuses", "the device rejected " + request + "Illegal data address; correct the map")
+        for mood, words in (refuses,
                             ("garbage", "no valid answer when " + request + "Invalid data"),
                             ("other", "no valid answer when " + request + "Invalid data"),
                             ("silent", "no valid answer when " + request + "Connection timed out"),
-                            ("drip", "no valid answer when " + request + "Connection timed out")):
+                            ("drip", "no valid answer when " + request + "Connection timed out"),
+                            refuses):
             begun = len(run.raw)
             device.mood = mood
             run.wait_for_line(words, after=begun)
             time.sleep(2)  # if the message were repeated, it would appear in this time
             device.mood = "well"
             run.wait_for_line(r"plc.master: \| 127.0.0.1:\d+: the exchange works again after \d", after=begun)
-            self.assertEqual(2, sum(" plc.master: | " in line for line in run.raw[begun:]), run.err)
+            # The master reports a rejection of each of its six requests, but only one message about a lost connection.
+            lines = [line.split(" plc.master: | ")[1] for line in run.raw[begun:] if " plc.master: | " in line]
+            self.assertEqual(7 if mood == "refuses" else 2, len(set(lines)), run.err)
+            self.assertEqual(len(set(lines)), len(lines), run.err)
             device.coils[0] = 0
             wait_until(lambda: device.coils[0] == 1, what="the lamp after " + mood)
         self.assert_on_time(self.end(run))

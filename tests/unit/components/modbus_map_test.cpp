@@ -49,6 +49,17 @@ TEST(ModbusMap, ContainsThePointsOfAllLines) {
   EXPECT_EQ(map.points[6].name, "b");
 }
 
+TEST(ModbusMap, KnowsFourOrdersOfTheBytesOfAValue) {
+  const Map map = parse_map(
+      "a in register 0 uint32 order high-first; b in register 2 uint32 order low-first\n"
+      "c in register 4 uint32 order BADC; d in register 6 uint32 order DCBA");
+  ASSERT_THAT(map.points, SizeIs(4));
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(map.points[i].encoding.low_first, i % 2 == 1) << i;
+    EXPECT_EQ(map.points[i].encoding.bytes_swapped, i >= 2) << i;
+  }
+}
+
 TEST(ModbusMap, ReportsEveryMistakeWithItsLineAndAFix) {
   const std::vector<std::string> lines = messages(
       "ok out coil 0\n"

@@ -23,6 +23,10 @@ TEST(ModbusValue, HasItsHighWordFirstByDefault) {
   EXPECT_EQ(encoded({.type = Type::uint32}, 0x12345678), (std::array<std::uint16_t, 2>{0x1234, 0x5678}));
   EXPECT_EQ(encoded({.type = Type::uint32, .low_first = true}, 0x12345678),
             (std::array<std::uint16_t, 2>{0x5678, 0x1234}));
+  EXPECT_EQ(encoded({.type = Type::uint32, .bytes_swapped = true}, 0x12345678),
+            (std::array<std::uint16_t, 2>{0x3412, 0x7856}));
+  EXPECT_EQ(encoded({.type = Type::uint32, .low_first = true, .bytes_swapped = true}, 0x12345678),
+            (std::array<std::uint16_t, 2>{0x7856, 0x3412}));
   EXPECT_EQ(encoded({.type = Type::int32}, -2), (std::array<std::uint16_t, 2>{0xFFFF, 0xFFFE}));
   // In IEEE 754, 1.0 is 0x3F800000.
   EXPECT_EQ(encoded({.type = Type::float32}, 1), (std::array<std::uint16_t, 2>{0x3F80, 0}));
@@ -31,9 +35,10 @@ TEST(ModbusValue, HasItsHighWordFirstByDefault) {
 }
 
 TEST(ModbusValue, SurvivesARoundTripThroughRegisters) {
-  for (const bool low_first : {false, true}) {
+  for (const int order : {0, 1, 2, 3}) {
     for (const Type type : {Type::uint16, Type::int16, Type::uint32, Type::int32, Type::float32}) {
-      const Encoding encoding{.type = type, .scale = 0.5, .offset = 3, .low_first = low_first};
+      const Encoding encoding{
+          .type = type, .scale = 0.5, .offset = 3, .low_first = order % 2 == 1, .bytes_swapped = order >= 2};
       const Range raw = raw_range(type);
       for (const double x : {raw.min, raw.min / 2, 0.0, 1.0, 77.0, raw.max}) {
         const double value = std::max(std::round(x), raw.min) * 0.5 + 3;
