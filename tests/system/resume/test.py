@@ -21,6 +21,17 @@ extern "C" int fsync(int file) {
 }
 """
 
+KEEPS = """<cell name="keeps">
+  <device name="robot">
+    <module>
+      <name>keeps</name>
+      <filename>keeps.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+      <period>4000000</period> <priority>1</priority> <retain>true</retain>
+      <property><value name="after">1000000000</value></property>
+    </module>
+  </device>
+</cell>"""
+
 
 class Resume(takt_system.Case):
     def executes(self, node):
@@ -73,24 +84,51 @@ class Resume(takt_system.Case):
         self.assert_waits(node)
         self.end({"robot": node})
 
-    def test_a_node_answers_while_its_disk_does_not_and_confirms_only_what_is_on_disk(self):
+    def node_with_hanging_disk(self):
+        """Starts a node whose disk does not answer while the file `hangs` exists. Returns the node and the path of this file."""
         library = os.path.join(self.folder, "hanging_disk.so")
         subprocess.run(["c++", "-shared", "-fPIC", "-o", library, self.write("hanging_disk.cpp", HANGING_DISK)], check=True)
         hangs = os.path.join(self.folder, "hangs")
-        node = self.node("robot", environment={"LD_PRELOAD": library, "HANGS": hangs})
+        return self.node("robot", environment={"LD_PRELOAD": library, "HANGS": hangs}), hangs
 
-        def answers():
-            begun = time.monotonic()
-            report = self.status_of("robot")
-            print("takt status took %.2f s while the disk did not answer" % (time.monotonic() - begun))
-            self.assertTrue(report["alive"])
-            return report
+    def answers(self):
+        begun = time.monotonic()
+        report = self.status_of("robot")
+        print("takt status took %.2f s while the disk did not answer" % (time.monotonic() - begun))
+        self.assertTrue(report["alive"])
+        return report
+
+    def test_a_reset_is_answered_when_no_retained_state_is_left_on_disk(self):
+        cell = self.write("keeps.xml", KEEPS)
+        node, hangs = self.node_with_hanging_disk()
+        self.deploy(cell)
+        saved = os.path.join(self.folder, "state", "keeps.robot.keeps.saved")
+        wait_until(lambda: os.path.exists(saved), "the saved state on disk")
+        self.done("destruct robot.keeps")
+        self.write("hangs", "")
+        reset = self.start("reset", "robot.keeps")
+        node.wait_for_line(r" robot\.keeps: DESTRUCT -> IDLE")
+        self.assertEqual({"keeps": "IDLE"}, {m["name"]: m["state"] for m in self.answers()["modules"]})
+        self.assertIsNone(reset.status)
+        os.remove(hangs)
+        self.assertEqual(0, reset.wait().status, reset.err)
+        node.signal(signal.SIGKILL)
+        node.wait()
+        self.gone(node)
+        node = self.node("robot")
+        self.deploy(cell)
+        node.wait_for_line("version 1 began 0")
+        self.done("undeploy keeps")
+        self.end({"robot": node})
+
+    def test_a_node_answers_while_its_disk_does_not_and_confirms_only_what_is_on_disk(self):
+        node, hangs = self.node_with_hanging_disk()
 
         self.write("hangs", "")
         deploy = self.start("deploy", self.beside("cell.xml"))
         for module in ("grid", "program"):
             node.wait_for_line(r" robot\.%s: INITIALIZE -> START" % module)
-        self.assertEqual(("ready", "prepared"), tuple(answers()[key] for key in ("state", "stage")))
+        self.assertEqual(("ready", "prepared"), tuple(self.answers()[key] for key in ("state", "stage")))
         self.assertIsNone(deploy.status)
         os.remove(hangs)
         self.assertEqual(0, deploy.wait().status, deploy.err)
@@ -100,7 +138,7 @@ class Resume(takt_system.Case):
         self.write("hangs", "")
         undeploy = self.start("undeploy", "cell")
         node.wait_for_line("cell cell is undeployed")
-        self.assertEqual("waiting", answers()["state"])
+        self.assertEqual("waiting", self.answers()["state"])
         self.assertIsNone(undeploy.status)
         os.remove(hangs)
         self.assertEqual(0, undeploy.wait().status, undeploy.err)
