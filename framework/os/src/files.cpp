@@ -74,16 +74,27 @@ std::optional<std::string> read_section(const std::string& path, const std::stri
   return {};
 }
 
-std::string library_folders(const std::string& path) {
+/// Returns the texts of an ELF file's dynamic entries with one of these two tags.
+static std::vector<std::string> dynamic_texts(const std::string& path, ElfW(Sxword) one, ElfW(Sxword) other) {
   const std::string entries = read_section(path, ".dynamic").value_or("");
   const std::string names = read_section(path, ".dynstr").value_or("");
+  std::vector<std::string> texts;
   ElfW(Dyn) entry{};
   for (std::size_t at = 0; at + sizeof entry <= entries.size(); at += sizeof entry) {
     std::memcpy(&entry, entries.data() + at, sizeof entry);
-    const bool folders = entry.d_tag == DT_RUNPATH || entry.d_tag == DT_RPATH;
-    if (folders && entry.d_un.d_val < names.size()) return names.c_str() + entry.d_un.d_val;
+    if ((entry.d_tag == one || entry.d_tag == other) && entry.d_un.d_val < names.size())
+      texts.emplace_back(names.c_str() + entry.d_un.d_val);
   }
-  return {};
+  return texts;
+}
+
+std::string library_folders(const std::string& path) {
+  const auto texts = dynamic_texts(path, DT_RUNPATH, DT_RPATH);
+  return texts.empty() ? "" : texts.front();
+}
+
+std::vector<std::string> needed_libraries(const std::string& path) {
+  return dynamic_texts(path, DT_NEEDED, DT_NEEDED);
 }
 
 /// Syncs the folder of a file that was renamed or removed, so that the change survives a loss of power.

@@ -10,13 +10,16 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include <takt/os/files.hpp>
 #include <takt/os/sealed_copy.hpp>
 #include "error.hpp"
 
@@ -91,6 +94,29 @@ Result<std::shared_ptr<Fd>> with_unused_path(Fd copy) {
   }
 }
 
+struct Unload {
+  void operator()(void* handle) const { ::dlclose(handle); }
+};
+
+// Loads the libraries that an object finds in a folder that is relative to its own ($ORIGIN). For the loader,
+// a copy of the object has no folder, but the copy finds a library that is loaded by the library's name
+// (DT_SONAME).
+std::vector<std::unique_ptr<void, Unload>> libraries_beside(const std::string& path) {
+  constexpr std::string_view kOrigin = "$ORIGIN";
+  const std::string folder = std::filesystem::absolute(path).parent_path();
+  std::vector<std::unique_ptr<void, Unload>> libraries;
+  std::istringstream folders{library_folders(path)};
+  for (std::string place; std::getline(folders, place, ':');) {
+    if (!place.starts_with(kOrigin)) continue;
+    place.replace(0, kOrigin.size(), folder);
+    for (const std::string& name : needed_libraries(path)) {
+      if (void* library = ::dlopen((place + "/" + name).c_str(), RTLD_NOW | RTLD_LOCAL))
+        libraries.emplace_back(library);
+    }
+  }
+  return libraries;
+}
+
 /// The copies from which objects with shared globals were loaded, by the path of the copied file.
 class SharedCopies {
  public:
@@ -138,8 +164,10 @@ Library::~Library() {
 
 Result<Library> Library::open(const std::string& path, Globals globals, Fd copy) {
   Library library;
+  std::vector<std::unique_ptr<void, Unload>> beside;  // needed only until the object itself uses them
   if (globals == Globals::own) {
     if (!copy) {
+      beside = libraries_beside(path);
       auto copied = sealed_copy(path);
       if (!copied) return copied.problems();
       copy = std::move(*copied);

@@ -63,6 +63,15 @@ TEST(Library, StartsWithFreshGlobalsEachTimeItIsOpenedWithOwnGlobals) {
   }
 }
 
+TEST(Library, FindsTheLibrariesBesideItsFileIfOpenedWithOwnGlobals) {
+  for (int i = 0; i < 2; ++i) {
+    const auto library = Library::open(build_path("tests/objects/needs.so"), Library::Globals::own);
+    ASSERT_TRUE(library.ok()) << to_text(library.problems());
+    EXPECT_EQ(reinterpret_cast<int (*)()>(library->own_symbol("count_beside"))(), 1)
+        << "the library was not unloaded";
+  }
+}
+
 TEST(Library, LoadsTheGivenCopyInsteadOfTheFile) {
   const std::string path = testing::TempDir() + "takt-library-" + std::to_string(::getpid()) + ".so";
   std::filesystem::copy_file(kPlain, path);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <takt/core/result.hpp>
 
@@ -23,6 +24,9 @@ std::optional<std::string> read_section(const std::string& path, const std::stri
 /// Returns the folders in which the loader searches for the libraries of an ELF file, as the file names them,
 /// separated by ':'. Empty if it names none.
 std::string library_folders(const std::string& path);
+
+/// Returns the names of the libraries with which an ELF file is linked.
+std::vector<std::string> needed_libraries(const std::string& path);
 
 /// Who may read a file.
 enum class Readers { owner, everybody };
