@@ -11,6 +11,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/os/real_time.hpp>
 #include <takt/os/thread_use.hpp>
 #include <takt/os/waker.hpp>
@@ -55,7 +56,7 @@ Result<void> DevicePlatform::begin(supervision::Parts& parts) {
                               .wake_ups = options_.wake_ups};
   for (const std::string& warning : warnings_for(device, parts.plan, conditions))
     log("", "warning: " + warning);
-  parts.placement = schedule::place(device, os::allowed_cpus());
+  parts.placement = schedule::place(device, os::read_cpus());
   for (const std::string& warning : parts.placement.warnings) log("", "warning: " + warning);
 
   if (options_.check_real_time) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 #include <takt/core/words.hpp>
 #include <takt/os/process.hpp>
@@ -52,11 +53,14 @@ bool has(const std::vector<int>& cpus, int cpu) {
   return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
 }
 
-// Returns the CPUs on which executors run: the isolated CPUs or, if no CPU is isolated, the CPU with the
-// highest number, because executors without `cpu` get that CPU first.
-std::vector<int> executor_cpus(const Machine& machine) {
-  if (!machine.isolated.empty()) return machine.isolated;
-  return machine.online.size() < 2 ? std::vector<int>{} : std::vector<int>{machine.online.back()};
+std::string are(const std::vector<int>& cpus) {
+  return model::cpus_in_words(cpus) + (cpus.size() == 1 ? " is" : " are");
+}
+
+std::vector<int> without(const std::vector<int>& all, const std::vector<int>& some) {
+  std::vector<int> left;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(left), [&](int cpu) { return !has(some, cpu); });
+  return left;
 }
 
 Finding preemption(const Machine& machine, const Trial&) {
@@ -164,20 +168,46 @@ Finding throttling(const Machine& machine, const Trial&) {
   return finding;
 }
 
-Finding isolation(const Machine& machine, const Trial&) {
+Finding cpu_limit(const Machine&, const Trial& trial) {
+  Finding finding{.name = "CPU limit",
+                  .found = "Takt may use all CPUs of this machine",
+                  .why = "an executor cannot use a CPU that a cpuset limit excludes"};
+  const std::vector<int> excluded = without(trial.cpus.online, trial.cpus.permitted);
+  if (excluded.empty()) return finding;
+  finding.severity = Severity::note;
+  finding.found = "a cpuset limit (of a cgroup, a service or a container) excludes " +
+                  model::cpus_in_words(excluded);
+  finding.cure =
+      "if an executor needs one of them, add it to AllowedCPUs= of the service, or to --cpuset-cpus of the "
+      "container";
+  return finding;
+}
+
+Finding isolation(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "isolation",
                   .found = "",
                   .why =
                       "on a shared CPU, a control loop finds its caches cold and waits for the kernel's own "
                       "work"};
   if (!machine.isolated.empty()) {
-    finding.found = "CPUs " + os::cpus_text(machine.isolated) + " are isolated";
+    finding.found = are(machine.isolated) + " isolated";
+    if (const std::vector<int> excluded = without(machine.isolated, trial.cpus.permitted);
+        !excluded.empty()) {
+      finding.severity = Severity::note;
+      finding.found += ", but a cpuset limit excludes " + model::cpus_in_words(excluded);
+      finding.cure = "extend the limit (see CPU limit)";
+      return finding;
+    }
+    finding.found += ", for executors that request ";
+    finding.found += machine.isolated.size() == 1
+                         ? "it (cpu=\"" + std::to_string(machine.isolated.back()) + "\")"
+                         : "one of them, as in cpu=\"" + std::to_string(machine.isolated.back()) + "\"";
     const bool tickless = std::all_of(machine.isolated.begin(), machine.isolated.end(),
                                       [&](int cpu) { return has(machine.tickless, cpu); });
     if (tickless) return finding;
-    const std::string cpus = os::cpus_text(machine.isolated);
+    const std::string cpus = model::cpus_text(machine.isolated);
     finding.severity = Severity::note;
-    finding.found += ", but receive the kernel's timer tick";
+    finding.found += ", but the kernel's timer tick still runs there";
     finding.cure = "boot with isolcpus=" + cpus + " nohz_full=" + cpus + " rcu_nocbs=" + cpus;
     return finding;
   }
@@ -188,17 +218,18 @@ Finding isolation(const Machine& machine, const Trial&) {
     finding.cure = "use a machine with two or more CPUs";
     return finding;
   }
-  const std::string last = std::to_string(machine.online.back());
+  const std::string last = std::to_string(trial.cpus.permitted.back());
   finding.cure = "boot with isolcpus=" + last + " nohz_full=" + last + " rcu_nocbs=" + last +
                  ", and give the executor cpu=\"" + last + "\"";
   return finding;
 }
 
-Finding interrupts(const Machine& machine, const Trial&) {
+Finding interrupts(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "interrupts",
                   .found = "no interrupt arrives on the CPUs of executors",
                   .why = "an interrupt is served before any thread, whatever the thread's priority"};
-  const std::vector<int> mine = executor_cpus(machine);
+  const std::vector<int> mine =
+      machine.online.size() < 2 ? std::vector<int>{} : os::executor_cpus(machine.isolated, trial.cpus);
   std::vector<std::string> there;
   for (const os::Interrupt& interrupt : machine.interrupts) {
     const bool comes =
@@ -213,12 +244,9 @@ Finding interrupts(const Machine& machine, const Trial&) {
     finding.found = there.size() == 1 ? "interrupt " : "interrupts ";
     for (std::size_t i = 0; i < shown; ++i) finding.found += (i == 0 ? "" : ", ") + there[i];
     if (shown < there.size()) finding.found += " and " + std::to_string(there.size() - shown) + " more";
-    finding.found += " may arrive on CPU " + os::cpus_text(mine);
-    std::vector<int> others;
-    for (const int cpu : machine.online) {
-      if (!has(mine, cpu)) others.push_back(cpu);
-    }
-    finding.cure = "run for irq in /proc/irq/[0-9]*; do echo " + os::cpus_text(others) +
+    finding.found += " may arrive on " + model::cpus_in_words(mine);
+    finding.cure = "run for irq in /proc/irq/[0-9]*; do echo " +
+                   model::cpus_text(without(machine.online, mine)) +
                    " > $irq/smp_affinity_list; done";
   }
   if (machine.irqbalance) {
@@ -323,7 +351,7 @@ Finding hyper_threads(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   for (const os::Processor& processor : machine.processors) {
     if (processor.siblings.size() < 2 || processor.siblings.back() != processor.number) continue;
-    finding.found = "CPUs share cores, such as CPUs " + os::cpus_text(processor.siblings);
+    finding.found = "CPUs share cores, such as " + model::cpus_in_words(processor.siblings);
   }
   finding.cure = "run echo off > /sys/devices/system/cpu/smt/control";
   return finding;
@@ -472,7 +500,7 @@ const char* to_text(Severity severity) noexcept {
 std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
   std::vector<Finding> findings;
   for (const auto check :
-       {preemption, priority, memory, swap, throttling, isolation, interrupts, frequency, idle, clock, timers,
+       {preemption, priority, memory, swap, throttling, cpu_limit, isolation, interrupts, frequency, idle, clock, timers,
         hyper_threads, virtual_machine, stolen, huge_pages, sockets, files, shared_memory, wake_up}) {
     Finding finding = check(machine, trial);
     // The kernel's settings cannot be changed inside a sealed container, so the cure must be applied on the

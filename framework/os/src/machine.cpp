@@ -1,5 +1,6 @@
 #include <takt/os/machine.hpp>
 
+#include <sched.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <string_view>
 
 #include <takt/os/files.hpp>
+#include <takt/os/real_time.hpp>
 
 namespace takt::os {
 
@@ -48,6 +50,36 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
     entries.push_back(at->path());
   std::sort(entries.begin(), entries.end());
   return entries;
+}
+
+// Returns the CPUs on which the calling thread may run.
+std::vector<int> affinity() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> cpus;
+  if (::sched_getaffinity(0, sizeof set, &set) != 0) return {0};
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &set)) cpus.push_back(cpu);
+  }
+  return cpus;
+}
+
+// Returns the CPUs on which a thread of this process may run if it requests them. sched_getaffinity() alone
+// does not show them: it leaves out isolated CPUs, to which the kernel moves a thread only on request. So a
+// thread requests all CPUs, and the kernel removes those that a cpuset limit excludes. The thread ends
+// afterwards, so that no other thread runs on these CPUs.
+std::vector<int> permitted_cpus(const std::vector<int>& online) {
+  std::vector<int> permitted;
+  auto thread = Thread::start(
+      {.name = "takt-probe"},
+      [&] {
+        static_cast<void>(pin(0, online));
+        permitted = affinity();
+      },
+      nullptr);
+  if (!thread) return affinity();
+  thread->join();
+  return permitted;
 }
 
 // Returns the word in brackets or parentheses, for example "madvise" from "always [madvise] never", or "full"
@@ -230,16 +262,14 @@ std::vector<int> parse_cpus(const std::string& text) {
   return cpus;
 }
 
-std::string cpus_text(const std::vector<int>& cpus) {
-  std::string text;
-  for (std::size_t i = 0; i < cpus.size(); ++i) {
-    std::size_t last = i;
-    while (last + 1 < cpus.size() && cpus[last + 1] == cpus[last] + 1) ++last;
-    text += (text.empty() ? "" : ",") + std::to_string(cpus[i]);
-    if (last > i) text += "-" + std::to_string(cpus[last]);
-    i = last;
-  }
-  return text;
+model::Cpus read_cpus() {
+  model::Cpus cpus{.online = parse_cpus(text_of("/sys/devices/system/cpu/online")), .ordinary = affinity()};
+  cpus.permitted = permitted_cpus(cpus.online);
+  return cpus;
+}
+
+std::vector<int> read_isolated_cpus(const std::string& root) {
+  return parse_cpus(text_of(root_folder(root) / "sys/devices/system/cpu/isolated"));
 }
 
 std::optional<Throttling> read_throttling(const std::string& root_name) {
@@ -306,7 +336,7 @@ Machine read_machine(const std::string& root_name) {
   machine.locked = limit_of(limits, "Max locked memory");
   machine.files = limit_of(limits, "Max open files");
   machine.online = parse_cpus(text_of(cpus / "online"));
-  machine.isolated = parse_cpus(text_of(cpus / "isolated"));
+  machine.isolated = read_isolated_cpus(root_name);
   machine.tickless = parse_cpus(text_of(cpus / "nohz_full"));
   for (const int cpu : machine.online)
     machine.processors.push_back(processor_of(cpus / ("cpu" + std::to_string(cpu)), cpu));

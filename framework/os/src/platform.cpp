@@ -38,7 +38,7 @@ Platform describe_platform() {
   platform.kernel = machine.kernel + " " + machine.version;
   platform.clock_source = machine.clock;
   if (!machine.processors.empty()) platform.governor = machine.processors.front().governor;
-  platform.isolated = cpus_text(machine.isolated);
+  platform.isolated = model::cpus_text(machine.isolated);
   platform.hypervisor = !machine.hypervisor.empty();
   if (machine.throttling) {
     platform.throttled = std::chrono::duration<double>(machine.throttling->kept).count() /

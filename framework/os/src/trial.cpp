@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -40,12 +41,22 @@ WakeUps wake_ups_of(std::vector<Nanoseconds> delays) {
       .count = delays.size(), .p50 = delays[last / 2], .p99 = delays[last * 99 / 100], .max = delays[last]};
 }
 
+std::vector<int> executor_cpus(const std::vector<int>& isolated, const model::Cpus& cpus) {
+  std::vector<int> chosen;
+  std::set_intersection(isolated.begin(), isolated.end(), cpus.permitted.begin(), cpus.permitted.end(),
+                        std::back_inserter(chosen));
+  if (chosen.empty() && !cpus.ordinary.empty()) chosen.push_back(cpus.ordinary.back());
+  return chosen;
+}
+
+std::vector<int> executor_cpus() { return executor_cpus(read_isolated_cpus(), read_cpus()); }
+
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause) {
   std::vector<Nanoseconds> delays(count);
   const NoDeepIdle no_deep_idle;
   Problems refused;  // ignored, because executors also run without a priority if the system denies it
   auto thread = Thread::start(
-      {.name = "takt-probe", .priority = kPriority, .cpus = {allowed_cpus().back()}},
+      {.name = "takt-probe", .priority = kPriority, .cpus = {executor_cpus().back()}},
       [&delays, pause] {
         Instant until = now();
         for (Nanoseconds& delay : delays) {
@@ -68,6 +79,7 @@ Nanoseconds timer_resolution() noexcept {
 
 Trial try_machine(Nanoseconds moment) {
   Trial trial;
+  trial.cpus = read_cpus();
   trial.priority = may_have_priority();
   trial.locking = try_locking();
   if (!NoDeepIdle{}.held())

@@ -19,34 +19,37 @@ bool has(const std::vector<int>& cpus, int cpu) {
 
 }  // namespace
 
-std::vector<std::string> missing_cpus(const model::Device& device, const std::vector<int>& allowed) {
+std::vector<std::string> missing_cpus(const model::Device& device, const model::Cpus& cpus) {
   std::vector<std::string> missing;
   for (const model::Executor& executor : device.executors) {
-    if (!executor.cpu || has(allowed, *executor.cpu)) continue;
+    if (!executor.cpu || has(cpus.permitted, *executor.cpu)) continue;
+    const bool online = has(cpus.online, *executor.cpu);
     missing.push_back(
         "executor " + executor.name +
         (executor.line.given() ? " (line " + std::to_string(executor.line.number) + ")" : "") +
         " requests CPU " + std::to_string(*executor.cpu) +
-        ", which does not exist or may not be used on this machine; the node chooses another CPU");
+        (online ? ", which a cpuset limit (of a cgroup, a service or a container) excludes; Takt may use "
+                : ", which this machine does not have or has switched off; Takt may use ") +
+        model::cpus_in_words(cpus.permitted) + ", and the node chooses one of them");
   }
   return missing;
 }
 
-Placement place(const model::Device& device, const std::vector<int>& allowed) {
-  TAKT_CHECK(!allowed.empty());
+Placement place(const model::Device& device, const model::Cpus& cpus) {
+  TAKT_CHECK(!cpus.ordinary.empty());
   Placement placement;
   std::vector<int> taken;
-  std::vector<int> free = allowed;
+  std::vector<int> free = cpus.ordinary;
   const auto take = [&](int cpu) {
     if (!has(taken, cpu)) taken.push_back(cpu);
     std::erase(free, cpu);
   };
   for (const model::Executor& executor : device.executors) {
-    if (executor.cpu && has(allowed, *executor.cpu)) take(*executor.cpu);
+    if (executor.cpu && has(cpus.permitted, *executor.cpu)) take(*executor.cpu);
   }
-  placement.warnings = missing_cpus(device, allowed);
+  placement.warnings = missing_cpus(device, cpus);
   for (const model::Executor& executor : device.executors) {
-    if (executor.cpu && has(allowed, *executor.cpu)) {
+    if (executor.cpu && has(cpus.permitted, *executor.cpu)) {
       placement.executors.push_back({*executor.cpu});
       continue;
     }
@@ -55,7 +58,7 @@ Placement place(const model::Device& device, const std::vector<int>& allowed) {
     placement.executors.push_back({cpu});
     take(cpu);
   }
-  placement.background = free.empty() ? allowed : free;
+  placement.background = free.empty() ? cpus.ordinary : free;
   if (free.empty() && std::any_of(device.modules.begin(), device.modules.end(), is_program)) {
     placement.warnings.emplace_back(
         "no CPU is left for process modules: they share the CPUs of the executors; give the device another "

@@ -23,6 +23,7 @@
 #include <takt/channel/release_slot.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/schedule/plan.hpp>
 #include "executor_threads.hpp"
 
@@ -132,7 +133,8 @@ class RealTimePath : public testing::Test {
   void run(std::uint64_t cycles) {
     std::thread program{[this] { serve(); }};
     Problems problems;
-    const auto begun = threads->begin(os::now() + milliseconds{20}, {os::allowed_cpus().back()}, &problems);
+    const auto begun =
+        threads->begin(os::now() + milliseconds{20}, {os::read_cpus().ordinary.back()}, &problems);
     EXPECT_TRUE(begun.ok());
     for (const Problem& problem : problems) GTEST_LOG_(WARNING) << to_text(problem);
     const Instant limit = os::now() + std::chrono::seconds{60};

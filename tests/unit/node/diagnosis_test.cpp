@@ -47,6 +47,7 @@ os::Machine good_machine() {
 
 os::Trial good_trial() {
   os::Trial trial;
+  trial.cpus = {.online = {0, 1, 2, 3}, .permitted = {0, 1, 2, 3}, .ordinary = {0, 1, 2}};
   trial.timer_resolution = Nanoseconds{1};
   trial.wake_ups = {500, microseconds{3}, microseconds{8}, microseconds{21}};
   trial.stolen_share = 0.0;
@@ -75,7 +76,7 @@ TEST(Diagnosis, ExplainsEveryCheckEvenIfNothingIsKnownAboutTheMachine) {
     EXPECT_NE(each.why, "") << each.name;
     EXPECT_TRUE(names.insert(each.name).second) << each.name;
   }
-  EXPECT_EQ(names.size(), 19U);
+  EXPECT_EQ(names.size(), 20U);
 }
 
 TEST(Diagnosis, SuggestsAFixForEveryProblem) {
@@ -94,6 +95,7 @@ TEST(Diagnosis, SuggestsAFixForEveryProblem) {
   machine.files = os::Limit{256, 256};
   machine.time = os::ProcessorTime{100, 5};
   os::Trial trial;
+  trial.cpus = {.online = {0, 1, 2, 3}, .permitted = {0, 1}, .ordinary = {0, 1}};
   trial.priority = fail("SCHED_FIFO 1 is denied", "be root");
   trial.locking = fail("mlockall is denied beyond 8192 KiB");
   trial.idle_held = fail("/dev/cpu_dma_latency cannot be opened");
@@ -157,11 +159,32 @@ TEST(Diagnosis, ReportsInterruptsOnTheCpusOfExecutors) {
   EXPECT_THAT(finding("interrupts", machine).found, HasSubstr("16 (eth0)"));
   EXPECT_THAT(finding("interrupts", machine).cure, HasSubstr("echo 0-2 >"));
   machine.isolated.clear();  // without isolated CPUs, executors get the highest CPU
-  EXPECT_EQ(finding("interrupts", machine).severity, Severity::note);
+  os::Trial trial = good_trial();
+  trial.cpus = model::Cpus::all({0, 1, 2, 3});
+  EXPECT_EQ(finding("interrupts", machine, trial).severity, Severity::note);
   machine.interrupts[0].cpus = {2};
-  EXPECT_EQ(finding("interrupts", machine).severity, Severity::good);
+  EXPECT_EQ(finding("interrupts", machine, trial).severity, Severity::good);
   machine.irqbalance = true;
   EXPECT_THAT(finding("interrupts", machine).cure, HasSubstr("irqbalance"));
+}
+
+TEST(Diagnosis, SaysHowAnExecutorGetsAnIsolatedCpu) {
+  os::Machine machine = good_machine();
+  EXPECT_EQ(finding("isolation", machine).found,
+            "CPU 3 is isolated, for executors that request it (cpu=\"3\")");
+  machine.isolated.clear();
+  os::Trial trial = good_trial();
+  trial.cpus.permitted = {0, 1};
+  EXPECT_THAT(finding("isolation", machine, trial).cure, HasSubstr("isolcpus=1 "));
+}
+
+TEST(Diagnosis, NamesTheCpusetLimitThatExcludesCpus) {
+  os::Trial trial = good_trial();
+  trial.cpus.permitted = {0, 1};
+  EXPECT_EQ(finding("CPU limit", good_machine(), trial).severity, Severity::note);
+  EXPECT_THAT(finding("CPU limit", good_machine(), trial).found, HasSubstr("excludes CPUs 2-3"));
+  EXPECT_EQ(finding("isolation", good_machine(), trial).severity, Severity::note);
+  EXPECT_THAT(finding("isolation", good_machine(), trial).found, HasSubstr("limit excludes CPU 3"));
 }
 
 TEST(Diagnosis, AcceptsDeepIdleStatesThatTaktCanPrevent) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include <takt/os/kernel_news.hpp>
+#include <takt/os/real_time.hpp>
 
 namespace takt::os::machine_test {
 namespace {
@@ -247,8 +248,22 @@ TEST(CpuList, CanBeParsedAndFormatted) {
   EXPECT_THAT(parse_cpus("3"), ElementsAre(3));
   EXPECT_THAT(parse_cpus("0-2,5"), ElementsAre(0, 1, 2, 5));
   EXPECT_THAT(parse_cpus("2-x"), IsEmpty());
-  EXPECT_EQ(cpus_text({}), "");
-  EXPECT_EQ(cpus_text({0, 1, 2, 5}), "0-2,5");
+  EXPECT_EQ(model::cpus_text({}), "");
+  EXPECT_EQ(model::cpus_text({0, 1, 2, 5}), "0-2,5");
+}
+
+// The kernel's option isolcpus= has the same effect: threads get the isolated CPUs only on request.
+TEST(Cpus, PermitsACpuThatTheAffinityOfTheProcessLeavesOut) {
+  const model::Cpus before = read_cpus();
+  ASSERT_FALSE(before.ordinary.empty());
+  model::Cpus inside;
+  auto thread = Thread::start(
+      {.name = "t", .cpus = {before.ordinary.front()}}, [&inside] { inside = read_cpus(); }, nullptr);
+  thread->join();
+  EXPECT_THAT(inside.ordinary, ElementsAre(before.ordinary.front()));
+  EXPECT_EQ(inside.permitted, before.permitted);
+  EXPECT_EQ(inside.online, before.online);
+  EXPECT_EQ(read_cpus(), before) << "the trial changes no CPU of the calling thread";
 }
 
 TEST(Machine, ReadsTheKernelAndCpusOfThisMachine) {

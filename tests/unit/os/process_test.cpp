@@ -17,8 +17,8 @@
 #include <utility>
 
 #include <takt/os/clock.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/os/message_socket.hpp>
-#include <takt/os/real_time.hpp>
 #include <takt/os/sealed_copy.hpp>
 #include <takt/os/shared_memory.hpp>
 
@@ -126,7 +126,7 @@ TEST(Child, CanHaveItsOutputCaptured) {
 
 TEST(Child, RunsOnTheGivenCpusFromItsFirstInstruction) {
   SpawnOptions options = shell("grep Cpus_allowed_list /proc/self/status");
-  options.cpus = {allowed_cpus().back()};
+  options.cpus = {read_cpus().ordinary.back()};
   options.capture_output = true;
   auto child = Child::spawn(options);
   ASSERT_TRUE(child.ok());

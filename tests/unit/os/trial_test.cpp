@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <takt/os/machine.hpp>
 #include <takt/os/real_time.hpp>
 
 namespace takt::os::trial_test {
@@ -9,6 +10,7 @@ namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
+using testing::ElementsAre;
 
 TEST(WakeUpStatistics, AreZeroWithoutMeasurements) {
   EXPECT_EQ(wake_ups_of({}).count, 0U);
@@ -39,14 +41,25 @@ TEST(Trial, MeasuresNoNegativeDelay) {
   EXPECT_LE(wake_ups.p50, wake_ups.max);
 }
 
+TEST(ExecutorCpus, AreTheIsolatedCpusThatArePermitted) {
+  const model::Cpus cpus{.online = {0, 1, 2, 3}, .permitted = {0, 1, 2}, .ordinary = {0}};
+  EXPECT_THAT(executor_cpus({1, 2, 3}, cpus), ElementsAre(1, 2));
+}
+
+TEST(ExecutorCpus, IsTheHighestOrdinaryCpuIfNoIsolatedCpuIsPermitted) {
+  const model::Cpus cpus{.online = {0, 1, 2, 3}, .permitted = {0, 1, 2}, .ordinary = {0, 1}};
+  EXPECT_THAT(executor_cpus({}, cpus), ElementsAre(1));
+  EXPECT_THAT(executor_cpus({3}, cpus), ElementsAre(1));
+}
+
 TEST(Trial, RestoresTheSettingsOfTheCallingThread) {
   const bool real_time = is_real_time();
-  const std::vector<int> cpus = allowed_cpus();
+  const model::Cpus cpus = read_cpus();
   const Trial trial = try_machine(milliseconds{3});
   EXPECT_EQ(trial.wake_ups.count, 3U);
   EXPECT_GE(trial.timer_resolution, Nanoseconds{1});
   EXPECT_EQ(is_real_time(), real_time);
-  EXPECT_EQ(allowed_cpus(), cpus);
+  EXPECT_EQ(read_cpus(), cpus);
 }
 
 }  // namespace

@@ -431,7 +431,7 @@ Proof proof_of(const model::Cell& cell, const std::vector<std::optional<Nanoseco
   Proof proof;
   proof.cpus = 2;
   const model::Device& device = cell.devices[0];
-  proof.devices = {schedule::worst_cases(device, plans(cell)[0], schedule::place(device, {0, 1}), runs)};
+  proof.devices = {schedule::worst_cases(device, plans(cell)[0], schedule::place(device, model::Cpus::all({0, 1})), runs)};
   return proof;
 }
 

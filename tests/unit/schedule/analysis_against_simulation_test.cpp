@@ -160,7 +160,7 @@ TEST_P(AnalysisAgainstSimulation, NeverAcceptsADeviceThatMissesADeadline) {
     const Drawn drawn = Draw{random}.device();
     const Device& device = drawn.device();
     const DevicePlan device_plan = plan(drawn.cell, device).value();
-    const Placement placement = place(device, drawn.cpus);
+    const Placement placement = place(device, model::Cpus::all(drawn.cpus));
     const auto worst = worst_cases(device, device_plan, placement, drawn.runs);
     const bool holds =
         std::all_of(worst.begin(), worst.end(), [](const WorstCase& one) { return one.kept(); });

@@ -58,7 +58,7 @@ class Cells {
   [[nodiscard]] std::vector<WorstCase> worst(int number_of_cpus = 2) {
     std::vector<int> cpus(static_cast<std::size_t>(number_of_cpus));
     std::iota(cpus.begin(), cpus.end(), 0);
-    return worst_cases(device(), plan(cell, device()).value(), place(device(), cpus), runs);
+    return worst_cases(device(), plan(cell, device()).value(), place(device(), model::Cpus::all(cpus)), runs);
   }
   [[nodiscard]] Problems missed(int number_of_cpus = 2) {
     return missed_deadlines(cell, device(), worst(number_of_cpus));

@@ -33,44 +33,46 @@ model::Device with(std::vector<model::Executor> executors) {
 TEST(Placement, DoesNotWarnADeviceWithoutProcessModules) {
   model::Device device = with({executor("main")});
   device.modules[0].type = model::ModuleType::thread;
-  EXPECT_THAT(place(device, {0}).warnings, IsEmpty());
+  EXPECT_THAT(place(device, model::Cpus::all({0})).warnings, IsEmpty());
 }
 
 TEST(Placement, WarnsThatProcessModulesShareTheOnlyCpu) {
-  const Placement placement = place(with({executor("main")}), {0});
+  const Placement placement = place(with({executor("main")}), model::Cpus::all({0}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{0}));
   EXPECT_THAT(placement.background, ElementsAre(0));
   EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("no CPU is left")));
 }
 
 TEST(Placement, GivesTheExecutorTheHigherNumberedOfTwoCpus) {
-  const Placement placement = place(with({executor("main")}), {0, 1});
+  const Placement placement = place(with({executor("main")}), model::Cpus::all({0, 1}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
 TEST(Placement, GivesEachExecutorItsOwnCpuFromTheHighestNumberDown) {
-  const Placement placement = place(with({executor("a"), executor("b")}), {0, 1, 2, 3});
+  const Placement placement = place(with({executor("a"), executor("b")}), model::Cpus::all({0, 1, 2, 3}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{3}, Cpus{2}));
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
 }
 
 TEST(Placement, LeavesACpuToOtherThreadsIfThereAreTooManyExecutors) {
-  const Placement placement = place(with({executor("a"), executor("b"), executor("c")}), {0, 1});
+  const Placement placement =
+      place(with({executor("a"), executor("b"), executor("c")}), model::Cpus::all({0, 1}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}, Cpus{1}, Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
 }
 
 TEST(Placement, UsesTheCpusOfTheDescriptor) {
-  const Placement placement = place(with({executor("a"), executor("b", 3), executor("c", 0)}), {0, 1, 2, 3});
+  const Placement placement =
+      place(with({executor("a"), executor("b", 3), executor("c", 0)}), model::Cpus::all({0, 1, 2, 3}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{2}, Cpus{3}, Cpus{0}));
   EXPECT_THAT(placement.background, ElementsAre(1));
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
 TEST(Placement, AllowsTwoExecutorsToRequestTheSameCpu) {
-  const Placement placement = place(with({executor("a", 1), executor("b", 1)}), {0, 1});
+  const Placement placement = place(with({executor("a", 1), executor("b", 1)}), model::Cpus::all({0, 1}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}, Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
 }
@@ -78,26 +80,45 @@ TEST(Placement, AllowsTwoExecutorsToRequestTheSameCpu) {
 TEST(Placement, WarnsAndUsesAnotherCpuIfTheRequestedOneIsMissing) {
   model::Executor motion = executor("motion", 5);
   motion.line = 7;
-  const Placement placement = place(with({motion}), {0, 1});
+  const Placement placement = place(with({motion}), model::Cpus::all({0, 1}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
   EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("executor motion (line 7) requests CPU 5,")));
 }
 
+TEST(Placement, UsesAnIsolatedCpuOnlyForTheExecutorThatRequestsIt) {
+  const model::Cpus cpus{.online = {0, 1, 2, 3}, .permitted = {0, 1, 2, 3}, .ordinary = {0, 1}};
+  const Placement placement = place(with({executor("a"), executor("b", 3)}), cpus);
+  EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}, Cpus{3}));
+  EXPECT_THAT(placement.background, ElementsAre(0));
+  EXPECT_THAT(placement.warnings, IsEmpty());
+}
+
+TEST(Placement, NamesTheCpusetLimitThatExcludesTheRequestedCpu) {
+  const model::Cpus cpus{.online = {0, 2, 3}, .permitted = {0, 2}, .ordinary = {0}};
+  EXPECT_THAT(
+      missing_cpus(with({executor("a", 2), executor("b", 3), executor("c", 1)}), cpus),
+      ElementsAre("executor b requests CPU 3, which a cpuset limit (of a cgroup, a service or a container) "
+                  "excludes; Takt may use CPUs 0,2, and the node chooses one of them",
+                  "executor c requests CPU 1, which this machine does not have or has switched off; Takt "
+                  "may use CPUs 0,2, and the node chooses one of them"));
+  EXPECT_THAT(place(with({executor("b", 3)}), cpus).executors, ElementsAre(Cpus{0}));
+}
+
 TEST(Placement, UsesOnlyAllowedCpus) {
-  const Placement placement = place(with({executor("a"), executor("b", 2)}), {4, 7});
+  const Placement placement = place(with({executor("a"), executor("b", 2)}), model::Cpus::all({4, 7}));
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{7}, Cpus{7}));
   EXPECT_THAT(placement.background, ElementsAre(4));
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
 TEST(Placement, LetsOtherThreadsUseAllCpusIfExecutorsRequestAll) {
-  const Placement placement = place(with({executor("a", 0), executor("b", 1)}), {0, 1});
+  const Placement placement = place(with({executor("a", 0), executor("b", 1)}), model::Cpus::all({0, 1}));
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
 TEST(Placement, LeavesAllCpusToOtherThreadsWithoutExecutors) {
-  const Placement placement = place(with({}), {0, 1});
+  const Placement placement = place(with({}), model::Cpus::all({0, 1}));
   EXPECT_THAT(placement.executors, IsEmpty());
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
 }

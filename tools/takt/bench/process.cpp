@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <takt/os/real_time.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/os/waker.hpp>
 
 #include "bare_loop.hpp"
@@ -60,7 +60,7 @@ Result<SeenWakes> wake_a_peer(WakeBy by, const Scheduling& scheduling, int other
 
 Result<std::vector<Section>> process(const Settings& settings, Problems& refused) {
   const Scheduling scheduling{.cpu = cpu_of(settings)};
-  const std::vector<int> cpus = os::allowed_cpus();
+  const std::vector<int> cpus = os::read_cpus().ordinary;
   // The first CPU that the executor does not use. A node also runs process modules on CPUs without an
   // executor.
   const auto other =

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <takt/os/clock.hpp>
-#include <takt/os/real_time.hpp>
+#include <takt/os/machine.hpp>
 
 #include "bare_loop.hpp"
 #include "measured_cell.hpp"
@@ -96,7 +96,7 @@ Result<Table1Result> run_table1(const Settings& settings, const Table1Progress& 
                       .seconds = settings.seconds.value_or(kTable1Seconds),
                       .cpu = cpu_of(settings),
                       .priority = kPriority,
-                      .cpus = static_cast<int>(os::allowed_cpus().size()),
+                      .cpus = static_cast<int>(os::read_cpus().permitted.size()),
                       .load = "",
                       .cases = {}};
   auto interruption = Interruption::create();

@@ -5,6 +5,7 @@
 
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/os/output_file.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -152,11 +153,11 @@ void add_bench(CLI::App& app, Chosen& chosen) {
           return 1;
         }
         options->settings.domain = *domain;
-        const std::vector<int> cpus = os::allowed_cpus();
+        const std::vector<int> cpus = os::read_cpus().permitted;
         if (const auto& cpu = options->settings.cpu;
             cpu && std::find(cpus.begin(), cpus.end(), *cpu) == cpus.end()) {
           complain({{"--cpu", fmt::format("takt may not run on CPU {}", *cpu),
-                     fmt::format("choose one of the CPUs {}", fmt::join(cpus, ", "))}});
+                     "choose one of the CPUs " + model::cpus_text(cpus)}});
           return 1;
         }
         return run(*options);

@@ -4,8 +4,8 @@
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/doubts.hpp>
 #include <takt/model/json.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/os/output_file.hpp>
-#include <takt/os/real_time.hpp>
 #include <takt/schedule/placement.hpp>
 
 #include "commands/commands.hpp"
@@ -75,8 +75,9 @@ int check(const CheckOptions& options) {
     proof = std::move(*proved);
     warn(proof->warnings);
   } else {
+    const model::Cpus cpus = os::read_cpus();
     for (const model::Device& device : loaded->cell.devices) {
-      for (std::string& text : schedule::missing_cpus(device, os::allowed_cpus()))
+      for (std::string& text : schedule::missing_cpus(device, cpus))
         warn({{"device " + device.name, std::move(text), ""}});
     }
   }

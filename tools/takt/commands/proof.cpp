@@ -4,7 +4,7 @@
 
 #include <takt/model/profile_json.hpp>
 #include <takt/os/files.hpp>
-#include <takt/os/real_time.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/schedule/longest_runs.hpp>
 #include <takt/schedule/placement.hpp>
 
@@ -26,11 +26,11 @@ Result<model::Profile> read_profile(const std::string& file) {
 
 namespace {
 
-std::vector<int> cpus_of(const std::optional<int>& count) {
-  if (!count) return os::allowed_cpus();
+model::Cpus cpus_of(const std::optional<int>& count) {
+  if (!count) return os::read_cpus();
   std::vector<int> cpus(static_cast<std::size_t>(*count));
   std::iota(cpus.begin(), cpus.end(), 0);
-  return cpus;
+  return model::Cpus::all(cpus);
 }
 
 }  // namespace
@@ -49,8 +49,8 @@ Result<Proof> prove(const model::Cell& cell, const std::vector<schedule::DeviceP
   const auto runs = schedule::longest_runs(cell, proof.of_profile ? &profile : nullptr, options.factor);
   if (!runs) return runs.problems();
 
-  const std::vector<int> cpus = cpus_of(options.cpus);
-  proof.cpus = cpus.size();
+  const model::Cpus cpus = cpus_of(options.cpus);
+  proof.cpus = cpus.permitted.size();
   for (std::size_t i = 0; i < cell.devices.size(); ++i) {
     const model::Device& device = cell.devices[i];
     const schedule::Placement placement = schedule::place(device, cpus);

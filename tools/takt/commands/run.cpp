@@ -17,10 +17,10 @@
 #include <takt/node/node.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/os/machine.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/output_file.hpp>
 #include <takt/os/process.hpp>
-#include <takt/os/real_time.hpp>
 #include <takt/os/signals.hpp>
 
 #include "commands/bring_up.hpp"
@@ -304,7 +304,7 @@ std::vector<std::string> Run::failures() const {
 /// The properties of this machine that affect run times.
 std::map<std::string, std::string> machine() {
   std::map<std::string, std::string> facts{{"host", os::host_name()},
-                                           {"processors", std::to_string(os::allowed_cpus().size())}};
+                                           {"processors", std::to_string(os::read_cpus().permitted.size())}};
   std::getline(std::ifstream{"/proc/sys/kernel/osrelease"}, facts["kernel"]);
   std::ifstream processors{"/proc/cpuinfo"};
   for (std::string line; std::getline(processors, line) && facts["processor"].empty();) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <takt/core/time.hpp>
+#include <takt/model/cpus.hpp>
 
 namespace takt::os {
 
@@ -112,11 +113,14 @@ Machine read_machine(const std::string& root = {});
 std::optional<Throttling> read_throttling(const std::string& root = {});
 std::optional<ProcessorTime> read_processor_time(const std::string& root = {});
 std::optional<std::uint64_t> read_swap_bytes(const std::string& root = {});
+std::vector<int> read_isolated_cpus(const std::string& root = {});
+
+/// Reads the CPUs of this machine, and tries on which of them the kernel lets a thread of this process run.
+/// `ordinary` contains the CPUs of the calling thread. Starts a thread for the trial.
+model::Cpus read_cpus();
 
 /// Converts a list of CPUs in the kernel's form, for example "0-2,5", to numbers. Returns an empty list if
 /// the text does not have this form.
 std::vector<int> parse_cpus(const std::string& text);
-/// Converts numbers of CPUs to a list in the kernel's form, for example "0-2,5".
-std::string cpus_text(const std::vector<int>& cpus);
 
 }  // namespace takt::os

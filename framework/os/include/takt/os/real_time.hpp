@@ -12,9 +12,6 @@
 
 namespace takt::os {
 
-/// Returns the CPUs on which the calling thread may run, in ascending order.
-std::vector<int> allowed_cpus();
-
 /// Returns true if the calling thread has priority over all ordinary threads (SCHED_FIFO, SCHED_RR or
 /// SCHED_DEADLINE).
 bool is_real_time() noexcept;

@@ -8,6 +8,7 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
+#include <takt/model/cpus.hpp>
 
 namespace takt::os {
 
@@ -21,12 +22,19 @@ struct WakeUps {
 /// Computes the statistics of these delays.
 WakeUps wake_ups_of(std::vector<Nanoseconds> delays);
 
+/// Returns the CPUs that executors should use: the isolated CPUs that are permitted or, if there are none,
+/// the ordinary CPU with the highest number, which executors without `cpu` get first.
+std::vector<int> executor_cpus(const std::vector<int>& isolated, const model::Cpus& cpus);
+/// Does the same for this process on this machine. The list is not empty.
+std::vector<int> executor_cpus();
+
 /// Starts a thread that sleeps `count` times for `pause` each, and measures how late it wakes up. The thread
-/// runs on the CPU with the highest number that this process may use. If the system allows it, the thread has
-/// SCHED_FIFO, and the CPUs are kept out of deep idle states. Takes a little longer than count x pause.
+/// runs on the last of executor_cpus(). If the system allows it, the thread has SCHED_FIFO, and the CPUs are
+/// kept out of deep idle states. Takes a little longer than count x pause.
 WakeUps try_wake_ups(std::size_t count, Nanoseconds pause);
 
 struct Trial {
+  model::Cpus cpus;
   Result<void> priority;   ///< success if SCHED_FIFO is granted
   Result<void> locking;    ///< success if mlockall() can lock present and future memory
   Result<void> idle_held;  ///< success if /dev/cpu_dma_latency can be opened
