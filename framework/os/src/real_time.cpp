@@ -21,15 +21,38 @@
 #include <memory>
 #include <utility>
 
+#include <takt/os/environment.hpp>
 #include "error.hpp"
 
 namespace takt::os {
 
 namespace {
 
-constexpr const char* kFifoCure =
-    "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
-constexpr const char* kLockCure = "run as root, or raise the memlock limit (ulimit -l unlimited)";
+// True if the calling thread has this capability.
+bool has_capability(unsigned capability) {
+  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
+  ::syscall(SYS_capget, &header, data.data());
+  return (data[0].effective & (1U << capability)) != 0;
+}
+
+std::string fifo_cure() {
+  if (has_capability(CAP_SYS_NICE))
+    return "use a priority from 1 to 99, and give the cgroup of this process real-time CPU time "
+           "(cpu.rt_runtime_us)";
+  return is_root()
+             ? "root lacks CAP_SYS_NICE here: add it to the container (--cap-add SYS_NICE), or raise the "
+               "rtprio limit (--ulimit rtprio=99)"
+             : "run as root, or give takt-node CAP_SYS_NICE or an rtprio limit (ulimit -r)";
+}
+
+std::string lock_cure() {
+  return is_root()
+             ? "root lacks CAP_IPC_LOCK here: add it to the container (--cap-add IPC_LOCK), or raise the "
+               "memlock limit (--ulimit memlock=-1)"
+             : "run as root, or give takt-node CAP_IPC_LOCK or raise the memlock limit (ulimit -l "
+               "unlimited)";
+}
 
 // Returns the number of free bytes on the calling thread's stack. The C library puts the thread-local
 // variables of all libraries on the stack, and these variables may take most of the requested size.
@@ -76,7 +99,7 @@ bool is_real_time() noexcept {
 Result<void> make_real_time(int tid, int priority) {
   const sched_param parameter{.sched_priority = priority};
   if (::sched_setscheduler(tid, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameter) != 0) {
-    return errno_problem("SCHED_FIFO " + std::to_string(priority) + " is denied", kFifoCure);
+    return errno_problem("SCHED_FIFO " + std::to_string(priority) + " is denied", fifo_cure());
   }
   return {};
 }
@@ -111,7 +134,8 @@ Result<void> lock_memory() {
   // memory.
   ::mallopt(M_TRIM_THRESHOLD, -1);
   ::mallopt(M_MMAP_MAX, 0);
-  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno_problem("mlockall is denied", kLockCure);
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
+    return errno_problem("mlockall is denied", "free memory, or raise the memory limit of the cgroup");
   return {};
 }
 
@@ -137,11 +161,8 @@ Result<void> may_lock_memory() {
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);
   if (limit.rlim_cur == RLIM_INFINITY) return {};
-  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
-  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
-  ::syscall(SYS_capget, &header, data.data());
-  if ((data[0].effective & (1U << CAP_IPC_LOCK)) != 0) return {};
-  return fail("mlockall is denied beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", kLockCure);
+  if (has_capability(CAP_IPC_LOCK)) return {};
+  return fail("mlockall is denied beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", lock_cure());
 }
 
 Result<void> may_be_real_time() {

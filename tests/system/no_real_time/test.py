@@ -78,6 +78,19 @@ class NoRealTime(takt_system.Case):
         self.assertNotIn("INITIALIZE", run.err)
         self.assertNotIn("WARNING", run.err)
 
+    @unittest.skipUnless(os.getuid() == 0 and shutil.which("setpriv"), "needs root and setpriv")
+    def test_takt_tells_root_which_capabilities_it_lacks(self):
+        """In a container, root has only some of the capabilities."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+            resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))
+
+        as_root = dict(become=limit, before=["setpriv", "--bounding-set=-sys_nice,-ipc_lock", "--inh-caps=-sys_nice,-ipc_lock"])
+        run = self.takt("run", "cell.xml", "--for", "0.2", "--json", **as_root)
+        self.assertEqual(0, run.status, run.err)
+        self.assertRegex(run.err, r"SCHED_FIFO 1 is denied: .*; root lacks CAP_SYS_NICE here: add it to the container")
+        self.assertRegex(run.err, r"mlockall is denied beyond 64 KiB; root lacks CAP_IPC_LOCK here: add it to the container")
+
     @unittest.skipUnless(shutil.which("taskset"), "no taskset")
     def test_a_cell_without_real_time_rights_can_run_on_a_single_cpu(self):
         run = self.takt("run", self.descriptor, "--for", "1", "--json", before=["taskset", "-c", self.a_processor()], **self.options)

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include <takt/os/environment.hpp>
 #include <takt/os/machine.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -98,6 +99,13 @@ TEST(Thread, RunsEvenIfItsCpuIsMissing) {
   EXPECT_NE(refused[0].what.find("CPU 1000 is denied"), std::string::npos);
   thread->join();
   EXPECT_TRUE(ran);
+}
+
+TEST(MakeRealTime, DoesNotNameACapabilityThatTheProcessHas) {
+  if (!is_root() || !may_have_priority()) GTEST_SKIP() << "needs root with CAP_SYS_NICE";
+  const auto denied = make_real_time(0, 1000);
+  ASSERT_FALSE(denied.ok());
+  EXPECT_EQ(denied.problems()[0].fix.find("CAP_SYS_NICE"), std::string::npos) << denied.problems()[0].fix;
 }
 
 TEST(Thread, RunsEvenIfItsPriorityIsDenied) {
