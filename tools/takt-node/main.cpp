@@ -14,6 +14,7 @@
 #include <takt/node/kept_deployment.hpp>
 #include <takt/node/node.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/os/real_time.hpp>
 
 #include "commands/network_options.hpp"
 #include "manual/pages.hpp"
@@ -48,6 +49,7 @@ namespace {
 int main(int argc, char** argv) {
   takt::tool::require_signatures();  // before run_inspection(), which must accept only signed components too
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
+  if (!takt::os::environment(takt::node::kTryRights).empty()) return takt::os::may_be_real_time() ? 0 : 1;
   if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
     const int status = takt::node::run_bridge(takt::client::interfaces());
     std::_Exit(status);  // skips the static destructors of Fast DDS, which sleep for a while

@@ -27,6 +27,7 @@ constexpr std::uint64_t kMiB = 1024 * 1024;
 // The size of the buffer that a DDS reader needs for a burst of large samples.
 constexpr std::uint64_t kSocketBuffer = kMiB;
 constexpr std::uint64_t kFiles = 1024;
+constexpr const char* kToNode = " to takt-node, whose file has capabilities";
 constexpr const char* kHost = "the host of this virtual machine";
 
 std::string percent(double share) {
@@ -104,17 +105,41 @@ Finding preemption(const Machine& machine, const Trial&) {
   return finding;
 }
 
+// Returns the commands that add the libraries of this installation to the loader's cache; empty if they are
+// in a folder of the system. For a program with capabilities, the loader ignores $ORIGIN in its list of
+// folders.
+std::string cache_libraries() {
+  const std::string ours = os::private_directory();
+  const std::string libraries = ours.substr(0, ours.find_last_of('/'));
+  if (ours == os::program_directory() || libraries.starts_with("/usr/lib")) return "";
+  return "echo " + libraries + " > /etc/ld.so.conf.d/takt.conf; ldconfig; ";
+}
+
+// Returns the cure for a right that Takt lacks. `limit` is a line of limits.conf. takt-node passes its
+// capabilities on to takt-host and to the programs of process modules.
+std::string grant(const std::string& limit, const Problem& problem, const Trial& trial) {
+  if (trial.root) return problem.fix;
+  return "run Takt as root; or run echo '" + limit + "' >> /etc/security/limits.conf, and log in again; or run " +
+         cache_libraries() + "setcap cap_sys_nice,cap_ipc_lock+ep " + os::program_directory() + "/takt-node";
+}
+
 Finding priority(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "priority",
                   .found = "SCHED_FIFO is granted",
                   .why = "without SCHED_FIFO, any busy program delays control loops by milliseconds or more"};
-  if (trial.priority) return finding;
+  if (!trial.node_error.empty()) {
+    finding.severity = Severity::spoils;
+    finding.found = "takt-node does not start: " + trial.node_error;
+    finding.cure = "if takt-node has file capabilities (getcap), run " + cache_libraries() + "takt doctor";
+    return finding;
+  }
+  if (!trial.priority && trial.node_is_real_time) finding.found += kToNode;
+  if (trial.priority || trial.node_is_real_time) return finding;
   finding.severity = Severity::spoils;
-  finding.found = in_words(trial.priority.problems());
+  const Problem& problem = trial.priority.problems().front();
+  finding.found = problem.what;
   if (machine.priority) finding.found += " (rtprio limit " + limit_text(machine.priority->hard) + ")";
-  finding.cure = "run Takt as root, or run setcap cap_sys_nice,cap_ipc_lock+ep " + os::program_directory() +
-                 "/takt-node " + os::private_directory() +
-                 "/takt-host, or run echo '* - rtprio 98' >> /etc/security/limits.conf";
+  finding.cure = grant("* - rtprio 98", problem, trial);
   return finding;
 }
 
@@ -124,12 +149,14 @@ Finding memory(const Machine& machine, const Trial& trial) {
                   .why =
                       "an access to a page that is not in memory costs microseconds, or milliseconds if the "
                       "page comes from a disk"};
-  if (trial.locking) return finding;
+  if (!trial.locking && trial.node_is_real_time) finding.found += kToNode;
+  if (trial.locking || trial.node_is_real_time) return finding;
   finding.severity = Severity::spoils;
-  finding.found = in_words(trial.locking.problems());
+  const Problem& problem = trial.locking.problems().front();
+  finding.found = problem.what;
   if (machine.locked && machine.locked->hard)
     finding.found += " (hard limit " + amount(*machine.locked->hard) + ")";
-  finding.cure = "run Takt as root, or run echo '* - memlock unlimited' >> /etc/security/limits.conf";
+  finding.cure = grant("* - memlock unlimited", problem, trial);
   return finding;
 }
 
@@ -140,7 +167,7 @@ Finding swap(const Machine& machine, const Trial& trial) {
                       "a program that was swapped out waits for the disk; locked memory is never swapped "
                       "out, but the programs that a cell communicates with may be"};
   if (!machine.swap_bytes || *machine.swap_bytes == 0) return finding;
-  finding.severity = trial.locking ? Severity::note : Severity::spoils;
+  finding.severity = trial.locking || trial.node_is_real_time ? Severity::note : Severity::spoils;
   finding.found = amount(*machine.swap_bytes) + " of swap space is enabled";
   finding.cure = "run swapoff -a, and remove the swap space from /etc/fstab";
   return finding;

@@ -140,6 +140,7 @@ int run_node(const NodeOptions& options) {
   if (!model::is_valid_name(options.device)) {
     return refuse({{"takt-node", "'" + options.device + "' is not a valid device name", model::kNameRule}});
   }
+  os::pass_on_rights();
   LogThread log_thread;  // outlives all that logs
   const bool keeps_files = !options.state_folder.empty() && (!temporary || options.state_folder_given);
   if (keeps_files) {

@@ -28,16 +28,32 @@ namespace takt::os {
 
 namespace {
 
-// True if the calling thread has this capability.
-bool has_capability(unsigned capability) {
-  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
-  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
-  ::syscall(SYS_capget, &header, data.data());
-  return (data[0].effective & (1U << capability)) != 0;
-}
+// The capabilities that a real-time program needs.
+constexpr std::array<int, 2> kCapabilities{CAP_SYS_NICE, CAP_IPC_LOCK};
+
+class Capabilities {
+ public:
+  /// Reads the capabilities of the calling thread.
+  Capabilities() { ::syscall(SYS_capget, &header_, data_.data()); }
+
+  [[nodiscard]] bool effective(int capability) const { return has(data_[0].effective, capability); }
+  [[nodiscard]] bool permitted(int capability) const { return has(data_[0].permitted, capability); }
+  void make_inheritable(int capability) {
+    data_[0].inheritable |= 1U << static_cast<unsigned>(capability);
+    ::syscall(SYS_capset, &header_, data_.data());
+  }
+
+ private:
+  static bool has(std::uint32_t set, int capability) {
+    return (set & (1U << static_cast<unsigned>(capability))) != 0;
+  }
+
+  __user_cap_header_struct header_{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data_{};
+};
 
 std::string fifo_cure() {
-  if (has_capability(CAP_SYS_NICE))
+  if (Capabilities{}.effective(CAP_SYS_NICE))
     return "use a priority from 1 to 99, and give the cgroup of this process real-time CPU time "
            "(cpu.rt_runtime_us)";
   return is_root()
@@ -161,7 +177,7 @@ Result<void> may_lock_memory() {
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);
   if (limit.rlim_cur == RLIM_INFINITY) return {};
-  if (has_capability(CAP_IPC_LOCK)) return {};
+  if (Capabilities{}.effective(CAP_IPC_LOCK)) return {};
   return fail("mlockall is denied beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", lock_cure());
 }
 
@@ -172,6 +188,15 @@ Result<void> may_be_real_time() {
   }
   if (!problems.empty()) return problems;
   return {};
+}
+
+void pass_on_rights() {
+  Capabilities mine;
+  for (const int capability : kCapabilities) {
+    if (!mine.permitted(capability)) continue;
+    mine.make_inheritable(capability);
+    ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_RAISE, capability, 0, 0);
+  }
 }
 
 int thread_id() noexcept { return static_cast<int>(::syscall(SYS_gettid)); }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
 #include <takt/os/machine.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/real_time.hpp>
@@ -80,6 +81,7 @@ Nanoseconds timer_resolution() noexcept {
 Trial try_machine(Nanoseconds moment) {
   Trial trial;
   trial.cpus = read_cpus();
+  trial.root = is_root();
   trial.priority = may_have_priority();
   trial.locking = try_locking();
   if (!NoDeepIdle{}.held())

@@ -59,8 +59,8 @@ class Doctor(takt_system.Case):
         os.chmod(self.folder, 0o755)
         programs = os.path.join(self.folder, "bin")
         os.mkdir(programs)
-        # Every user may read this copy of the programs.
-        subprocess.run(["cp", os.path.join(takt_system.BIN, "takt"), programs], check=True)
+        # Every user may read these copies of the programs.
+        subprocess.run(["cp"] + [os.path.join(takt_system.BIN, name) for name in ("takt", "takt-node")] + [programs], check=True)
         libraries = os.path.join(self.folder, "lib")
         subprocess.run(["cp", "-r", os.path.join(os.path.dirname(takt_system.BIN), "lib"), libraries], check=True)
         run = self.takt("doctor", "--json", programs=programs, become=become_nobody,

@@ -1,6 +1,7 @@
 import glob
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -308,6 +309,81 @@ class Installed(takt_system.Case):
             self.write("takt-node@.service", file.read().replace(PREFIX, INSTALLED))
         run = subprocess.run(["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", here], capture_output=True, text=True)
         self.assertEqual((0, ""), (run.returncode, run.stderr))
+
+    # Tests of real time without root.
+
+    def start_as_nobody(self, *rights, **options):
+        """Starts a cell as an ordinary user who has only these rights, which are arguments of setpriv, or prlimit and its arguments."""
+        for folder in (WORK, self.folder):
+            os.chmod(folder, 0o755)
+        before = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] + list(rights)
+        return self.program("takt", "run", os.path.join(INSTALLED, "share", "takt", "deploy", "module.xml"), "--json", "--require-realtime",
+                            programs=os.path.join(INSTALLED, "bin"), before=before, environment={"TAKT_COMPONENT_PATH": "", "LD_LIBRARY_PATH": ""},
+                            **options)
+
+    def assert_real_time(self, run):
+        """Checks that the host and a process module have SCHED_FIFO and locked memory."""
+        for module in ("controller1", "control4"):
+            run.wait_for_state(module, "EXECUTING")
+        for process in (run.one("takt-host"), run.one("control4.exe")):
+            self.assertEqual({65534}, {os.stat("/proc/%d" % process.pid).st_uid})
+            self.assertIn(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK,
+                          [os.sched_getscheduler(int(thread)) for thread in os.listdir("/proc/%d/task" % process.pid)], process)
+            with open("/proc/%d/status" % process.pid, encoding="ascii") as status:
+                self.assertGreater(int(re.search(r"VmLck:\s+(\d+)", status.read())[1]), 1024, process)
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait().status, run.err)
+        self.assertIs(True, run.device()["real_time"])
+        self.assertNotIn("not real-time", run.err)
+
+    @unittest.skipUnless(os.getuid() == 0 and all(map(shutil.which, ("setpriv", "prlimit", "setcap"))), "needs root, setpriv, prlimit and setcap")
+    def test_file_capabilities_of_takt_node_suffice_for_real_time(self):
+        node = os.path.join(INSTALLED, "bin", "takt-node")
+        commands = block("sh", "setcap")
+        for command in ("echo /opt/takt/lib > /etc/ld.so.conf.d/takt.conf", "ldconfig", "setcap cap_sys_nice,cap_ipc_lock+ep /opt/takt/bin/takt-node"):
+            self.assertIn(command, commands)
+        if subprocess.run(["setcap", "cap_sys_nice,cap_ipc_lock+ep", node], capture_output=True).returncode != 0:
+            self.skipTest("files cannot have capabilities here")
+        self.addCleanup(subprocess.run, ["setcap", "-r", node], check=True)
+        no_limits = ["prlimit", "--rtprio=0", "--memlock=65536"]
+
+        def priority():
+            """Returns what takt doctor finds about the priority."""
+            run = self.program("takt", "doctor", "--json", programs=os.path.join(INSTALLED, "bin"), environment={"LD_LIBRARY_PATH": ""},
+                               before=["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] + no_limits).wait()
+            return next(finding for finding in run.report["findings"] if finding["check"] == "priority")
+
+        run = self.start_as_nobody(*no_limits).wait()
+        self.assertEqual(1, run.status)
+        self.assertRegex(priority()["found"], r"^takt-node does not start: .*libtakt_component\.so")
+        self.assertIn("echo %s/lib > /etc/ld.so.conf.d/takt.conf; ldconfig" % INSTALLED, priority()["cure"])
+        # The same as the commands of the page, but only in the mount namespace of this test.
+        with open("/etc/ld.so.conf", encoding="utf-8") as machine:
+            conf = self.write("ld.so.conf", os.path.join(INSTALLED, "lib") + "\n" + machine.read())
+        cache = os.path.join(self.folder, "ld.so.cache")
+        subprocess.run(["ldconfig", "-X", "-f", conf, "-C", cache], check=True)
+        subprocess.run(["mount", "--bind", cache, "/etc/ld.so.cache"], check=True)
+        self.addCleanup(subprocess.run, ["umount", "/etc/ld.so.cache"], check=True)
+        self.assertEqual("SCHED_FIFO is granted to takt-node, whose file has capabilities", priority()["found"])
+        self.assert_real_time(self.start_as_nobody(*no_limits))
+
+    @unittest.skipUnless(os.getuid() == 0 and all(map(shutil.which, ("setpriv", "prlimit"))), "needs root, setpriv and prlimit")
+    def test_ambient_capabilities_of_a_service_suffice_for_real_time(self):
+        self.assert_real_time(self.start_as_nobody("--inh-caps=+sys_nice,+ipc_lock", "--ambient-caps=+sys_nice,+ipc_lock",
+                                                   "prlimit", "--rtprio=0", "--memlock=65536"))
+
+    @unittest.skipUnless(os.getuid() == 0 and all(map(shutil.which, ("setpriv", "prlimit"))), "needs root, setpriv and prlimit")
+    def test_the_limits_of_the_service_suffice_for_real_time(self):
+        limits = ["prlimit", "--rtprio=99", "--memlock=unlimited"]
+        if subprocess.run(limits + ["true"], capture_output=True).returncode != 0:
+            self.skipTest("root may not raise limits here (CAP_SYS_RESOURCE)")
+        with open(os.path.join(INSTALLED, "lib", "systemd", "system", "takt-node@.service"), encoding="utf-8") as unit:
+            self.assertRegex(unit.read(), r"(?m)^LimitRTPRIO=99\nLimitMEMLOCK=infinity$")
+
+        def raise_limits():
+            resource.setrlimit(resource.RLIMIT_RTPRIO, (99, 99))
+            resource.setrlimit(resource.RLIMIT_MEMLOCK, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        self.assert_real_time(self.start_as_nobody(become=raise_limits))
 
     # Tests of the Debian packages.
 

@@ -90,6 +90,9 @@ class NoRealTime(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertRegex(run.err, r"SCHED_FIFO 1 is denied: .*; root lacks CAP_SYS_NICE here: add it to the container")
         self.assertRegex(run.err, r"mlockall is denied beyond 64 KiB; root lacks CAP_IPC_LOCK here: add it to the container")
+        cures = {finding["check"]: finding["cure"] for finding in self.takt("doctor", "--json", **as_root).report["findings"]}
+        self.assertRegex(cures["priority"], "^root lacks CAP_SYS_NICE here: ")
+        self.assertRegex(cures["memory"], "^root lacks CAP_IPC_LOCK here: ")
 
     @unittest.skipUnless(shutil.which("taskset"), "no taskset")
     def test_a_cell_without_real_time_rights_can_run_on_a_single_cpu(self):

@@ -135,6 +135,33 @@ TEST(Diagnosis, SaysThatDeniedPriorityOrMemoryLockingSpoilsRealTime) {
   EXPECT_THAT(finding("memory", machine, trial).cure, HasSubstr("memlock"));
 }
 
+TEST(Diagnosis, AcceptsRightsThatOnlyTaktNodeHas) {
+  os::Trial trial = good_trial();
+  trial.priority = fail("SCHED_FIFO 1 is denied", "be root");
+  trial.locking = fail("mlockall is denied", "be root");
+  trial.node_is_real_time = true;
+  EXPECT_EQ(finding("priority", good_machine(), trial).found,
+            "SCHED_FIFO is granted to takt-node, whose file has capabilities");
+  EXPECT_EQ(finding("memory", good_machine(), trial).severity, Severity::good);
+}
+
+TEST(Diagnosis, SaysWhyTaktNodeDoesNotStart) {
+  os::Trial trial = good_trial();
+  trial.node_error = "libtakt_component.so.0.2: cannot open shared object file";
+  EXPECT_THAT(finding("priority", good_machine(), trial).found, HasSubstr("cannot open shared object file"));
+  EXPECT_THAT(finding("priority", good_machine(), trial).cure, HasSubstr("capabilities"));
+}
+
+TEST(Diagnosis, NamesTheCapabilityThatRootLacks) {
+  os::Trial trial = good_trial();
+  trial.root = true;
+  trial.priority = fail("SCHED_FIFO 1 is denied", "root lacks CAP_SYS_NICE here");
+  EXPECT_EQ(finding("priority", good_machine(), trial).cure, "root lacks CAP_SYS_NICE here");
+  trial.root = false;
+  EXPECT_THAT(finding("priority", good_machine(), trial).cure,
+              HasSubstr("setcap cap_sys_nice,cap_ipc_lock+ep"));
+}
+
 TEST(Diagnosis, SaysThatSwapSpoilsRealTimeOnlyIfMemoryCannotBeLocked) {
   os::Machine machine = good_machine();
   machine.swap_bytes = 1 << 30;

@@ -4,10 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/node/diagnosis.hpp>
+#include <takt/node/node.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/os/process.hpp>
 #include <takt/security/identity.hpp>
 
 #include "commands/commands.hpp"
@@ -98,9 +101,30 @@ Json report_of(const os::Machine& machine, const os::Trial& trial) {
             {"max", microseconds(trial.wake_ups.max)}}}};
 }
 
+/// Starts takt-node to try its rights, because its file may have capabilities that the file of takt does not
+/// have.
+void try_node(os::Trial& trial) {
+  auto child = os::Child::spawn({.program = os::program_directory() + "/takt-node",
+                                 .environment = {{node::kTryRights, "1"}},
+                                 .capture_output = true});
+  if (!child) {
+    trial.node_error = in_words(child.problems());
+    return;
+  }
+  const os::ProcessEnd end = child->wait();
+  trial.node_is_real_time = !end.signalled && end.code == 0;
+  if (end.signalled || end.code > 1) {
+    bool over = false;
+    const std::string text = os::read_available(child->error, &over);
+    trial.node_error = text.empty() ? end.text() : on_one_line(text.substr(0, text.find('\n')));
+  }
+}
+
 int doctor(const DoctorOptions& options) {
   const os::Machine machine = os::read_machine();
-  const Json report = report_of(machine, os::try_machine(kMoment));
+  os::Trial trial = os::try_machine(kMoment);
+  try_node(trial);
+  const Json report = report_of(machine, trial);
   if (!print(options.json ? model::json_text(report) + "\n" : doctor_text(report, terminal_style()))) {
     return 1;
   }

@@ -13,6 +13,11 @@ namespace takt::node {
 /// descriptor closes, the nodes that `takt run` started shut down.
 inline constexpr const char* kLifetimeFd = "TAKT_LIFETIME_FD";
 
+/// If this environment variable is set, `takt-node` only tries the rights for real time. Its exit status is 0
+/// if it has them, and 1 if not. `takt doctor` starts it, because the file of takt-node may have
+/// capabilities.
+inline constexpr const char* kTryRights = "TAKT_TRY_RIGHTS";
+
 struct NodeOptions {
   std::string device;
   int domain = 0;

@@ -48,6 +48,11 @@ Result<void> may_lock_memory();
 /// and what to do.
 Result<void> may_be_real_time();
 
+/// Passes the capabilities that real-time programs need on to the programs that this process will start, if
+/// it has them (ambient capabilities). The files of these programs then need no capabilities. Call this
+/// before the process starts threads, because each thread has its own capabilities.
+void pass_on_rights();
+
 /// Returns the kernel's id of the calling thread.
 int thread_id() noexcept;
 

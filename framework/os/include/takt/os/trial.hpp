@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <takt/core/result.hpp>
@@ -35,9 +36,14 @@ WakeUps try_wake_ups(std::size_t count, Nanoseconds pause);
 
 struct Trial {
   model::Cpus cpus;
-  Result<void> priority;   ///< success if SCHED_FIFO is granted
-  Result<void> locking;    ///< success if mlockall() can lock present and future memory
-  Result<void> idle_held;  ///< success if /dev/cpu_dma_latency can be opened
+  bool root = false;      ///< true if this program runs as root
+  Result<void> priority;  ///< success if SCHED_FIFO is granted
+  Result<void> locking;   ///< success if mlockall() can lock present and future memory
+  /// The same two rights of takt-node, whose file may have capabilities that this program does not have.
+  /// try_machine() does not try them.
+  bool node_is_real_time = false;
+  std::string node_error{};  ///< why takt-node does not start; empty if it starts
+  Result<void> idle_held;    ///< success if /dev/cpu_dma_latency can be opened
   Nanoseconds timer_resolution{};
   WakeUps wake_ups;
   std::optional<double> stolen_share{};  ///< share of the CPU time that the hypervisor of this virtual
