@@ -3,7 +3,7 @@
 #
 #   bin                    takt, takt-node
 #   lib                    the libraries of components and programs
-#   lib/takt               private files of the programs (os::private_directory()): takt-host, libtakt_check.so, components/
+#   lib/takt               private files of the programs (os::private_directory()): takt-host, takt-keeper, libtakt_check.so, components/
 #   lib/cmake/takt         find_package(takt), and the IDL compiler of takt_add_idl()
 #   include/takt           the headers for authors of components
 #   share/doc/takt         the manual, in the layout of the source tree: README.md, docs/, components/, ...
@@ -46,11 +46,11 @@ function(takt_finds_libraries_from folder)
   set_target_properties(${ARGN} PROPERTIES INSTALL_RPATH "${path}")
 endfunction()
 takt_finds_libraries_from(${CMAKE_INSTALL_BINDIR} takt takt-node)
-takt_finds_libraries_from(${private} takt-host)
+takt_finds_libraries_from(${private} takt-host takt-keeper)
 takt_finds_libraries_from(${private}/components ${modules})
 
 install(TARGETS takt takt-node RUNTIME COMPONENT runtime)
-install(TARGETS takt-host takt_check RUNTIME DESTINATION ${private} COMPONENT runtime
+install(TARGETS takt-host takt-keeper takt_check RUNTIME DESTINATION ${private} COMPONENT runtime
         LIBRARY DESTINATION ${private} COMPONENT runtime)
 install(TARGETS ${modules} RUNTIME DESTINATION ${private}/components COMPONENT runtime
         LIBRARY DESTINATION ${private}/components COMPONENT runtime)
@@ -111,6 +111,6 @@ install(FILES ${CMAKE_BINARY_DIR}/package/takt-config.cmake ${CMAKE_BINARY_DIR}/
 install(PROGRAMS cmake/takt_idl.py DESTINATION ${package} COMPONENT dev)
 install(DIRECTORY cmake/idl DESTINATION ${package} COMPONENT dev FILES_MATCHING PATTERN *.py)
 
-add_custom_target(installable DEPENDS takt_pages api takt takt-node takt-host takt_check takt_component takt_process takt_testing takt_core takt_lifecycle ${modules})
+add_custom_target(installable DEPENDS takt_pages api takt takt-node takt-host takt-keeper takt_check takt_component takt_process takt_testing takt_core takt_lifecycle ${modules})
 
 include(TaktPackages)

@@ -35,7 +35,8 @@ Result<void> ProgramProcess::start() {
                            .environment = {},
                            .inherit = {},
                            .cpus = parts_.placement.background,
-                           .capture_output = true};
+                           .capture_output = true,
+                           .whole_tree = true};
   const bool released = static_cast<bool>(parts_.slots[module_]);
   if (released) {
     Inheritance more = inheritance_();

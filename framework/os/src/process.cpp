@@ -19,7 +19,9 @@
 
 #include <takt/core/time.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/keeper.hpp>
 #include "error.hpp"
+#include "script.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration)
 
@@ -80,13 +82,16 @@ std::string signal_text(int signal) {
 
 std::string ProcessEnd::text() const {
   if (signalled) return "was killed by " + signal_text(code);
-  return "ended with status " + std::to_string(code);
+  return "ended with status " + std::to_string(code) +
+         (left_others ? ", while processes that it had started still ran" : "");
 }
 
 Child::Child(Child&& other) noexcept
     : output(std::move(other.output)),
       error(std::move(other.error)),
       pid_(std::exchange(other.pid_, 0)),
+      keeper_(std::exchange(other.keeper_, 0)),
+      kept_(std::move(other.kept_)),
       zombie_(std::exchange(other.zombie_, 0)),
       reap_at_(other.reap_at_) {}
 
@@ -94,6 +99,8 @@ Child& Child::operator=(Child&& other) noexcept {
   std::swap(output, other.output);
   std::swap(error, other.error);
   std::swap(pid_, other.pid_);
+  std::swap(keeper_, other.keeper_);
+  std::swap(kept_, other.kept_);
   return *this;
 }
 
@@ -123,6 +130,12 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
   // A successful exec closes this pipe. If exec fails, the child writes the error number to it.
   auto failure = make_pipe();
   if (!failure) return failure.problems();
+  Pipe kept;
+  if (options.whole_tree) {
+    auto pipe = make_pipe();
+    if (!pipe) return pipe.problems();
+    kept = std::move(*pipe);
+  }
   Pipe output;
   Pipe error;
   if (options.capture_output) {
@@ -135,19 +148,26 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
   }
 
   // The child must not allocate memory after fork(), so everything is allocated before the fork.
-  std::vector<std::string> arguments{options.program};
+  std::vector<std::string> arguments;
+  if (options.whole_tree) {
+    arguments = {private_directory() + "/takt-keeper", std::to_string(failure->write.get()),
+                 std::to_string(kept.write.get()),
+                 std::to_string(options.copy != nullptr ? options.copy->get() : -1)};
+    // Not in the environment of takt-keeper: libtakt_check.so must check the program, not takt-keeper.
+    for (const auto& [name, value] : options.environment) arguments.push_back(name + "=" + value);
+    arguments.emplace_back("--");
+  }
+  arguments.push_back(options.program);
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
-  std::vector<std::string> environment = with_environment(options.environment);
+  std::vector<std::string> environment =
+      options.whole_tree ? with_environment({}) : with_environment(options.environment);
   const std::vector<char*> argv = pointers(arguments);
   const std::vector<char*> envp = pointers(environment);
   cpu_set_t cpus;
   CPU_ZERO(&cpus);
   for (const int cpu : options.cpus) CPU_SET(static_cast<unsigned>(cpu), &cpus);
   const int parent = ::getpid();
-  std::array<char, 2> begin{};
-  const bool script = options.copy != nullptr &&
-                      ::pread(options.copy->get(), begin.data(), begin.size(), 0) == 2 && begin[0] == '#' &&
-                      begin[1] == '!';
+  const bool keeps_copy = options.copy != nullptr && (options.whole_tree || is_script(options.copy->get()));
 
   const int pid = ::fork();
   if (pid < 0) return errno_problem("fork", "free memory or raise the limit on processes");
@@ -158,7 +178,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
       ::_exit(127);
     };
     if (options.dies_with_parent) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      ::prctl(PR_SET_PDEATHSIG, options.whole_tree ? SIGTERM : SIGKILL);
       if (::getppid() != parent) ::_exit(127);  // the parent ended before prctl() took effect
     }
     if (options.new_group) ::setpgid(0, 0);
@@ -173,34 +193,54 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
     // then unmark those that the program inherits.
     if (::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) != 0) give_up();
     for (const Fd* fd : options.inherit) ::fcntl(fd->get(), F_SETFD, 0);
-    if (script) ::fcntl(options.copy->get(), F_SETFD, 0);
+    if (keeps_copy) ::fcntl(options.copy->get(), F_SETFD, 0);
     sigset_t none;
     ::sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
     ::signal(SIGPIPE, SIG_DFL);  // otherwise the new program would ignore the signal, too
-    if (options.copy != nullptr)
+    if (options.whole_tree) {
+      for (const Fd* fd : {&failure->write, &kept.write}) ::fcntl(fd->get(), F_SETFD, 0);
+      ::execve(argv[0], argv.data(), envp.data());
+      errno = -errno;  // not an error of the program
+    } else if (options.copy != nullptr) {
       ::fexecve(options.copy->get(), argv.data(), envp.data());
-    else
+    } else {
       ::execve(options.program.c_str(), argv.data(), envp.data());
+    }
     give_up();
   }
 
   Child child;
-  child.pid_ = pid;
+  (options.whole_tree ? child.keeper_ : child.pid_) = pid;
   failure->write.close();
+  kept.write.close();
   int number = 0;
   ssize_t got = 0;
   do {
     got = ::read(failure->read.get(), &number, sizeof number);
   } while (got < 0 && errno == EINTR);
   if (got == sizeof number) {
-    child.wait();
+    if (child.keeper_ != 0)
+      child.end_keeper();
+    else
+      child.wait();
+    if (number < 0) return error_problem(private_directory() + "/takt-keeper", -number, "install Takt again");
     if (const std::string interpreter = number == ENOENT ? interpreter_of(options.program) : "";
         !interpreter.empty() && ::access(interpreter.c_str(), F_OK) != 0)
       return fail(options.program + " needs the interpreter " + interpreter + ", which does not exist",
                   "install it, or correct the first line of the script");
     return error_problem(options.program, number,
                          "name a program that this user may execute on this machine");
+  }
+  if (child.keeper_ != 0) {
+    KeptStart start;
+    if (::read(kept.read.get(), &start, sizeof start) != sizeof start) {
+      child.end_keeper();
+      return fail("takt-keeper ended before it started " + options.program, "try again");
+    }
+    child.pid_ = start.pid;
+    child.kept_ = std::move(kept.read);
+    ::fcntl(child.kept_.get(), F_SETFL, O_NONBLOCK);
   }
   child.output = std::move(output.read);
   child.error = std::move(error.read);
@@ -211,8 +251,18 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
 }
 
 std::optional<ProcessEnd> Child::poll() noexcept {
-  if (zombie_ != 0 && now() >= reap_at_) reap();
+  if (zombie_ != 0 && now() >= reap_at_ && ::waitpid(zombie_, nullptr, WNOHANG) != 0) zombie_ = 0;
   if (!running()) return std::nullopt;
+  if (keeper_ != 0) {
+    const auto end = kept_end();
+    if (!end) return std::nullopt;
+    reap();
+    ::kill(keeper_, SIGTERM);
+    pid_ = 0;
+    zombie_ = std::exchange(keeper_, 0);
+    reap_at_ = now() + kReapAfter;
+    return end;
+  }
   siginfo_t info{};
   if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
       info.si_pid != pid_) {
@@ -224,11 +274,37 @@ std::optional<ProcessEnd> Child::poll() noexcept {
   return ProcessEnd{.signalled = info.si_code != CLD_EXITED, .code = info.si_status};
 }
 
+std::optional<ProcessEnd> Child::kept_end() noexcept {
+  KeptEnd end;
+  const ssize_t got = ::read(kept_.get(), &end, sizeof end);
+  if (got < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
+  // If takt-keeper was killed, the kernel has killed the program.
+  if (got != sizeof end) return ProcessEnd{.signalled = true, .code = SIGKILL};
+  return ProcessEnd{.signalled = end.signalled != 0, .code = end.code, .left_others = end.left_others != 0};
+}
+
+void Child::end_keeper() noexcept {
+  ::kill(keeper_, SIGTERM);
+  while (::waitpid(keeper_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  keeper_ = 0;
+}
+
 void Child::reap() noexcept {
   if (zombie_ != 0) ::waitpid(std::exchange(zombie_, 0), nullptr, 0);
 }
 
 ProcessEnd Child::wait() noexcept {
+  if (keeper_ != 0) {
+    std::optional<ProcessEnd> end;
+    while (!(end = kept_end())) {
+      pollfd wanted{.fd = kept_.get(), .events = POLLIN, .revents = 0};
+      ::poll(&wanted, 1, -1);
+    }
+    end_keeper();
+    pid_ = 0;
+    return *end;
+  }
   int status = 0;
   while (running() && ::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }
@@ -237,7 +313,8 @@ ProcessEnd Child::wait() noexcept {
 }
 
 void Child::signal(int number) const noexcept {
-  if (running()) ::kill(pid_, number);
+  if (!running()) return;
+  if (keeper_ == 0 || ::kill(-pid_, number) != 0) ::kill(pid_, number);
 }
 
 void Child::signal_thread(int thread, int number) const noexcept {

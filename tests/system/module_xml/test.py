@@ -56,7 +56,7 @@ class ModuleXml(takt_system.Case):
         run.wait_for_state("monitoring", "EXECUTING")
         programs = sorted(p.program for p in run.processes())
         pids = {p.program: p.pid for p in run.processes()}
-        self.assertEqual(sorted(["takt", "takt-node", "takt-host", "control4.exe", "vision.exe", "monitoring.exe"]), programs)
+        self.assertEqual(sorted(["takt", "takt-node", "takt-host", "control4.exe", "vision.exe", "monitoring.exe"] + 3 * ["takt-keeper"]), programs)
         run.wait()
         self.assertEqual(0, run.status, run.err)
         self.assertEqual([], run.other_lines)

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <takt/os/clock.hpp>
 #include <takt/os/machine.hpp>
@@ -39,6 +40,20 @@ std::string read_all(const Fd& fd) {
     text += read_available(fd, &end);
   }
   return text;
+}
+
+// The process that adopts an orphaned process may reap it late, so a zombie counts as dead.
+bool is_dead(int pid) {
+  if (::kill(pid, 0) != 0) return true;
+  std::ifstream file{"/proc/" + std::to_string(pid) + "/stat"};
+  std::string state;
+  return !(file >> state >> state >> state) || state == "Z" || state == "X";
+}
+
+void expect_death(int pid) {
+  const Instant limit = now() + long_enough();
+  while (!is_dead(pid) && now() < limit) sleep_until(now() + milliseconds{1});
+  EXPECT_TRUE(is_dead(pid));
 }
 
 TEST(Child, ReportsItsExitStatus) {
@@ -204,20 +219,162 @@ TEST(Child, DiesWithItsParent) {
   const int pid = std::stoi(ends->first.receive_wait().value());
   ::kill(parent, SIGKILL);
   ::waitpid(parent, nullptr, 0);
-  // The process that adopts the orphaned child may reap it late, so a zombie counts as dead.
-  const auto dead = [pid] {
-    if (::kill(pid, 0) != 0) return true;
-    std::string path = "/proc/" + std::to_string(pid) + "/stat";
-    FILE* file = std::fopen(path.c_str(), "r");
-    if (file == nullptr) return true;
-    char state = 0;
-    const int n = std::fscanf(file, "%*d %*s %c", &state);
-    std::fclose(file);
-    return n != 1 || state == 'Z' || state == 'X';
-  };
+  expect_death(pid);
+}
+
+// Programs that start another process. This process prints its PID. The program ends on SIGTERM, unless it
+// ignores SIGTERM.
+struct Tree {
+  std::string name;
+  std::string script;
+};
+const std::vector<Tree> kTrees{
+    {"a child", "sh -c 'echo $$; exec sleep 1000' & wait"},
+    {"a child in its own session", "setsid sh -c 'echo $$; exec sleep 1000' & wait"},
+    {"a daemon without a parent", "(setsid sh -c 'echo $$; exec sleep 1000' &); exec sleep 1000"},
+    {"a daemon below a daemon",
+     "(setsid sh -c '(setsid sh -c \"echo \\$\\$; exec sleep 1000\" &); exec sleep 1000' &); exec sleep "
+     "1000"},
+    {"a child that ignores SIGTERM", "(trap '' TERM; exec setsid sh -c 'echo $$; exec sleep 1000') & wait"},
+    {"a shell that ignores SIGTERM", "trap '' TERM; setsid sh -c 'echo $$; exec sleep 1000' & wait"},
+};
+
+SpawnOptions whole_tree(const std::string& script) {
+  SpawnOptions options = shell(script);
+  options.capture_output = true;
+  options.whole_tree = true;
+  return options;
+}
+
+int read_pid(const Fd& output) {
+  std::string text;
+  for (bool end = false; !text.ends_with('\n') && !end;) {
+    pollfd wanted{.fd = output.get(), .events = POLLIN, .revents = 0};
+    ::poll(&wanted, 1, -1);
+    text += read_available(output, &end);
+  }
+  return std::stoi(text);
+}
+
+TEST(WholeTree, EndsWithItsProgram) {
+  for (const Tree& tree : kTrees) {
+    SCOPED_TRACE(tree.name);
+    auto child = Child::spawn(whole_tree(tree.script));
+    const int other = read_pid(child->output);
+    child->signal(SIGTERM);
+    if (tree.name == "a shell that ignores SIGTERM") child->signal(SIGKILL);
+    const ProcessEnd end = child->wait();
+    EXPECT_TRUE(end.signalled);
+    EXPECT_NE(::kill(other, 0), 0) << "the end was reported before the other process had ended";
+  }
+}
+
+TEST(WholeTree, EndsIfTheProgramExits) {
+  auto child =
+      Child::spawn(whole_tree("trap 'exit 3' TERM; setsid sh -c 'echo $$; exec sleep 1000' & wait; exit 4"));
+  const int other = read_pid(child->output);
+  child->signal(SIGTERM);
+  std::optional<ProcessEnd> end;
+  while (!(end = child->poll())) sleep_until(now() + milliseconds{1});
+  EXPECT_EQ(end->text(), "ended with status 3, while processes that it had started still ran");
+  EXPECT_NE(::kill(other, 0), 0);
+}
+
+TEST(WholeTree, EndsWithItsParent) {
+  for (const Tree& tree : kTrees) {
+    SCOPED_TRACE(tree.name);
+    auto ends = MessageSocket::pair();
+    const int parent = ::fork();
+    if (parent == 0) {
+      auto child = Child::spawn(whole_tree(tree.script));
+      const int other = read_pid(child->output);
+      ends->second.send(std::to_string(child->pid()) + " " + std::to_string(other));
+      ::pause();
+      ::_exit(0);
+    }
+    const std::string pids = ends->first.receive_wait().value();
+    ::kill(parent, SIGKILL);
+    ::waitpid(parent, nullptr, 0);
+    expect_death(std::stoi(pids));
+    expect_death(std::stoi(pids.substr(pids.find(' '))));
+  }
+}
+
+TEST(WholeTree, GetsTimeToEndOnSigterm) {
+  // On a busy machine, half a second may be too short. Then try again.
+  std::string last;
   const Instant limit = now() + long_enough();
-  while (!dead() && now() < limit) sleep_until(now() + milliseconds{1});
-  EXPECT_TRUE(dead());
+  while (last != "ended\n" && now() < limit) {
+    auto child =
+        Child::spawn(whole_tree("setsid sh -c 'trap \"echo ended; exit\" TERM; echo $$; while :; do sleep "
+                                "1000 & wait; done' & wait"));
+    read_pid(child->output);
+    child->signal(SIGTERM);
+    child->wait();
+    bool end = false;
+    last = read_available(child->output, &end);
+  }
+  EXPECT_EQ(last, "ended\n");
+}
+
+TEST(WholeTree, GetsSigtermInTheWholeProcessGroup) {
+  // The shell calls its handler only when the process in the foreground has ended.
+  auto child = Child::spawn(whole_tree("trap 'exit 4' TERM; sh -c 'echo $$; exec sleep 1000'; exit 5"));
+  read_pid(child->output);
+  child->signal(SIGTERM);
+  EXPECT_EQ(child->wait().text(), "ended with status 4");
+}
+
+TEST(WholeTree, ReportsTheSignalThatKilledTheProgram) {
+  EXPECT_EQ(Child::spawn(whole_tree("kill -SEGV $$"))->wait().text(),
+            "was killed by SIGSEGV (Segmentation fault)");
+}
+
+TEST(WholeTree, HasThePidGroupAndEnvironmentOfItsProgram) {
+  SpawnOptions options = whole_tree("echo $$ $(cut -d' ' -f5 /proc/$$/stat) $KEPT; test ! -e /proc/$$/fd/3");
+  options.environment = {{"KEPT", "a=b c"}};
+  auto child = Child::spawn(options);
+  const std::string pid = std::to_string(child->pid());
+  EXPECT_EQ(read_all(child->output), pid + " " + pid + " a=b c\n");
+  EXPECT_EQ(child->wait().code, 0);
+}
+
+TEST(WholeTree, CannotStartAMissingProgram) {
+  for (int i = 0; i < 20; ++i) {
+    const auto missing = Child::spawn({.program = "/nowhere/program", .whole_tree = true});
+    ASSERT_FALSE(missing.ok());
+    EXPECT_THAT(to_text(missing.problems()), HasSubstr("/nowhere/program: No such file"));
+  }
+}
+
+TEST(WholeTree, ExecutesACopyInsteadOfTheFile) {
+  const auto copy = sealed_copy("/bin/sh");
+  const auto child = Child::spawn({.program = "/nowhere/program",
+                                   .copy = &*copy,
+                                   .arguments = {"-c", "readlink /proc/$$/exe; test -e /proc/$$/fd/" +
+                                                           std::to_string(copy->get()) + " || echo closed"},
+                                   .capture_output = true,
+                                   .whole_tree = true});
+  ASSERT_TRUE(child.ok()) << to_text(child.problems());
+  EXPECT_THAT(read_all(child->output), testing::MatchesRegex("/memfd:sh .*\nclosed\n"));
+}
+
+TEST(WholeTree, ExecutesTheCopyOfAScript) {
+  const std::string path = testing::TempDir() + "takt-kept-" + std::to_string(::getpid());
+  std::ofstream{path} << "#!/bin/sh\nexit 7\n";
+  const auto copy = sealed_copy(path);
+  ::unlink(path.c_str());
+  auto child = Child::spawn({.program = path, .copy = &*copy, .whole_tree = true});
+  ASSERT_TRUE(child.ok()) << to_text(child.problems());
+  EXPECT_EQ(child->wait().code, 7);
+}
+
+TEST(WholeTree, EndsIfItsKeeperIsKilled) {
+  auto child = Child::spawn(whole_tree("echo $PPID; exec sleep 1000"));
+  ::kill(read_pid(child->output), SIGKILL);
+  const int pid = child->pid();
+  EXPECT_EQ(child->wait().code, SIGKILL);
+  expect_death(pid);
 }
 
 TEST(WorkInChild, ReturnsItsResult) {

@@ -17,6 +17,7 @@ namespace takt::os {
 struct ProcessEnd {
   bool signalled = false;
   int code = 0;  ///< number of the signal if `signalled`, otherwise the exit status
+  bool left_others = false;  ///< with SpawnOptions::whole_tree: processes that it had started still ran
 
   /// Describes the end, for example "ended with status 3" or "was killed by SIGSEGV (Segmentation fault)".
   [[nodiscard]] std::string text() const;
@@ -49,6 +50,11 @@ struct SpawnOptions {
   bool new_group = true;  ///< true: Ctrl-C in the terminal does not reach the program
   /// True: the kernel kills the program when the thread that started it ends.
   bool dies_with_parent = true;
+  /// True: takt-keeper starts the program. When the program or the thread that started it ends, takt-keeper
+  /// ends all processes that the program has started, wherever they are: in other sessions, or without a
+  /// parent. The program's end is reported after the end of these processes. They get SIGTERM and then, half
+  /// a second later, SIGKILL; if SIGKILL ended the program or the thread has ended, they get SIGKILL at once.
+  bool whole_tree = false;
 };
 
 /// A child process. If it still runs, the destructor kills it and waits for its end.
@@ -76,7 +82,7 @@ class Child {
   std::optional<ProcessEnd> poll() noexcept;
   /// Waits until the child has ended, and returns how it ended.
   ProcessEnd wait() noexcept;
-  /// Sends a signal to the child. Does nothing if the child has ended.
+  /// Sends a signal to the child; with whole_tree, to its process group. Does nothing if the child has ended.
   void signal(int number) const noexcept;
   /// Sends a signal to one thread of the child. Does nothing if the child or the thread has ended.
   void signal_thread(int thread, int number) const noexcept;
@@ -85,10 +91,14 @@ class Child {
   Fd error;
 
  private:
+  std::optional<ProcessEnd> kept_end() noexcept;
+  void end_keeper() noexcept;
   void reap() noexcept;
 
   int pid_ = 0;
-  int zombie_ = 0;  // PID of a child that has ended but is not reaped yet
+  int keeper_ = 0;  // PID of takt-keeper; 0 without whole_tree
+  Fd kept_;         // the pipe on which takt-keeper reports the start and the end of the program
+  int zombie_ = 0;  // PID of a child that has ended but is not reaped yet, or of its takt-keeper
   Instant reap_at_{};
 };
 
@@ -105,9 +115,9 @@ Result<std::string> in_child(const std::string& what, const std::function<std::s
 /// Returns the folder that contains the file of the running program.
 std::string program_directory();
 
-/// Returns the folder of Takt's internal files (takt-host, libtakt_check.so). In an installation, the path
-/// from program_directory() to this folder was set at build time. Otherwise this folder is
-/// program_directory().
+/// Returns the folder of Takt's internal files (takt-host, takt-keeper, libtakt_check.so). In an
+/// installation, the path from program_directory() to this folder was set at build time. Otherwise this
+/// folder is program_directory().
 std::string private_directory();
 
 }  // namespace takt::os

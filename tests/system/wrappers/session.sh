@@ -1,0 +1,3 @@
+#!/bin/sh
+setsid python3 "$SERVER" 7002 &
+wait

@@ -1,0 +1,3 @@
+#!/bin/sh
+trap '' TERM
+python3 "$SERVER" 7004

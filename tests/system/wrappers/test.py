@@ -1,0 +1,80 @@
+import os
+import signal
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import wait_until
+
+MODULES = ("child", "session", "daemon", "stubborn")
+
+
+class Wrappers(takt_system.Case):
+    def setUp(self):
+        super().setUp()
+        os.environ["SERVER"] = self.beside("server.py")
+        self.addCleanup(os.environ.pop, "SERVER")
+        path = os.environ.get("TAKT_COMPONENT_PATH", "")
+        os.environ["TAKT_COMPONENT_PATH"] = self.beside("") + ":" + path
+        self.addCleanup(os.environ.update, TAKT_COMPONENT_PATH=path)
+
+    def servers(self, run):
+        """Returns the processes that execute server.py."""
+        return [p for p in run.processes("python3") if p.alive]
+
+    def wait_for_servers(self, run, times=1):
+        for module in MODULES:
+            wait_until(lambda: run.printed(module).count("listens") == times or run.status is not None,
+                       "server %d of %s" % (times, module))
+            self.assertEqual(times, run.printed(module).count("listens"), run.err)
+        self.assertEqual(len(MODULES), len(self.servers(run)))
+
+    def test_ctrl_c_ends_all_processes_of_process_modules(self):
+        run = self.start("run", "cell.xml")
+        self.wait_for_servers(run)
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait().status, run.err)
+        self.assert_nothing_left(run)
+
+    def test_a_module_starts_again_after_every_process_of_its_program_has_ended(self):
+        node = self.node("robot")
+        self.deploy("cell.xml")
+        self.wait_for_servers(node)
+
+        self.done(*("stop robot.%s" % module for module in MODULES))
+        self.assertEqual([], self.servers(node))
+        self.done(*("start robot.%s" % module for module in MODULES))
+        self.wait_for_servers(node, 2)
+
+        self.done(*("restart robot.%s" % module for module in MODULES))
+        self.wait_for_servers(node, 3)
+
+        self.done(*("destruct robot.%s" % module for module in MODULES))
+        self.assertEqual([], self.servers(node))
+        self.done(*("restart robot.%s" % module for module in MODULES))
+        self.wait_for_servers(node, 4)
+
+        os.kill(node.one("sleep").pid, signal.SIGSEGV)
+        wait_until(lambda: node.printed("daemon").count("listens") == 5, "the server after the crash of the module")
+        self.assertEqual(len(MODULES), len(self.servers(node)))
+
+        self.done("undeploy cell")
+        self.assertEqual(["takt-node"], [p.program for p in node.processes() if p.alive])
+        self.assertNotIn("Address already in use", node.err)
+        self.end({"robot": node})
+
+    def test_the_death_of_the_node_ends_all_processes_of_process_modules(self):
+        node = self.node("robot")
+        self.deploy("cell.xml")
+        self.wait_for_servers(node)
+        node.signal(signal.SIGKILL)
+        self.assertEqual(-9, node.wait().status)
+        self.assert_nothing_left(node)
+
+        node = self.node("robot", "--resume")
+        self.wait_for_servers(node)
+        self.end({"robot": node})
+
+
+if __name__ == "__main__":
+    takt_system.main()
