@@ -14,6 +14,7 @@
 #include <takt/node/kept_deployment.hpp>
 #include <takt/node/node.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/os/keeper.hpp>
 #include <takt/os/real_time.hpp>
 
 #include "commands/network_options.hpp"
@@ -127,6 +128,7 @@ Status: 0 clean shutdown, 1 rejected or failed (the reason is on standard error)
     if (options.discovery.server.empty()) options.discovery.server = "0.0.0.0:" + std::to_string(port);
   }
   // Ends with _Exit to skip the static destructors of Fast DDS, which sleep for a while.
+  takt::os::run_below_first_process();
   const int status = takt::node::run_node(options);
   std::fflush(nullptr);
   std::_Exit(status);

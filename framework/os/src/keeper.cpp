@@ -156,4 +156,24 @@ int keep(int count, char** arguments) {
   return 0;
 }
 
+void run_below_first_process() {
+  if (::getpid() != 1) return;
+  sigset_t all;
+  sigset_t before;
+  ::sigfillset(&all);
+  ::sigprocmask(SIG_BLOCK, &all, &before);
+  const int child = ::fork();
+  if (child <= 0) {  // without a child, this process does the work itself, and does not reap
+    ::sigprocmask(SIG_SETMASK, &before, nullptr);
+    return;
+  }
+  while (true) {
+    const int number = ::sigwaitinfo(&all, nullptr);
+    if (number > 0 && number != SIGCHLD) ::kill(child, number);
+    int status = 0;
+    for (int ended = 0; (ended = ::waitpid(-1, &status, WNOHANG)) > 0;)
+      if (ended == child) ::_exit(WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status));
+  }
+}
+
 }  // namespace takt::os

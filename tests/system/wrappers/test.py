@@ -1,5 +1,6 @@
 import os
 import signal
+import subprocess
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -74,6 +75,19 @@ class Wrappers(takt_system.Case):
         node = self.node("robot", "--resume")
         self.wait_for_servers(node)
         self.end({"robot": node})
+
+    def test_a_node_that_is_the_first_process_of_a_container_reaps_orphans(self):
+        node = self.node("robot", before=["unshare", "--pid", "--kill-child", "--fork", "--mount-proc"])
+        first = min(p.pid for p in node.processes("takt-node"))
+        subprocess.run(["nsenter", "--target", str(first), "--pid", "sh", "-c", "sleep 1000 &"], check=True,
+                       env=dict(os.environ, **{takt_system.MARK: node.mark}))
+        orphan = node.one("sleep")
+        wait_until(lambda: orphan.parent() == first, "the first process to adopt the orphan")
+        orphan.kill()
+        wait_until(lambda: not os.path.exists("/proc/%d" % orphan.pid), "the orphan to be reaped")
+        os.kill(first, signal.SIGTERM)
+        self.assertEqual(0, node.wait().status, node.err)
+        self.assertRegex(node.err, "robot: ")
 
 
 if __name__ == "__main__":

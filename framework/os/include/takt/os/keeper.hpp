@@ -1,4 +1,4 @@
-// takt-keeper, which ends a program together with all processes that the program has started.
+// Processes that clean up after other processes: takt-keeper, and the first process of a container.
 #pragma once
 
 namespace takt::os {
@@ -24,5 +24,10 @@ struct KeptEnd {
   int code = 0;  ///< as in ProcessEnd
   int left_others = 0;
 };
+
+/// The kernel expects the first process of a container (PID 1) to reap processes whose parent has ended. If
+/// this process is the first, the call returns only in a new child process. The first process then reaps,
+/// passes signals on to the child, and ends with the child's exit status. Call this before any thread begins.
+void run_below_first_process();
 
 }  // namespace takt::os
