@@ -155,8 +155,8 @@ void Supervisor::check_host(Hosted& host, Instant now) {
     if (now - host.hung->found > limit) host.process->kill();
     return;
   }
-  const auto since = [now](const channel::Activity& activity) {
-    return now - from_ns(activity.since_ns.load());
+  const auto since = [this](const channel::Activity& activity) {
+    return lasted(from_ns(activity.since_ns.load()));
   };
 
   const channel::Activity& hooks = host.block.hooks;
@@ -176,13 +176,13 @@ void Supervisor::check_host(Hosted& host, Instant now) {
     host.silent_since.reset();
   } else if (!host.silent_since) {
     host.silent_since = now;
-  } else if (now - *host.silent_since > kAnswerLimit) {
+  } else if (lasted(*host.silent_since) > kAnswerLimit) {
     host.hung =
         Hang{.limit = kAnswerLimit, .text = host.name() + " did not answer within " + to_text(kAnswerLimit)};
     host.process->kill();
     return;
   }
-  check_swaps(host, now);
+  check_swaps(host);
   for (const std::uint32_t index : host.share.modules) {
     Member& member = *members_[index];
     const channel::Activity& service = member.block.service;
@@ -204,7 +204,7 @@ void Supervisor::check_host(Hosted& host, Instant now) {
 bool Supervisor::check_run(Hosted& host, const channel::Activity& activity, Watch& watch, Instant now) {
   const Member* const busy = member_at(activity.module.load(std::memory_order_acquire) - 1);
   const std::int64_t since_ns = activity.since_ns.load();
-  const Nanoseconds lasted = now - from_ns(since_ns);
+  const Nanoseconds lasted = this->lasted(from_ns(since_ns));
   const Nanoseconds limit = busy == nullptr ? Nanoseconds{0} : model::hang_limit(busy->model);
   if (busy == nullptr || lasted < limit / 4) {
     watch = {};

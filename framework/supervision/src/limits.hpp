@@ -16,8 +16,8 @@ inline constexpr Nanoseconds kAnswerLimit = std::chrono::seconds{10};
 /// The time that a hung thread may take to report its calls and to end its host. Then the node kills the
 /// host.
 inline constexpr Nanoseconds kCallsLimit = std::chrono::milliseconds{100};
-/// The same time while the device stops, when no other module waits for this host. The hung thread may have no
-/// real-time priority and wait long for a CPU.
+/// The same time while the device stops, when no other module waits for this host. The hung thread may have
+/// no real-time priority and wait long for a CPU.
 inline constexpr Nanoseconds kCallsLimitAtStop = std::chrono::seconds{1};
 /// The longest time from the start of a process module to its first waitPeriod() or waitSporadic().
 inline constexpr Nanoseconds kAttachLimit = std::chrono::seconds{5};
@@ -46,6 +46,10 @@ inline constexpr Nanoseconds kCommandLimit = std::chrono::seconds{15};
 inline constexpr Nanoseconds kNamedWithin = std::chrono::milliseconds{500};
 /// The interval at which the ports are checked for entries in the fault record.
 inline constexpr Nanoseconds kPortsEvery = std::chrono::milliseconds{100};
+/// If the time between two steps of the supervision is longer than this, the node was stopped or the machine
+/// stood still. Every other process probably stood still, too. The steps of a node whose CPU is kept busy by
+/// a real-time thread come up to 1 s late, because the kernel gives the node only 50 ms of each second.
+inline constexpr Nanoseconds kStoodStill = std::chrono::seconds{2};
 /// A run or a body that has lasted this long may keep other threads from their CPU.
 inline constexpr Nanoseconds kLongRun = std::chrono::milliseconds{20};
 

@@ -134,6 +134,7 @@ struct Member {
                      ///< empty if the node did not kill it
   std::vector<Wiring::CreatedLink*> inputs;  ///< inputs with a deadline; also used for thread modules
   Watch cycles;                              ///< watches the number of the module's cycles
+  Watch body;                                ///< watches the body of the program that is in progress
   Instant put_in_at{};                       ///< time at which the module was last put into the tables
   /// True from put_in_tables() to take_from_tables(). If this is true and in_tables() is false, the module
   /// has left the tables by itself: step() has not yet noticed its error or its last run.

@@ -71,7 +71,7 @@ void Supervisor::process_ready(Member& member) {
   log(member, "WARNING: not real-time: " + in_words(made.problems()));
 }
 
-void Supervisor::check_process(Member& member, Instant now) {
+void Supervisor::check_process(Member& member) {
   if (const auto end = member.program->ended()) {
     // The program may have made more progress before its end than the last check showed.
     if (member.state() == State::idle &&
@@ -86,7 +86,7 @@ void Supervisor::check_process(Member& member, Instant now) {
   if (!member.runs() || !member.scheduled() || phase_ == Phase::stopping) return;
 
   const channel::ReleaseSlotPhase phase = member.slot->phase.load(std::memory_order_acquire);
-  const bool slow = now - member.spawned > kAttachLimit;
+  const bool slow = lasted(member.spawned) > kAttachLimit;
   switch (member.state()) {
     case State::idle:
       if (phase != channel::ReleaseSlotPhase::empty)
@@ -109,7 +109,7 @@ void Supervisor::check_process(Member& member, Instant now) {
       break;
     case State::recover:
       if (!member.started_again) {
-        check_body(member, now);
+        check_body(member);
       } else if (phase == channel::ReleaseSlotPhase::ready && member.hung.empty()) {
         process_ready(member);
         recovered(member);
@@ -119,7 +119,7 @@ void Supervisor::check_process(Member& member, Instant now) {
       break;
     case State::start:
     case State::executing:
-      check_body(member, now);
+      check_body(member);
       break;
     case State::destruct:
       break;
@@ -127,15 +127,19 @@ void Supervisor::check_process(Member& member, Instant now) {
 }
 
 // Detects a body that does not end, or that ended after its deadline.
-void Supervisor::check_body(Member& member, Instant now) {
+void Supervisor::check_body(Member& member) {
   channel::ReleaseSlot& slot = *member.slot;
   if (!member.hung.empty()) return;
   // Read in_body() before release_ns. In the opposite order, a body that has just begun would be judged by
   // the time of the previous release.
-  if (slot.in_body() &&
-      now - from_ns(slot.release_ns.load(std::memory_order_acquire)) >= hang_limit(member.model)) {
-    member.hung = std::string{"did not return to "} + wait_function(member) + " within " +
-                  to_text(hang_limit(member.model));
+  const Nanoseconds limit = hang_limit(member.model);
+  const bool in_body = slot.in_body();
+  const std::int64_t release_ns = slot.release_ns.load(std::memory_order_acquire);
+  if (!in_body) member.body = {};
+  const Nanoseconds seen =
+      in_body ? member.body.look(static_cast<std::uint64_t>(release_ns), passed_, limit) : Nanoseconds{0};
+  if (in_body && lasted(from_ns(release_ns)) >= limit && seen >= limit / 2) {
+    member.hung = std::string{"did not return to "} + wait_function(member) + " within " + to_text(limit);
     member.program->kill();
     return;
   }
@@ -219,7 +223,7 @@ void Supervisor::end_process(Member& member, Instant now) {
     }
     return;
   }
-  const Nanoseconds waited = now - member.told_to_end;
+  const Nanoseconds waited = lasted(member.told_to_end);
   if (member.end_signals < 1 && waited > kProcessEndLimit) {
     member.end_signals = 1;
     log(member, "does not return to its wait function; sending SIGTERM");

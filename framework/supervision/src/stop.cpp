@@ -32,7 +32,7 @@ void Supervisor::stopping_step(Instant now) {
   for (const auto& host : hosts_) {
     if (host->halted) continue;
     halted = false;
-    if (now - asked_at_ <= kHaltLimit || !host->process->running() || host->hung || host->killed) continue;
+    if (lasted(asked_at_) <= kHaltLimit || !host->process->running() || host->hung || host->killed) continue;
     host->hung = never_halts(*host, now);
     if (host->hung) {
       host->process->end_by(host->hung->thread);
@@ -60,7 +60,7 @@ void Supervisor::stopping_step(Instant now) {
   }
   bool running = false;
   for (const auto& host : hosts_) {
-    if (host->process->running() && now - asked_at_ > kHostEndLimit) host->process->kill();
+    if (host->process->running() && lasted(asked_at_) > kHostEndLimit) host->process->kill();
     running |= host->process->running();
   }
   if (running) return;

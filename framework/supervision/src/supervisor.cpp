@@ -119,10 +119,17 @@ void Supervisor::report_detections() {
   }
 }
 
+// Returns how long something has lasted. If the machine has stood still in the meantime, only the time since
+// then counts, so that nothing exceeds its limit because of a pause.
+Nanoseconds Supervisor::lasted(Instant since) const {
+  return std::max(stepped_at_ - std::max(since, moving_since_), Nanoseconds{0});
+}
+
 void Supervisor::step() {
   const Instant now = time();
   passed_ = stepped_at_ == Instant{} ? Nanoseconds{0} : now - stepped_at_;
   stepped_at_ = now;
+  if (passed_ > kStoodStill) moving_since_ = now;
   platform_->step(now);
   // Take the log lines before the end of a process is handled, so that the last lines precede the report of a
   // crash.
@@ -135,7 +142,7 @@ void Supervisor::step() {
     }
   }
   for (auto& member : members_) {
-    if (member->is_process()) check_process(*member, now);
+    if (member->is_process()) check_process(*member);
   }
   step_properties(now);
   if (phase_ == Phase::ended) return;

@@ -88,10 +88,10 @@ void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& tex
 }
 
 // Detects a hook of the new instance that does not return.
-void Supervisor::check_swaps(Hosted& host, Instant now) {
+void Supervisor::check_swaps(Hosted& host) {
   const channel::Activity& activity = host.block.swap;
   Member* const member = member_at(activity.module.load(std::memory_order_acquire) - 1);
-  if (member == nullptr || !member->swap || now - from_ns(activity.since_ns.load()) <= kHookLimit) return;
+  if (member == nullptr || !member->swap || lasted(from_ns(activity.since_ns.load())) <= kHookLimit) return;
   host.process->ask({.what = host::Request::Do::give_up_swap, .module = member->index});
   end_swap(
       *member, REPLY_FAILED,

@@ -93,6 +93,21 @@ class Hangs(takt_system.Case):
         self.assertEqual(run.executor()["cycles"], run.modules()["steady"]["cycles"])
         self.assertEqual(run.executor()["cycles"], run.modules()["in_destruct"]["cycles"])
 
+    def test_no_module_counts_as_hanging_because_all_processes_stood_still(self):
+        run = self.start("run", "paused.xml", "--json")
+        for module in ("steady", "busy"):
+            run.wait_for_state(module, "EXECUTING")
+        for _ in range(3):
+            pids = [p.pid for p in run.processes()]
+            for number in (signal.SIGSTOP, signal.SIGCONT):
+                for pid in pids:  # takt and takt-node continue first, and find all other processes stopped
+                    os.kill(pid, number)
+                time.sleep(5 if number == signal.SIGSTOP else 1)  # longer than the hang limit of `busy`, which is 1.05 s
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait().status, run.err)
+        self.assertEqual(LIFE, run.states("steady"))
+        self.assertEqual(LIFE, run.states("busy"))
+
     def test_a_host_stopped_by_sigstop_is_killed_and_restarted(self):
         run = self.start("run", "stopped.xml", "--json")
         for module in ("steady", "program", "apart"):

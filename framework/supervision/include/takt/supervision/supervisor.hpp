@@ -107,6 +107,7 @@ class Supervisor final : public Supervised {
   void end_commands_of(const Hosted& host, const Member* culprit, const std::string& why);
   void restart_host(Hosted& host);
   void give_up_host(Hosted& host, const std::string& text);
+  [[nodiscard]] Nanoseconds lasted(Instant since) const;
   void check_host(Hosted& host, Instant now);
   bool check_run(Hosted& host, const channel::Activity& activity, Watch& watch, Instant now);
   void check_rows(Hosted& host, Instant now);
@@ -120,8 +121,8 @@ class Supervisor final : public Supervised {
   // Programs (programs.cpp)
   void fill_slot(Member& member);
   Result<void> spawn(Member& member);
-  void check_process(Member& member, Instant now);
-  void check_body(Member& member, Instant now);
+  void check_process(Member& member);
+  void check_body(Member& member);
   void process_ended(Member& member, const ProcessEnd& end);
   void process_ready(Member& member);
   void end_process(Member& member, Instant now);
@@ -137,7 +138,7 @@ class Supervisor final : public Supervised {
 
   // Swaps (swaps.cpp)
   void end_swap(Member& member, ReplyCode code, const std::string& text);
-  void check_swaps(Hosted& host, Instant now);
+  void check_swaps(Hosted& host);
   /// True if the new instance of a swap, not the old instance, ended the host.
   static bool by_swap(const Member& member, channel::Doing doing);
 
@@ -222,6 +223,7 @@ class Supervisor final : public Supervised {
   std::vector<ExecutorWatch> watches_;  // one for each executor
   Instant stepped_at_{};                // when step() was called last
   Nanoseconds passed_{};                // time from the previous call of step() to the present one
+  Instant moving_since_{};              // when the machine last continued after it had stood still
   Instant asked_at_{};                  // when preparing began, or when the present step of stopping began
   bool end_asked_ = false;
 };
