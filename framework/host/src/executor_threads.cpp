@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include <takt/host/host.hpp>
+#include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/signals.hpp>
 #include <takt/os/waker.hpp>
@@ -16,6 +18,12 @@ channel::Crash* crash_place = nullptr;
 channel::CheckReporter check_reporter;
 thread_local channel::Activity* my_activity = nullptr;
 std::atomic_flag walking_stack;
+
+/// The process that reports its crashes. A module may copy it with fork() or vfork(), and the copy reports
+/// nothing.
+int reporting_process = 0;
+
+bool reports() noexcept { return crash_place != nullptr && os::process_id() == reporting_process; }
 
 // Stores the module in whose code the calling thread was. Async-signal-safe, because it only stores values.
 void store_culprit(int signal) noexcept {
@@ -38,18 +46,11 @@ void add_frame(const os::CodeAt& place) noexcept {
 // report_crash() is called again.
 void report_crash(int signal, std::uintptr_t at, const char* exception) noexcept {
   if (check_reporter) check_reporter.leave(0);  // the thread never returns to the module
-  if (crash_place == nullptr) return;
+  if (!reports()) return;
   if (exception != nullptr) crash_place->exception.assign(exception);
   store_culprit(signal);
   if (walking_stack.test_and_set(std::memory_order_relaxed)) return;
   os::walk_stack(at, channel::Crash::kFrames, add_frame);
-}
-
-// Reports a module that calls exit() as the culprit, because such a call ends the host, as a crash does.
-void report_exit() {
-  if (crash_place != nullptr && my_activity != nullptr &&
-      my_activity->module.load(std::memory_order_relaxed) != 0)
-    store_culprit(channel::Crash::kExit);
 }
 
 void ring(channel::WakeWord& wake_word, std::uint32_t bits) noexcept {
@@ -63,11 +64,19 @@ void ring_pending(channel::WakeWord& wake_word) noexcept {
   if (const std::uint32_t bits = wake_word.take_pending(); bits != 0) ring(wake_word, bits);
 }
 
+void report_exit() noexcept {
+  if (reports() && my_activity != nullptr && my_activity->module.load(std::memory_order_relaxed) != 0)
+    store_culprit(channel::Crash::kExit);
+}
+
 void report_crashes_to(channel::Crash& crash, channel::CheckReporter reporter) {
   crash_place = &crash;
   check_reporter = reporter;
+  reporting_process = os::process_id();
   os::on_crash(report_crash);
+  // exit() and quick_exit() end the process inside the C library, and do not call its function _exit().
   static_cast<void>(std::atexit(report_exit));
+  static_cast<void>(std::at_quick_exit(report_exit));
 }
 
 void report_crashes_as(channel::Activity* activity) {

@@ -12,6 +12,54 @@ STARTED = LIFE[:4]
 PLACE = r"(, in .+ in \w+\.so)?"  # the place is unknown after a stack overflow or a call of exit()
 SEGV = r"the host was killed by SIGSEGV \(Segmentation fault\) in %s\(\)"
 
+HEAD = """<cell name="cell"><device name="d">
+  <module> <name>grid</name> <filename>grid.so</filename>
+    <moduletype>thread</moduletype> <operationtype>periodic</operationtype> <period>2000000</period> <priority>1</priority> </module>"""
+MODULE = """
+  <module> <name>%s</name> <filename>trespasses.so</filename>
+    <moduletype>thread</moduletype> <operationtype>periodic</operationtype> <period>2000000</period> <priority>2</priority>
+    <recovery attempts="1" backoff="10000000"/>
+    <property> <value name="deed">%s</value> <value name="hook">%s</value> <value name="after">%d</value> </property> </module>"""
+
+
+class Trespasses(takt_system.Case):
+    """A module does something that ends its host or endangers other modules, but is no crash of its own code."""
+
+    def cell(self, *modules):
+        return self.write("cell.xml", HEAD + "".join(MODULE % module for module in modules) + "</device></cell>")
+
+    def run_with(self, *modules):
+        run = self.start("run", self.cell(*modules), "--json")
+        run.wait_for_state("grid", "EXECUTING")
+        return run
+
+    def end(self, run, status):
+        run.signal(signal.SIGINT)
+        run.wait()
+        self.assertEqual(status, run.status, run.err)
+
+    def test_a_call_that_ends_the_host_is_attributed_to_its_module_and_hook(self):
+        for deed, hook in (("_exit", "run"), ("_Exit", "error"), ("quick_exit", "recover")):
+            with self.subTest(deed=deed, hook=hook):
+                run = self.run_with(("culprit", deed, hook, 10))
+                run.wait_for_line("the host is started again")
+                wait_until(lambda: [s.target for s in run.steps("grid")].count("EXECUTING") == 2, "grid to run in the new host")
+                self.end(run, 1)
+                self.assertEqual(["module d.culprit: error: the host ended with status 3 in %s()" % hook], run.other_lines)
+                self.assertEqual("DESTRUCT", run.steps("culprit")[-1].target)
+
+    def test_a_call_that_ends_the_host_in_initialize_prevents_the_start_of_the_device(self):
+        run = self.takt("run", self.cell(("culprit", "_exit", "initialize", 0)), "--for", "5", "--json")
+        self.assert_refused(run, r"(?m)^module d\.culprit: error: the host ended with status 3 in initialize\(\)$")
+
+    def test_a_module_whose_forked_process_exits_is_not_blamed_for_the_end_of_the_host(self):
+        run = self.run_with(("forks", "fork_exit", "run", 10), ("unknown", "exit_group", "run", 100))
+        run.wait_for_line("the host is started again")
+        run.signal(signal.SIGINT)
+        run.wait()
+        self.assertRegex(run.err, r"(?m): the host ended with status 3$")
+        self.assertNotIn("module forks", run.err)
+
 
 class Crashes(takt_system.Case):
     def crash(self, descriptor, reason, culprits=("culprit",)):

@@ -91,9 +91,9 @@ struct CrashFrame {
 };
 
 /// What a host records when it crashes, when the node ends it because a thread hangs, or when a module ends
-/// the host with exit().
+/// the host with exit(), quick_exit() or _exit().
 struct Crash {
-  static constexpr std::int32_t kExit = -1;  ///< value of `signal` if a module called exit()
+  static constexpr std::int32_t kExit = -1;  ///< value of `signal` if a module called one of these
   static constexpr std::size_t kFrames = 32;
 
   std::atomic<std::int32_t> signal;

@@ -10,4 +10,8 @@ namespace takt::host {
 /// exit status.
 int run_host();
 
+/// If the calling thread is in a hook, reports that its module ends this process, so that the node does not
+/// look for another cause. takt-host calls it before each call of _exit(). Async-signal-safe.
+void report_exit() noexcept;
+
 }  // namespace takt::host

@@ -1,0 +1,69 @@
+// Does something that endangers the other modules of its host. The property `deed` names it, and `hook` the
+// hook in which it happens: once, and in run() only in the `after`-th call. If the environment variable
+// TRESPASSES_AT_LOAD is set, it names what happens when the component is loaded.
+#include <takt/component.hpp>
+
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace {
+
+void commit(const std::string& deed) {
+  if (deed == "_exit") _exit(3);
+  if (deed == "_Exit") std::_Exit(3);
+  if (deed == "quick_exit") std::quick_exit(3);
+  if (deed == "exit_group") syscall(SYS_exit_group, 3);  // passes by the C library
+  if (deed == "fork_exit") {
+    const pid_t child = fork();
+    if (child == 0) _exit(3);
+    waitpid(child, nullptr, 0);
+  }
+}
+
+struct AtLoad {
+  AtLoad() {
+    if (const char* deed = std::getenv("TRESPASSES_AT_LOAD"); deed != nullptr) commit(deed);
+  }
+};
+const AtLoad at_load;
+
+}  // namespace
+
+class Trespasses : public takt::Component {
+  takt::Property<std::string> deed{*this, "deed", ""};
+  takt::Property<std::string> hook{*this, "hook", "run"};
+  takt::Property<std::int64_t> after{*this, "after", 100};
+  std::int64_t runs_ = 0;
+
+  void enter(const std::string& name) {
+    const std::string& mine = hook;
+    const std::string& what = deed;
+    if (name == mine) commit(what);
+  }
+  takt::Result<void> initialize() override {
+    enter("initialize");
+    return {};
+  }
+  takt::Result<void> start() override {
+    enter("start");
+    return {};
+  }
+  void run(const takt::Cycle&) override {
+    if (++runs_ != after) return;
+    const std::string& name = hook;
+    enter("run");
+    if (name == "error" || name == "recover") throw std::runtime_error("to call " + name + "()");
+  }
+  void error(takt::ErrorType) override { enter("error"); }
+  takt::Result<void> recover() override {
+    enter("recover");
+    return {};
+  }
+  void destruct() override { enter("destruct"); }
+};
+TAKT_COMPONENT(Trespasses)
