@@ -26,6 +26,8 @@ const char* to_text(Doing doing) noexcept {
       return "loading the component";
     case Doing::serve:
       return "the handler of a service";
+    case Doing::thread:
+      return "a thread of the module";
   }
   return "?";
 }

@@ -1,6 +1,7 @@
 #include "executor_threads.hpp"
 
 #include <cstdlib>
+#include <new>
 #include <utility>
 
 #include <takt/host/host.hpp>
@@ -17,6 +18,8 @@ namespace {
 channel::Crash* crash_place = nullptr;
 channel::CheckReporter check_reporter;
 thread_local channel::Activity* my_activity = nullptr;
+/// In a thread that a module has started: the index of the module, plus 1. Otherwise 0.
+thread_local std::uint32_t my_owner = 0;
 std::atomic_flag walking_stack;
 
 /// The process that reports its crashes. A module may copy it with fork() or vfork(), and the copy reports
@@ -25,12 +28,17 @@ int reporting_process = 0;
 
 bool reports() noexcept { return crash_place != nullptr && os::process_id() == reporting_process; }
 
+/// Returns the index of the module in whose code the calling thread is, plus 1; 0 if it is in no module.
+std::uint32_t module_in_use() noexcept {
+  return my_activity != nullptr ? my_activity->module.load(std::memory_order_relaxed) : my_owner;
+}
+
 // Stores the module in whose code the calling thread was. Async-signal-safe, because it only stores values.
 void store_culprit(int signal) noexcept {
-  if (my_activity != nullptr) {
-    crash_place->module.store(my_activity->module.load(std::memory_order_relaxed), std::memory_order_relaxed);
-    crash_place->doing.store(my_activity->doing.load(std::memory_order_relaxed), std::memory_order_relaxed);
-  }
+  crash_place->module.store(module_in_use(), std::memory_order_relaxed);
+  crash_place->doing.store(
+      my_activity != nullptr ? my_activity->doing.load(std::memory_order_relaxed) : channel::Doing::thread,
+      std::memory_order_relaxed);
   crash_place->signal.store(signal, std::memory_order_release);
 }
 
@@ -65,8 +73,21 @@ void ring_pending(channel::WakeWord& wake_word) noexcept {
 }
 
 void report_exit() noexcept {
-  if (reports() && my_activity != nullptr && my_activity->module.load(std::memory_order_relaxed) != 0)
-    store_culprit(channel::Crash::kExit);
+  if (reports() && module_in_use() != 0) store_culprit(channel::Crash::kExit);
+}
+
+std::unique_ptr<ModuleThread> thread_of_module(void* (*body)(void*), void* argument) noexcept {
+  const std::uint32_t owner = module_in_use();
+  if (owner == 0) return nullptr;
+  return std::unique_ptr<ModuleThread>{new (std::nothrow)
+                                           ModuleThread{.body = body, .argument = argument, .owner = owner}};
+}
+
+void* run_thread_of_module(void* thread) {
+  const std::unique_ptr<ModuleThread> mine{static_cast<ModuleThread*>(thread)};
+  my_owner = mine->owner;
+  os::prepare_crash_stack();
+  return mine->body(mine->argument);
 }
 
 void report_crashes_to(channel::Crash& crash, channel::CheckReporter reporter) {

@@ -345,6 +345,7 @@ Result<void> Host::call_hook(const Request& request) {
     case Doing::run:
     case Doing::condition:
     case Doing::serve:
+    case Doing::thread:
       break;
   }
   return fail("the node requested a call that no host makes on request");

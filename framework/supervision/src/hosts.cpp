@@ -135,6 +135,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
     case Doing::run:
     case Doing::condition:
     case Doing::serve:
+    case Doing::thread:
       break;
   }
 }

@@ -102,7 +102,7 @@ bool Supervisor::by_swap(const Member& member, Doing doing) {
   if (!member.swap) return false;
   if (member.block.on_trial.load() != 0) return true;
   return doing == Doing::load || doing == Doing::initialize || doing == Doing::start ||
-         doing == Doing::destruct;
+         doing == Doing::destruct || doing == Doing::thread;
 }
 
 }  // namespace takt::supervision

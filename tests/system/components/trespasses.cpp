@@ -3,6 +3,7 @@
 // TRESPASSES_AT_LOAD is set, it names what happens when the component is loaded.
 #include <takt/component.hpp>
 
+#include <pthread.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,14 +11,33 @@
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 namespace {
+
+void* crashes(void*) {
+  *static_cast<volatile int*>(nullptr) = 1;
+  return nullptr;
+}
+void* exits(void*) { std::exit(3); }
+void* starts_another(void*) {
+  std::thread{[] { std::abort(); }}.join();
+  return nullptr;
+}
+
+void start_thread(void* (*body)(void*)) {
+  pthread_t thread{};
+  if (pthread_create(&thread, nullptr, body, nullptr) == 0) pthread_detach(thread);
+}
 
 void commit(const std::string& deed) {
   if (deed == "_exit") _exit(3);
   if (deed == "_Exit") std::_Exit(3);
   if (deed == "quick_exit") std::quick_exit(3);
   if (deed == "exit_group") syscall(SYS_exit_group, 3);  // passes by the C library
+  if (deed == "crashing thread") start_thread(crashes);
+  if (deed == "exiting thread") start_thread(exits);
+  if (deed == "thread of a thread") start_thread(starts_another);
   if (deed == "fork_exit") {
     const pid_t child = fork();
     if (child == 0) _exit(3);

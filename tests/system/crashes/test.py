@@ -52,6 +52,19 @@ class Trespasses(takt_system.Case):
         run = self.takt("run", self.cell(("culprit", "_exit", "initialize", 0)), "--for", "5", "--json")
         self.assert_refused(run, r"(?m)^module d\.culprit: error: the host ended with status 3 in initialize\(\)$")
 
+    def test_the_end_of_the_host_by_a_thread_of_a_module_is_attributed_to_the_module(self):
+        for deed, hook, reason in (("crashing thread", "run", r"was killed by SIGSEGV \(Segmentation fault\)"),
+                                   ("exiting thread", "error", "ended with status 3"),
+                                   ("thread of a thread", "run", r"was killed by SIGABRT \(Aborted\)")):
+            with self.subTest(deed=deed):
+                run = self.run_with(("culprit", deed, hook, 10))
+                run.wait_for_line("the host is started again")
+                wait_until(lambda: [s.target for s in run.steps("grid")].count("EXECUTING") == 2, "grid to run in the new host")
+                self.end(run, 1)
+                self.assertEqual(1, len(run.other_lines), run.other_lines)
+                self.assertRegex(run.other_lines[0], r"^module d\.culprit: error: the host %s in a thread of the module" % reason)
+                self.assertEqual("DESTRUCT", run.steps("culprit")[-1].target)
+
     def test_a_module_whose_forked_process_exits_is_not_blamed_for_the_end_of_the_host(self):
         run = self.run_with(("forks", "fork_exit", "run", 10), ("unknown", "exit_group", "run", 100))
         run.wait_for_line("the host is started again")

@@ -17,7 +17,8 @@ enum class Doing : std::uint32_t {
   recover,
   destruct,
   load,
-  serve
+  serve,
+  thread  ///< in a thread that the module has started itself; no Activity has this value
 };
 /// Returns the activity as text: "run()", "initialize()", ...
 const char* to_text(Doing doing) noexcept;

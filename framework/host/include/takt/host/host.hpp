@@ -3,6 +3,9 @@
 // has ended.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+
 namespace takt::host {
 
 /// Runs the program takt-host. The environment variables TAKT_NODE_FD, TAKT_CHANNEL_FD and TAKT_FLIGHT_FD
@@ -10,8 +13,23 @@ namespace takt::host {
 /// exit status.
 int run_host();
 
-/// If the calling thread is in a hook, reports that its module ends this process, so that the node does not
-/// look for another cause. takt-host calls it before each call of _exit(). Async-signal-safe.
+/// If the calling thread is in a hook, or was started by a module, reports that its module ends this process,
+/// so that the node does not look for another cause. takt-host calls it before each call of _exit().
+/// Async-signal-safe.
 void report_exit() noexcept;
+
+/// A thread that a module starts itself.
+struct ModuleThread {
+  void* (*body)(void*);
+  void* argument;
+  std::uint32_t owner;  ///< index of the module, plus 1
+};
+/// If the calling thread is in a hook, or was started by a module, returns the thread that it is about to
+/// start. takt-host calls it in pthread_create(), and lets the thread begin with run_thread_of_module(), so
+/// that a crash of the thread is attributed to its module. Null if the calling thread is not a module's, or
+/// if there is no memory.
+std::unique_ptr<ModuleThread> thread_of_module(void* (*body)(void*), void* argument) noexcept;
+/// Runs the thread, and then deletes `thread`, a ModuleThread.
+void* run_thread_of_module(void* thread);
 
 }  // namespace takt::host
