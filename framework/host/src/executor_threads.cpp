@@ -10,6 +10,7 @@
 #include <takt/os/signals.hpp>
 #include <takt/os/waker.hpp>
 #include <takt/schedule/levels.hpp>
+#include "own_threads.hpp"
 
 namespace takt::host {
 
@@ -79,13 +80,14 @@ void report_exit() noexcept {
 std::unique_ptr<ModuleThread> thread_of_module(void* (*body)(void*), void* argument) noexcept {
   const std::uint32_t owner = module_in_use();
   if (owner == 0) return nullptr;
-  return std::unique_ptr<ModuleThread>{new (std::nothrow)
-                                           ModuleThread{.body = body, .argument = argument, .owner = owner}};
+  return std::unique_ptr<ModuleThread>{new (std::nothrow) ModuleThread{
+      .body = body, .argument = argument, .owner = owner, .instance = InInstance::current()}};
 }
 
 void* run_thread_of_module(void* thread) {
   const std::unique_ptr<ModuleThread> mine{static_cast<ModuleThread*>(thread)};
   my_owner = mine->owner;
+  const InInstance in_instance{mine->instance};
   os::prepare_crash_stack();
   return mine->body(mine->argument);
 }

@@ -402,14 +402,17 @@ Result<std::string> Host::swap(const Request& request) {
     static_cast<void>(next.release());
     return fail("a hook of the new instance did not return in time, so the node abandoned the swap");
   }
-  if (!swapped.kept) return fail(swapped.text);
+  if (!swapped.kept) {
+    if (!next->unload()) static_cast<void>(next.release());
+    return fail(swapped.text);
+  }
   modules_[index].swap(next);
   reporting_[index].swap(reporting);
   setup_.paths[index] = request.value;
   answer({.request = request, .ok = true, .text = swapped.text, .warnings = {}});
   block().swap.begin(index, Doing::destruct, to_ns(os::now()));
   static_cast<void>(next->destruct());
-  next->unload();
+  if (!next->unload()) static_cast<void>(next.release());
   return swapped.text;
 }
 

@@ -1,6 +1,7 @@
 #include <takt/host/thread_module.hpp>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <utility>
@@ -12,6 +13,7 @@
 #include <takt/model/validate.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/fork_guard.hpp>
+#include "own_threads.hpp"
 
 namespace takt::host {
 
@@ -47,6 +49,7 @@ template <class Call>
 Result<void> ThreadModule::guarded(Call&& call) {
   static_cast<void>(take_failure());
   const InHook in_hook{now(), period_, log_ring()};
+  const InInstance in_instance{own_threads_};
   try {
     Result<void> result = std::forward<Call>(call)();
     os::end_forked_copy();
@@ -76,6 +79,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   static_cast<void>(take_loose_ports());
   static_cast<void>(take_loose_properties());
   static_cast<void>(take_loose_saved());
+  const InInstance in_instance{own_threads_};
   auto library = os::Library::open(path, globals, std::move(copy));
   if (!library) return library.problems();
   library_ = std::move(*library);
@@ -405,13 +409,22 @@ void ThreadModule::begin_hook() noexcept {
   live_.take_over();
 }
 
-void ThreadModule::unload() {
+bool ThreadModule::unload() {
   ports_.clear();
   watched_.clear();
   live_.serve({}, {});
   properties_.clear();
   saved_ = {};
   if (component_ != nullptr) factory_->destroy(component_);
+  const bool still_used = own_threads_.use_count() > 1;
+  if (still_used) {
+    std::fprintf(stderr,
+                 "module %s: a thread that it started still runs, so its code stays in memory; end the "
+                 "module's threads in destruct()\n",
+                 block_ != nullptr ? std::string{block_->name.view()}.c_str() : "");
+    library_.abandon();
+    own_threads_ = std::make_shared<const char>();
+  }
   component_ = nullptr;
   factory_ = nullptr;
   initialize_ = nullptr;
@@ -419,6 +432,7 @@ void ThreadModule::unload() {
   condition_ = nullptr;
   error_ = nullptr;
   library_ = {};
+  return !still_used;
 }
 
 void ThreadModule::abandon() noexcept {
@@ -482,6 +496,7 @@ executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
   context_.valid_ns = logical_ ? to_ns(cycle.time + cycle.period) : 0;
   context_.flight = flight_;
   live_.take_over();
+  const InInstance in_instance{own_threads_};
   try {
     if (component_ != nullptr) {
       component_->run(cycle);
@@ -507,6 +522,7 @@ executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexc
   serve_cycle(&cycle, log_ring());
   context_.start_ns = to_ns(cycle.start);
   live_.take_over();
+  const InInstance in_instance{own_threads_};
   try {
     if (component_ != nullptr)
       *ready = component_->condition();
@@ -543,6 +559,7 @@ bool ThreadModule::serve(bool executing) {
   const char* rejection = executing ? nullptr : "the module of the service is not in EXECUTING";
   handler_context_.start_ns = to_ns(now());
   const InHook in_hook{now(), period_, log_ring()};
+  const InInstance in_instance{own_threads_};
   const auto& services = component_->services();
   for (std::size_t n = services.size(); n > 0; --n) {
     if (++served_last_ >= services.size()) served_last_ = 0;

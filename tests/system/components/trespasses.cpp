@@ -19,6 +19,9 @@ void* crashes(void*) {
   *static_cast<volatile int*>(nullptr) = 1;
   return nullptr;
 }
+void* runs_on(void*) {
+  while (true) usleep(1000);
+}
 void* exits(void*) { std::exit(3); }
 void* starts_another(void*) {
   std::thread{[] { std::abort(); }}.join();
@@ -36,6 +39,7 @@ void commit(const std::string& deed) {
   if (deed == "quick_exit") std::quick_exit(3);
   if (deed == "exit_group") syscall(SYS_exit_group, 3);  // passes by the C library
   if (deed == "crashing thread") start_thread(crashes);
+  if (deed == "endless thread") start_thread(runs_on);
   if (deed == "exiting thread") start_thread(exits);
   if (deed == "thread of a thread") start_thread(starts_another);
   if (deed == "fork_exit") {

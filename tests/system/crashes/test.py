@@ -1,5 +1,6 @@
 import os
 import re
+import shutil
 import signal
 import sys
 import time
@@ -64,6 +65,18 @@ class Trespasses(takt_system.Case):
                 self.assertEqual(1, len(run.other_lines), run.other_lines)
                 self.assertRegex(run.other_lines[0], r"^module d\.culprit: error: the host %s in a thread of the module" % reason)
                 self.assertEqual("DESTRUCT", run.steps("culprit")[-1].target)
+
+    def test_the_code_of_a_swapped_module_stays_in_memory_while_a_thread_of_the_module_runs(self):
+        run = self.run_with(("culprit", "endless thread", "start", 0))
+        file = os.path.join(self.folder, "another.so")
+        shutil.copy(os.path.join(os.environ["TAKT_COMPONENT_PATH"].split(":")[0], "trespasses.so"), file)
+        self.done("swap d.culprit " + file)
+        run.wait_for_line("module culprit: a thread that it started still runs, so its code stays in memory")
+        cycles = lambda: next(m["cycles"] for m in self.status_of("d")["modules"] if m["name"] == "culprit")
+        swapped = cycles()
+        wait_until(lambda: cycles() > swapped + 100, "the new instance to run while the old thread runs")
+        self.assertEqual({"grid": "EXECUTING", "culprit": "EXECUTING"}, self.states_of("d"))
+        self.end(run, 0)
 
     def test_a_module_whose_forked_process_exits_is_not_blamed_for_the_end_of_the_host(self):
         run = self.run_with(("forks", "fork_exit", "run", 10), ("unknown", "exit_group", "run", 100))

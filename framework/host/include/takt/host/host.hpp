@@ -22,7 +22,8 @@ void report_exit() noexcept;
 struct ModuleThread {
   void* (*body)(void*);
   void* argument;
-  std::uint32_t owner;  ///< index of the module, plus 1
+  std::uint32_t owner;                   ///< index of the module, plus 1
+  std::shared_ptr<const char> instance;  ///< keeps the code of the module in memory, see own_threads.hpp
 };
 /// If the calling thread is in a hook, or was started by a module, returns the thread that it is about to
 /// start. takt-host calls it in pthread_create(), and lets the thread begin with run_thread_of_module(), so

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,8 +38,10 @@ class ThreadModule final : public executor::Body {
   /// cannot be loaded or has no run(). Also fails if `sporadic` is true and the file has neither condition()
   /// nor an event port.
   Result<void> load(const std::string& path, os::Library::Globals globals, bool sporadic, os::Fd copy = {});
-  /// Unloads the file, which runs the file's destructors.
-  void unload();
+  /// Unloads the file, which runs the file's destructors. If a thread that the module has started still runs,
+  /// reports it, leaves the file in memory, and returns false. The thread may then use this object, too, so
+  /// do not delete it.
+  bool unload();
   /// Leaves the module in memory, because a thread may still be running its code.
   void abandon() noexcept;
   [[nodiscard]] bool loaded() const noexcept { return component_ != nullptr || run_ != nullptr; }
@@ -178,6 +181,7 @@ class ThreadModule final : public executor::Body {
   }
 
   os::Library library_;
+  std::shared_ptr<const char> own_threads_ = std::make_shared<const char>();  // see own_threads.hpp
   const ComponentFactory* factory_ = nullptr;
   Component* component_ = nullptr;  // created and destroyed by the functions of factory_
   void (*initialize_)(const irp::Property&) = nullptr;
