@@ -580,6 +580,7 @@ void Host::serve() {
 int run_host() {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // so that the output of modules appears line by line
   os::survive_broken_pipes();  // a hook that prints after the node has ended must not kill the host
+  os::block_user_signals();    // a module may start a timer, and may be unloaded before its signal
   if (const auto guarded = os::guard_against_forks(); !guarded) {
     std::fprintf(stderr, "takt-host: %s\n", to_text(guarded.problems()).c_str());
     return 1;

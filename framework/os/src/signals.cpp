@@ -81,6 +81,14 @@ std::optional<int> SignalQueue::next() const {
 
 void survive_broken_pipes() { ::signal(SIGPIPE, SIG_IGN); }
 
+void block_user_signals() {
+  sigset_t set;
+  ::sigemptyset(&set);
+  for (int signal : {SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGUSR1, SIGUSR2}) ::sigaddset(&set, signal);
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) ::sigaddset(&set, signal);
+  ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
+}
+
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms) {
   std::vector<pollfd> wanted;
   wanted.reserve(fds.size());

@@ -4,8 +4,11 @@
 #include <takt/component.hpp>
 
 #include <pthread.h>
+#include <signal.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -19,6 +22,19 @@ void* crashes(void*) {
   *static_cast<volatile int*>(nullptr) = 1;
   return nullptr;
 }
+void handle(int) {}
+void start_timers() {
+  const itimerval every_ms{{0, 1000}, {0, 1000}};
+  setitimer(ITIMER_REAL, &every_ms, nullptr);
+  setitimer(ITIMER_PROF, &every_ms, nullptr);
+  timer_t timer{};
+  sigevent event{};
+  event.sigev_notify = SIGEV_SIGNAL;
+  event.sigev_signo = SIGRTMIN;
+  const itimerspec every{{0, 1000000}, {0, 1000000}};
+  if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &every, nullptr);
+}
+
 void* runs_on(void*) {
   while (true) usleep(1000);
 }
@@ -39,6 +55,11 @@ void commit(const std::string& deed) {
   if (deed == "quick_exit") std::quick_exit(3);
   if (deed == "exit_group") syscall(SYS_exit_group, 3);  // passes by the C library
   if (deed == "crashing thread") start_thread(crashes);
+  if (deed == "timers") start_timers();
+  if (deed == "handled timers") {
+    for (const int number : {SIGALRM, SIGPROF, SIGRTMIN}) signal(number, handle);
+    start_timers();
+  }
   if (deed == "endless thread") start_thread(runs_on);
   if (deed == "exiting thread") start_thread(exits);
   if (deed == "thread of a thread") start_thread(starts_another);

@@ -39,6 +39,24 @@ class Trespasses(takt_system.Case):
         run.wait()
         self.assertEqual(status, run.status, run.err)
 
+    def swap(self):
+        """Replaces the component of the module by a copy of itself."""
+        file = os.path.join(self.folder, "another.so")
+        shutil.copy(os.path.join(os.environ["TAKT_COMPONENT_PATH"].split(":")[0], "trespasses.so"), file)
+        self.done("swap d.culprit " + file)
+
+    def module(self):
+        return next(m for m in self.status_of("d")["modules"] if m["name"] == "culprit")
+
+    def assert_swap_keeps_the_host(self):
+        """Swaps the module while it runs, and waits for 100 more cycles of the module in the same host."""
+        wait_until(lambda: self.module()["cycles"] > 10, "the old instance to run")
+        before = self.module()
+        self.swap()
+        wait_until(lambda: self.module()["cycles"] > before["cycles"] + 100, "the new instance to run")
+        self.assertEqual(before["pid"], self.module()["pid"])
+        self.assertEqual({"grid": "EXECUTING", "culprit": "EXECUTING"}, self.states_of("d"))
+
     def test_a_call_that_ends_the_host_is_attributed_to_its_module_and_hook(self):
         for deed, hook in (("_exit", "run"), ("_Exit", "error"), ("quick_exit", "recover")):
             with self.subTest(deed=deed, hook=hook):
@@ -68,15 +86,17 @@ class Trespasses(takt_system.Case):
 
     def test_the_code_of_a_swapped_module_stays_in_memory_while_a_thread_of_the_module_runs(self):
         run = self.run_with(("culprit", "endless thread", "start", 0))
-        file = os.path.join(self.folder, "another.so")
-        shutil.copy(os.path.join(os.environ["TAKT_COMPONENT_PATH"].split(":")[0], "trespasses.so"), file)
-        self.done("swap d.culprit " + file)
+        self.assert_swap_keeps_the_host()
         run.wait_for_line("module culprit: a thread that it started still runs, so its code stays in memory")
-        cycles = lambda: next(m["cycles"] for m in self.status_of("d")["modules"] if m["name"] == "culprit")
-        swapped = cycles()
-        wait_until(lambda: cycles() > swapped + 100, "the new instance to run while the old thread runs")
-        self.assertEqual({"grid": "EXECUTING", "culprit": "EXECUTING"}, self.states_of("d"))
         self.end(run, 0)
+
+    def test_timers_and_signal_handlers_of_a_module_do_not_end_the_host(self):
+        for deed in ("timers", "handled timers"):
+            with self.subTest(deed=deed):
+                run = self.run_with(("culprit", deed, "start", 0))
+                self.done("set d.culprit deed none")  # the new instance starts no timers and sets no handlers
+                self.assert_swap_keeps_the_host()
+                self.end(run, 0)
 
     def test_a_module_whose_forked_process_exits_is_not_blamed_for_the_end_of_the_host(self):
         run = self.run_with(("forks", "fork_exit", "run", 10), ("unknown", "exit_group", "run", 100))

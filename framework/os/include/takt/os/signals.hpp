@@ -28,6 +28,11 @@ class SignalQueue {
 /// processes keep the default behaviour.
 void survive_broken_pipes();
 
+/// Blocks the signals of timers and the signals for users (SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGUSR1,
+/// SIGUSR2 and the real-time signals) for the calling thread and for threads that this thread starts later.
+/// So they neither end this process nor interrupt a real-time thread.
+void block_user_signals();
+
 /// Waits until one of the file descriptors can be read or its other end has been closed, but at most
 /// `limit_ms` ms. Returns false if this limit has passed.
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
