@@ -53,6 +53,7 @@ class Host {
  private:
   Result<std::string> serve_request(const Request& request);
   Result<void> call(const Request& request);
+  Result<void> watched_hook(const Request& request);
   Result<void> call_hook(const Request& request);
   void start_services(std::uint32_t index);
   Result<std::string> get(const Request& request) const;
@@ -283,12 +284,21 @@ Result<void> Host::set(const Request& request) {
 Result<void> Host::call(const Request& request) {
   const auto& service = services_[request.module];
   if (!service) {
-    auto done = call_hook(request);
+    auto done = watched_hook(request);
     if (done && request.hook == Doing::load) start_services(request.module);
     return done;
   }
   const auto excluded = service->exclude();
-  return call_hook(request);
+  return watched_hook(request);
+}
+
+// Calls a hook. Fails if the hook replaced a handler by which this host reports which module has crashed.
+Result<void> Host::watched_hook(const Request& request) {
+  auto done = call_hook(request);
+  const std::string replaced = os::take_back_crashes();
+  if (!done || replaced.empty()) return done;
+  return fail("it replaced the signal handler of " + replaced + ", with which the host reports crashes",
+              "remove the call of signal() or sigaction() from the module or its libraries");
 }
 
 void Host::start_services(std::uint32_t index) {

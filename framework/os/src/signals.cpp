@@ -5,6 +5,7 @@
 #include <link.h>
 #include <poll.h>
 #include <signal.h>
+#include <string.h>
 #include <sys/signalfd.h>
 #include <ucontext.h>
 #include <unistd.h>
@@ -114,11 +115,21 @@ void on_crash(CrashHandler handler) {
   ::backtrace(frames.data(), frames.size());
   crash_handler = handler;
   std::set_terminate(terminated);
+  static_cast<void>(take_back_crashes());
+}
+
+std::string take_back_crashes() {
   struct sigaction action {};
   action.sa_sigaction = crashed;
   action.sa_flags = static_cast<int>(SA_ONSTACK | SA_RESETHAND | SA_NODEFER | SA_SIGINFO);
-  for (int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, kHangSignal})
-    ::sigaction(signal, &action, nullptr);
+  std::string replaced;
+  for (int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, kHangSignal}) {
+    struct sigaction before {};
+    ::sigaction(signal, &action, &before);
+    if (before.sa_sigaction == crashed) continue;
+    replaced += (replaced.empty() ? "SIG" : ", SIG") + std::string{::sigabbrev_np(signal)};
+  }
+  return replaced;
 }
 
 void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept {

@@ -60,6 +60,7 @@ void commit(const std::string& deed) {
     for (const int number : {SIGALRM, SIGPROF, SIGRTMIN}) signal(number, handle);
     start_timers();
   }
+  if (deed == "handler of SIGSEGV") signal(SIGSEGV, handle);
   if (deed == "endless thread") start_thread(runs_on);
   if (deed == "exiting thread") start_thread(exits);
   if (deed == "thread of a thread") start_thread(starts_another);

@@ -98,6 +98,11 @@ class Trespasses(takt_system.Case):
                 self.assert_swap_keeps_the_host()
                 self.end(run, 0)
 
+    def test_a_hook_that_replaces_the_handler_of_crashes_fails(self):
+        run = self.takt("run", self.cell(("culprit", "handler of SIGSEGV", "initialize", 0)), "--for", "5", "--json")
+        self.assert_refused(run, r"(?m)^module d\.culprit: error: initialize\(\) failed: it replaced the signal handler of SIGSEGV, "
+                            "with which the host reports crashes; remove the call of ")
+
     def test_a_module_whose_forked_process_exits_is_not_blamed_for_the_end_of_the_host(self):
         run = self.run_with(("forks", "fork_exit", "run", 10), ("unknown", "exit_group", "run", 100))
         run.wait_for_line("the host is started again")

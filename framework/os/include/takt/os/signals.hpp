@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <takt/core/result.hpp>
@@ -57,6 +58,10 @@ using CrashHandler = void (*)(int signal, std::uintptr_t at, const char* excepti
 /// Sets the function that is called at a crash. Not for real-time threads: on_crash() allocates memory,
 /// because it loads the library that walk_stack() needs.
 void on_crash(CrashHandler handler);
+
+/// Makes the function that was passed to on_crash() handle crashes again, if foreign code has replaced the
+/// handlers of some signals. Returns the names of these signals, or an empty text.
+std::string take_back_crashes();
 
 /// An address in the code of the program or of a shared object.
 struct CodeAt {
