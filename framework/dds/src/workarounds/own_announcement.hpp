@@ -2,8 +2,8 @@
 // source files of this room include this header.
 //
 // In Fast DDS 2.9.1, a participant adds new addresses to its announcement, but removes none, and its readers
-// and writers announce for ever the addresses that it had when they were created. Who knows it sends
-// discovery messages for ever to the addresses that it announced first.
+// and writers announce for ever the addresses that it had when they were created. The other participants send
+// their discovery messages for ever to the addresses that it announced first.
 //
 // Participants that hear nothing of a halted one for the lease forget it. But the halted one does not forget
 // them, because their announcements wait in its socket. With DDS Security, Fast DDS 2.9.1 then never
