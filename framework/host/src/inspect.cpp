@@ -153,7 +153,9 @@ Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& argu
                        .arguments = arguments,
                        .environment = {{"TAKT_DESCRIBE_FD", std::to_string(sockets->second.fd().get())}},
                        .inherit = {&sockets->second.fd()},
-                       .capture_output = true});
+                       .capture_output = true,
+                       .whole_tree = true,
+                       .others_stay = true});  // a copy of the program may still answer
   if (!child) return child.problems();
   sockets->second.close();
   std::string printed;

@@ -44,37 +44,43 @@ class Keeper {
  public:
   Keeper(int pid, const sigset_t& awaited) : pid_(pid), awaited_(awaited) {}
 
-  /// Waits until no process of the program is left, and returns how the program ended.
-  KeptEnd wait_for_end() {
-    siginfo_t end{};
-    while (!node_ended_ && !has_ended(end)) {
+  /// Waits until the program or the node has ended.
+  void wait_for_end() {
+    while (!node_ended_ && !has_ended()) {
       visit_others(0);
       wait(std::chrono::hours{1});
     }
     visit_others(0);  // reaps those that have ended
-    const bool left_others = visit_others(0);
-    const bool killed = end.si_pid == pid_ && end.si_code != CLD_EXITED && end.si_status == SIGKILL;
+    left_others_ = visit_others(0);
+  }
+
+  /// Ends all processes of the program.
+  void end_all() {
+    const bool killed = has_ended() && end_.si_code != CLD_EXITED && end_.si_status == SIGKILL;
     const Instant kill_at = now() + (killed ? Nanoseconds{0} : kEndWithin);
     while (true) {
       const bool kills = node_ended_ || now() >= kill_at;
       const int number = kills ? SIGKILL : SIGTERM;
       ::kill(-pid_, number);
-      const bool ended = has_ended(end);  // first, because its end leaves its children to this process
+      const bool ended = has_ended();  // first, because its end leaves its children to this process
       if (!visit_others(number) && ended) break;
       wait(kills ? kKillEvery : std::max(kill_at - now(), Nanoseconds{0}));
     }
-    return {.signalled = end.si_code != CLD_EXITED, .code = end.si_status, .left_others = left_others};
   }
 
   void wait_for_end_of_node() {
     while (!node_ended_) wait(std::chrono::hours{1});
   }
 
+  [[nodiscard]] KeptEnd end() const {
+    return {.signalled = end_.si_code != CLD_EXITED, .code = end_.si_status, .left_others = left_others_};
+  }
+
  private:
-  bool has_ended(siginfo_t& end) const {
-    end.si_pid = 0;
-    return ::waitid(P_PID, static_cast<id_t>(pid_), &end, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           end.si_pid == pid_;
+  bool has_ended() {
+    end_.si_pid = 0;
+    return ::waitid(P_PID, static_cast<id_t>(pid_), &end_, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           end_.si_pid == pid_;
   }
 
   /// Reaps the other processes that have ended, and sends a signal to the others if `number` is not 0.
@@ -98,13 +104,15 @@ class Keeper {
 
   int pid_;
   sigset_t awaited_;
+  siginfo_t end_{};
+  bool left_others_ = false;
   bool node_ended_ = false;
 };
 
 }  // namespace
 
 int keep(int count, char** arguments) {
-  int first = 4;  // the first variable of the environment
+  int first = 5;  // the first variable of the environment
   while (first < count && std::strcmp(arguments[first], "--") != 0) ++first;
   if (first + 1 >= count) {
     std::fputs("takt-keeper is a part of Takt; only takt-node starts it\n", stderr);
@@ -113,6 +121,7 @@ int keep(int count, char** arguments) {
   const int failure = std::atoi(arguments[1]);
   const int status = std::atoi(arguments[2]);
   const int copy = std::atoi(arguments[3]);
+  const bool others_stay = std::atoi(arguments[4]) != 0;
   for (const int fd : {failure, status}) ::fcntl(fd, F_SETFD, FD_CLOEXEC);
   if (copy >= 0 && !is_script(copy)) ::fcntl(copy, F_SETFD, FD_CLOEXEC);
 
@@ -130,7 +139,7 @@ int keep(int count, char** arguments) {
     if (::getppid() != keeper) ::_exit(127);
     ::setpgid(0, 0);
     ::sigprocmask(SIG_UNBLOCK, &awaited, nullptr);
-    for (int i = 4; i < first; ++i) ::putenv(arguments[i]);
+    for (int i = 5; i < first; ++i) ::putenv(arguments[i]);
     char** const program = arguments + first + 1;
     if (copy >= 0)
       ::fexecve(copy, program, environ);
@@ -149,9 +158,12 @@ int keep(int count, char** arguments) {
   ::close_range(static_cast<unsigned>(status) + 1, ~0U, 0);
 
   Keeper program{pid, awaited};
-  const KeptEnd end = program.wait_for_end();
+  program.wait_for_end();
+  if (!others_stay) program.end_all();
+  const KeptEnd end = program.end();
   written = ::write(status, &end, sizeof end);
   program.wait_for_end_of_node();
+  program.end_all();
   ::waitpid(pid, nullptr, 0);
   return 0;
 }

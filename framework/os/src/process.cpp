@@ -91,6 +91,7 @@ Child::Child(Child&& other) noexcept
       error(std::move(other.error)),
       pid_(std::exchange(other.pid_, 0)),
       keeper_(std::exchange(other.keeper_, 0)),
+      others_stay_(other.others_stay_),
       kept_(std::move(other.kept_)),
       zombie_(std::exchange(other.zombie_, 0)),
       reap_at_(other.reap_at_) {}
@@ -100,15 +101,18 @@ Child& Child::operator=(Child&& other) noexcept {
   std::swap(error, other.error);
   std::swap(pid_, other.pid_);
   std::swap(keeper_, other.keeper_);
+  std::swap(others_stay_, other.others_stay_);
   std::swap(kept_, other.kept_);
   return *this;
 }
 
 Child::~Child() {
   reap();
-  if (!running()) return;
-  signal(SIGKILL);
-  wait();
+  if (running()) {
+    signal(SIGKILL);
+    wait();
+  }
+  if (keeper_ != 0) end_keeper();
 }
 
 namespace {
@@ -152,7 +156,8 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
   if (options.whole_tree) {
     arguments = {private_directory() + "/takt-keeper", std::to_string(failure->write.get()),
                  std::to_string(kept.write.get()),
-                 std::to_string(options.copy != nullptr ? options.copy->get() : -1)};
+                 std::to_string(options.copy != nullptr ? options.copy->get() : -1),
+                 options.others_stay ? "1" : "0"};
     // Not in the environment of takt-keeper: libtakt_check.so must check the program, not takt-keeper.
     for (const auto& [name, value] : options.environment) arguments.push_back(name + "=" + value);
     arguments.emplace_back("--");
@@ -211,6 +216,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
   }
 
   Child child;
+  child.others_stay_ = options.others_stay;
   (options.whole_tree ? child.keeper_ : child.pid_) = pid;
   failure->write.close();
   kept.write.close();
@@ -256,9 +262,10 @@ std::optional<ProcessEnd> Child::poll() noexcept {
   if (keeper_ != 0) {
     const auto end = kept_end();
     if (!end) return std::nullopt;
+    pid_ = 0;
+    if (others_stay_) return end;
     reap();
     ::kill(keeper_, SIGTERM);
-    pid_ = 0;
     zombie_ = std::exchange(keeper_, 0);
     reap_at_ = now() + kReapAfter;
     return end;

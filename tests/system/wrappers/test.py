@@ -76,6 +76,20 @@ class Wrappers(takt_system.Case):
         self.wait_for_servers(node)
         self.end({"robot": node})
 
+    def test_takt_ends_all_processes_of_a_program_that_it_starts_only_to_read_its_ports(self):
+        path = os.environ["TAKT_COMPONENT_PATH"].split(":")
+        os.environ["PROGRAM"] = next(p for p in (os.path.join(folder, "fine.exe") for folder in path) if os.path.exists(p))
+        self.addCleanup(os.environ.pop, "PROGRAM")
+        for arguments in (("describe", self.beside("described.sh")), ("check", "described.xml")):
+            run = self.takt(*arguments)
+            self.assertEqual(0, run.status, run.err)
+            self.assertIn("described", run.out)
+            self.assert_nothing_left(run)
+        node = self.node("robot")
+        self.deploy("described.xml")
+        self.assertEqual(1, len(node.processes("sleep")))
+        self.end({"robot": node})
+
     def test_a_node_that_is_the_first_process_of_a_container_reaps_orphans(self):
         node = self.node("robot", before=["unshare", "--pid", "--kill-child", "--fork", "--mount-proc"])
         first = min(p.pid for p in node.processes("takt-node"))

@@ -377,6 +377,28 @@ TEST(WholeTree, EndsIfItsKeeperIsKilled) {
   expect_death(pid);
 }
 
+TEST(WholeTree, KeepsOtherProcessesUntilTheChildIsDestroyedIfTheyStay) {
+  for (const Tree& tree : kTrees) {
+    SCOPED_TRACE(tree.name);
+    SpawnOptions options = whole_tree(tree.script);
+    options.others_stay = true;
+    int other = 0;
+    {
+      auto child = Child::spawn(options);
+      other = read_pid(child->output);
+      ::kill(child->pid(), SIGKILL);
+      while (!child->poll()) sleep_until(now() + milliseconds{1});
+      EXPECT_FALSE(is_dead(other));
+    }
+    EXPECT_NE(::kill(other, 0), 0);
+    {
+      auto child = Child::spawn(options);
+      other = read_pid(child->output);
+    }
+    EXPECT_NE(::kill(other, 0), 0) << "the program still ran when the child was destroyed";
+  }
+}
+
 TEST(WorkInChild, ReturnsItsResult) {
   EXPECT_EQ(in_child(
                 "it", [] { return std::string{"result"}; }, seconds{30})

@@ -6,10 +6,11 @@ namespace takt::os {
 /// The program of takt-keeper. It starts a program, and ends all processes that the program has started when
 /// the program or its node ends. Only Child::spawn() starts takt-keeper, with these arguments:
 ///
-///     takt-keeper FAILURE STATUS COPY NAME=VALUE... -- PROGRAM [ARGUMENT...]
+///     takt-keeper FAILURE STATUS COPY OTHERS_STAY NAME=VALUE... -- PROGRAM [ARGUMENT...]
 ///
 /// FAILURE is a pipe that gets the error number if the program cannot be executed. STATUS is a pipe that gets
-/// a KeptStart, and later a KeptEnd. COPY is the file to execute instead of PROGRAM, or -1.
+/// a KeptStart, and later a KeptEnd. COPY is the file to execute instead of PROGRAM, or -1. OTHERS_STAY is 1
+/// or 0, as in SpawnOptions.
 int keep(int count, char** arguments);
 
 /// What takt-keeper writes when it has started the program.
@@ -17,8 +18,9 @@ struct KeptStart {
   int pid = 0;
 };
 
-/// What takt-keeper writes when no process of the program is left. The program itself remains a zombie until
-/// SIGTERM ends takt-keeper, so its PID is not used again before.
+/// What takt-keeper writes when no process of the program is left, or, if the others stay, when the program
+/// has ended. The program itself remains a zombie until SIGTERM ends takt-keeper, so its PID is not used
+/// again before.
 struct KeptEnd {
   int signalled = 0;
   int code = 0;  ///< as in ProcessEnd

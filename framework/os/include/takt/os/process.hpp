@@ -55,6 +55,9 @@ struct SpawnOptions {
   /// parent. The program's end is reported after the end of these processes. They get SIGTERM and then, half
   /// a second later, SIGKILL; if SIGKILL ended the program or the thread has ended, they get SIGKILL at once.
   bool whole_tree = false;
+  /// True: the program's end is reported at once, and takt-keeper ends the other processes only when the
+  /// Child is destroyed. Only with whole_tree.
+  bool others_stay = false;
 };
 
 /// A child process. If it still runs, the destructor kills it and waits for its end.
@@ -97,6 +100,7 @@ class Child {
 
   int pid_ = 0;
   int keeper_ = 0;  // PID of takt-keeper; 0 without whole_tree
+  bool others_stay_ = false;
   Fd kept_;         // the pipe on which takt-keeper reports the start and the end of the program
   int zombie_ = 0;  // PID of a child that has ended but is not reaped yet, or of its takt-keeper
   Instant reap_at_{};

@@ -1,0 +1,3 @@
+#!/bin/sh
+setsid sleep 1000 &
+exec "$PROGRAM"
