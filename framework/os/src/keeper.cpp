@@ -71,9 +71,20 @@ class Keeper {
   void wait_for_end_of_node() {
     while (!node_ended_) wait(std::chrono::hours{1});
   }
+  [[nodiscard]] bool node_ended() const { return node_ended_; }
 
   [[nodiscard]] KeptEnd end() const {
     return {.signalled = end_.si_code != CLD_EXITED, .code = end_.si_status, .left_others = left_others_};
+  }
+
+  /// Waits for the end of the program, which is a keeper itself, and passes SIGTERM on to it. Then kills the
+  /// processes that it has left because it was killed.
+  void guard() {
+    while (!has_ended()) {
+      wait(std::chrono::hours{1});
+      if (node_ended_) ::kill(pid_, SIGTERM);
+    }
+    while (visit_others(SIGKILL)) wait(kKillEvery);
   }
 
  private:
@@ -109,6 +120,22 @@ class Keeper {
   bool node_ended_ = false;
 };
 
+/// A keeper must not keep the program's memory, sockets and output open.
+void close_all_but(int status) {
+  if (status > 0) ::close_range(0, static_cast<unsigned>(status) - 1, 0);
+  ::close_range(static_cast<unsigned>(status) + 1, ~0U, 0);
+}
+
+/// Makes a child process that gets `signal` when its parent ends. Returns as fork() does.
+int fork_below(int signal) {
+  const int parent = ::getpid();
+  const int pid = ::fork();
+  if (pid != 0) return pid;
+  ::prctl(PR_SET_PDEATHSIG, signal);
+  if (::getppid() != parent) ::_exit(127);  // the parent ended before prctl() took effect
+  return 0;
+}
+
 }  // namespace
 
 int keep(int count, char** arguments) {
@@ -132,11 +159,18 @@ int keep(int count, char** arguments) {
   ::sigaddset(&awaited, SIGTERM);
   ::sigprocmask(SIG_BLOCK, &awaited, nullptr);
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);
-  const int keeper = ::getpid();
-  const int pid = ::fork();
+  // Two keepers, so that the other one ends the program's processes if one is killed.
+  int pid = fork_below(SIGTERM);
+  if (pid > 0) {
+    close_all_but(status);
+    Keeper{pid, awaited}.guard();
+    return 0;
+  }
   if (pid == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != keeper) ::_exit(127);
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+    pid = fork_below(SIGKILL);
+  }
+  if (pid == 0) {
     ::setpgid(0, 0);
     ::sigprocmask(SIG_UNBLOCK, &awaited, nullptr);
     for (int i = 5; i < first; ++i) ::putenv(arguments[i]);
@@ -153,15 +187,13 @@ int keep(int count, char** arguments) {
   }
   const KeptStart start{.pid = pid};
   [[maybe_unused]] auto written = ::write(status, &start, sizeof start);
-  // The keeper must not keep the program's memory, sockets and output open.
-  if (status > 0) ::close_range(0, static_cast<unsigned>(status) - 1, 0);
-  ::close_range(static_cast<unsigned>(status) + 1, ~0U, 0);
+  close_all_but(status);
 
   Keeper program{pid, awaited};
   program.wait_for_end();
   if (!others_stay) program.end_all();
-  const KeptEnd end = program.end();
-  written = ::write(status, &end, sizeof end);
+  // If the other keeper was killed, close the pipe without a KeptEnd.
+  if (const KeptEnd end = program.end(); !program.node_ended()) written = ::write(status, &end, sizeof end);
   program.wait_for_end_of_node();
   program.end_all();
   ::waitpid(pid, nullptr, 0);

@@ -81,7 +81,9 @@ std::string signal_text(int signal) {
 }
 
 std::string ProcessEnd::text() const {
-  if (signalled) return "was killed by " + signal_text(code);
+  if (signalled)
+    return "was killed by " + signal_text(code) +
+           (keeper_killed ? ", because its takt-keeper was killed" : "");
   return "ended with status " + std::to_string(code) +
          (left_others ? ", while processes that it had started still ran" : "");
 }
@@ -285,8 +287,7 @@ std::optional<ProcessEnd> Child::kept_end() noexcept {
   KeptEnd end;
   const ssize_t got = ::read(kept_.get(), &end, sizeof end);
   if (got < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
-  // If takt-keeper was killed, the kernel has killed the program.
-  if (got != sizeof end) return ProcessEnd{.signalled = true, .code = SIGKILL};
+  if (got != sizeof end) return ProcessEnd{.signalled = true, .code = SIGKILL, .keeper_killed = true};
   return ProcessEnd{.signalled = end.signalled != 0, .code = end.code, .left_others = end.left_others != 0};
 }
 

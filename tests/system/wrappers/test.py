@@ -76,6 +76,17 @@ class Wrappers(takt_system.Case):
         self.wait_for_servers(node)
         self.end({"robot": node})
 
+    def test_the_death_of_takt_keeper_ends_all_processes_of_its_program_and_the_module_recovers(self):
+        node = self.node("robot")
+        self.deploy("cell.xml")
+        self.wait_for_servers(node)
+        os.kill(node.one("sleep").parent(), signal.SIGKILL)
+        node.wait_for_line(r"robot\.daemon: EXECUTING -> RECOVER \(crash: the process was killed by SIGKILL \(Killed\), "
+                           r"because its takt-keeper was killed")
+        wait_until(lambda: node.printed("daemon").count("listens") == 2, "the server after the recovery")
+        self.assertNotIn("Address already in use", node.err)
+        self.end({"robot": node})
+
     def test_takt_ends_all_processes_of_a_program_that_it_starts_only_to_read_its_ports(self):
         path = os.environ["TAKT_COMPONENT_PATH"].split(":")
         os.environ["PROGRAM"] = next(p for p in (os.path.join(folder, "fine.exe") for folder in path) if os.path.exists(p))

@@ -256,6 +256,14 @@ int read_pid(const Fd& output) {
   return std::stoi(text);
 }
 
+int parent_of(int pid) {
+  std::ifstream file{"/proc/" + std::to_string(pid) + "/status"};
+  for (std::string word; file >> word;) {
+    if (word == "PPid:") file >> pid;
+  }
+  return pid;
+}
+
 TEST(WholeTree, EndsWithItsProgram) {
   for (const Tree& tree : kTrees) {
     SCOPED_TRACE(tree.name);
@@ -369,12 +377,18 @@ TEST(WholeTree, ExecutesTheCopyOfAScript) {
   EXPECT_EQ(child->wait().code, 7);
 }
 
-TEST(WholeTree, EndsIfItsKeeperIsKilled) {
-  auto child = Child::spawn(whole_tree("echo $PPID; exec sleep 1000"));
-  ::kill(read_pid(child->output), SIGKILL);
-  const int pid = child->pid();
-  EXPECT_EQ(child->wait().code, SIGKILL);
-  expect_death(pid);
+TEST(WholeTree, EndsIfOneOfItsKeepersIsKilled) {
+  for (const Tree& tree : kTrees) {
+    for (const bool outer : {false, true}) {
+      SCOPED_TRACE(tree.name + (outer ? ", outer keeper" : ", inner keeper"));
+      auto child = Child::spawn(whole_tree(tree.script));
+      const int other = read_pid(child->output);
+      const int inner = parent_of(child->pid());
+      ::kill(outer ? parent_of(inner) : inner, SIGKILL);
+      EXPECT_EQ(child->wait().text(), "was killed by SIGKILL (Killed), because its takt-keeper was killed");
+      EXPECT_NE(::kill(other, 0), 0) << "the end was reported before the other process had ended";
+    }
+  }
 }
 
 TEST(WholeTree, KeepsOtherProcessesUntilTheChildIsDestroyedIfTheyStay) {

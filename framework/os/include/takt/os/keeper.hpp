@@ -11,6 +11,9 @@ namespace takt::os {
 /// FAILURE is a pipe that gets the error number if the program cannot be executed. STATUS is a pipe that gets
 /// a KeptStart, and later a KeptEnd. COPY is the file to execute instead of PROGRAM, or -1. OTHERS_STAY is 1
 /// or 0, as in SpawnOptions.
+///
+/// takt-keeper consists of two processes: the parent of the program, and the parent of this parent. If one of
+/// them is killed, the other one ends all processes of the program, and then closes STATUS without a KeptEnd.
 int keep(int count, char** arguments);
 
 /// What takt-keeper writes when it has started the program.

@@ -17,7 +17,9 @@ namespace takt::os {
 struct ProcessEnd {
   bool signalled = false;
   int code = 0;  ///< number of the signal if `signalled`, otherwise the exit status
-  bool left_others = false;  ///< with SpawnOptions::whole_tree: processes that it had started still ran
+  // With SpawnOptions::whole_tree:
+  bool left_others = false;    ///< processes that it had started still ran
+  bool keeper_killed = false;  ///< it was ended because its takt-keeper was killed
 
   /// Describes the end, for example "ended with status 3" or "was killed by SIGSEGV (Segmentation fault)".
   [[nodiscard]] std::string text() const;
