@@ -1,4 +1,6 @@
+import glob
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -84,6 +86,22 @@ class Wrappers(takt_system.Case):
         node.wait_for_line(r"robot\.daemon: EXECUTING -> RECOVER \(crash: the process was killed by SIGKILL \(Killed\), "
                            r"because its takt-keeper was killed")
         wait_until(lambda: node.printed("daemon").count("listens") == 2, "the server after the recovery")
+        self.assertNotIn("Address already in use", node.err)
+        self.end({"robot": node})
+
+    def test_an_update_of_a_program_ends_all_processes_of_the_old_program(self):
+        for script in glob.glob(self.beside("*.sh")):
+            shutil.copy(script, self.folder)
+        os.environ["TAKT_COMPONENT_PATH"] = self.folder
+        cell = shutil.copy(self.beside("cell.xml"), self.folder)
+        node = self.node("robot")
+        self.deploy(cell)
+        self.wait_for_servers(node)
+        for module in MODULES:
+            with open(os.path.join(self.folder, module + ".sh"), "a") as script:
+                script.write("# a new version\n")
+        self.deploy(cell, "--update")
+        self.wait_for_servers(node, 2)
         self.assertNotIn("Address already in use", node.err)
         self.end({"robot": node})
 
