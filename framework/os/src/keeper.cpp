@@ -212,8 +212,11 @@ void run_below_first_process() {
     return;
   }
   while (true) {
-    const int number = ::sigwaitinfo(&all, nullptr);
-    if (number > 0 && number != SIGCHLD) ::kill(child, number);
+    siginfo_t info{};
+    const int number = ::sigwaitinfo(&all, &info);
+    // Ctrl-C and other signals of the terminal reach the child too, except the end of the terminal (SIGHUP).
+    const bool reaches_child = info.si_code == SI_KERNEL && number != SIGHUP;
+    if (number > 0 && number != SIGCHLD && !reaches_child) ::kill(child, number);
     int status = 0;
     for (int ended = 0; (ended = ::waitpid(-1, &status, WNOHANG)) > 0;)
       if (ended == child) ::_exit(WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status));

@@ -8,7 +8,9 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 from takt_system import wait_until
+from terminal import Terminal
 
+CONTAINER = ["unshare", "--pid", "--kill-child", "--fork", "--mount-proc"]
 MODULES = ("child", "session", "daemon", "stubborn")
 
 
@@ -119,18 +121,34 @@ class Wrappers(takt_system.Case):
         self.assertEqual(1, len(node.processes("sleep")))
         self.end({"robot": node})
 
-    def test_a_node_that_is_the_first_process_of_a_container_reaps_orphans(self):
-        node = self.node("robot", before=["unshare", "--pid", "--kill-child", "--fork", "--mount-proc"])
-        first = min(p.pid for p in node.processes("takt-node"))
-        subprocess.run(["nsenter", "--target", str(first), "--pid", "sh", "-c", "sleep 1000 &"], check=True,
-                       env=dict(os.environ, **{takt_system.MARK: node.mark}))
-        orphan = node.one("sleep")
+    def check_that_the_first_process_reaps_orphans(self, run, program):
+        first = min(p.pid for p in run.processes(program))
+        subprocess.run(["nsenter", "--target", str(first), "--pid", "sh", "-c", "sleep 2000 &"], check=True,
+                       env=dict(os.environ, **{takt_system.MARK: run.mark}))
+        orphan = wait_until(lambda: next((p for p in run.processes("sleep") if p.arguments == ["2000"]), None), "the orphan")
         wait_until(lambda: orphan.parent() == first, "the first process to adopt the orphan")
         orphan.kill()
         wait_until(lambda: not os.path.exists("/proc/%d" % orphan.pid), "the orphan to be reaped")
         os.kill(first, signal.SIGTERM)
-        self.assertEqual(0, node.wait().status, node.err)
-        self.assertRegex(node.err, "robot: ")
+        self.assertEqual(0, run.wait().status, run.err)
+        self.assertRegex(run.err, "robot")
+
+    def test_a_node_that_is_the_first_process_of_a_container_reaps_orphans(self):
+        node = self.node("robot", before=CONTAINER)
+        self.check_that_the_first_process_reaps_orphans(node, "takt-node")
+
+    def test_takt_run_as_the_first_process_of_a_container_reaps_orphans(self):
+        run = self.start("run", "cell.xml", before=CONTAINER)
+        self.wait_for_servers(run)
+        self.check_that_the_first_process_reaps_orphans(run, "takt")
+
+    def test_ctrl_c_ends_takt_run_in_the_terminal_of_a_container(self):
+        terminal = Terminal()
+        self.addCleanup(terminal.close)
+        run = self.start("run", "cell.xml", before=CONTAINER, terminal=terminal.slave, become=terminal.become)
+        self.wait_for_servers(run)
+        terminal.press("\x03")
+        self.assertEqual(0, run.wait().status, run.err)  # a second SIGINT would kill the node
 
 
 if __name__ == "__main__":

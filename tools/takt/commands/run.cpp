@@ -17,6 +17,7 @@
 #include <takt/node/node.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/os/keeper.hpp>
 #include <takt/os/machine.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/output_file.hpp>
@@ -314,6 +315,7 @@ std::map<std::string, std::string> machine() {
 }
 
 int run(const RunOptions& options) {
+  os::run_below_first_process();
   const auto loaded = load(options.file);
   if (!loaded) {
     complain(loaded.problems());
