@@ -108,7 +108,7 @@ supervision::CrashCalls HostProcess::calls_of_crash(std::uint32_t module) {
   for (std::uint32_t i = 0; i < depth; ++i) {
     std::string object{crash.frames[i].object.view()};
     if (object.empty()) object = host;
-    // The host may have loaded the module from a copy of its component in memory.
+    // While a component is loaded, its name is that of its copy in memory.
     if (object.starts_with("/proc/")) object = parts_.paths.at(module);
     objects.push_back(std::move(object));
   }

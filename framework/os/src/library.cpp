@@ -7,6 +7,7 @@
 #include <link.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -78,6 +79,18 @@ std::string shared_variable(const Fd& fd) {
   return found;
 }
 
+// Returns true if the file is shorter than its ELF header says. The loader would not notice, and the process
+// would crash.
+bool is_cut_off(const Fd& fd) {
+  ElfW(Ehdr) header{};
+  struct stat status {};
+  if (::pread(fd.get(), &header, sizeof header, 0) != sizeof header || ::fstat(fd.get(), &status) != 0 ||
+      std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
+    return false;
+  return header.e_shoff + std::uint64_t{header.e_shnum} * header.e_shentsize >
+         static_cast<std::uint64_t>(status.st_size);
+}
+
 // Gives the copy a path that no loaded object has. The loader treats objects with the same path as one
 // object, and the path contains a descriptor number, which may have been used before. Duplicates `copy` until
 // its number is unused.
@@ -102,19 +115,37 @@ struct Unload {
 // a copy of the object has no folder, but the copy finds a library that is loaded by the library's name
 // (DT_SONAME).
 std::vector<std::unique_ptr<void, Unload>> libraries_beside(const std::string& path) {
-  constexpr std::string_view kOrigin = "$ORIGIN";
   const std::string folder = std::filesystem::absolute(path).parent_path();
-  std::vector<std::unique_ptr<void, Unload>> libraries;
+  std::vector<std::string> candidates;
   std::istringstream folders{library_folders(path)};
   for (std::string place; std::getline(folders, place, ':');) {
-    if (!place.starts_with(kOrigin)) continue;
-    place.replace(0, kOrigin.size(), folder);
-    for (const std::string& name : needed_libraries(path)) {
-      if (void* library = ::dlopen((place + "/" + name).c_str(), RTLD_NOW | RTLD_LOCAL))
-        libraries.emplace_back(library);
+    for (const std::string_view origin : {"$ORIGIN", "${ORIGIN}"}) {
+      if (!place.starts_with(origin)) continue;
+      for (const std::string& name : needed_libraries(path))
+        candidates.push_back(folder + place.substr(origin.size()) + "/" + name);
     }
   }
+  std::vector<std::unique_ptr<void, Unload>> libraries;
+  // Try again after each success, because one of the libraries may need another one.
+  for (bool found = true; found;) {
+    found = false;
+    std::erase_if(candidates, [&](const std::string& candidate) {
+      void* const library = ::dlopen(candidate.c_str(), RTLD_NOW | RTLD_LOCAL);
+      if (library == nullptr) return false;
+      libraries.emplace_back(library);
+      return found = true;
+    });
+  }
   return libraries;
+}
+
+// Gives an object that was loaded from a copy the path of the copied file, so that dladdr(), debuggers and
+// core dumps show this path. The loader still finds the object by the path of the copy, and frees the new
+// name when it unloads the object.
+void rename_object(void* handle, const std::string& copy, const std::string& path) {
+  link_map* object = nullptr;
+  if (::dlinfo(handle, RTLD_DI_LINKMAP, &object) == 0 && object->l_name == copy)
+    std::free(std::exchange(object->l_name, ::strdup(path.c_str())));
 }
 
 /// The copies from which objects with shared globals were loaded, by the path of the copied file.
@@ -165,13 +196,15 @@ Library::~Library() {
 Result<Library> Library::open(const std::string& path, Globals globals, Fd copy) {
   Library library;
   std::vector<std::unique_ptr<void, Unload>> beside;  // needed only until the object itself uses them
+  if (!copy) {
+    beside = libraries_beside(path);
+    auto copied = sealed_copy(path);
+    if (!copied) return copied.problems();
+    copy = std::move(*copied);
+  }
+  if (is_cut_off(copy))
+    return fail("cannot load " + path + ": a part of the file is missing", "copy it again");
   if (globals == Globals::own) {
-    if (!copy) {
-      beside = libraries_beside(path);
-      auto copied = sealed_copy(path);
-      if (!copied) return copied.problems();
-      copy = std::move(*copied);
-    }
     if (const std::string variable = shared_variable(copy); !variable.empty()) {
       return fail(path +
                       " cannot be loaded with its own globals for a second module: the loader would share "
@@ -180,13 +213,11 @@ Result<Library> Library::open(const std::string& path, Globals globals, Fd copy)
                   "compile it with -fno-gnu-unique, or make it a takt::Component");
     }
   }
-  if (copy) {
-    auto kept = globals == Globals::own ? with_unused_path(std::move(copy))
-                                        : shared_copies().of(path, std::move(copy));
-    if (!kept) return kept.problems();
-    library.copy_ = std::move(*kept);
-  }
-  const std::string file = library.copy_ ? path_of(*library.copy_) : path;
+  auto kept =
+      globals == Globals::own ? with_unused_path(std::move(copy)) : shared_copies().of(path, std::move(copy));
+  if (!kept) return kept.problems();
+  library.copy_ = std::move(*kept);
+  const std::string file = path_of(*library.copy_);
   library.handle_ = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library.handle_ == nullptr) {
     const char* const text = ::dlerror();
@@ -200,14 +231,11 @@ Result<Library> Library::open(const std::string& path, Globals globals, Fd copy)
     }
     return fail("cannot load " + path + ": " + reason, "use a shared object that is built for this machine");
   }
+  rename_object(library.handle_, file, std::filesystem::absolute(path));
   return library;
 }
 
-bool Library::is_loaded(const std::string& path) {
-  void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
-  if (handle != nullptr) ::dlclose(handle);
-  return handle != nullptr || shared_copies().contain(path);
-}
+bool Library::is_loaded(const std::string& path) { return shared_copies().contain(path); }
 
 void* Library::own_symbol(const char* name) const noexcept {
   void* address = ::dlsym(handle_, name);

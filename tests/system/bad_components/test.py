@@ -121,7 +121,7 @@ class BadComponents(takt_system.Case):
         os.chmod(os.path.join(self.folder, "script.exe"), 0o755)
         period = "<period>1000000</period><priority>1</priority>"
         for file, kind, words, path in (
-                ("./cut.so", "thread", "build it again, in case the file is incomplete", None),
+                ("./cut.so", "thread", "a part of the file is missing; copy it again", None),
                 ("./script.exe", "process", "needs the interpreter /usr/bin/no-such-interpreter, which does not exist; install it", None),
                 ("GRID.so", "thread", "did you mean grid.so?", None),
                 ("xyzgrid1.so", "thread", "build it, correct the name, or add its folder to TAKT_COMPONENT_PATH", None),

@@ -1,12 +1,13 @@
 import os
 import re
+import shutil
 import signal
 import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
-from takt_system import LIFE
+from takt_system import LIFE, wait_until
 
 
 class Copies(takt_system.Case):
@@ -32,6 +33,37 @@ class Copies(takt_system.Case):
             counted = int(re.search(r"released (\d+) times", " ".join(run.printed(module)))[1])
             self.assertIn(modules[module]["cycles"] - counted, (0, 1), module)
         self.assertNotEqual(modules["program_one"]["pid"], modules["program_two"]["pid"])
+
+    def test_a_file_that_is_overwritten_in_place_does_not_change_the_running_modules(self):
+        folders = os.environ["TAKT_COMPONENT_PATH"].split(":")
+        for file in ("grid.so", "cpp_properties.so", "fine.so"):
+            shutil.copy(next(p for p in (os.path.join(folder, file) for folder in folders) if os.path.exists(p)), self.folder)
+        run = self.start("run", shutil.copy(self.beside("overwritten.xml"), self.folder), "--json")
+        modules = ("grid", "properties", "fine")
+        for module in modules:
+            run.wait_for_state(module, "EXECUTING")
+        host = run.one("takt-host")
+        sizes = {"grid.so": 0, "cpp_properties.so": 4096}
+        for file, size in sizes.items():
+            path = os.path.join(self.folder, file)
+            with open(path, "r+b") as component:
+                component.write(bytes(os.path.getsize(path)))
+                component.truncate(size)
+        cycles = lambda: [m["cycles"] for m in self.status_of("d")["modules"]]
+        before = cycles()
+        wait_until(lambda: all(now > then + 100 for now, then in zip(cycles(), before)), "100 more cycles")
+        self.assertEqual(set(modules), {m["name"] for m in self.status_of("d")["modules"] if m["state"] == "EXECUTING"})
+
+        # The next host cannot load the files.
+        host.kill()
+        run.wait_for_line("the host is started again")
+        wait_until(lambda: [s.target for s in run.steps("fine")].count("EXECUTING") == 2, "fine to run in the new host")
+        run.signal(signal.SIGINT)
+        run.wait()
+        self.assertEqual(1, run.status, run.err)
+        for module, file in (("grid", "grid.so"), ("properties", "cpp_properties.so")):
+            self.assertRegex(run.err, r"(?m)^module d\.%s: error: loading the component failed: cannot load %s: (file too short|invalid ELF header)"
+                             % (module, os.path.join(self.folder, file)))
 
     def test_takt_rejects_two_modules_that_would_share_a_variable(self):
         for command in (["check"], ["run", "--for", "1"]):

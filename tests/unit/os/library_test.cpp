@@ -63,13 +63,40 @@ TEST(Library, StartsWithFreshGlobalsEachTimeItIsOpenedWithOwnGlobals) {
   }
 }
 
-TEST(Library, FindsTheLibrariesBesideItsFileIfOpenedWithOwnGlobals) {
-  for (int i = 0; i < 2; ++i) {
-    const auto library = Library::open(build_path("tests/objects/needs.so"), Library::Globals::own);
+TEST(Library, FindsTheLibrariesBesideItsFile) {
+  for (const auto globals : {Library::Globals::own, Library::Globals::shared, Library::Globals::own}) {
+    const auto library = Library::open(build_path("tests/objects/needs.so"), globals);
     ASSERT_TRUE(library.ok()) << to_text(library.problems());
     EXPECT_EQ(reinterpret_cast<int (*)()>(library->own_symbol("count_beside"))(), 1)
         << "the library was not unloaded";
   }
+}
+
+TEST(Library, DoesNotChangeIfItsFileIsOverwritten) {
+  const std::string path = testing::TempDir() + "takt-overwritten-" + std::to_string(::getpid()) + ".so";
+  for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
+    std::filesystem::copy_file(kPlain, path, std::filesystem::copy_options::overwrite_existing);
+    const auto library = Library::open(path, globals);
+    ASSERT_TRUE(library.ok()) << to_text(library.problems());
+    std::filesystem::resize_file(path, 0);
+    EXPECT_EQ(count_up(*library), 1);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Library, CannotBeOpenedIfAPartOfItsFileIsMissing) {
+  const std::string path = testing::TempDir() + "takt-part-" + std::to_string(::getpid()) + ".so";
+  for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
+    std::filesystem::copy_file(kPlain, path, std::filesystem::copy_options::overwrite_existing);
+    for (std::uintmax_t size = std::filesystem::file_size(path); size-- > 0;) {
+      if (size > 4096 && size % 4096 != 4095) continue;
+      std::filesystem::resize_file(path, size);
+      const auto library = Library::open(path, globals);
+      ASSERT_FALSE(library.ok()) << size << " bytes";
+      EXPECT_THAT(library.problems()[0].what, HasSubstr(path));
+    }
+  }
+  std::filesystem::remove(path);
 }
 
 TEST(Library, LoadsTheGivenCopyInsteadOfTheFile) {
@@ -108,14 +135,19 @@ TEST(Library, SharesGlobalsBetweenCopiesOfOneFileOpenedWithSharedGlobals) {
   EXPECT_FALSE(Library::is_loaded(one));
 }
 
-TEST(Library, IsNamedByAPathThatOtherProcessesCanOpen) {
-  const auto library = Library::open(kPlain, Library::Globals::own);
-  ASSERT_TRUE(library.ok());
-  Dl_info info{};
-  ASSERT_NE(::dladdr(library->own_symbol("count_up"), &info), 0);
-  const std::string name = info.dli_fname;
-  EXPECT_EQ(name.find("/proc/self/"), std::string::npos) << name;
-  EXPECT_EQ(std::filesystem::file_size(name), std::filesystem::file_size(kPlain));
+TEST(Library, HasThePathOfItsFile) {
+  const std::string relative = std::filesystem::relative(kPlain);
+  for (const auto globals : {Library::Globals::shared, Library::Globals::own, Library::Globals::shared}) {
+    const auto library = Library::open(relative, globals);
+    const auto again = Library::open(relative, globals);
+    ASSERT_TRUE(library.ok());
+    for (const auto& each : {&library, &again}) {
+      Dl_info info{};
+      ASSERT_NE(::dladdr((*each)->own_symbol("count_up"), &info), 0);
+      EXPECT_TRUE(std::filesystem::path{info.dli_fname}.is_absolute());
+      EXPECT_TRUE(std::filesystem::equivalent(info.dli_fname, kPlain)) << info.dli_fname;
+    }
+  }
 }
 
 TEST(Library, CannotBeOpenedWithOwnGlobalsIfTheLoaderWouldShareThem) {

@@ -25,13 +25,14 @@ class Library {
   /// Unloads the object, and runs the destructors of its global variables.
   ~Library();
 
-  /// Loads a shared object: the file at `path`, or, if given, the sealed copy of this file. If this fails,
-  /// the problem contains the loader's reason. With Globals::own, also fails if the object has symbols that
-  /// the loader would share between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
+  /// Loads a shared object from a sealed copy of the file at `path`: the given one, or a new one. So a
+  /// program that overwrites the file cannot change the loaded code. If this fails, the problem contains the
+  /// loader's reason. With Globals::own, also fails if the object has symbols that the loader would share
+  /// between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
   static Result<Library> open(const std::string& path, Globals globals, Fd copy = {});
 
-  /// Returns true if the file at this path is already loaded, possibly under another path. Then open() with
-  /// Globals::shared returns the loaded object, even if a new file has replaced the one at this path.
+  /// Returns true if the file at this path is already loaded with Globals::shared. Then open() with
+  /// Globals::shared returns the loaded object, even if the file at this path has changed.
   static bool is_loaded(const std::string& path);
 
   /// Returns the address of a function or variable that this object itself defines; null if the object
