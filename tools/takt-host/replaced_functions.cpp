@@ -1,10 +1,20 @@
 // Functions of the C library that takt-host replaces. A component that calls one of them calls the function
 // here, because the dynamic loader looks for it first in the program.
+#include <cerrno>
 #include <thread>
 
 #include <takt/host/host.hpp>
 #include <takt/os/library.hpp>
 #include <takt/os/system_calls.hpp>
+
+namespace {
+
+template <class Function>
+Function* original(Function*, const char* name) {
+  return reinterpret_cast<Function*>(takt::os::next_function(name));
+}
+
+}  // namespace
 
 extern "C" {
 
@@ -19,12 +29,35 @@ extern "C" {
 // Starts a thread. The host remembers which module has started it.
 int pthread_create(pthread_t* id, const pthread_attr_t* attributes, void* (*body)(void*),
                    void* argument) noexcept {
-  static auto* const create =
-      reinterpret_cast<decltype(&pthread_create)>(takt::os::next_function("pthread_create"));
+  static auto* const create = original(&pthread_create, "pthread_create");
   auto thread = takt::host::thread_of_module(body, argument);
   if (!thread) return create(id, attributes, body, argument);
   const int error = create(id, attributes, takt::host::run_thread_of_module, thread.get());
   if (error == 0) static_cast<void>(thread.release());  // the new thread owns it
   return error;
 }
+
+// A module cannot close file descriptors of the host, as libraries try that make a process a daemon.
+int close(int fd) {
+  static auto* const close_one = original(&close, "close");
+  if (!takt::host::protects(fd)) return close_one(fd);
+  errno = EBADF;
+  return -1;
+}
+
+int close_range(unsigned first, unsigned last, int flags) noexcept {
+  static auto* const close_all = original(&close_range, "close_range");
+  constexpr unsigned kMostProtected = 65536;
+  constexpr int kOnlyOnExec = 4;  // CLOSE_RANGE_CLOEXEC
+  for (unsigned fd = first; fd <= last && fd < kMostProtected && (flags & kOnlyOnExec) == 0; ++fd) {
+    if (!takt::host::protects(static_cast<int>(fd))) continue;
+    if (fd > first && close_all(first, fd - 1, flags) != 0) return -1;
+    if (fd == last) return 0;
+    first = fd + 1;
+  }
+  return close_all(first, last, flags);
+}
+
+void closefrom(int first) noexcept { close_range(first < 0 ? 0 : static_cast<unsigned>(first), ~0U, 0); }
+
 }

@@ -77,6 +77,8 @@ void report_exit() noexcept {
   if (reports() && module_in_use() != 0) store_culprit(channel::Crash::kExit);
 }
 
+bool in_module() noexcept { return module_in_use() != 0 && reports(); }
+
 std::unique_ptr<ModuleThread> thread_of_module(void* (*body)(void*), void* argument) noexcept {
   const std::uint32_t owner = module_in_use();
   if (owner == 0) return nullptr;

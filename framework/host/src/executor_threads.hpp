@@ -75,6 +75,13 @@ void ring_pending(channel::WakeWord& wake_word) noexcept;
 /// Sets the activity that the crash report names if the calling thread crashes or hangs. Stores the id of the
 /// thread in the activity.
 void report_crashes_as(channel::Activity* activity);
+/// True if the calling thread is in a hook, or was started by a module. False in a copy of this process that
+/// a module made by fork(). Async-signal-safe.
+bool in_module() noexcept;
+
+/// From now on, modules cannot close the file descriptors that are open now (see protects()).
+void protect_descriptors();
+
 /// From now on, a crash of any thread of this process is stored in `crash`. The crash handler's own system
 /// calls are not reported to `reporter` as violations of the module.
 void report_crashes_to(channel::Crash& crash, channel::CheckReporter reporter);

@@ -212,6 +212,7 @@ Result<void> Host::prepare() {
     if (modules_[i] && records_[i] != nullptr) modules_[i]->record_to(records_[i], i);
   }
   report_crashes_to(block().crash, reporter_);
+  protect_descriptors();
   static_cast<void>(os::pin(0, setup_.background_cpus));
   const auto done = [this](const Request& request, const Result<std::string>& result) {
     ring_pending(*wake_word_);  // wakes the readers of samples that a hook wrote
@@ -581,6 +582,7 @@ void Host::serve() {
         std::_Exit(0);
     }
   }
+  std::fputs("the connection to the node has ended, so this host ends\n", stderr);
   end_without_node();
   std::_Exit(1);
 }

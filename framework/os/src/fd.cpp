@@ -1,8 +1,10 @@
 #include <takt/os/fd.hpp>
 
+#include <dirent.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 
 #include "error.hpp"
@@ -12,6 +14,18 @@ namespace takt::os {
 void Fd::close() noexcept {
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
+}
+
+std::vector<int> open_descriptors() {
+  std::vector<int> found;
+  DIR* const folder = ::opendir("/proc/self/fd");
+  if (folder == nullptr) return found;
+  while (const dirent* const entry = ::readdir(folder)) {
+    if (const int fd = std::atoi(entry->d_name); entry->d_name[0] != '.' && fd != ::dirfd(folder))
+      found.push_back(fd);
+  }
+  ::closedir(folder);
+  return found;
 }
 
 Problem error_problem(std::string call, int error, std::string fix) {

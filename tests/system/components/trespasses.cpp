@@ -60,6 +60,12 @@ void commit(const std::string& deed) {
     for (const int number : {SIGALRM, SIGPROF, SIGRTMIN}) signal(number, handle);
     start_timers();
   }
+  if (deed == "close") {
+    for (int fd = 0; fd < 1024; ++fd) close(fd);
+  }
+  if (deed == "close_range") close_range(3, ~0U, 0);
+  if (deed == "closefrom") closefrom(0);
+  if (deed == "close own") close(dup(0));
   if (deed == "handler of SIGSEGV") signal(SIGSEGV, handle);
   if (deed == "endless thread") start_thread(runs_on);
   if (deed == "exiting thread") start_thread(exits);

@@ -48,14 +48,15 @@ class Trespasses(takt_system.Case):
     def module(self):
         return next(m for m in self.status_of("d")["modules"] if m["name"] == "culprit")
 
-    def assert_swap_keeps_the_host(self):
-        """Swaps the module while it runs, and waits for 100 more cycles of the module in the same host."""
+    def assert_swap_keeps_the_host(self, others={}):
+        """Swaps the module while it runs, and waits for 100 more cycles of the module in the same host. `others` are the states of modules
+        other than the usual two."""
         wait_until(lambda: self.module()["cycles"] > 10, "the old instance to run")
         before = self.module()
         self.swap()
         wait_until(lambda: self.module()["cycles"] > before["cycles"] + 100, "the new instance to run")
         self.assertEqual(before["pid"], self.module()["pid"])
-        self.assertEqual({"grid": "EXECUTING", "culprit": "EXECUTING"}, self.states_of("d"))
+        self.assertEqual({"grid": "EXECUTING", "culprit": "EXECUTING", **others}, self.states_of("d"))
 
     def test_a_call_that_ends_the_host_is_attributed_to_its_module_and_hook(self):
         for deed, hook in (("_exit", "run"), ("_Exit", "error"), ("quick_exit", "recover")):
@@ -97,6 +98,20 @@ class Trespasses(takt_system.Case):
                 self.done("set d.culprit deed none")  # the new instance starts no timers and sets no handlers
                 self.assert_swap_keeps_the_host()
                 self.end(run, 0)
+
+    def test_a_module_cannot_close_file_descriptors_of_the_host(self):
+        reason = "it tried to close file descriptors of the host, which stay open; close only those that the module has opened"
+        for deed in ("close", "close_range", "closefrom"):
+            with self.subTest(deed=deed):
+                run = self.takt("run", self.cell(("culprit", deed, "initialize", 0)), "--for", "5", "--json")
+                self.assert_refused(run, r"(?m)^module d\.culprit: error: initialize\(\) failed: %s$" % reason)
+        run = self.run_with(("culprit", "close", "run", 10), ("other", "close own", "run", 10))
+        run.wait_for_line(r"d\.culprit: EXECUTING -> RECOVER \(failure: %s\)" % reason)
+        self.done("set d.culprit deed none")  # the new instance closes nothing
+        self.assert_swap_keeps_the_host(others={"other": "EXECUTING"})
+        self.end(run, 0)
+        self.assertEqual(LIFE, run.states("grid"))
+        self.assertEqual(LIFE, run.states("other"))
 
     def test_a_hook_that_replaces_the_handler_of_crashes_fails(self):
         run = self.takt("run", self.cell(("culprit", "handler of SIGSEGV", "initialize", 0)), "--for", "5", "--json")

@@ -18,6 +18,10 @@ int run_host();
 /// Async-signal-safe.
 void report_exit() noexcept;
 
+/// True if the calling thread is in code of a module and `fd` is a file descriptor of the host. Then
+/// takt-host leaves the descriptor open, and the hook fails. Async-signal-safe.
+bool protects(int fd) noexcept;
+
 /// A thread that a module starts itself.
 struct ModuleThread {
   void* (*body)(void*);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <utility>
+#include <vector>
 
 namespace takt::os {
 
@@ -28,5 +29,8 @@ class Fd {
  private:
   int fd_ = -1;
 };
+
+/// Returns the file descriptors that this process has open.
+std::vector<int> open_descriptors();
 
 }  // namespace takt::os
