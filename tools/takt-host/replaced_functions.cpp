@@ -37,6 +37,14 @@ int pthread_create(pthread_t* id, const pthread_attr_t* attributes, void* (*body
   return error;
 }
 
+// Ends the calling thread, unless it is a thread of the host.
+[[noreturn]] void pthread_exit(void* value) {
+  static auto* const end = original(&pthread_exit, "pthread_exit");
+  takt::host::check_thread_exit();
+  end(value);
+  __builtin_unreachable();
+}
+
 // A module cannot close file descriptors of the host, as libraries try that make a process a daemon.
 int close(int fd) {
   static auto* const close_one = original(&close, "close");

@@ -79,6 +79,10 @@ void report_exit() noexcept {
 
 bool in_module() noexcept { return module_in_use() != 0 && reports(); }
 
+void check_thread_exit() {
+  if (my_activity != nullptr && in_module()) throw ThreadExit{};
+}
+
 std::unique_ptr<ModuleThread> thread_of_module(void* (*body)(void*), void* argument) noexcept {
   const std::uint32_t owner = module_in_use();
   if (owner == 0) return nullptr;

@@ -79,6 +79,14 @@ void report_crashes_as(channel::Activity* activity);
 /// a module made by fork(). Async-signal-safe.
 bool in_module() noexcept;
 
+/// What pthread_exit() throws in a hook.
+class ThreadExit final : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override {
+    return "it called pthread_exit() in a thread of the host; return from the hook instead";
+  }
+};
+
 /// From now on, modules cannot close the file descriptors that are open now (see protects()).
 void protect_descriptors();
 

@@ -13,6 +13,7 @@
 #include <takt/model/validate.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/fork_guard.hpp>
+#include "executor_threads.hpp"
 #include "own_threads.hpp"
 
 namespace takt::host {
@@ -54,6 +55,8 @@ Result<void> ThreadModule::guarded(Call&& call) {
     Result<void> result = std::forward<Call>(call)();
     os::end_forked_copy();
     if (!result) return result;
+  } catch (const ThreadExit& exit) {
+    return fail(exit.what());
   } catch (const std::exception& exception) {
     return fail(std::string{"threw: "} + exception.what());
   } catch (...) {

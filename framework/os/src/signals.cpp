@@ -1,5 +1,6 @@
 #include <takt/os/signals.hpp>
 
+#include <cxxabi.h>
 #include <dlfcn.h>
 #include <execinfo.h>
 #include <link.h>
@@ -17,6 +18,8 @@
 #include <cstdlib>
 #include <exception>
 #include <memory>
+#include <string>
+#include <typeinfo>
 
 #include "error.hpp"
 
@@ -46,6 +49,15 @@ void crashed(int signal, siginfo_t*, void* context) {
   ::raise(signal);
 }
 
+/// Returns the type of the exception that is being handled, as in C++.
+std::string type_of_exception() {
+  const char* const name = abi::__cxa_current_exception_type()->name();
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> type{abi::__cxa_demangle(name, nullptr, nullptr, &status),
+                                                    std::free};
+  return type != nullptr ? type.get() : name;
+}
+
 // Called by std::terminate(), for example when an exception leaves a function that is noexcept.
 [[noreturn]] void terminated() noexcept {
   const auto at = reinterpret_cast<std::uintptr_t>(__builtin_return_address(0));
@@ -55,7 +67,7 @@ void crashed(int signal, siginfo_t*, void* context) {
     } catch (const std::exception& exception) {
       crash_handler(SIGABRT, at, exception.what());
     } catch (...) {
-      crash_handler(SIGABRT, at, "it is not a std::exception");
+      crash_handler(SIGABRT, at, (type_of_exception() + " (not a std::exception)").c_str());
     }
   }
   std::abort();

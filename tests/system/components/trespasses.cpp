@@ -35,6 +35,9 @@ void start_timers() {
   if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &every, nullptr);
 }
 
+void throw_int() { throw 42; }
+void throw_in_noexcept() noexcept { throw_int(); }
+
 void* runs_on(void*) {
   while (true) usleep(1000);
 }
@@ -66,6 +69,9 @@ void commit(const std::string& deed) {
   if (deed == "close_range") close_range(3, ~0U, 0);
   if (deed == "closefrom") closefrom(0);
   if (deed == "close own") close(dup(0));
+  if (deed == "pthread_exit") pthread_exit(nullptr);
+  if (deed == "throw") throw_int();
+  if (deed == "throw in noexcept") throw_in_noexcept();
   if (deed == "handler of SIGSEGV") signal(SIGSEGV, handle);
   if (deed == "endless thread") start_thread(runs_on);
   if (deed == "exiting thread") start_thread(exits);

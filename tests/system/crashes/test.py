@@ -113,6 +113,23 @@ class Trespasses(takt_system.Case):
         self.assertEqual(LIFE, run.states("grid"))
         self.assertEqual(LIFE, run.states("other"))
 
+    def test_a_hook_that_calls_pthread_exit_fails(self):
+        reason = r"it called pthread_exit\(\) in a thread of the host; return from the hook instead"
+        run = self.takt("run", self.cell(("culprit", "pthread_exit", "initialize", 0)), "--for", "5", "--json")
+        self.assert_refused(run, r"(?m)^module d\.culprit: error: initialize\(\) failed: %s$" % reason)
+        run = self.run_with(("culprit", "pthread_exit", "run", 10))
+        run.wait_for_line(r"d\.culprit: EXECUTING -> RECOVER \(failure: %s\)" % reason)
+        run.wait_for_state("culprit", "EXECUTING")
+        self.end(run, 0)
+        self.assertEqual(LIFE, run.states("grid"))
+
+    def test_an_exception_that_is_not_a_std_exception_is_reported(self):
+        run = self.takt("run", self.cell(("culprit", "throw", "initialize", 0)), "--for", "5", "--json")
+        self.assert_refused(run, r"(?m)^module d\.culprit: error: initialize\(\) failed: threw something that is not a std::exception$")
+        run = self.takt("run", self.cell(("culprit", "throw in noexcept", "start", 0)), "--for", "5", "--json")
+        self.assert_refused(run, r"(?m)^module d\.culprit: error: the host was killed by SIGABRT \(Aborted\) in start\(\), because nothing "
+                                 r"caught the exception 'int \(not a std::exception\)' \(none can leave a noexcept function\)" + PLACE)
+
     def test_a_hook_that_replaces_the_handler_of_crashes_fails(self):
         run = self.takt("run", self.cell(("culprit", "handler of SIGSEGV", "initialize", 0)), "--for", "5", "--json")
         self.assert_refused(run, r"(?m)^module d\.culprit: error: initialize\(\) failed: it replaced the signal handler of SIGSEGV, "

@@ -22,6 +22,10 @@ void report_exit() noexcept;
 /// takt-host leaves the descriptor open, and the hook fails. Async-signal-safe.
 bool protects(int fd) noexcept;
 
+/// Throws an exception, by which the hook fails, if the calling thread is a thread of the host and in a hook.
+/// takt-host calls it before each call of pthread_exit().
+void check_thread_exit();
+
 /// A thread that a module starts itself.
 struct ModuleThread {
   void* (*body)(void*);
