@@ -74,7 +74,7 @@ void ring_pending(channel::WakeWord& wake_word) noexcept {
 }
 
 void report_exit() noexcept {
-  if (reports() && module_in_use() != 0) store_culprit(channel::Crash::kExit);
+  if (reports()) store_culprit(channel::Crash::kExit);
 }
 
 bool in_module() noexcept { return module_in_use() != 0 && reports(); }

@@ -267,8 +267,8 @@ bool Supervisor::has_long_run(Instant now) const {
   });
 }
 
-// Finds a module that keeps a thread of the host busy although all executors were told to halt.
-std::optional<Hang> Supervisor::never_halts(const Hosted& host, Instant now) const {
+// Returns the activities of the host's threads that call run() or condition().
+std::vector<const channel::Activity*> Supervisor::runs_of(const Hosted& host) const {
   std::vector<const channel::Activity*> activities;
   for (const std::size_t e : host.share.executors) {
     activities.push_back(&parts_.channel.executor(e).row);
@@ -276,7 +276,22 @@ std::optional<Hang> Supervisor::never_halts(const Hosted& host, Instant now) con
   }
   for (const std::uint32_t index : host.share.modules)
     activities.push_back(&members_[index]->block.background);
-  for (const channel::Activity* activity : activities) {
+  return activities;
+}
+
+// Returns the activity of the thread that was in a hook when the host ended; null if there was none, or more
+// than one.
+const channel::Activity* Supervisor::only_activity(const Hosted& host) const {
+  std::vector<const channel::Activity*> activities = runs_of(host);
+  activities.insert(activities.end(), {&host.block.hooks, &host.block.swap});
+  for (const std::uint32_t index : host.share.modules) activities.push_back(&members_[index]->block.service);
+  std::erase_if(activities, [](const channel::Activity* each) { return each->module.load() == 0; });
+  return activities.size() == 1 ? activities[0] : nullptr;
+}
+
+// Finds a module that keeps a thread of the host busy although all executors were told to halt.
+std::optional<Hang> Supervisor::never_halts(const Hosted& host, Instant now) const {
+  for (const channel::Activity* activity : runs_of(host)) {
     if (const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1))
       return Hang::of_call(busy->index, *activity, kHaltLimit, now);
   }
@@ -320,14 +335,22 @@ void Supervisor::host_ended(Hosted& host, const ProcessEnd& end) {
   const ErrorType type = host.hung ? ErrorType::hang : ErrorType::crash;
   const channel::Crash& crash = host.block.crash;
   host.silent_since.reset();
+  Doing doing = Doing::nothing;
   if (host.hung) {
+    doing = host.hung->doing;
     if (host.hung->module) culprit = members_[*host.hung->module].get();
     text = host.hung->text + ", so the node killed " + host.name();
   } else if (crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit)) {
     culprit = member_at(crash.module.load() - 1);
-    if (culprit != nullptr) text += std::string{" in "} + channel::to_text(crash.doing.load());
+    doing = crash.doing.load();
+    if (culprit != nullptr) text += std::string{" in "} + channel::to_text(doing);
+  } else if (const channel::Activity* const last = !end.signalled ? only_activity(host) : nullptr;
+             last != nullptr) {
+    culprit = member_at(last->module.load() - 1);
+    doing = last->doing.load();
+    text +=
+        std::string{" in "} + channel::to_text(doing) + ", which made the system call exit_group() itself";
   }
-  const Doing doing = host.hung ? host.hung->doing : crash.doing.load();
   const bool swapped = culprit != nullptr && by_swap(*culprit, doing);
   if (swapped) text += " of its new instance";
   if (!host.hung && !crash.exception.empty()) {

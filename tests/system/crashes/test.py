@@ -130,18 +130,19 @@ class Trespasses(takt_system.Case):
         self.assert_refused(run, r"(?m)^module d\.culprit: error: the host was killed by SIGABRT \(Aborted\) in start\(\), because nothing "
                                  r"caught the exception 'int \(not a std::exception\)' \(none can leave a noexcept function\)" + PLACE)
 
+    def test_a_module_that_ends_the_host_by_a_system_call_is_given_up(self):
+        run = self.run_with(("forks", "fork_exit", "run", 10), ("culprit", "exit_group", "run", 100))
+        run.wait_for_line("the host is started again")
+        wait_until(lambda: [s.target for s in run.steps("grid")].count("EXECUTING") == 2, "grid to run in the new host")
+        self.end(run, 1)
+        self.assertEqual(["module d.culprit: error: the host ended with status 3 in run(), which made the system call exit_group() itself"],
+                         run.other_lines)
+        self.assertEqual("DESTRUCT", run.steps("culprit")[-1].target)
+
     def test_a_hook_that_replaces_the_handler_of_crashes_fails(self):
         run = self.takt("run", self.cell(("culprit", "handler of SIGSEGV", "initialize", 0)), "--for", "5", "--json")
         self.assert_refused(run, r"(?m)^module d\.culprit: error: initialize\(\) failed: it replaced the signal handler of SIGSEGV, "
                             "with which the host reports crashes; remove the call of ")
-
-    def test_a_module_whose_forked_process_exits_is_not_blamed_for_the_end_of_the_host(self):
-        run = self.run_with(("forks", "fork_exit", "run", 10), ("unknown", "exit_group", "run", 100))
-        run.wait_for_line("the host is started again")
-        run.signal(signal.SIGINT)
-        run.wait()
-        self.assertRegex(run.err, r"(?m): the host ended with status 3$")
-        self.assertNotIn("module forks", run.err)
 
 
 class Crashes(takt_system.Case):

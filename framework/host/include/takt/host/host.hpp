@@ -13,9 +13,8 @@ namespace takt::host {
 /// exit status.
 int run_host();
 
-/// If the calling thread is in a hook, or was started by a module, reports that its module ends this process,
-/// so that the node does not look for another cause. takt-host calls it before each call of _exit().
-/// Async-signal-safe.
+/// Reports that the calling thread ends this process, and the module in whose code it is, if any. So the node
+/// does not look for another cause. takt-host calls it before each call of _exit(). Async-signal-safe.
 void report_exit() noexcept;
 
 /// True if the calling thread is in code of a module and `fd` is a file descriptor of the host. Then

@@ -113,6 +113,8 @@ class Supervisor final : public Supervised {
   void check_rows(Hosted& host, Instant now);
   bool has_long_run(Instant now) const;
   std::optional<Nanoseconds> ran_if_starved(const Watch& watch, Nanoseconds limit, std::int32_t thread) const;
+  [[nodiscard]] std::vector<const channel::Activity*> runs_of(const Hosted& host) const;
+  [[nodiscard]] const channel::Activity* only_activity(const Hosted& host) const;
   std::optional<Hang> never_halts(const Hosted& host, Instant now) const;
   void bring_back(Member& member);
 
