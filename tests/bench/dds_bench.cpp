@@ -122,7 +122,8 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
     set(reader, reliable);
     reader.endpoint().history_memory_policy = dds::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     reader.reliable_reader_qos().times.heartbeatResponseDelay = dds::duration(1ms);
-    reader_ = mine.make_reader(in_, reader, this, dds::fast::StatusMask::data_available());
+    reader_ =
+        mine.make_reader(in_, reader, this, dds::fast::StatusMask::data_available(), dds::Receives::alone);
   }
   ~Bare() override {
     dds::OwnParticipant& mine = dds::own(*participant_);

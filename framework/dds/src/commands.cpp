@@ -149,10 +149,11 @@ class Ends {
     set_command_quality(reader_qos);
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
     reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kCommandFirstAck);
-    reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener, fast::StatusMask::data_available());
+    reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener, fast::StatusMask::data_available(),
+                               Receives::in_group);
     if (also_in_topic_ != nullptr) {
-      also_reader_ =
-          mine.make_reader(also_in_topic_, reader_qos, reader_listener, fast::StatusMask::data_available());
+      also_reader_ = mine.make_reader(also_in_topic_, reader_qos, reader_listener,
+                                      fast::StatusMask::data_available(), Receives::in_group);
     }
     if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
       return fail("DDS could not create a writer and a reader for commands",

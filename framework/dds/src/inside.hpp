@@ -37,6 +37,12 @@ using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
 class DiscoveryListener;
 
+/// Where writers send the samples for a reader.
+enum class Receives {
+  alone,    ///< to each reader
+  in_group  ///< to the multicast group of the domain, once for all readers. For topics of all nodes.
+};
+
 /// The one participant of the process, with its topics. Thread-safe.
 class OwnParticipant final : public Participant {
  public:
@@ -79,8 +85,9 @@ class OwnParticipant final : public Participant {
   void end(fast::DataWriter*& writer);
   /// Creates a reader; returns null if DDS fails to create it. Waits until Fast DDS handles no packet (see
   /// ReceiveLock). So the caller must not hold a lock for which a listener waits.
-  fast::DataReader* make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
-                                fast::DataReaderListener* listener, const fast::StatusMask& mask);
+  fast::DataReader* make_reader(fast::Topic* topic, fast::DataReaderQos qos,
+                                fast::DataReaderListener* listener, const fast::StatusMask& mask,
+                                Receives receives);
   /// Deletes a reader, which may be null, and sets the pointer to null.
   void end(fast::DataReader*& reader);
 

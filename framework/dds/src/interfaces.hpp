@@ -11,6 +11,9 @@
 
 namespace takt::dds {
 
+/// The multicast group of DDS (RTPS 2.5, 9.6.2.1).
+constexpr os::Ipv4 kGroup{239, 255, 0, 1};
+
 /// Returns true if this is the address of a multicast group.
 bool is_group(const os::Ipv4& address) noexcept;
 
@@ -47,6 +50,10 @@ class Interfaces {
   /// Returns those on which it sends to multicast groups and receives from them, one for each interface.
   [[nodiscard]] List for_groups() const;
   [[nodiscard]] bool has_server() const noexcept { return options_.has_server; }
+  /// Returns true if other machines receive what is sent to a multicast group.
+  [[nodiscard]] bool groups_reach_others() const noexcept {
+    return !options_.groups_stay_here && !options_.has_server;
+  }
   /// Returns true if the participant must not use all addresses.
   [[nodiscard]] bool restricted() const noexcept { return !options_.only.empty(); }
   /// Returns the addresses that other machines can use to reach this participant, or only 127.0.0.1 if there

@@ -26,6 +26,7 @@
 #include "inside.hpp"
 #include "log.hpp"
 #include "workarounds/deferred_timers.hpp"
+#include "workarounds/heartbeats.hpp"
 #include "workarounds/own_announcement.hpp"
 #include "workarounds/participant_removal.hpp"
 #include "workarounds/reader_checks.hpp"
@@ -227,6 +228,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   remove_readers_without_deadlock();
   send_again_to_returning_readers();
   prepare_own_announcement(options.security.empty());
+  prepare_heartbeats();
   defer_deletion_of_timers();
   log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
@@ -236,6 +238,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
   if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
+  // Without DDS Security, a discovery message for several participants is sent once, to the multicast group.
+  qos.wire_protocol().builtin.avoid_builtin_multicast = !options.security.empty();
   auto notices = std::make_unique<wire::Notices>(options.refused);
   auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
   pause_during_removals(filter->receive_lock);
@@ -404,9 +408,21 @@ void OwnParticipant::end(fast::DataWriter*& writer) {
   writer = nullptr;
 }
 
-fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
+fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, fast::DataReaderQos qos,
                                               fast::DataReaderListener* listener,
-                                              const fast::StatusMask& mask) {
+                                              const fast::StatusMask& mask, Receives receives) {
+  if (receives == Receives::in_group && interfaces_->groups_reach_others()) {
+    // With a group, a reader does not get the addresses of its participant unless they are given, too.
+    rtps::Locator_t own;
+    own.kind = LOCATOR_KIND_UDPv4;
+    own.port = port_for_samples();
+    qos.endpoint().unicast_locator_list.push_back(own);
+    rtps::Locator_t group;
+    group.kind = LOCATOR_KIND_UDPv4;
+    group.port = 0;  // RTPS assigns the port
+    rtps::IPLocator::setIPv4(group, kGroup[0], kGroup[1], kGroup[2], kGroup[3]);
+    qos.endpoint().multicast_locator_list.push_back(group);
+  }
   const std::lock_guard lock{endpoints_};
   const ReceiveLock::Pause pause{filter_->receive_lock};
   return subscriber_->create_datareader(topic, qos, listener, mask);

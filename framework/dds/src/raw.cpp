@@ -192,7 +192,7 @@ Result<void> RawReader::make() {
   qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFlowFirstAck);
   fast::StatusMask mask = fast::StatusMask::data_available();
   mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
-  reader_ = own(*participant_).make_reader(topic_, qos, this, mask);
+  reader_ = own(*participant_).make_reader(topic_, qos, this, mask, Receives::alone);
   if (reader_ == nullptr)
     return fail("DDS could not create a reader for topic '" + flow_.topic + "'",
                 "see the message that DDS printed");

@@ -16,6 +16,7 @@
 #include "inside.hpp"
 #include "workarounds/checked_type.hpp"
 #include "workarounds/disposed_keys.hpp"
+#include "workarounds/heartbeats.hpp"
 
 namespace takt::dds {
 
@@ -37,9 +38,16 @@ constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
 
+/// Readers acknowledge a repeated state once in this time, unless the writer asks.
+constexpr Nanoseconds kRepeatedHeartbeat = std::chrono::seconds{1};
+constexpr Nanoseconds kAskAgain = std::chrono::milliseconds{20};
+
 /// The kinds of topics. DDS keeps the last state of each key and the last events for readers that join later,
-/// but does not keep measurements. For states, DDS also checks that the writer is alive.
-enum class Sort { state, measure, event };
+/// but does not keep measurements. For states, DDS also checks that the writer is alive. A repeated state is
+/// written ten times a second, so a reader need not acknowledge each sample.
+enum class Sort { state, repeated_state, measure, event };
+
+constexpr bool is_state(Sort sort) { return sort == Sort::state || sort == Sort::repeated_state; }
 
 /// The name, kind and generated type of the topic with samples of type T.
 template <class T>
@@ -54,7 +62,7 @@ template <>
 struct TopicOf<DeviceStatus> {
   using Generated = DeviceStatusPubSubType;
   static constexpr const char* name = "takt/device";
-  static constexpr Sort sort = Sort::state;
+  static constexpr Sort sort = Sort::repeated_state;
 };
 template <>
 struct TopicOf<ModuleStatistics> {
@@ -88,7 +96,7 @@ void set_topic_quality(Qos& qos, std::int32_t depth) {
   qos.durability().kind = kKept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = depth;
-  if (TopicOf<T>::sort == Sort::state) {
+  if (is_state(TopicOf<T>::sort)) {
     qos.liveliness().kind = fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
     qos.liveliness().lease_duration = duration(kLease);
     qos.liveliness().announcement_period = duration(kLease / 3);
@@ -140,6 +148,8 @@ Problem no_entity(const char* what) {
 
 template <class T>
 struct Writer<T>::Inside final {
+  static constexpr bool kIsRepeated = TopicOf<T>::sort == Sort::repeated_state;
+
   std::shared_ptr<Participant> participant;
   fast::Topic* topic = nullptr;
   fast::DataWriter* writer = nullptr;
@@ -154,7 +164,8 @@ struct Writer<T>::Inside final {
     fast::DataWriterQos qos;
     set_topic_quality<T>(qos, TopicOf<T>::sort == Sort::event ? kEventsKept : 1);
     qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-    qos.reliable_writer_qos().times.heartbeatPeriod = duration(kTopicHeartbeat);
+    qos.reliable_writer_qos().times.heartbeatPeriod =
+        duration(kIsRepeated ? kRepeatedHeartbeat : kTopicHeartbeat);
     qos.reliable_writer_qos().times.nackResponseDelay = duration(kTopicNackDelay);
     qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
     writer = own(*participant).make_writer(topic, qos, nullptr, fast::StatusMask::none());
@@ -186,6 +197,7 @@ Writer<T>::~Writer() = default;
 
 template <class T>
 bool Writer<T>::write(const T& sample) {
+  const HeartbeatsAsk which{Inside::kIsRepeated ? Answers::if_sample_is_missing : Answers::as_usual};
   // Fast DDS takes a non-const pointer, but does not write through it.
   const bool taken = inside_->writer->write(const_cast<T*>(&sample));
   if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
@@ -207,7 +219,16 @@ void Writer<T>::assert_liveliness() {
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  return inside_->writer->wait_for_acknowledgments(duration(limit)) == ReturnCode::RETCODE_OK;
+  const auto wait = [this](Nanoseconds time) {
+    return inside_->writer->wait_for_acknowledgments(duration(time)) == ReturnCode::RETCODE_OK;
+  };
+  if (!Inside::kIsRepeated) return wait(limit);
+  for (Nanoseconds left = limit; left > Nanoseconds{0}; left -= kAskAgain) {
+    const HeartbeatsAsk all{Answers::always};
+    assert_liveliness();
+    if (wait(std::min(left, kAskAgain))) return true;
+  }
+  return false;
 }
 
 template <class T>
@@ -242,7 +263,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
     qos.reliable_reader_qos().times.initialAcknackDelay = duration(kTopicFirstAck);
     fast::StatusMask mask = fast::StatusMask::data_available();
     mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
-    reader = own(*participant).make_reader(topic, qos, this, mask);
+    reader = own(*participant).make_reader(topic, qos, this, mask, Receives::in_group);
     if (reader == nullptr) return no_entity<T>("reader");
     return {};
   }

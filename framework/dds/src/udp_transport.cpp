@@ -33,7 +33,6 @@ using eprosima::fastrtps::rtps::octet;
 /// known.
 constexpr std::uint32_t kPeerParticipants = 40;
 constexpr std::size_t kReceiveBuffer = 4 * 1024 * 1024;
-constexpr os::Ipv4 kDiscoveryGroup{239, 255, 0, 1};  // RTPS 2.5, 9.6.2.1
 
 os::Ipv4 address_of(const Locator_t& locator) {
   os::Ipv4 address{};
@@ -130,6 +129,7 @@ class UdpTransport final : public transport::TransportInterface {
   // reader.
   void select_locators(eprosima::fastrtps::rtps::LocatorSelector& selector) const override {
     auto& entries = selector.transport_starts();
+    const bool use_groups = interfaces_.groups_reach_others();
     const auto waits_for = [](const LocatorSelectorEntry* entry, const Locator_t& group) {
       return entry->transport_should_process &&
              std::find(entry->multicast.begin(), entry->multicast.end(), group) != entry->multicast.end();
@@ -140,7 +140,7 @@ class UdpTransport final : public transport::TransportInterface {
       bool found = false;
       for (std::size_t j = 0; j < entry.multicast.size() && !found; ++j) {
         bool shared = entry.unicast.empty();
-        for (std::size_t k = i + 1; k < entries.size(); ++k) {
+        for (std::size_t k = i + 1; use_groups && k < entries.size(); ++k) {
           if (!waits_for(entries[k], entry.multicast[j])) continue;
           entries[k]->transport_should_process = false;
           shared = true;
@@ -237,7 +237,7 @@ class UdpTransport final : public transport::TransportInterface {
  private:
   [[nodiscard]] Locator_t group_at(std::uint32_t port) const {
     Locator_t locator{any_at(port)};
-    set_address(locator, kDiscoveryGroup);
+    set_address(locator, kGroup);
     return locator;
   }
   [[nodiscard]] Locator_t any_at(std::uint32_t port) const {

@@ -3,7 +3,8 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
-from takt_system import LIFE
+import traffic
+from takt_system import LIFE, wait_until
 
 MODULE = ("<module><name>%s</name><filename>%s</filename><moduletype>%s</moduletype><operationtype>periodic</operationtype>"
           "<period>%d</period><priority>%d</priority></module>\n")
@@ -32,6 +33,22 @@ class Many(takt_system.Case):
         for name in programs:
             self.assertEqual(LIFE, run.states(name))
             self.assert_grid(run, name, every=50)
+
+    def test_a_node_sends_its_status_once_however_many_nodes_receive_it(self):
+        with traffic.Traffic() as network:
+            self.nodes("a", "b", "c", "d")
+            wait_until(lambda: len(self.status_of()["devices"]) == 4, "all devices in the status")
+            before = network.sent("takt/device")
+            acknowledged = network.count("ACKNACK", "takt/device")
+
+            def later():
+                new = network.sent("takt/device") - before
+                return new if len(new) >= 100 else None
+            new = wait_until(later, "100 samples of takt/device")
+            acknowledged = network.count("ACKNACK", "takt/device") - acknowledged
+        # Three other nodes receive each sample. A lost one is sent again, and each node acknowledges once a second.
+        self.assertLess(sum(new.values()), 1.5 * len(new))
+        self.assertLess(acknowledged, 1.5 * len(new))
 
 
 if __name__ == "__main__":

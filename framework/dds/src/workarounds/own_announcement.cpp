@@ -36,6 +36,7 @@ constexpr std::chrono::milliseconds kSilence{500};
 std::function<void(takt::dds::PacketFilter&, bool)> leave_and_join;
 std::function<void()> set_own_addresses;
 std::function<void(bool changed)> announce;
+std::uint32_t sample_port = 0;
 
 bool follows_others = false;
 
@@ -96,6 +97,7 @@ void announce_addresses(const std::vector<os::Ipv4>& addresses) {
   announce(true);
 }
 
+std::uint32_t port_for_samples() noexcept { return sample_port; }
 void announce_again() { announce(false); }
 void rejoin(PacketFilter& filter, bool also_here) { leave_and_join(filter, also_here); }
 
@@ -147,7 +149,9 @@ bool PDP::initPDP(RTPSParticipantImpl* participant) {
     filter.silence = Silence::none;
     announceParticipantState(true, false);
   };
-  return original()(this, participant);
+  if (!original()(this, participant)) return false;
+  sample_port = getLocalParticipantProxyData()->default_locators.unicast.begin()->port;
+  return true;
 }
 
 }  // namespace eprosima::fastrtps::rtps

@@ -12,6 +12,7 @@
 // it rejoins.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <takt/os/network.hpp>
@@ -28,6 +29,8 @@ void prepare_own_announcement(bool follows) noexcept;
 /// present readers and writers announce them when their QoS is set again. Any thread but a real-time one may
 /// call this function while the participant exists.
 void announce_addresses(const std::vector<os::Ipv4>& addresses);
+/// Returns the port on which the participant of this process receives samples.
+std::uint32_t port_for_samples() noexcept;
 /// Announces this participant once more.
 void announce_again();
 /// Makes the participant of this process forget others and be forgotten by them, and announces it again. For
