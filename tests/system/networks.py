@@ -55,6 +55,8 @@ class Networks:
             self._switch.stdin.close()
         for space in [self._space(m) for m in self.machines] + [self._bridge]:
             subprocess.run(["ip", "netns", "del", space], capture_output=True)
+        for machine in self.machines:
+            shutil.rmtree(self._files(machine), ignore_errors=True)
 
     def number(self, machine):
         """Returns the last number of the address that the machine has at first."""
@@ -87,6 +89,17 @@ class Networks:
         self._in(machine, "addr", "flush", "dev", "eth0")
         if number is not None:
             self._in(machine, "addr", "add", "10.77.0.%d/24" % number, "dev", "eth0")
+
+    def set_host_names(self, **numbers):
+        """Makes these names known on all machines, and no others: the machine robot=7 has the address 10.77.0.7. The first call must come
+        before the programs that use names."""
+        for machine in self.machines:
+            os.makedirs(self._files(machine), exist_ok=True)
+            # Running programs see changes of these files, but not new files in their place.
+            with open(self._files(machine) + "/nsswitch.conf", "w") as file:
+                file.write("hosts: files\n")
+            with open(self._files(machine) + "/hosts", "w") as file:
+                file.write("".join("10.77.0.%d %s\n" % (number, name) for name, number in numbers.items()))
 
     def lose_route(self, machine):
         self._in(machine, "route", "del", "10.77.0.0/24", "dev", "eth0")
@@ -127,6 +140,10 @@ class Networks:
 
     def _space(self, machine):
         return "%s-%s" % (self.mark, machine)
+
+    def _files(self, machine):
+        """Returns the folder with the files that the programs on this machine see in /etc (ip-netns(8))."""
+        return "/etc/netns/" + self._space(machine)
 
     def _cable(self, machine):
         return "ve%d" % (self.machines.index(machine) + 1)

@@ -94,7 +94,7 @@ Problems Deployment::find() {
       problems.push_back({where, "not found on " + domain,
                           (meant.empty() ? "" : "did you mean " + meant + "? Otherwise ") +
                               "start its node with " + sender_.node_command(device.name) + "; " +
-                              found_there(devices)});
+                              found_there(sender_)});
     } else if (found.size() > 1) {
       std::vector<DeviceStatus> all;
       for (const wire::ObservedDevice& seen : found) all.push_back(seen.status);

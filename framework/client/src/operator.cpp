@@ -77,6 +77,7 @@ struct Operator::Inside {
   std::map<std::string, std::optional<wire::WholeReply>> open;  // by command id; empty: no answer yet
   std::uint64_t asked = 0;
   std::string name;  // the first part of every command id, unique to this program
+  std::shared_ptr<dds::Participant> participant;
   std::optional<dds::CommandClient> client;
 
   void receive(const wire::WholeReply& reply) {
@@ -110,6 +111,7 @@ Result<std::unique_ptr<Operator>> Operator::create(std::shared_ptr<dds::Particip
   std::snprintf(digits.data(), digits.size(), "%08x%08x", random(), random());
   inside->name = digits.data();
   const Nanoseconds search_limit = participant->identity() ? kSecuredSearch : kSearch;
+  inside->participant = participant;
   auto client = dds::CommandClient::create(std::move(participant),
                                            [me](const wire::WholeReply& reply) { me->receive(reply); });
   if (!client) return client.problems();
@@ -271,9 +273,11 @@ Problem Operator::lost(const std::string& device) {
           std::string{wire::kLostRemedy} + "; takt log --kind device-lost shows since when it is lost"};
 }
 
+std::string Operator::unresolved() const { return inside_->participant->unresolved(); }
+
 Problem Operator::not_found(const std::string& device, Nanoseconds within) const {
   return {"device " + device, "not found: no answer within " + takt::to_text(within),
-          "check that " + node_command(device) + " is running; " + found_there(observer_.devices())};
+          "check that " + node_command(device) + " is running; " + found_there(*this)};
 }
 
 Problems problems_of(const wire::WholeReply& reply) {

@@ -93,16 +93,21 @@ std::set<std::string> alive(const std::vector<wire::ObservedDevice>& seen) {
   return names;
 }
 
-std::string found_there(const std::vector<wire::ObservedDevice>& seen) {
+std::string found_there(const Operator& sender) {
   std::string list;
-  for (const std::string& name : alive(seen)) list += (list.empty() ? "" : ", ") + name;
-  return list.empty() ? "no device was found there" : "devices found there: " + list;
+  for (const std::string& name : alive(sender.observer().devices()))
+    list += (list.empty() ? "" : ", ") + name;
+  const std::string unresolved = sender.unresolved();
+  return (list.empty() ? "no device was found there" : "devices found there: " + list) +
+         (unresolved.empty() ? "" : "; " + unresolved);
 }
 
 Result<Reports> all_reports(Operator& sender, Nanoseconds limit, const std::string& wanted) {
   const Observer& observer = sender.observer();
   if (!observer.wait([](const auto& seen) { return !alive(seen).empty(); }, limit)) {
-    return fail("no device found on domain " + std::to_string(sender.domain()),
+    const std::string unresolved = sender.unresolved();
+    return fail("no device found on domain " + std::to_string(sender.domain()) +
+                    (unresolved.empty() ? "" : ": " + unresolved),
                 "start a node with " + sender.node_command("NAME"));
   }
   Reports reports;

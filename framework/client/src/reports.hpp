@@ -48,7 +48,8 @@ Result<Reports> all_reports(Operator& sender, Nanoseconds limit, const std::stri
 /// Returns the names of the devices whose nodes are alive.
 std::set<std::string> alive(const std::vector<wire::ObservedDevice>& seen);
 
-/// Returns a text that lists the discovered devices, for the message about a device that was not found.
-std::string found_there(const std::vector<wire::ObservedDevice>& seen);
+/// Returns a text that lists the discovered devices and the peers whose names cannot be resolved, for the
+/// message about a device that was not found.
+std::string found_there(const Operator& sender);
 
 }  // namespace takt::client

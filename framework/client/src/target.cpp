@@ -18,7 +18,7 @@ std::string instead_of(const std::string& device, const std::string& rest, const
   const std::set<std::string> devices = alive(observer.devices());
   const std::string_view near_device = nearest(device, {devices.begin(), devices.end()});
   const bool is_module = rest.empty() && reports.modules.contains(device);
-  const std::string found = found_there(observer.devices());
+  const std::string found = found_there(sender);
   if (!near_device.empty() && !is_module)
     return found + "; did you mean " + std::string{near_device} + (rest.empty() ? "" : "." + rest) + "?";
   if (rest.empty()) {

@@ -51,7 +51,8 @@ class OwnParticipant final : public Participant {
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                  fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
                  std::unique_ptr<DiscoveryListener> listener, const UdpTransportDescriptor& transport,
-                 os::InterfaceNews news, os::Notice ending, bool must_rejoin);
+                 std::shared_ptr<HostNames> names, os::InterfaceNews news, os::Notice ending,
+                 bool must_rejoin);
   ~OwnParticipant() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
     return identity_;
@@ -59,6 +60,7 @@ class OwnParticipant final : public Participant {
   [[nodiscard]] std::uint64_t refused() const noexcept override {
     return filter_->refused.load(std::memory_order_relaxed);
   }
+  [[nodiscard]] std::string unresolved() const override { return names_->unresolved(); }
 
   /// Returns the object that reports rejected participants and packets.
   [[nodiscard]] wire::Notices& notices() noexcept { return *notices_; }
@@ -111,6 +113,7 @@ class OwnParticipant final : public Participant {
   std::shared_ptr<Interfaces> interfaces_;
   std::shared_ptr<PacketFilter> filter_;
   std::shared_ptr<UdpChannels> channels_;
+  std::shared_ptr<HostNames> names_;
   std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <cstdlib>
 #include <functional>
 #include <mutex>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
 #include <fastrtps/utils/IPLocator.h>
@@ -16,6 +14,8 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
 #include <takt/core/check.hpp>
+#include <takt/core/words.hpp>
+#include <takt/model/validate.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/network.hpp>
@@ -42,13 +42,14 @@ namespace {
 constexpr const char* kServerPrefix =
     "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the GUID prefix that the manual of Fast DDS gives to the first
                                             // discovery server
-constexpr std::uint16_t kServerPort = 11811;
 /// Other participants forget this one if they hear nothing of it for this time.
 constexpr Nanoseconds kParticipantLease = std::chrono::seconds{3};
 constexpr int kAnnounceEveryMs = 250;
 constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{kAnnounceEveryMs};
 /// After the first notice of a change of the interfaces, wait for more: a change often takes several steps.
 constexpr int kMoreNewsMs = 100;
+/// The time in which most name services answer. Then the first announcements reach the peers.
+constexpr Nanoseconds kNamesAnswer = std::chrono::milliseconds{200};
 /// The number of file descriptors that must be free before a participant is created. A participant needs
 /// fewer on a machine with a few networks. If Fast DDS runs out of file descriptors, it ends the process.
 constexpr std::size_t kDescriptors = 48;
@@ -63,31 +64,17 @@ void ignore_environment() {
     ::unsetenv(name);
 }
 
-Result<rtps::Locator_t> locator(const std::string& host, std::uint32_t port) {
-  auto address = os::resolve_ipv4(host);
-  if (!address) return address.problems();
+rtps::Locator_t locator(const os::Ipv4& address, std::uint32_t port) {
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_UDPv4;
-  rtps::IPLocator::setIPv4(locator, *address);
+  rtps::IPLocator::setIPv4(locator, address[0], address[1], address[2], address[3]);
   locator.port = port;
   return locator;
 }
 
-Result<rtps::Locator_t> server_locator(const std::string& server) {
-  const std::size_t colon = server.rfind(':');
-  std::uint16_t port = kServerPort;
-  if (colon != std::string::npos) {
-    const std::string_view text = std::string_view{server}.substr(colon + 1);
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-    if (error != std::errc{} || end != text.data() + text.size() || port == 0) {
-      return fail("the port of discovery server '" + server + "' is not a number from 1 to 65535",
-                  "write host:port, for example 10.0.0.1:11811");
-    }
-  }
-  return locator(server.substr(0, colon), port);
-}
-
-Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery) {
+/// Sets how the participant finds others. Adds the names of other machines to `names`.
+Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery,
+                           HostNames& names) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = duration(kParticipantLease);
@@ -102,23 +89,30 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
       break;
     case model::Discovery::Kind::peers:
       for (const std::string& peer : discovery.peers) {
-        auto place = locator(peer, 0);
-        if (!place) return place.problems();
-        builtin.initialPeersList.push_back(*place);
+        if (!model::is_valid_host(peer))
+          return fail(in_quotes(peer) + " is not a valid peer",
+                      "a peer is an IPv4 address or a host name, without a port");
+        builtin.initialPeersList.push_back(locator(names.add("peer", peer), 0));
       }
       break;
     case model::Discovery::Kind::server: {
-      auto place = server_locator(discovery.server);
-      if (!place) return place.problems();
+      if (!model::is_valid_server(discovery.server))
+        return fail(in_quotes(discovery.server) + " is not a valid discovery server",
+                    "write host:port, as in 10.0.0.1:11811");
+      const std::size_t colon = discovery.server.rfind(':');
+      const std::string host = discovery.server.substr(0, colon);
+      const auto port = static_cast<std::uint32_t>(std::stoul(discovery.server.substr(colon + 1)));
       if (discovery.serve) {
         config.discoveryProtocol = rtps::DiscoveryProtocol::SERVER;
         std::istringstream{kServerPrefix} >> qos.wire_protocol().prefix;
-        builtin.metatrafficUnicastLocatorList.push_back(*place);
+        // A server with a name announces all addresses of its machine, like other participants.
+        builtin.metatrafficUnicastLocatorList.push_back(
+            locator(os::from_dots(host).value_or(os::Ipv4{}), port));
       } else {
         config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
         rtps::RemoteServerAttributes server;
         server.ReadguidPrefix(kServerPrefix);
-        server.metatrafficUnicastLocatorList.push_back(*place);
+        server.metatrafficUnicastLocatorList.push_back(locator(names.add("discovery server", host), port));
         config.m_DiscoveryServers.push_back(server);
       }
       break;
@@ -237,14 +231,15 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
-  if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
+  const auto names = std::make_shared<HostNames>(os::look_up, options.told);
+  if (auto set = set_discovery(qos, options.discovery, *names); !set) return refuse(set.problems());
   // Without DDS Security, a discovery message for several participants is sent once, to the multicast group.
   qos.wire_protocol().builtin.avoid_builtin_multicast = !options.security.empty();
   auto notices = std::make_unique<wire::Notices>(options.refused);
   auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
   pause_during_removals(filter->receive_lock);
-  const auto transport = std::make_shared<UdpTransportDescriptor>(*interfaces, filter,
-                                                                  std::make_shared<UdpChannels>(*interfaces));
+  const auto transport = std::make_shared<UdpTransportDescriptor>(
+      *interfaces, filter, std::make_shared<UdpChannels>(*interfaces), names);
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(transport);
 
@@ -257,6 +252,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     listener = std::make_unique<DiscoveryListener>(std::move(*identity), *notices, filter->unauthenticated);
   }
 
+  names->step(os::now());
+  names->wait(kNamesAnswer);
   auto* factory = fast::DomainParticipantFactory::get_instance();
   fast::DomainParticipant* made = factory->create_participant(static_cast<fast::DomainId_t>(options.domain),
                                                               qos, listener.get(), fast::StatusMask::none());
@@ -269,8 +266,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
-      made, publisher, subscriber, std::move(notices), std::move(listener), *transport, std::move(*news),
-      std::move(*ending),
+      made, publisher, subscriber, std::move(notices), std::move(listener), *transport, names,
+      std::move(*news), std::move(*ending),
       !options.security.empty() || options.discovery.kind != model::Discovery::Kind::multicast);
   if (publisher == nullptr || subscriber == nullptr)
     return fail("DDS could not create a publisher and a subscriber", "see the message that DDS printed");
@@ -280,13 +277,14 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                                fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
                                std::unique_ptr<DiscoveryListener> listener,
-                               const UdpTransportDescriptor& transport, os::InterfaceNews news,
-                               os::Notice ending, bool must_rejoin)
+                               const UdpTransportDescriptor& transport, std::shared_ptr<HostNames> names,
+                               os::InterfaceNews news, os::Notice ending, bool must_rejoin)
     : notices_(std::move(notices)),
       discovery_listener_(std::move(listener)),
       interfaces_(transport.interfaces()),
       filter_(transport.filter()),
       channels_(transport.channels()),
+      names_(std::move(names)),
       participant_(participant),
       publisher_(publisher),
       subscriber_(subscriber),
@@ -309,6 +307,7 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     // Other participants may have forgotten a process that was halted, or whose machine was suspended.
     const bool was_halted = os::boot_time() - last > kParticipantLease - 2 * kAnnounceEvery;
     if (end.stop_requested()) return;
+    names_->step(os::now());
     if (was_halted && identity_) rejoin(*filter_, true);
     if (news_.take()) {
       while (os::wait_readable({&news_.fd()}, kMoreNewsMs)) news_.take();

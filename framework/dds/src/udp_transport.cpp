@@ -71,7 +71,8 @@ class UdpTransport final : public transport::TransportInterface {
         descriptor_(descriptor),
         interfaces_(*descriptor.interfaces()),
         filter_(*descriptor.filter()),
-        channels_(*descriptor.channels()) {}
+        channels_(*descriptor.channels()),
+        names_(*descriptor.names()) {}
 
   bool init(const eprosima::fastrtps::rtps::PropertyPolicy*) override {
     for (std::size_t i = 0; i < kToMachines + kOthers; ++i) {
@@ -257,6 +258,7 @@ class UdpTransport final : public transport::TransportInterface {
     if (!may_come_in(packet)) return;
     const bool here = interfaces_.comes_from_here(packet.from.address);
     if (!is_group(packet.to) && !here) interfaces_.heard_at(packet.to);
+    if (!here) names_.heard(packet.from.address);
     Locator_t from{any_at(packet.from.port)};
     set_address(from, packet.from.address);
     filter_.pass(bytes, packet.from.address, here, [&](std::size_t readable) {
@@ -274,6 +276,13 @@ class UdpTransport final : public transport::TransportInterface {
 
   bool send(std::span<const std::uint8_t> bytes, const Locator_t& to) {
     const os::UdpEnd end{.address = address_of(to), .port = port_of(to)};
+    if (!HostNames::is_placeholder(end.address)) return send(bytes, end);
+    bool sent = true;
+    for (const os::Ipv4& each : names_.addresses(end.address)) sent &= send(bytes, {each, end.port});
+    return sent;
+  }
+
+  bool send(std::span<const std::uint8_t> bytes, const os::UdpEnd& end) {
     if (!is_group(end.address)) {
       const bool here = interfaces_.is_mine(end.address);
       if (filter_.is_silent(here)) return true;
@@ -304,6 +313,7 @@ class UdpTransport final : public transport::TransportInterface {
   Interfaces& interfaces_;
   PacketFilter& filter_;
   UdpChannels& channels_;
+  HostNames& names_;
   // While a machine does not answer, packets for it wait in the kernel and fill the buffer of their socket,
   // which then takes no other packet. So each machine has its own socket, unless there are very many.
   static std::size_t socket_to(const os::Ipv4& address) {
@@ -321,11 +331,13 @@ class UdpTransport final : public transport::TransportInterface {
 
 UdpTransportDescriptor::UdpTransportDescriptor(std::shared_ptr<Interfaces> interfaces,
                                                std::shared_ptr<PacketFilter> filter,
-                                               std::shared_ptr<UdpChannels> channels)
+                                               std::shared_ptr<UdpChannels> channels,
+                                               std::shared_ptr<HostNames> names)
     : TransportDescriptorInterface(transport::s_maximumMessageSize, kPeerParticipants),
       interfaces_(std::move(interfaces)),
       filter_(std::move(filter)),
-      channels_(std::move(channels)) {}
+      channels_(std::move(channels)),
+      names_(std::move(names)) {}
 
 transport::TransportInterface* UdpTransportDescriptor::create_transport() const {
   return new UdpTransport{*this};

@@ -10,6 +10,7 @@
 
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
+#include "host_names.hpp"
 #include "interfaces.hpp"
 #include "packet_filter.hpp"
 #include "udp_channels.hpp"
@@ -20,18 +21,20 @@ namespace takt::dds {
 class UdpTransportDescriptor final : public eprosima::fastdds::rtps::TransportDescriptorInterface {
  public:
   UdpTransportDescriptor(std::shared_ptr<Interfaces> interfaces, std::shared_ptr<PacketFilter> filter,
-                         std::shared_ptr<UdpChannels> channels);
+                         std::shared_ptr<UdpChannels> channels, std::shared_ptr<HostNames> names);
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
   [[nodiscard]] std::uint32_t min_send_buffer_size() const override { return maxMessageSize; }
 
   [[nodiscard]] const std::shared_ptr<Interfaces>& interfaces() const noexcept { return interfaces_; }
   [[nodiscard]] const std::shared_ptr<PacketFilter>& filter() const noexcept { return filter_; }
   [[nodiscard]] const std::shared_ptr<UdpChannels>& channels() const noexcept { return channels_; }
+  [[nodiscard]] const std::shared_ptr<HostNames>& names() const noexcept { return names_; }
 
  private:
   std::shared_ptr<Interfaces> interfaces_;
   std::shared_ptr<PacketFilter> filter_;
   std::shared_ptr<UdpChannels> channels_;
+  std::shared_ptr<HostNames> names_;
 };
 
 }  // namespace takt::dds

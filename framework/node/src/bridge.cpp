@@ -83,12 +83,14 @@ class BridgeProgram {
     model::Discovery discovery;
     discovery.peers = request.at("peers").get<std::vector<std::string>>();
     if (!discovery.peers.empty()) discovery.kind = model::Discovery::Kind::peers;
+    const std::string device = request.at("device");
     auto participant =
-        dds::Participant::create({.name = "takt-gateway " + request.at("device").get<std::string>(),
+        dds::Participant::create({.name = "takt-gateway " + device,
                                   .domain = request.at("domain"),
                                   .discovery = discovery,
                                   .interfaces = interfaces,
-                                  .security = os::environment("TAKT_SECURITY")});
+                                  .security = os::environment("TAKT_SECURITY"),
+                                  .told = [device](const std::string& text) { log(device, "", text); }});
     if (!participant) return participant.problems();
     participant_ = std::move(*participant);
     auto wake_word = attach(request.at("wake_word"));

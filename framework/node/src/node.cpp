@@ -175,20 +175,23 @@ int run_node(const NodeOptions& options) {
     if (!options.quiet)
       log(options.device, "", "only components signed with the key of " + signed_by + " are used");
   }
-  auto participant = dds::Participant::create({.name = "takt-node " + options.device,
-                                               .domain = options.domain,
-                                               .discovery = options.discovery,
-                                               .interfaces = options.interfaces,
-                                               .security = identity,
-                                               .refused = [&options, &inbox](const std::string& text) {
-                                                 log(options.device, "", text);
-                                                 inbox.put([text](Agent& a) {
-                                                   model::Fault fault;
-                                                   fault.kind = model::FaultKind::refused_authentication;
-                                                   fault.cause = text;
-                                                   a.note(std::move(fault), text);
-                                                 });
-                                               }});
+  auto participant = dds::Participant::create(
+      {.name = "takt-node " + options.device,
+       .domain = options.domain,
+       .discovery = options.discovery,
+       .interfaces = options.interfaces,
+       .security = identity,
+       .refused =
+           [&options, &inbox](const std::string& text) {
+             log(options.device, "", text);
+             inbox.put([text](Agent& a) {
+               model::Fault fault;
+               fault.kind = model::FaultKind::refused_authentication;
+               fault.cause = text;
+               a.note(std::move(fault), text);
+             });
+           },
+       .told = [&options](const std::string& text) { log(options.device, "", text); }});
   if (!participant) return refuse(participant.problems());
   const bool secured = (*participant)->identity().has_value();
   if (auto fits = check_identity(**participant, options); !fits) return refuse(fits.problems());

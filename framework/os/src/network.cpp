@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <system_error>
+#include <thread>
 
 #include "error.hpp"
 
@@ -25,6 +27,20 @@ Ipv4 numbers_of(const sockaddr* address) {
     std::memcpy(numbers.data(), &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, numbers.size());
   }
   return numbers;
+}
+
+Result<std::vector<Ipv4>> addresses_of(const std::string& host) {
+  addrinfo wanted{};
+  wanted.ai_family = AF_INET;
+  wanted.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0)
+    return fail(gai_strerror(error));
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner{found, &freeaddrinfo};
+  std::vector<Ipv4> addresses;
+  for (const addrinfo* each = found; each != nullptr; each = each->ai_next)
+    addresses.push_back(numbers_of(each->ai_addr));
+  return addresses;
 }
 
 }  // namespace
@@ -72,17 +88,21 @@ bool InterfaceNews::take() const noexcept {
   }
 }
 
-Result<std::string> resolve_ipv4(const std::string& host) {
-  addrinfo wanted{};
-  wanted.ai_family = AF_INET;
-  wanted.ai_socktype = SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  if (const int error = getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0) {
-    return fail("the host '" + host + "' has no IPv4 address: " + gai_strerror(error),
-                "give a host name that this machine can look up, or an IPv4 address");
+std::optional<Ipv4> from_dots(const std::string& text) {
+  in_addr address{};
+  if (::inet_pton(AF_INET, text.c_str(), &address) != 1) return std::nullopt;
+  Ipv4 numbers{};
+  std::memcpy(numbers.data(), &address, numbers.size());
+  return numbers;
+}
+
+void look_up(std::string host, FoundAddresses found) {
+  const auto run = [host = std::move(host), found] { found(addresses_of(host)); };
+  try {
+    std::thread{run}.detach();
+  } catch (const std::system_error& error) {
+    found(fail(std::string{"no thread to look it up: "} + error.what()));
   }
-  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner{found, &freeaddrinfo};
-  return in_dots(numbers_of(found->ai_addr));
 }
 
 }  // namespace takt::os

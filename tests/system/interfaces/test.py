@@ -47,6 +47,7 @@ class Ring(networks.NetworkCase):
         path = self.write("ring.xml", cell(devices, attributes))
         self.prepare(path)
         self.running = {device: self.node(device, **self.options(device)) for device in devices}
+        self.started()
         self.agreed(lambda: self.operator("deploy", path))
         self.wait_until_samples_arrive("the deployment")
         self.processes = {device: self.pids(device) for device in devices}
@@ -56,6 +57,9 @@ class Ring(networks.NetworkCase):
 
     def options(self, device):
         return {}
+
+    def started(self):
+        """Is called when all nodes have been started, before the deployment."""
 
     def pids(self, device):
         return sorted(process.pid for process in self.running[device].processes())
@@ -151,6 +155,36 @@ class Secured(Ring):
         self.begin("north", "east", attributes=' security="required"')
         for event in (self.change_address, self.create_again, self.lose_address):
             self.happen(event, "east")
+
+
+class Named(Ring):
+    """The devices find each other by their host names, without multicast."""
+    PEERS = ("--peers", "north,east")
+
+    def node(self, device, *arguments, **options):
+        return super().node(device, *self.PEERS, *arguments, **options)
+
+    def operator(self, *arguments, **options):
+        return super().operator(*arguments, *self.PEERS, **options)
+
+    def prepare(self, path):
+        self.net.set_host_names()
+
+    def started(self):
+        for node in self.running.values():
+            for peer in self.devices:
+                node.wait_for_line("warning: peer '%s' cannot be resolved yet: .*; trying again" % peer)
+        self.net.set_host_names(north=1, east=2)
+
+    def test_devices_find_each_other_when_their_host_names_are_known_and_when_their_addresses_have_changed(self):
+        self.begin("north", "east")
+        # Each device only knows the old address of the other.
+        self.net.set_address("north", 101)
+        self.net.set_address("east", 102)
+        self.net.set_host_names(north=101, east=102)
+        self.wait_until_samples_arrive("the change of both addresses")
+        for node in self.running.values():
+            self.assertEqual(2, node.err.count("cannot be resolved"), "one warning for each name")
 
 
 if __name__ == "__main__":

@@ -91,6 +91,20 @@ class Network(networks.NetworkCase):
         self.assert_all_execute_by(("--peers", peers.replace(" ", ",")))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--peers", peers.replace(" ", ",")).status)
 
+    def test_a_node_starts_before_the_name_of_its_discovery_server_is_known(self):
+        self.net.no_multicast()
+        self.net.set_host_names()
+        server = ("--server", "station:11811")
+
+        def both():
+            run = self.operator("status", "--json", *server)
+            return run.status == 0 and {d["name"] for d in run.report["devices"] if d["alive"]} == {"line", "station"}
+        self.node("station", "--serve-discovery", "11811")
+        line = self.node("line", *server)
+        line.wait_for_line("warning: discovery server 'station' cannot be resolved yet: .*; trying again")
+        self.net.set_host_names(station=self.net.number("station"))
+        wait_until(both, "both nodes")
+
     def test_nodes_find_each_other_through_a_discovery_server_without_multicast(self):
         self.net.no_multicast()
         server = self.net.address("station") + ":11811"

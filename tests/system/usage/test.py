@@ -114,10 +114,11 @@ class Usage(takt_system.Case):
         self.assertNotIn("TAKT_DOMAIN sets", self.takt("deploy", cell, "--domain", str(self.domain)).err)
 
     def test_the_advice_to_start_a_node_has_the_discovery_options_of_the_command(self):
-        for options in (["--peers", "127.0.0.1,localhost"], ["--server", "127.0.0.1:11811"]):
+        for options in (["--peers", "127.0.0.1,no-such-host.invalid"], ["--server", "127.0.0.1:11811"]):
             run = self.takt("status", *options)
             self.assertEqual((1, ""), (run.status, run.out))
             self.assertIn("start a node with takt-node --device NAME --domain %d %s" % (self.domain, " ".join(options)), run.err)
+            self.assertEqual("--peers" in options, "peer 'no-such-host.invalid' cannot be resolved: " in run.err)
 
     def test_files_that_cannot_be_written_as_wanted_are_rejected_before_any_work(self):
         for command in ("graph", "check", "trace", "plot"):

@@ -66,6 +66,28 @@ TEST(Addresses, AreWrittenWithDots) {
   EXPECT_EQ(in_dots({0, 255, 0, 0}), "0.255.0.0");
 }
 
+TEST(Addresses, AreReadFromText) {
+  EXPECT_EQ(from_dots("10.0.0.7"), (Ipv4{10, 0, 0, 7}));
+  for (const char* other : {"", "10.0.0", "10.0.0.256", "10.0.0.7 ", "localhost"})
+    EXPECT_EQ(from_dots(other), std::nullopt) << other;
+}
+
+TEST(LookUp, FindsTheAddressesOfAHost) {
+  std::promise<Result<std::vector<Ipv4>>> answer;
+  look_up("localhost", [&](const auto& found) { answer.set_value(found); });
+  const auto found = answer.get_future().get();
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->front(), kLoopbackAddress);
+}
+
+TEST(LookUp, SaysWhyThereIsNoAddress) {
+  std::promise<Result<std::vector<Ipv4>>> answer;
+  look_up("a..b", [&](const auto& found) { answer.set_value(found); });
+  const auto found = answer.get_future().get();
+  ASSERT_FALSE(found);
+  EXPECT_FALSE(found.problems().front().what.empty());
+}
+
 TEST(InterfaceAddresses, ContainTheLoopbackInterface) {
   const auto all = interface_addresses();
   ASSERT_TRUE(all);

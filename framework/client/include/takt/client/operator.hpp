@@ -73,6 +73,9 @@ class Operator {
   [[nodiscard]] std::string node_command(const std::string& device) const {
     return "takt-node --device " + device + " " + node_options_;
   }
+  /// Returns a text about each peer or discovery server whose name cannot be resolved; empty if there is
+  /// none.
+  [[nodiscard]] std::string unresolved() const;
   /// The longest time of the search for a node: 3 s, or 10 s with DDS Security, because a busy machine takes
   /// several seconds to authenticate a participant.
   [[nodiscard]] Nanoseconds search_limit() const noexcept { return search_limit_; }

@@ -24,6 +24,10 @@ struct ParticipantOptions {
   /// most ten sentences per minute. Threads of Fast DDS call this function, so it must return quickly. The
   /// function may be empty.
   std::function<void(const std::string&)> refused{};
+  /// Called with a sentence about each peer or discovery server whose name cannot be resolved yet, and when
+  /// its addresses are known or have changed. A thread of the participant calls this function. It may be
+  /// empty.
+  std::function<void(const std::string&)> told{};
 };
 
 /// All topics of a process belong to one participant, because several participants in one process can
@@ -31,8 +35,10 @@ struct ParticipantOptions {
 /// that creates the participant. The participant follows the machine's network interfaces: an interface or an
 /// address that appears is used, and if one disappears that other machines use, the participant leaves the
 /// domain and joins it again on the remaining ones. Processes on one machine communicate over its loopback
-/// interface in any case. The last owner of the participant must release it before main() returns. The
-/// destructor also deletes all DDS objects of the participant.
+/// interface in any case. Names of peers and of a discovery server are looked up again and again: a name need
+/// not be known when the participant is created, and its address may change. The last owner of the
+/// participant must release it before main() returns. The destructor also deletes all DDS objects of the
+/// participant.
 class Participant {
  public:
   /// Creates the participant. Fails if the domain or an address cannot be used, if the process already has a
@@ -46,6 +52,9 @@ class Participant {
   [[nodiscard]] virtual const std::optional<security::Identity>& identity() const noexcept = 0;
   /// Returns the number of packets that the filter dropped, so that Fast DDS did not read them.
   [[nodiscard]] virtual std::uint64_t refused() const noexcept = 0;
+  /// Returns a text about each peer or discovery server whose name cannot be resolved; empty if there is
+  /// none.
+  [[nodiscard]] virtual std::string unresolved() const = 0;
 
  protected:
   Participant() = default;

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,8 +54,14 @@ class InterfaceNews {
   Fd fd_;
 };
 
-/// Converts a host name or an address to an IPv4 address. May wait for the name service. Fails if the host
-/// name has no IPv4 address.
-Result<std::string> resolve_ipv4(const std::string& host);
+/// Reads an address that in_dots() has written; empty if the text is something else.
+std::optional<Ipv4> from_dots(const std::string& text);
+
+/// Gets the IPv4 addresses of a host name, at least one. If there are none, the problem says why.
+using FoundAddresses = std::function<void(const Result<std::vector<Ipv4>>&)>;
+/// Looks up a host name on a thread of its own, because the name service may need a minute to answer, and
+/// calls `found` there. The thread may run until the process ends, so `found` must not use what may end
+/// before.
+void look_up(std::string host, FoundAddresses found);
 
 }  // namespace takt::os
