@@ -12,7 +12,7 @@
 namespace takt::dds {
 
 /// The multicast group of DDS (RTPS 2.5, 9.6.2.1).
-constexpr os::Ipv4 kGroup{239, 255, 0, 1};
+inline constexpr os::Ipv4 kGroup{239, 255, 0, 1};
 
 /// Returns true if this is the address of a multicast group.
 bool is_group(const os::Ipv4& address) noexcept;

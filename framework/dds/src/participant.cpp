@@ -74,7 +74,7 @@ rtps::Locator_t locator(const os::Ipv4& address, std::uint32_t port) {
 
 /// Sets how the participant finds others. Adds the names of other machines to `names`.
 Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery,
-                           HostNames& names) {
+                           std::uint32_t domain, HostNames& names) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = duration(kParticipantLease);
@@ -94,6 +94,9 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
                       "a peer is an IPv4 address or a host name, without a port");
         builtin.initialPeersList.push_back(locator(names.add("peer", peer), 0));
       }
+      // Interfaces keeps this group on the machine.
+      builtin.initialPeersList.push_back(
+          locator(kGroup, qos.wire_protocol().port.getMulticastPort(domain)));
       break;
     case model::Discovery::Kind::server: {
       if (!model::is_valid_server(discovery.server))
@@ -232,7 +235,9 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
   const auto names = std::make_shared<HostNames>(os::look_up, options.told);
-  if (auto set = set_discovery(qos, options.discovery, *names); !set) return refuse(set.problems());
+  if (auto set = set_discovery(qos, options.discovery, static_cast<std::uint32_t>(options.domain), *names);
+      !set)
+    return refuse(set.problems());
   // Without DDS Security, a discovery message for several participants is sent once, to the multicast group.
   qos.wire_protocol().builtin.avoid_builtin_multicast = !options.security.empty();
   auto notices = std::make_unique<wire::Notices>(options.refused);

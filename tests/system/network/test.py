@@ -91,6 +91,14 @@ class Network(networks.NetworkCase):
         self.assert_all_execute_by(("--peers", peers.replace(" ", ",")))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--peers", peers.replace(" ", ",")).status)
 
+    def test_a_command_with_peers_finds_the_device_of_its_own_machine_without_a_network(self):
+        self.net.remove("line")
+        peers = ("--peers", self.net.address("robot"))
+        self.node("line", *peers)
+        run = self.operator("status", "--json", *peers, on="line")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(["line"], [d["name"] for d in run.report["devices"]])
+
     def test_a_node_starts_before_the_name_of_its_discovery_server_is_known(self):
         self.net.no_multicast()
         self.net.set_host_names()

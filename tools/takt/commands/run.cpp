@@ -121,8 +121,8 @@ Result<void> Run::start_nodes(int domain) {
       spawn.arguments.push_back(value);
     };
     if (discovery.kind == model::Discovery::Kind::peers) {
-      std::string peers = "127.0.0.1";
-      for (const std::string& peer : discovery.peers) peers += "," + peer;
+      std::string peers;
+      for (const std::string& peer : discovery.peers) peers += (peers.empty() ? "" : ",") + peer;
       add("--peers", peers);
     }
     if (discovery.kind == model::Discovery::Kind::server) {
