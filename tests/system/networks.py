@@ -4,6 +4,7 @@ that the tests do not touch the real network. This needs root and iproute2."""
 import os
 import shutil
 import subprocess
+import sys
 import uuid
 
 import takt_system
@@ -32,6 +33,7 @@ class Networks:
         self.machines = machines
         self._bridge = self.mark + "-bridge"
         self._switch = None
+        self._links = {}
 
     def __enter__(self):
         try:
@@ -53,6 +55,8 @@ class Networks:
             self._switch.kill()
             self._switch.wait()
             self._switch.stdin.close()
+        for machine in list(self._links):
+            self._end_link(machine)
         for space in [self._space(m) for m in self.machines] + [self._bridge]:
             subprocess.run(["ip", "netns", "del", space], capture_output=True)
         for machine in self.machines:
@@ -131,6 +135,37 @@ class Networks:
         """Loses all unicast packets from one machine to another, but not those in the opposite direction."""
         self._ip("-n", self._space(sender), "neigh", "replace", self.address(receiver), "lladdr", "02:00:00:00:00:01", "dev", "eth0",
                  "nud", "permanent")
+
+    def impair(self, machine, loss=0.0, delay=0.0, rate=0, first=0):
+        """From now on, the cable of the machine loses this fraction of all packets in each direction, delays them by so many seconds, and
+        carries so many bits per second (0: no limit). It also loses the first copies of each message that announces a reader or writer."""
+        link = "li%d" % (self.machines.index(machine) + 1)
+        if machine in self._links:
+            self._end_link(machine)
+        else:
+            self._in_bridge("link", "set", self._cable(machine), "nomaster")
+            self._in_bridge("link", "add", link, "type", "veth", "peer", "name", link + "b")
+            self._in_bridge("link", "set", link + "b", "master", "br0", "up")
+            self._in_bridge("link", "set", link, "up")
+        program = os.path.join(os.path.dirname(os.path.abspath(__file__)), "poor_link.py")
+        run = subprocess.Popen(["ip", "netns", "exec", self._bridge, sys.executable, "-B", program, self._cable(machine), link, str(loss),
+                                str(delay), str(rate), str(first)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
+        self._links[machine] = run
+        if run.stdout.readline() != "ready\n":
+            raise RuntimeError("poor_link.py could not be started")
+
+    def carried(self, machine):
+        """Returns how many bytes the impaired cable has carried from the machine and to it, and how many packets were lost."""
+        run = self._links[machine]
+        run.stdin.write("\n")
+        return tuple(int(each) for each in run.stdout.readline().split())
+
+    def _end_link(self, machine):
+        run = self._links.pop(machine)
+        run.kill()
+        run.wait()
+        run.stdin.close()
+        run.stdout.close()
 
     def no_multicast(self):
         """Makes the bridge forward only unicast packets, as many managed switches do."""

@@ -32,6 +32,7 @@
 #include "workarounds/reader_checks.hpp"
 #include "workarounds/removed_readers.hpp"
 #include "workarounds/returning_readers.hpp"
+#include "workarounds/soon_repeated.hpp"
 #include "workarounds/spent_tokens.hpp"
 #include "workarounds/unmatched_writers.hpp"
 
@@ -44,8 +45,8 @@ constexpr const char* kServerPrefix =
                                             // discovery server
 /// Other participants forget this one if they hear nothing of it for this time.
 constexpr Nanoseconds kParticipantLease = std::chrono::seconds{3};
-constexpr int kAnnounceEveryMs = 250;
-constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{kAnnounceEveryMs};
+constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{500};
+constexpr int kLookForHaltMs = 250;
 /// After the first notice of a change of the interfaces, wait for more: a change often takes several steps.
 constexpr int kMoreNewsMs = 100;
 /// The time in which most name services answer. Then the first announcements reach the peers.
@@ -81,9 +82,10 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   // A participant answers the announcement of a new participant at once, perhaps before the new participant
   // can receive the answer. So participants repeat their announcements after a short time.
   config.leaseDuration_announcementperiod = duration(kAnnounceEvery);
-  // The first announcements can be lost if two participants start at the same time.
-  config.initial_announcements.count = 25;
-  config.initial_announcements.period = {0, 20'000'000};
+  // The first announcements can be lost if two participants start at the same time. Each is sent twice to
+  // every participant that is known, about 1 kB.
+  config.initial_announcements.count = 6;
+  config.initial_announcements.period = {0, 80'000'000};
   switch (discovery.kind) {
     case model::Discovery::Kind::multicast:
       break;
@@ -224,6 +226,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   lock_readers_that_lose_writers();
   remove_readers_without_deadlock();
   send_again_to_returning_readers();
+  repeat_lost_messages_soon();
   prepare_own_announcement(options.security.empty());
   prepare_heartbeats();
   defer_deletion_of_timers();
@@ -308,9 +311,9 @@ OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publi
 void OwnParticipant::follow_machine(std::stop_token end) {
   const std::stop_callback wake{end, [this] { ending_.give(); }};
   for (Instant last = os::boot_time(); !end.stop_requested();) {
-    os::wait_readable({&news_.fd(), &ending_.fd()}, kAnnounceEveryMs);
+    os::wait_readable({&news_.fd(), &ending_.fd()}, kLookForHaltMs);
     // Other participants may have forgotten a process that was halted, or whose machine was suspended.
-    const bool was_halted = os::boot_time() - last > kParticipantLease - 2 * kAnnounceEvery;
+    const bool was_halted = os::boot_time() - last > kParticipantLease - kAnnounceEvery;
     if (end.stop_requested()) return;
     names_->step(os::now());
     if (was_halted && identity_) rejoin(*filter_, true);
@@ -417,15 +420,8 @@ fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, fast::DataRead
                                               const fast::StatusMask& mask, Receives receives) {
   if (receives == Receives::in_group && interfaces_->groups_reach_others()) {
     // With a group, a reader does not get the addresses of its participant unless they are given, too.
-    rtps::Locator_t own;
-    own.kind = LOCATOR_KIND_UDPv4;
-    own.port = port_for_samples();
-    qos.endpoint().unicast_locator_list.push_back(own);
-    rtps::Locator_t group;
-    group.kind = LOCATOR_KIND_UDPv4;
-    group.port = 0;  // RTPS assigns the port
-    rtps::IPLocator::setIPv4(group, kGroup[0], kGroup[1], kGroup[2], kGroup[3]);
-    qos.endpoint().multicast_locator_list.push_back(group);
+    qos.endpoint().unicast_locator_list.push_back(locator({}, port_for_samples()));
+    qos.endpoint().multicast_locator_list.push_back(locator(kGroup, 0));  // RTPS assigns the port
   }
   const std::lock_guard lock{endpoints_};
   const ReceiveLock::Pause pause{filter_->receive_lock};

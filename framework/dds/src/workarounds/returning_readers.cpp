@@ -6,6 +6,7 @@
 #include <fastdds/rtps/writer/ReaderProxy.h>
 #include <fastdds/rtps/writer/StatefulWriter.h>
 #include "replaced_function.hpp"
+#include "soon_repeated.hpp"
 
 namespace {
 
@@ -35,6 +36,9 @@ namespace eprosima::fastrtps::rtps {
 bool StatefulWriter::process_acknack(const GUID_t& writer, const GUID_t& reader, std::uint32_t count,
                                      const SequenceNumberSet_t& requested, bool final, bool& is_mine) {
   const std::lock_guard lock{mp_mutex};
+  // A reader that has not received a heartbeat yet sends number 0.
+  if (writer == m_guid && requested.base() > SequenceNumber_t{})
+    takt::dds::heartbeat_answered(writer, reader);
   if (writer == m_guid && !requested.empty() && requested.base() > SequenceNumber_t{}) {
     for (const ReaderProxy* known : matched_remote_readers_) {
       if (known->guid() == reader && requested.base() <= known->changes_low_mark())

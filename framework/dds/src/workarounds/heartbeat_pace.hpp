@@ -1,0 +1,82 @@
+// How often a writer repeats a heartbeat that a reader has not answered.
+//
+// A writer of Takt sends a heartbeat every few milliseconds while a reader has not acknowledged every sample,
+// so that a lost sample is sent again soon. In Fast DDS 2.9.1, this period is fixed, and the heartbeat goes
+// to all readers. If the answer of one reader takes 200 ms, the writer sends 40 heartbeats before the first
+// answer arrives; all of them cross the same slow link, the reader answers each, and the link carries nothing
+// else. So the writer here sends a heartbeat only to a reader that has not acknowledged everything, and waits
+// about as long as this reader's answers take. Only the source files of this room include this header.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+
+#include <takt/core/time.hpp>
+
+namespace takt::dds {
+
+/// The heartbeats of one writer for one reader.
+class HeartbeatPace {
+ public:
+  /// The longest time between two heartbeats, if the answers take so long, and before any has arrived. If
+  /// answers are lost instead of late, heartbeats that are rarer would delay what was lost.
+  static constexpr Nanoseconds kLongest = std::chrono::seconds{1};
+  static constexpr Nanoseconds kLongestGuess = std::chrono::milliseconds{200};
+
+  /// Returns true if the writer is to send a heartbeat now. `period` is the shortest time between two
+  /// heartbeats, and `newest` the number of the writer's newest sample. Each heartbeat without an answer
+  /// doubles the time to the next; a new sample shortens it.
+  bool is_due(Instant now, Nanoseconds period, std::uint64_t newest) {
+    if (newest != newest_) pause_ = std::max(unanswered_ ? pause_ / 4 : Nanoseconds{0}, round_trip_);
+    newest_ = newest;
+    pause_ = std::max(pause_, period);
+    if (sent_ && now - last_ < pause_ - period / 2) return false;
+    last_ = now;
+    sent_ = unanswered_ = true;
+    pause_ = std::min(2 * pause_, std::max(round_trip_, kLongestGuess));
+    return true;
+  }
+
+  /// The reader has answered. It may have answered an earlier heartbeat than the last, and then its answers
+  /// take longer than it seems; so a shorter time counts only gradually.
+  void answered(Instant now) {
+    if (!unanswered_) return;
+    unanswered_ = false;
+    round_trip_ = std::min(std::max(2 * (now - last_), round_trip_ * 3 / 4), kLongest);
+    pause_ = round_trip_;
+  }
+
+ private:
+  Nanoseconds round_trip_{0};  // twice the time from a heartbeat to its answer
+  Nanoseconds pause_{0};
+  Instant last_{};
+  std::uint64_t newest_ = 0;
+  bool sent_ = false;
+  bool unanswered_ = false;
+};
+
+/// The requests with which one reader asks one writer for a first heartbeat. Fast DDS repeats such a request
+/// in a fixed period until the heartbeat arrives.
+class FirstRequestPace {
+ public:
+  static constexpr Nanoseconds kFirst = std::chrono::milliseconds{10};
+  static constexpr Nanoseconds kLongest = std::chrono::milliseconds{320};
+
+  /// Returns true if the reader is to send a request now. Each request doubles the time to the next.
+  bool is_due(Instant now) {
+    const bool is_first = !sent_ || now - last_ > 2 * kLongest;  // also if the reader finds the writer again
+    if (!is_first && now - last_ < pause_ - kFirst / 2) return false;
+    pause_ = is_first ? kFirst : std::min(2 * pause_, kLongest);
+    sent_ = true;
+    last_ = now;
+    return true;
+  }
+
+ private:
+  Nanoseconds pause_ = kFirst;
+  Instant last_{};
+  bool sent_ = false;
+};
+
+}  // namespace takt::dds

@@ -1,0 +1,67 @@
+"""Commands from a machine whose network cable loses packets. tests/system/poor_link.py simulates the cable."""
+import os
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import networks
+import takt_system
+from takt_system import how_much, wait_until
+
+CELL = """<cell name="lossy">
+  <device name="robot">
+    <module><name>latch</name><filename>latch.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
+      <period>20000000</period><priority>1</priority></module>
+  </device>
+</cell>
+"""
+
+
+class Lossy(networks.NetworkCase):
+    MACHINES = ("robot",)
+
+    def test_commands_are_answered_in_time_although_every_third_packet_is_lost(self):
+        # Fewer than half of the commands may fail. With a chance of 2 % each, fewer than one run in a million exceeds this.
+        nodes = self.nodes("robot")
+        self.deploy(self.write("cell.xml", CELL))
+        self.net.impair("operator", loss=0.3)
+        commands = how_much("TAKT_TEST_LOSSY_COMMANDS", 10, 100)
+        failed = []
+        for i in range(commands):
+            run = self.operator(("status", "log")[i % 2])
+            if run.status != 0:
+                failed.append(run.err)
+        print("%d of %d commands failed%s" % (len(failed), commands, "".join("\n" + text for text in failed)))
+        self.assertLess(len(failed), commands / 2)
+        self.net.impair("operator")
+        wait_until(lambda: self.status().get("robot", {}).get("alive"), "the device to be found without loss")
+        self.done("undeploy lossy")
+        self.end(nodes)
+
+    def test_a_command_finds_its_device_although_discovery_messages_are_lost_four_times(self):
+        # Fast DDS repeats a lost message after 1.1 s, and a command searches for 3 s.
+        self.nodes("robot")
+        wait_until(lambda: "robot" in self.status(), "the device to be found")
+        self.net.impair("operator", first=4)
+        self.assertIn("robot", self.status())
+
+    def test_a_link_with_a_long_delay_carries_few_heartbeats(self):
+        # Heartbeats in a fixed period of 5 ms would need 33 kB/s, because an answer takes 200 ms. A slow machine only sends less.
+        self.nodes("robot")
+        self.net.impair("operator", delay=0.1)
+        watch = self.start("watch")
+        watch.wait_for_out(r"\brobot\b")
+        before, begin = self.net.carried("operator"), time.monotonic()
+        time.sleep(4)
+        after, elapsed = self.net.carried("operator"), time.monotonic() - begin
+        watch.signal(signal.SIGINT)
+        watch.wait()
+        rates = [(after[way] - before[way]) / elapsed for way in (0, 1)]
+        print("%.0f B/s from the observer, %.0f B/s to it" % tuple(rates))
+        self.assertGreater(min(rates), 500)
+        self.assertLess(max(rates), 18000)
+
+
+if __name__ == "__main__":
+    takt_system.main()
