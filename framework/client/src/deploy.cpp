@@ -92,9 +92,11 @@ Problems Deployment::find() {
     if (found.empty()) {
       const std::string meant{nearest(device.name, {others.begin(), others.end()})};
       problems.push_back({where, "not found on " + domain,
-                          (meant.empty() ? "" : "did you mean " + meant + "? Otherwise ") +
-                              "start its node with " + sender_.node_command(device.name) + "; " +
-                              found_there(sender_)});
+                          sender_.silent().contains(device.name)
+                              ? Operator::remedy_of_silence({device.name})
+                              : (meant.empty() ? "" : "did you mean " + meant + "? Otherwise ") +
+                                    "start its node with " + sender_.node_command(device.name) + "; " +
+                                    found_there(sender_)});
     } else if (found.size() > 1) {
       std::vector<DeviceStatus> all;
       for (const wire::ObservedDevice& seen : found) all.push_back(seen.status);

@@ -275,9 +275,28 @@ Problem Operator::lost(const std::string& device) {
 
 std::string Operator::unresolved() const { return inside_->participant->unresolved(); }
 
+std::set<std::string> Operator::silent() const {
+  const std::string node = "takt-node ";
+  std::set<std::string> names;
+  for (const std::string& name : inside_->participant->announced()) {
+    const std::string device = name.starts_with(node) ? name.substr(node.size()) : std::string{};
+    if (!device.empty() && observer_.devices(device).empty()) names.insert(device);
+  }
+  return names;
+}
+
+std::string Operator::remedy_of_silence(const std::set<std::string>& devices) {
+  std::string list;
+  for (const std::string& name : devices) list += (list.empty() ? "" : ", ") + name;
+  return "only announcements arrived from " + list +
+         ": check whether the network loses or delays packets, and whether both sides use DDS Security";
+}
+
 Problem Operator::not_found(const std::string& device, Nanoseconds within) const {
   return {"device " + device, "not found: no answer within " + takt::to_text(within),
-          "check that " + node_command(device) + " is running; " + found_there(*this)};
+          silent().contains(device)
+              ? remedy_of_silence({device})
+              : "check that " + node_command(device) + " is running; " + found_there(*this)};
 }
 
 Problems problems_of(const wire::WholeReply& reply) {

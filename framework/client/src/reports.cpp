@@ -106,9 +106,11 @@ Result<Reports> all_reports(Operator& sender, Nanoseconds limit, const std::stri
   const Observer& observer = sender.observer();
   if (!observer.wait([](const auto& seen) { return !alive(seen).empty(); }, limit)) {
     const std::string unresolved = sender.unresolved();
+    const auto silent = sender.silent();
     return fail("no device found on domain " + std::to_string(sender.domain()) +
                     (unresolved.empty() ? "" : ": " + unresolved),
-                "start a node with " + sender.node_command("NAME"));
+                silent.empty() ? "start a node with " + sender.node_command("NAME")
+                               : Operator::remedy_of_silence(silent));
   }
   Reports reports;
   std::set<std::string> asked;  // ids of the nodes that were asked for their report

@@ -61,6 +61,9 @@ class OwnParticipant final : public Participant {
     return filter_->refused.load(std::memory_order_relaxed);
   }
   [[nodiscard]] std::string unresolved() const override { return names_->unresolved(); }
+  [[nodiscard]] std::vector<std::string> announced() const override {
+    return participant_->get_participant_names();
+  }
 
   /// Returns the object that reports rejected participants and packets.
   [[nodiscard]] wire::Notices& notices() noexcept { return *notices_; }

@@ -62,6 +62,15 @@ class Lossy(networks.NetworkCase):
         self.assertGreater(min(rates), 500)
         self.assertLess(max(rates), 18000)
 
+    def test_the_message_names_the_device_that_only_announced_itself(self):
+        self.nodes("robot")
+        wait_until(lambda: "robot" in self.status(), "the device to be found")
+        self.net.lose_packets("robot", "operator")
+        for command in ("status", "stop robot.latch", "deploy " + self.write("cell.xml", CELL)):
+            run = self.operator(*command.split())
+            self.assertEqual(1, run.status)
+            self.assertIn("only announcements arrived from robot: check whether the network loses or delays packets", run.err)
+
 
 if __name__ == "__main__":
     takt_system.main()

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,7 @@ struct CommandRequest {
   std::int64_t time_ns = 0;
   /// The longest time that send() waits for the answer after it has found the device. The search for the
   /// device takes at most this time, too, and never longer than Operator::search_limit(). The default is 5 s,
-  /// because a lost discovery message can delay the answer by 2.4 s. Without a value, send() waits
+  /// because a network that loses packets can delay the answer by 2 s. Without a value, send() waits
   /// kLongestCommand; use no value for commands that may take long, for example because a component
   /// initialises.
   std::optional<Nanoseconds> limit = std::chrono::seconds{5};
@@ -66,6 +67,11 @@ class Operator {
   static Problem lost(const std::string& device);
   /// Returns the problem that a device was not found within this time.
   [[nodiscard]] Problem not_found(const std::string& device, Nanoseconds within) const;
+
+  /// Returns the devices whose nodes have announced themselves, but whose status has not arrived.
+  [[nodiscard]] std::set<std::string> silent() const;
+  /// Says what to do about such devices.
+  static std::string remedy_of_silence(const std::set<std::string>& devices);
 
   [[nodiscard]] const Observer& observer() const noexcept { return observer_; }
   [[nodiscard]] int domain() const noexcept { return domain_; }

@@ -55,6 +55,8 @@ class Participant {
   /// Returns a text about each peer or discovery server whose name cannot be resolved; empty if there is
   /// none.
   [[nodiscard]] virtual std::string unresolved() const = 0;
+  /// Returns the names of the participants whose announcements have arrived, such as "takt-node robot".
+  [[nodiscard]] virtual std::vector<std::string> announced() const = 0;
 
  protected:
   Participant() = default;
