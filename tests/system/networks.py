@@ -167,6 +167,21 @@ class Networks:
         run.stdin.close()
         run.stdout.close()
 
+    def limit(self, machine, mtu):
+        """Loses all IP packets from and to the machine that are longer than this, without a notice to their sender, as many VPNs and
+        firewalls do. The machine does not know of the limit: it splits a long message into fragments that are too long, too."""
+        # A bridge port drops longer packets, but it allows 4 bytes more than its MTU, for a VLAN tag.
+        self._in_bridge("link", "set", self._cable(machine), "mtu", str(mtu - 4))
+
+    def lost(self, machine):
+        """Returns how many packets of the machine were longer than limit() allows."""
+        return self._count(self._bridge, self._cable(machine), "rx_dropped")
+
+    @staticmethod
+    def _count(space, interface, what):
+        path = "/sys/class/net/%s/statistics/%s" % (interface, what)
+        return int(subprocess.run(["ip", "netns", "exec", space, "cat", path], check=True, capture_output=True, text=True).stdout)
+
     def no_multicast(self):
         """Makes the bridge forward only unicast packets, as many managed switches do."""
         for machine in self.machines:

@@ -5,6 +5,7 @@
 
 #include <takt/security/identity.hpp>
 #include <takt/wire/rtps.hpp>
+#include "workarounds/message_size.hpp"
 
 namespace takt::dds {
 
@@ -24,10 +25,12 @@ void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& fr
                   "it announces an invalid participant, or there are too many unauthenticated participants");
   }
   // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
-  if (wire::concerns_participants(packet))
+  if (wire::concerns_participants(packet)) {
+    if (here) is_near(wire::sender_of(packet));
     receive_lock.handle_alone([&] { handle(readable); });
-  else
+  } else {
     receive_lock.handle([&] { handle(readable); });
+  }
 }
 
 void PacketFilter::drop(const os::Ipv4& from, const char* why) {

@@ -27,6 +27,7 @@
 #include "log.hpp"
 #include "workarounds/deferred_timers.hpp"
 #include "workarounds/heartbeats.hpp"
+#include "workarounds/message_size.hpp"
 #include "workarounds/own_announcement.hpp"
 #include "workarounds/participant_removal.hpp"
 #include "workarounds/reader_checks.hpp"
@@ -45,8 +46,8 @@ constexpr const char* kServerPrefix =
                                             // discovery server
 /// Other participants forget this one if they hear nothing of it for this time.
 constexpr Nanoseconds kParticipantLease = std::chrono::seconds{3};
-constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{500};
-constexpr int kLookForHaltMs = 250;
+constexpr int kAnnounceEveryMs = 250;
+constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{kAnnounceEveryMs};
 /// After the first notice of a change of the interfaces, wait for more: a change often takes several steps.
 constexpr int kMoreNewsMs = 100;
 /// The time in which most name services answer. Then the first announcements reach the peers.
@@ -82,10 +83,9 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   // A participant answers the announcement of a new participant at once, perhaps before the new participant
   // can receive the answer. So participants repeat their announcements after a short time.
   config.leaseDuration_announcementperiod = duration(kAnnounceEvery);
-  // The first announcements can be lost if two participants start at the same time. Each is sent twice to
-  // every participant that is known, about 1 kB.
-  config.initial_announcements.count = 6;
-  config.initial_announcements.period = {0, 80'000'000};
+  // The first announcements can be lost if two participants start at the same time.
+  config.initial_announcements.count = 25;
+  config.initial_announcements.period = {0, 20'000'000};
   switch (discovery.kind) {
     case model::Discovery::Kind::multicast:
       break;
@@ -230,6 +230,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   prepare_own_announcement(options.security.empty());
   prepare_heartbeats();
   defer_deletion_of_timers();
+  keep_messages_short(!options.security.empty());
   log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
   library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
@@ -311,9 +312,9 @@ OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publi
 void OwnParticipant::follow_machine(std::stop_token end) {
   const std::stop_callback wake{end, [this] { ending_.give(); }};
   for (Instant last = os::boot_time(); !end.stop_requested();) {
-    os::wait_readable({&news_.fd(), &ending_.fd()}, kLookForHaltMs);
+    os::wait_readable({&news_.fd(), &ending_.fd()}, kAnnounceEveryMs);
     // Other participants may have forgotten a process that was halted, or whose machine was suspended.
-    const bool was_halted = os::boot_time() - last > kParticipantLease - kAnnounceEvery;
+    const bool was_halted = os::boot_time() - last > kParticipantLease - 2 * kAnnounceEvery;
     if (end.stop_requested()) return;
     names_->step(os::now());
     if (was_halted && identity_) rejoin(*filter_, true);

@@ -202,7 +202,8 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
       value.text();
       break;
     case Content::texts:
-      // A text of length 0 is rejected: Fast DDS would read on to the next zero byte, even beyond the message.
+      // A text of length 0 is rejected: Fast DDS would read on to the next zero byte, even beyond the
+      // message.
       for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n)
         if (value.text().data() == nullptr) value.fail();
       break;
@@ -256,6 +257,7 @@ void check_parameters(Cursor& list) noexcept {
 
 constexpr std::uint32_t kParticipants = 0x000100c2;  // entity id of the writer of participant announcements
 constexpr std::uint32_t kProofs = 0x000201c3;        // entity id of the writer of authentication messages
+constexpr std::uint32_t kMostProof = 65535;          // largest size of an authentication message, in bytes
 
 /// Returns true if this writer announces participants, readers or writers. Samples of such a writer contain a
 /// parameter list.
@@ -325,17 +327,19 @@ void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
   copy.skip(2);
   const std::uint32_t to_qos = copy.u16();
   const std::uint32_t writer = check_head(body, 16);
-  // Fragments of discovery and authentication messages are rejected, because Fast DDS reads such a message as
-  // soon as it has all fragments, and Takt could not check the message before.
+  // Fragments of discovery messages are rejected, because Fast DDS reads such a message as soon as it has all
+  // fragments, and Takt could not check the message before. is_readable_proof() checks a complete
+  // authentication message.
   // Fragments of a key are rejected, because Fast DDS stores them as if they had no content.
   constexpr std::uint8_t kKey = 4;
-  if (discovers(writer) || writer == kProofs || (flags & kKey) != 0) return body.fail();
+  if (discovers(writer) || (flags & kKey) != 0) return body.fail();
   const std::uint64_t first = body.u32();
   const std::uint64_t count = body.u16();
   const std::uint64_t size = body.u16();
   const std::uint64_t sample = body.u32();
   if (!body.ok() || to_qos < kBehind || first == 0 || count == 0 || size == 0 || sample == 0)
     return body.fail();
+  if (writer == kProofs && sample > kMostProof) return body.fail();
   body.skip(to_qos - kBehind);
   if ((flags & kInlineQos) != 0) check_parameters(body);
   const std::uint64_t begin = (first - 1) * size;
@@ -505,6 +509,13 @@ std::size_t readable_rtps(std::span<const std::uint8_t> message, IsCertificate i
   return message.size();
 }
 
+bool is_readable_proof(std::span<const std::uint8_t> content, IsCertificate is_certificate) noexcept {
+  if (content.size() < 4 || content[0] != 0 || content[1] > 1) return false;
+  Cursor message{content.subspan(4), content[1] == 1};
+  check_proof(message, is_certificate);
+  return message.ok();
+}
+
 bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
   constexpr std::uint8_t kMessagePrefix = 0x33;
   constexpr std::uint8_t kSubmessagePrefix = 0x31;
@@ -527,6 +538,11 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
         if (writer != kParticipants && writer != kProofs) return false;
         break;
       }
+      case 0x16: {
+        Cursor body{one.body, one.little()};
+        if (check_head(body, kBeforeData) != kProofs) return false;
+        break;
+      }
       default:
         if (one.kind < 0x80) return false;  // vendor-specific submessages may be unencrypted
     }
@@ -544,14 +560,21 @@ bool concerns_participants(std::span<const std::uint8_t> message) noexcept {
   return false;
 }
 
+ParticipantNumber sender_of(std::span<const std::uint8_t> message) noexcept {
+  ParticipantNumber number{};
+  std::ranges::copy(message.subspan(kHeader - number.size(), number.size()), number.begin());
+  return number;
+}
+
 Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   constexpr std::uint32_t kLease = 0x02;
   constexpr std::uint32_t kParticipant = 0x50;
   constexpr std::uint32_t kKeyHash = 0x70;
   Announcement found;
-  const auto sender = message.subspan(kHeader - found.number.size(), found.number.size());
-  std::copy(sender.begin(), sender.end(), found.number.begin());
-  const auto is_sender = [&](Cursor value) { return std::ranges::equal(value.bytes(sender.size()), sender); };
+  found.number = sender_of(message);
+  const auto is_sender = [&](Cursor value) {
+    return std::ranges::equal(value.bytes(found.number.size()), found.number);
+  };
   for (Submessages rest{message}; !rest.empty();) {
     const auto one = rest.next();
     if (one.kind != 0x15 || (one.flags & kData) == 0) continue;

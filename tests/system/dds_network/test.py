@@ -57,9 +57,15 @@ class TwoMachines:
         ip("-n", self.spaces[machine], "link", "set", "net%d" % cable, state)
 
     def bytes(self, machine, cable):
-        out = subprocess.run(["ip", "netns", "exec", self.spaces[machine], "cat", "/sys/class/net/net%d/statistics/tx_bytes" % cable],
-                             check=True, capture_output=True, text=True)
-        return int(out.stdout)
+        return self._count(machine, cable, "tx_bytes")
+
+    def _count(self, machine, cable, what):
+        path = "/sys/class/net/net%d/statistics/%s" % (cable, what)
+        return int(subprocess.run(["ip", "netns", "exec", self.spaces[machine], "cat", path], check=True, capture_output=True, text=True).stdout)
+
+    def limit(self, mtu):
+        """Cable 0 loses IP packets to machine line that are longer than this."""
+        ip("-n", self.spaces["line"], "link", "set", "net0", "mtu", str(mtu - 4))  # the interface takes 4 bytes more
 
     def end(self):
         for space in self.spaces.values():
@@ -144,6 +150,16 @@ class Interfaces(unittest.TestCase):
         after = [self.net.bytes("robot", cable) for cable in (0, 1)]
         self.assertGreater(after[1] - before[1], 500000)
         self.assertLess(after[0] - before[0], 2000, "only the kernel itself may send on the other cable")
+
+    def test_large_samples_arrive_over_a_network_that_loses_ip_packets_above_1280_bytes(self):
+        self.net.connect(0)
+        self.net.limit(1280)
+        tap = self.peer("line", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
+        last = self.match(feed, tap)
+        feed.write("20 60000")
+        for number in range(last + 1, last + 21):
+            self.assertEqual("sample %d" % number, tap.line())
 
     def test_dds_uses_a_network_interface_that_comes_up_after_the_start(self):
         tap = self.peer("line", "tap", "t", "reliable", "64")

@@ -355,11 +355,37 @@ TEST(RtpsFilter, ChecksTheCertificateOfAnAuthenticationMessage) {
   EXPECT_FALSE(readable(token("c.id", "pem").add(token("c.id", "")), 2)) << "each certificate is checked";
 }
 
-TEST(RtpsFilter, RejectsFragmentedDiscoveryAndAuthenticationMessages) {
-  for (const std::uint32_t writer : {kSpdpWriter, 0x2c2U, 0x3c2U, 0x4c2U, kProofWriter}) {
-    const Body body = data_head(writer, 1, 28).u32(1).u16(1).u16(100).u32(250).zeros(100);
-    EXPECT_FALSE(is_rtps(message(0x16, 0, body))) << writer;
-  }
+Body fragment_of(std::uint32_t writer, std::uint32_t sample) {
+  return data_head(writer, 1, 28).u32(1).u16(1).u16(100).u32(sample).zeros(100);
+}
+
+TEST(RtpsFilter, RejectsFragmentsOfDiscoveryMessages) {
+  for (const std::uint32_t writer : {kSpdpWriter, 0x2c2U, 0x3c2U, 0x4c2U})
+    EXPECT_FALSE(is_rtps(message(0x16, 0, fragment_of(writer, 250)))) << writer;
+}
+
+TEST(RtpsFilter, LimitsTheSizeOfFragmentedAuthenticationMessages) {
+  EXPECT_TRUE(is_rtps(message(0x16, 0, fragment_of(kProofWriter, 65535))));
+  EXPECT_FALSE(is_rtps(message(0x16, 0, fragment_of(kProofWriter, 65536))));
+  EXPECT_TRUE(is_rtps(message(0x16, 0, fragment_of(0x103, 65536)))) << "other samples may be larger";
+}
+
+TEST(RtpsFilter, ChecksAnAuthenticationMessageThatWasAssembled) {
+  constexpr IsCertificate kIsPem = [](std::span<const std::uint8_t> bytes) noexcept {
+    return std::string{bytes.begin(), bytes.end()} == "pem";
+  };
+  const auto content = [](const Body& message) {
+    return Bytes{message.bytes.begin() + static_cast<std::ptrdiff_t>(data_head().bytes.size()),
+                 message.bytes.end()};
+  };
+  const Bytes whole = content(proof(1, token("c.id", "pem")));
+  EXPECT_TRUE(is_readable_proof(whole, kIsPem));
+  EXPECT_TRUE(is_readable_proof(whole));
+  EXPECT_FALSE(is_readable_proof(content(proof(1, token("c.id", "pen"))), kIsPem));
+  EXPECT_FALSE(is_readable_proof(content(proof(1, token("c.id", "pem"), 0)))) << "the other byte order";
+  EXPECT_FALSE(is_readable_proof(content(proof(1, token("c.id", "pem"), 3)))) << "a parameter list";
+  for (std::size_t n = 0; n < whole.size() - 1; ++n)
+    EXPECT_FALSE(is_readable_proof(std::span{whole}.first(n))) << n;
 }
 
 // ---- Messages that DDS Security protects
@@ -407,6 +433,7 @@ TEST(ProtectedRtps, OnlyDiscoveryAndAuthenticationMayBeUnencrypted) {
   for (const std::uint32_t writer : {0x103U, 0x2c2U, 0x3c2U, 0x4c2U, 0x200c2U, 0xff0202c3U}) {
     EXPECT_FALSE(is_protected_rtps(message(0x15, 0, data_head(writer)))) << writer;
   }
+  EXPECT_TRUE(is_protected(message(0x16, 0, fragment_of(kProofWriter, 250))));
   EXPECT_TRUE(is_unprotected(message(0x16, 0, fragments(1, 1, 100, 250, 100))));
   EXPECT_TRUE(is_unprotected(message(0x06, 0, Body{}.zeros(8).number(0).u32(0).u32(1))));
   EXPECT_TRUE(is_unprotected(message(0x07, 0, Body{}.zeros(8).number(1).number(1).u32(1))));

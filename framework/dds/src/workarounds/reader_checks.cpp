@@ -7,6 +7,9 @@
 #include <fastdds/rtps/history/ReaderHistory.h>
 #include <fastdds/rtps/reader/StatefulReader.h>
 #include <fastdds/rtps/reader/StatelessReader.h>
+
+#include <takt/security/identity.hpp>
+#include <takt/wire/rtps.hpp>
 #include "replaced_function.hpp"
 
 namespace eprosima::fastrtps::rtps {
@@ -24,6 +27,15 @@ class WriterProxy {
 };
 
 }  // namespace eprosima::fastrtps::rtps
+
+namespace eprosima::fastrtps::rtps::security {
+
+class SecurityManager {
+ public:
+  void process_participant_stateless_message(const CacheChange_t* message);
+};
+
+}  // namespace eprosima::fastrtps::rtps::security
 
 namespace {
 
@@ -53,6 +65,7 @@ struct Originals {
   using BestEffortFragments = bool(rtps::StatelessReader*, rtps::CacheChange_t*, std::uint32_t, std::uint32_t,
                                    std::uint16_t);
   using Reserve = bool(rtps::RTPSReader*, rtps::CacheChange_t**, std::uint32_t);
+  using Authenticate = void(rtps::security::SecurityManager*, const rtps::CacheChange_t*);
 
   Next* next = takt::dds::replaced<Next>(
       "_ZN8eprosima8fastrtps4rtps11WriterProxy32next_cache_change_to_be_notifiedEv");
@@ -65,6 +78,9 @@ struct Originals {
       "_ZN8eprosima8fastrtps4rtps15StatelessReader18processDataFragMsgEPNS1_13CacheChange_tEjjt");
   Reserve* reserve = takt::dds::replaced<Reserve>(
       "_ZN8eprosima8fastrtps4rtps10RTPSReader12reserveCacheEPPNS1_13CacheChange_tEj");
+  Authenticate* authenticate = takt::dds::replaced<Authenticate>(
+      "_ZN8eprosima8fastrtps4rtps8security15SecurityManager37process_participant_stateless_messageEPKNS1_"
+      "13CacheChange_tE");
 };
 
 const Originals& originals() noexcept {
@@ -176,3 +192,14 @@ bool RTPSReader::reserveCache(CacheChange_t** change, std::uint32_t size) {
 }
 
 }  // namespace eprosima::fastrtps::rtps
+
+namespace eprosima::fastrtps::rtps::security {
+
+// Handles an authentication message. Fast DDS may have assembled it from fragments, which nobody has checked.
+void SecurityManager::process_participant_stateless_message(const CacheChange_t* message) {
+  const SerializedPayload_t& content = message->serializedPayload;
+  if (takt::wire::is_readable_proof({content.data, content.length}, &takt::security::names_somebody))
+    originals().authenticate(this, message);
+}
+
+}  // namespace eprosima::fastrtps::rtps::security

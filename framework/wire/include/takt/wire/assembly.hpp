@@ -14,8 +14,8 @@
 
 namespace takt::wire {
 
-/// The largest number of data bytes in one sample, as in idl/takt.idl. A sample fits into one Ethernet packet,
-/// so that one lost packet costs only this sample.
+/// The largest number of data bytes in one sample, as in idl/takt.idl. A sample fits into two IP packets of
+/// 1280 bytes, so that one lost packet costs only this sample.
 inline constexpr std::size_t kPart = 1024;
 /// The largest number of data bytes in a whole command or reply.
 inline constexpr std::size_t kMaxData = 16 * 1024 * 1024;

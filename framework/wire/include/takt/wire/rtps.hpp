@@ -28,6 +28,12 @@ using IsCertificate = bool (*)(std::span<const std::uint8_t>) noexcept;
 [[nodiscard]] std::size_t readable_rtps(std::span<const std::uint8_t> message,
                                         IsCertificate is_certificate = nullptr) noexcept;
 
+/// Returns true if Fast DDS may read this authentication message, which it has assembled from fragments:
+/// readable_rtps() checks only the fragments. `content` begins with the encapsulation. `is_certificate` may
+/// be null.
+[[nodiscard]] bool is_readable_proof(std::span<const std::uint8_t> content,
+                                     IsCertificate is_certificate = nullptr) noexcept;
+
 /// Returns true if a readable message is encrypted as required: as a whole or in each submessage.
 /// Announcements and authentication messages of participants may be unencrypted. Any thread may call this
 /// function; it does not allocate.
@@ -40,6 +46,9 @@ using IsCertificate = bool (*)(std::span<const std::uint8_t>) noexcept;
 /// The GUID prefix of a participant: the first 12 bytes of its GUID and of the GUIDs of its readers and
 /// writers.
 using ParticipantNumber = std::array<std::uint8_t, 12>;
+
+/// Returns the GUID prefix of the sender of a readable message.
+[[nodiscard]] ParticipantNumber sender_of(std::span<const std::uint8_t> message) noexcept;
 
 struct Announcement {
   enum class Of : std::uint8_t { nobody, sender, other };
