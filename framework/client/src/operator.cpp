@@ -187,6 +187,12 @@ std::vector<Result<wire::WholeReply>> Operator::send(const std::vector<CommandRe
       }
       const auto now = Clock::now();
       const Nanoseconds limit = q.limit.value_or(kLongestCommand);
+      if (const std::string obstacle = inside_->participant->obstacle(q.device); !obstacle.empty()) {
+        state.outcome =
+            Problem{device_of(q), std::string{"no answer to command "} + to_text(q.kind) + ": " + obstacle,
+                    "every network and VPN on the path must pass IP packets of 1280 bytes"};
+        return;
+      }
       std::string what;
       if (!there && now - *state.gone_since > kBack)
         what = std::string{"it was lost before it answered command "} + to_text(q.kind);

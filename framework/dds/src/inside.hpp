@@ -50,8 +50,9 @@ class OwnParticipant final : public Participant {
   /// a new address unless it leaves and joins again.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                  fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
-                 std::unique_ptr<DiscoveryListener> listener, const UdpTransportDescriptor& transport,
-                 std::shared_ptr<HostNames> names, os::InterfaceNews news, os::Notice ending,
+                 std::unique_ptr<wire::Notices> unreached, std::unique_ptr<DiscoveryListener> listener,
+                 const UdpTransportDescriptor& transport, std::shared_ptr<HostNames> names,
+                 os::InterfaceNews news, os::Notice ending,
                  bool must_rejoin);
   ~OwnParticipant() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
@@ -64,6 +65,10 @@ class OwnParticipant final : public Participant {
   [[nodiscard]] std::vector<std::string> announced() const override {
     return participant_->get_participant_names();
   }
+
+  [[nodiscard]] std::string obstacle(const std::string& device) const override;
+  /// The status of this device comes from this participant.
+  void is_device(const rtps::GuidPrefix_t& participant, const std::string& device);
 
   /// Returns the object that reports rejected participants and packets.
   [[nodiscard]] wire::Notices& notices() noexcept { return *notices_; }
@@ -112,6 +117,7 @@ class OwnParticipant final : public Participant {
     int topics = 0;
   };
   std::unique_ptr<wire::Notices> notices_;
+  std::unique_ptr<wire::Notices> unreached_;
   std::unique_ptr<DiscoveryListener> discovery_listener_;  // it is the participant's listener, too
   std::shared_ptr<Interfaces> interfaces_;
   std::shared_ptr<PacketFilter> filter_;
@@ -122,8 +128,9 @@ class OwnParticipant final : public Participant {
   fast::Publisher* publisher_;
   fast::Subscriber* subscriber_;
   std::mutex endpoints_;  // held while a reader or writer is created or deleted
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, Shared> topics_;
+  std::map<std::string, wire::ParticipantNumber> devices_;
   std::map<std::string, Known> types_;
   os::InterfaceNews news_;
   os::Notice ending_;

@@ -9,6 +9,14 @@
 
 namespace takt::dds {
 
+namespace {
+
+thread_local os::Ipv4 sender_of_this_packet{};
+
+}  // namespace
+
+os::Ipv4 PacketFilter::sender() noexcept { return sender_of_this_packet; }
+
 void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& from, bool here,
                         const std::function<void(std::size_t)>& handle) {
   if (is_silent(here)) return;
@@ -24,6 +32,7 @@ void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& fr
       return drop(from,
                   "it announces an invalid participant, or there are too many unauthenticated participants");
   }
+  sender_of_this_packet = from;
   // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
   if (wire::concerns_participants(packet)) {
     if (here) is_near(wire::sender_of(packet));

@@ -35,6 +35,9 @@ class PacketFilter {
            now == (here ? Silence::on_this_machine : Silence::on_other_machines);
   }
 
+  /// Returns the sender of the packet that this thread handles, or has handled last.
+  [[nodiscard]] static os::Ipv4 sender() noexcept;
+
   wire::UnauthenticatedParticipants unauthenticated;  // used only with DDS Security
   std::atomic<std::uint64_t> refused{0};
   std::atomic<Silence> silence{Silence::none};

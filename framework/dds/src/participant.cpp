@@ -32,6 +32,7 @@
 #include "workarounds/participant_removal.hpp"
 #include "workarounds/reader_checks.hpp"
 #include "workarounds/removed_readers.hpp"
+#include "workarounds/resends.hpp"
 #include "workarounds/returning_readers.hpp"
 #include "workarounds/soon_repeated.hpp"
 #include "workarounds/spent_tokens.hpp"
@@ -247,6 +248,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   auto notices = std::make_unique<wire::Notices>(options.refused);
   auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
   pause_during_removals(filter->receive_lock);
+  auto unreached = std::make_unique<wire::Notices>(options.unreached);
+  limit_resends([to = unreached.get()](const std::string& text) { to->tell(text); });
   const auto transport = std::make_shared<UdpTransportDescriptor>(
       *interfaces, filter, std::make_shared<UdpChannels>(*interfaces), names);
   qos.transport().use_builtin_transports = false;
@@ -275,7 +278,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
-      made, publisher, subscriber, std::move(notices), std::move(listener), *transport, names,
+      made, publisher, subscriber, std::move(notices), std::move(unreached), std::move(listener), *transport, names,
       std::move(*news), std::move(*ending),
       !options.security.empty() || options.discovery.kind != model::Discovery::Kind::multicast);
   if (publisher == nullptr || subscriber == nullptr)
@@ -285,10 +288,12 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                                fast::Subscriber* subscriber, std::unique_ptr<wire::Notices> notices,
+                               std::unique_ptr<wire::Notices> unreached,
                                std::unique_ptr<DiscoveryListener> listener,
                                const UdpTransportDescriptor& transport, std::shared_ptr<HostNames> names,
                                os::InterfaceNews news, os::Notice ending, bool must_rejoin)
     : notices_(std::move(notices)),
+      unreached_(std::move(unreached)),
       discovery_listener_(std::move(listener)),
       interfaces_(transport.interfaces()),
       filter_(transport.filter()),
@@ -307,6 +312,17 @@ OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publi
     });
   }
   machine_ = std::jthread{[this](std::stop_token end) { follow_machine(std::move(end)); }};
+}
+
+std::string OwnParticipant::obstacle(const std::string& device) const {
+  const std::lock_guard lock{mutex_};
+  const auto found = devices_.find(device);
+  return found == devices_.end() ? std::string{} : obstacle_to(found->second);
+}
+
+void OwnParticipant::is_device(const rtps::GuidPrefix_t& participant, const std::string& device) {
+  const std::lock_guard lock{mutex_};
+  std::copy_n(participant.value, wire::ParticipantNumber{}.size(), devices_[device].begin());
 }
 
 void OwnParticipant::follow_machine(std::stop_token end) {

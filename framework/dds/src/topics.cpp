@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <takt/wire/takt.h>
@@ -286,6 +287,9 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
           refused.fetch_add(1, std::memory_order_relaxed);
           continue;
         }
+        if constexpr (std::is_same_v<T, DeviceStatus>)
+          own(*participant)
+              .is_device(info.sample_identity.writer_guid().guidPrefix, sample.device().to_string());
         lives(writer);
         if (callbacks.disposed) paths[info.instance_handle] = sample.path().to_string();
         callbacks.sample(sample, writer);

@@ -191,7 +191,8 @@ int run_node(const NodeOptions& options) {
                a.note(std::move(fault), text);
              });
            },
-       .told = [&options](const std::string& text) { log(options.device, "", text); }});
+       .told = [&options](const std::string& text) { log(options.device, "", text); },
+       .unreached = [&options](const std::string& text) { log(options.device, "", text); }});
   if (!participant) return refuse(participant.problems());
   const bool secured = (*participant)->identity().has_value();
   if (auto fits = check_identity(**participant, options); !fits) return refuse(fits.problems());

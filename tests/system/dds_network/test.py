@@ -59,6 +59,10 @@ class TwoMachines:
     def bytes(self, machine, cable):
         return self._count(machine, cable, "tx_bytes")
 
+    def packets(self, machine, cable):
+        """Returns how many packets the machine has sent, with those that the cable has lost."""
+        return self._count(machine, cable, "tx_packets") + self._count(machine, cable, "tx_dropped")
+
     def _count(self, machine, cable, what):
         path = "/sys/class/net/net%d/statistics/%s" % (cable, what)
         return int(subprocess.run(["ip", "netns", "exec", self.spaces[machine], "cat", path], check=True, capture_output=True, text=True).stdout)
@@ -160,6 +164,20 @@ class Interfaces(unittest.TestCase):
         feed.write("20 60000")
         for number in range(last + 1, last + 21):
             self.assertEqual("sample %d" % number, tap.line())
+
+    def test_a_writer_repeats_samples_seldom_if_they_never_arrive(self):
+        self.net.connect(0)
+        tap = self.peer("line", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
+        self.match(feed, tap)
+        self.net.limit(600)
+        feed.write("4 20000")
+        self.assertIn("failures 0", feed.line())
+        before = self.net.packets("robot", 0)
+        time.sleep(3)
+        sent = self.net.packets("robot", 0) - before
+        print("%d packets in 3 s" % sent)
+        self.assertLess(sent, 5000, "packets in 3 s, for 80 kB")
 
     def test_dds_uses_a_network_interface_that_comes_up_after_the_start(self):
         tap = self.peer("line", "tap", "t", "reliable", "64")

@@ -1,5 +1,6 @@
 """The network loses IP packets above a length, and with them the fragments of longer packets, as many VPNs do. The senders are not told."""
 import os
+import re
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -56,6 +57,14 @@ class Mtu(networks.NetworkCase):
         keys = os.path.join(self.folder, "keys")
         nodes = {device: self.node(device, "--security", os.path.join(keys, "devices", device)) for device in DEVICES}
         self.assert_a_cell_runs(cell, {"TAKT_SECURITY": os.path.join(keys, "operators", "anna")})
+        self.end(nodes)
+
+    def test_a_node_names_the_address_that_longer_packets_do_not_reach(self):
+        self.limit(600)
+        nodes = self.nodes(*DEVICES)
+        # Which of the announcements of the two nodes are too long depends on how many of them are sent together.
+        wait_until(lambda: any(re.search(r"IP packets of up to 1280 bytes do not reach 10\.77\.0\.\d, but shorter ones do", node.err)
+                               for node in nodes.values()), "a node to name the cause")
         self.end(nodes)
 
 

@@ -6,6 +6,7 @@
 #include <fastdds/rtps/writer/ReaderProxy.h>
 #include <fastdds/rtps/writer/StatefulWriter.h>
 #include "replaced_function.hpp"
+#include "resends.hpp"
 #include "soon_repeated.hpp"
 
 namespace {
@@ -37,14 +38,18 @@ bool StatefulWriter::process_acknack(const GUID_t& writer, const GUID_t& reader,
                                      const SequenceNumberSet_t& requested, bool final, bool& is_mine) {
   const std::lock_guard lock{mp_mutex};
   // A reader that has not received a heartbeat yet sends number 0.
-  if (writer == m_guid && requested.base() > SequenceNumber_t{})
-    takt::dds::heartbeat_answered(writer, reader);
-  if (writer == m_guid && !requested.empty() && requested.base() > SequenceNumber_t{}) {
+  const bool answers = writer == m_guid && requested.base() > SequenceNumber_t{};
+  if (answers) takt::dds::heartbeat_answered(writer, reader);
+  if (answers && !requested.empty()) {
     for (const ReaderProxy* known : matched_remote_readers_) {
       if (known->guid() == reader && requested.base() <= known->changes_low_mark())
-        return original()(this, writer, reader, count, SequenceNumberSet_t{SequenceNumber_t{}}, false, is_mine);
+        return original()(this, writer, reader, count, SequenceNumberSet_t{SequenceNumber_t{}}, false,
+                          is_mine);
     }
   }
+  if (writer == m_guid &&
+      !takt::dds::may_answer(writer, reader, requested))  // only the acknowledgement counts
+    return original()(this, writer, reader, count, SequenceNumberSet_t{requested.base()}, true, is_mine);
   return original()(this, writer, reader, count, requested, final, is_mine);
 }
 

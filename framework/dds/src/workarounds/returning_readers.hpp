@@ -12,8 +12,8 @@
 
 namespace takt::dds {
 
-/// Finds the function of Fast DDS that returning_readers.cpp replaces; ends the process if it is missing. Call
-/// this function before the participant of this process is created.
+/// Finds the function of Fast DDS that returning_readers.cpp replaces; ends the process if it is missing.
+/// Call this function before the participant of this process is created.
 void send_again_to_returning_readers() noexcept;
 
 }  // namespace takt::dds

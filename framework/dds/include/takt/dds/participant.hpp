@@ -28,6 +28,9 @@ struct ParticipantOptions {
   /// its addresses are known or have changed. A thread of the participant calls this function. It may be
   /// empty.
   std::function<void(const std::string&)> told{};
+  /// Called like `refused` with a sentence about each participant that answers, but that longer packets do
+  /// not reach. The function may be empty.
+  std::function<void(const std::string&)> unreached{};
 };
 
 /// All topics of a process belong to one participant, because several participants in one process can
@@ -57,6 +60,9 @@ class Participant {
   [[nodiscard]] virtual std::string unresolved() const = 0;
   /// Returns the names of the participants whose announcements have arrived, such as "takt-node robot".
   [[nodiscard]] virtual std::vector<std::string> announced() const = 0;
+  /// Returns a sentence that says why samples do not reach this device now, although it answers. Empty if
+  /// nothing indicates that. Known only for devices whose status a Reader<DeviceStatus> has received.
+  [[nodiscard]] virtual std::string obstacle(const std::string& device) const = 0;
 
  protected:
   Participant() = default;

@@ -1,0 +1,31 @@
+// Limits how often a writer sends the same samples to the same reader again. In Fast DDS 2.9.1, a reader
+// requests all samples that it misses whenever a heartbeat arrives, every 5 to 10 ms, and the writer sends
+// all of them again. If a path never lets a sample through, for example because the path drops long packets,
+// that is thousands of packets each second, without an end. This file makes the pause between two answers to
+// the same request grow from 10 ms to 1 s, and tells which participant answers but receives nothing.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <fastdds/rtps/common/Guid.h>
+#include <fastdds/rtps/common/SequenceNumber.h>
+
+#include <takt/wire/rtps.hpp>
+
+namespace takt::dds {
+
+/// Call this function once before the process creates a participant. `tell` gets a sentence about each
+/// participant that a sample has not reached for 3 s, and may be called repeatedly. It may be empty.
+void limit_resends(std::function<void(const std::string&)> tell);
+
+/// Returns a sentence that says why samples do not reach this participant now, although it answers. Empty if
+/// nothing indicates that.
+[[nodiscard]] std::string obstacle_to(const wire::ParticipantNumber& participant);
+
+/// Call this function for each ACKNACK. Returns true if the writer may send the missing samples again now.
+[[nodiscard]] bool may_answer(const eprosima::fastrtps::rtps::GUID_t& writer,
+                              const eprosima::fastrtps::rtps::GUID_t& reader,
+                              const eprosima::fastrtps::rtps::SequenceNumberSet_t& missing);
+
+}  // namespace takt::dds
