@@ -77,7 +77,7 @@ rtps::Locator_t locator(const os::Ipv4& address, std::uint32_t port) {
 
 /// Sets how the participant finds others. Adds the names of other machines to `names`.
 Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery,
-                           std::uint32_t domain, HostNames& names) {
+                           std::uint32_t domain, const Interfaces& interfaces, HostNames& names) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = duration(kParticipantLease);
@@ -98,8 +98,7 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
         builtin.initialPeersList.push_back(locator(names.add("peer", peer), 0));
       }
       // Interfaces keeps this group on the machine.
-      builtin.initialPeersList.push_back(
-          locator(kGroup, qos.wire_protocol().port.getMulticastPort(domain)));
+      builtin.initialPeersList.push_back(locator(kGroup, qos.wire_protocol().port.getMulticastPort(domain)));
       break;
     case model::Discovery::Kind::server: {
       if (!model::is_valid_server(discovery.server))
@@ -111,9 +110,12 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
       if (discovery.serve) {
         config.discoveryProtocol = rtps::DiscoveryProtocol::SERVER;
         std::istringstream{kServerPrefix} >> qos.wire_protocol().prefix;
-        // A server with a name announces all addresses of its machine, like other participants.
-        builtin.metatrafficUnicastLocatorList.push_back(
-            locator(os::from_dots(host).value_or(os::Ipv4{}), port));
+        // A server with a name announces all addresses of its machine, like other participants. Fast DDS
+        // finds other ones than Interfaces does, and rejects the difference.
+        const auto given = os::from_dots(host);
+        const bool all = !given || *given == os::Ipv4{};
+        for (const os::Ipv4& each : all ? interfaces.announced() : std::vector{*given})
+          builtin.metatrafficUnicastLocatorList.push_back(locator(each, port));
       } else {
         config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
         rtps::RemoteServerAttributes server;
@@ -240,7 +242,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
   const auto names = std::make_shared<HostNames>(os::look_up, options.told);
-  if (auto set = set_discovery(qos, options.discovery, static_cast<std::uint32_t>(options.domain), *names);
+  if (auto set = set_discovery(qos, options.discovery, static_cast<std::uint32_t>(options.domain),
+                               **interfaces, *names);
       !set)
     return refuse(set.problems());
   // Without DDS Security, a discovery message for several participants is sent once, to the multicast group.
@@ -278,8 +281,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
-      made, publisher, subscriber, std::move(notices), std::move(unreached), std::move(listener), *transport, names,
-      std::move(*news), std::move(*ending),
+      made, publisher, subscriber, std::move(notices), std::move(unreached), std::move(listener), *transport,
+      names, std::move(*news), std::move(*ending),
       !options.security.empty() || options.discovery.kind != model::Discovery::Kind::multicast);
   if (publisher == nullptr || subscriber == nullptr)
     return fail("DDS could not create a publisher and a subscriber", "see the message that DDS printed");

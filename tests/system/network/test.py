@@ -99,6 +99,13 @@ class Network(networks.NetworkCase):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(["line"], [d["name"] for d in run.report["devices"]])
 
+    def test_a_node_is_the_discovery_server_of_its_own_machine_without_a_network(self):
+        self.net.remove("line")
+        self.node("line", "--serve-discovery", "11811")
+        run = self.operator("status", "--json", "--server", "127.0.0.1:11811", on="line")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(["line"], [d["name"] for d in run.report["devices"]])
+
     def test_a_node_starts_before_the_name_of_its_discovery_server_is_known(self):
         self.net.no_multicast()
         self.net.set_host_names()
