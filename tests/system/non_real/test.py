@@ -1,9 +1,10 @@
 import os
+import signal
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
-from takt_system import LIFE
+from takt_system import LIFE, wait_until
 
 STARTED = LIFE[:4]
 AGAIN = ["RECOVER", "EXECUTING"]
@@ -51,8 +52,10 @@ class NonReal(takt_system.Case):
             self.assertGreater(int(run.printed(module)[0].split()[1]), t0)
 
     def test_a_non_real_time_module_that_never_returns_from_run_does_not_block_the_shutdown(self):
-        run = self.takt("run", "endless.xml", "--for", "2", "--json")
-        self.assertEqual(1, run.status)
+        run = self.start("run", "endless.xml", "--json")
+        wait_until(lambda: os.path.exists(os.path.join(self.folder, "endless")), "the endless run to begin")
+        run.signal(signal.SIGINT)
+        self.assertEqual(1, run.wait().status)
         self.assertEqual(1, len(run.other_lines), run.other_lines)
         self.assertRegex(run.other_lines[0], r"^module endless\.endless: error: run\(\) did not return within 2 s, so the node killed "
                          r"the host; run\(\) was in run at endless\.cpp:\d+ in endless\.so$")
