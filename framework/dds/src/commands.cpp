@@ -150,10 +150,10 @@ class Ends {
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
     reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kCommandFirstAck);
     reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener, fast::StatusMask::data_available(),
-                               Receives::in_group);
+                               Receives::alone);
     if (also_in_topic_ != nullptr) {
       also_reader_ = mine.make_reader(also_in_topic_, reader_qos, reader_listener,
-                                      fast::StatusMask::data_available(), Receives::in_group);
+                                      fast::StatusMask::data_available(), Receives::alone);
     }
     if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
       return fail("DDS could not create a writer and a reader for commands",
