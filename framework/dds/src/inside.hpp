@@ -40,7 +40,7 @@ class DiscoveryListener;
 /// Where writers send the samples for a reader.
 enum class Receives {
   alone,    ///< to each reader
-  in_group  ///< to the multicast group of the domain, once for all readers. For topics of all nodes.
+  in_group  ///< to the multicast group of the domain, once for all readers: for what all nodes publish
 };
 
 /// The one participant of the process, with its topics. Thread-safe.
