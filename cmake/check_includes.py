@@ -17,6 +17,7 @@ LIBRARIES = {
     "fastdds": r"(fastdds|fastrtps)/(?!utils/fixed_size_string\.hpp).*|takt/wire/taktPubSubTypes\.h",
     "openssl": r"openssl/.*",
     "sqlite": r"sqlite3\.h",
+    "zlib": r"zlib\.h",
     "linux": r"(dlfcn|elf|fcntl|link|poll|pthread|sched|signal|spawn|syscall|ucontext|unistd)\.h|(linux|sys|net|netinet|arpa)/.*",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')

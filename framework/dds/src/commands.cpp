@@ -15,6 +15,7 @@
 
 #include <takt/wire/taktPubSubTypes.h>
 #include <takt/wire/assembly.hpp>
+#include <takt/wire/compression.hpp>
 #include <takt/wire/question.hpp>
 #include <takt/wire/rate_limit.hpp>
 #include <takt/wire/validation.hpp>
@@ -278,6 +279,15 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     answered(reply);
   }
 
+  void damaged(const Command& command) {
+    ++invalid;
+    wire::WholeReply reply;
+    reply.head.id(command.id());
+    reply.head.code(REPLY_REFUSED);
+    reply.head.text("the data of the command are damaged, or longer than 16 MiB");
+    answered(reply);
+  }
+
   void arrived(wire::WholeCommand command, std::uint64_t client) {
     const std::string id = command.head.id().to_string();
     if (const auto found = asked.find(id); found != asked.end()) {
@@ -347,12 +357,18 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
         changed.wait(lock);
         continue;
       }
-      const wire::WholeCommand command = std::move(to_handle.front());
+      wire::WholeCommand command = std::move(to_handle.front());
       to_handle.pop_front();
       to_handle_bytes -= command.data.size();
       lock.unlock();
-      handle(command);
+      // Not on the thread of DDS, because anyone on the network may send a short stream of very long data.
+      auto data = wire::unpacked(std::move(command.data));
+      if (data) {
+        command.data = *std::move(data);
+        handle(command);
+      }
       lock.lock();
+      if (!data) damaged(command.head);
     }
   }
 
@@ -538,8 +554,9 @@ CommandClient::~CommandClient() = default;
 
 bool CommandClient::send(const wire::WholeCommand& command) {
   if (command.data.size() > wire::kMaxData) return false;
+  const wire::WholeCommand sent{.head = command.head, .data = wire::packed(command.data)};
   const std::lock_guard lock{inside_->mutex};
-  inside_->open[command.head.id().to_string()] = {.command = command, .again = Clock::now()};
+  inside_->open[command.head.id().to_string()] = {.command = sent, .again = Clock::now()};
   inside_->changed.notify_all();
   return true;
 }

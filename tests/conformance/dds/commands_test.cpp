@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -117,21 +118,30 @@ void add_parts(model::Type& type) {
   type.fields.push_back({.name = "data", .scalar = model::Scalar::octet, .sequence = 1024});
 }
 
-TEST(Commands, AreAnsweredOnlyAfterTheReplyReaderHasMatched) {
-  const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
+model::Type command_type() {
   model::Type command = wire_type("takt::Command", {"id", "device", "node", "module_name"},
                                   {enumeration("kind", {"COMMAND_REPORT"})},
                                   {{"deployment", 63}, {"property", 63}, {"value", 255}});
   command.fields.push_back({.name = "time_ns", .scalar = model::Scalar::int64});
   command.fields.push_back({.name = "deadline_ns", .scalar = model::Scalar::int64});
   add_parts(command);
+  return command;
+}
+
+model::Type reply_type() {
   model::Type reply =
       wire_type("takt::Reply", {"id", "device", "node", "module_name"},
                 {enumeration("code", {"OK", "REFUSED", "FAILED", "LATE"}),
                  enumeration("state", {"IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"})},
                 {{"text", 255}, {"value", 255}});
   add_parts(reply);
+  return reply;
+}
 
+TEST(Commands, AreAnsweredOnlyAfterTheReplyReaderHasMatched) {
+  const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
+  const model::Type command = command_type();
+  const model::Type reply = reply_type();
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.prints("ready"));
   auto participant = participate();
@@ -159,13 +169,46 @@ TEST(Commands, AreAnsweredOnlyAfterTheReplyReaderHasMatched) {
   })) << heard;
 }
 
+TEST(Commands, WithDamagedDataAreRejected) {
+  const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
+  const model::Type command = command_type();
+  const model::Type reply = reply_type();
+  Peer server{{"server", "d", "0"}};
+  ASSERT_TRUE(server.prints("ready"));
+  auto participant = participate();
+  std::mutex mutex;
+  std::string heard;
+  auto reader = dds::Tap::create(participant, {.topic = "takt/reply", .type = reply, .quality = reliable},
+                                 [&](const std::byte* data, std::size_t size, std::int64_t) {
+                                   const std::lock_guard lock{mutex};
+                                   heard = model::sample_json(reply, data, size);
+                                 });
+  ASSERT_TRUE(reader.ok());
+  auto writer =
+      dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = reliable});
+  ASSERT_TRUE(writer.ok());
+  const auto bytes =
+      model::sample_bytes(command, R"({"id": "raw", "device": "d", "parts": 1, "data": [120, 1]})");
+  ASSERT_TRUE(bytes.ok());
+  EXPECT_TRUE(soon([&] {
+    if ((*writer)->write(bytes->data(), bytes->size())) std::this_thread::sleep_for(10ms);
+    const std::lock_guard lock{mutex};
+    return heard.find("the data of the command are damaged") != std::string::npos;
+  })) << heard;
+  server.write("refused");
+  EXPECT_TRUE(server.prints("refused 1"));
+}
+
 TEST(Commands, CanCarrySixteenMebibytesInBothDirections) {
   const std::size_t most = wire::kMaxData;
   Peer server{{"server", "d", std::to_string(most)}};
   ASSERT_TRUE(server.prints("ready"));
   TestClient client{participate()};
   const auto begin = Clock::now();
-  ASSERT_TRUE(client.send("long", std::string(most, 'x'), 60s));
+  std::mt19937 random{1};  // such data cannot be compressed
+  std::string data(most, '\0');
+  for (char& each : data) each = static_cast<char>(random());
+  ASSERT_TRUE(client.send("long", data, 60s));
   const auto reply = client.next();
   ASSERT_TRUE(reply.has_value());
   std::cout << "round trip in " << std::chrono::duration<double>(Clock::now() - begin).count() << " s\n";
@@ -278,6 +321,19 @@ TEST(Commands, AboveTheRateLimitDoNotBlockOtherClients) {
   EXPECT_TRUE(counted);
 }
 
+std::string in_hex(Command& command) {
+  CommandPubSubType type;
+  dds::rtps::SerializedPayload_t payload{type.m_typeSize};
+  EXPECT_TRUE(type.serialize(&command, &payload));
+  std::string text;
+  for (std::uint32_t i = 0; i < payload.length; ++i) {
+    std::array<char, 3> digits{};
+    std::snprintf(digits.data(), digits.size(), "%02x", payload.data[i]);
+    text += digits.data();
+  }
+  return text;
+}
+
 TEST(Commands, ThatAreForgedDoNotBlockValidCommands) {
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.prints("ready"));
@@ -287,16 +343,7 @@ TEST(Commands, ThatAreForgedDoNotBlockValidCommands) {
   good.kind(COMMAND_STOP);
   good.parts(2);  // the second part is never sent, so no forged command becomes complete
   good.data(std::vector<std::uint8_t>(100, 7));
-  CommandPubSubType type;
-  dds::rtps::SerializedPayload_t payload{type.m_typeSize};
-  ASSERT_TRUE(type.serialize(&good, &payload));
-  std::string text;
-  for (std::uint32_t i = 0; i < payload.length; ++i) {
-    std::array<char, 3> digits{};
-    std::snprintf(digits.data(), digits.size(), "%02x", payload.data[i]);
-    text += digits.data();
-  }
-  Peer forger{{"forge", "takt/command", "takt::Command", "plain", "3000", text}};
+  Peer forger{{"forge", "takt/command", "takt::Command", "plain", "3000", in_hex(good)}};
   ASSERT_TRUE(forger.prints("forged"));
   TestClient client{participate()};
   client.send("honest");
