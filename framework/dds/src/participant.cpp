@@ -25,8 +25,10 @@
 #include "discovery_listener.hpp"
 #include "inside.hpp"
 #include "log.hpp"
+#include "workarounds/announced_once.hpp"
 #include "workarounds/deferred_timers.hpp"
 #include "workarounds/heartbeats.hpp"
+#include "workarounds/leases.hpp"
 #include "workarounds/message_size.hpp"
 #include "workarounds/own_announcement.hpp"
 #include "workarounds/participant_removal.hpp"
@@ -232,6 +234,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   repeat_lost_messages_soon();
   prepare_own_announcement(options.security.empty());
   prepare_heartbeats();
+  renew_leases_quietly();
+  announce_once();
   defer_deletion_of_timers();
   keep_messages_short(!options.security.empty());
   log_to_standard_error();

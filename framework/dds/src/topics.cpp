@@ -32,15 +32,14 @@ constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
 constexpr std::int32_t kReaderDepth = 64;
 constexpr std::int32_t kEventsKept = 64;  ///< number of events per device that a reader gets when it joins
                                           ///< later
-// A heartbeat asks readers to acknowledge samples. By default, a writer sends a heartbeat every 3 s, and a
-// reader answers a heartbeat after 5 ms. These times are too long, because the node publishes a module's
-// transition only when the readers have acknowledged the previous transition of this module.
-constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
+// A heartbeat asks readers to acknowledge samples, and is how they notice that they miss one. By default, a
+// writer sends a heartbeat every 3 s, and a reader answers a heartbeat after 5 ms.
+constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{20};
 constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
 
 /// Readers acknowledge a repeated state once in this time, unless the writer asks.
-constexpr Nanoseconds kRepeatedHeartbeat = std::chrono::seconds{1};
+constexpr Nanoseconds kRepeatedHeartbeat = std::chrono::seconds{3};
 constexpr Nanoseconds kAskAgain = std::chrono::milliseconds{20};
 
 /// The kinds of topics. DDS keeps the last state of each key and the last events for readers that join later,
@@ -223,11 +222,12 @@ bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
   const auto wait = [this](Nanoseconds time) {
     return inside_->writer->wait_for_acknowledgments(duration(time)) == ReturnCode::RETCODE_OK;
   };
-  if (!Inside::kIsRepeated) return wait(limit);
-  for (Nanoseconds left = limit; left > Nanoseconds{0}; left -= kAskAgain) {
+  if (!is_state(TopicOf<T>::sort)) return wait(limit);
+  const Nanoseconds ask_again = Inside::kIsRepeated ? kAskAgain : Nanoseconds{limit};
+  for (Nanoseconds left = limit; left > Nanoseconds{0}; left -= ask_again) {
     const HeartbeatsAsk all{Answers::always};
     assert_liveliness();
-    if (wait(std::min(left, kAskAgain))) return true;
+    if (wait(std::min(left, ask_again))) return true;
   }
   return false;
 }
@@ -260,6 +260,8 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
   Result<void> make() {
     fast::DataReaderQos qos;
     set_topic_quality<T>(qos, kReaderDepth);
+    // The lease of the device's status shows whether its node lives; a second one for each node costs time.
+    if (TopicOf<T>::sort == Sort::state) qos.liveliness() = {};
     qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
     qos.reliable_reader_qos().times.initialAcknackDelay = duration(kTopicFirstAck);
     fast::StatusMask mask = fast::StatusMask::data_available();

@@ -40,15 +40,19 @@ class Many(takt_system.Case):
             wait_until(lambda: len(self.status_of()["devices"]) == 4, "all devices in the status")
             before = network.sent("takt/device")
             acknowledged = network.count("ACKNACK", "takt/device")
+            announced = network.count("DATA", "the discovery of participants")
 
             def later():
                 new = network.sent("takt/device") - before
-                return new if len(new) >= 100 else None
-            new = wait_until(later, "100 samples of takt/device")
+                return new if len(new) >= 200 else None
+            new = wait_until(later, "200 samples of takt/device")
             acknowledged = network.count("ACKNACK", "takt/device") - acknowledged
-        # Three other nodes receive each sample. A lost one is sent again, and each node acknowledges once a second.
+            announced = network.count("DATA", "the discovery of participants") - announced
+        # Three other nodes receive each sample. A lost one is sent again, and each node acknowledges every 3 s.
         self.assertLess(sum(new.values()), 1.5 * len(new))
-        self.assertLess(acknowledged, 1.5 * len(new))
+        self.assertLess(acknowledged, 0.2 * len(new))
+        # A node publishes its status every 100 ms, and announces itself every 250 ms.
+        self.assertLess(announced, 0.6 * len(new))
 
 
 if __name__ == "__main__":
