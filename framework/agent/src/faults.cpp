@@ -119,7 +119,7 @@ void Agent::check_devices() {
   if (!deployment_ || !deployment_->is_final() || deployment_->over) return;
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
-    const auto seen = others_.devices(device.name);
+    const auto seen = others_.of_device(device.name);
     const bool alive = std::any_of(seen.begin(), seen.end(), [](const auto& s) { return s.alive; });
     const auto [at, added] = devices_seen_.try_emplace(device.name, alive);
     if (std::exchange(at->second, alive) == alive || added) continue;

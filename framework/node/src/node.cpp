@@ -63,11 +63,14 @@ class Inbox {
  public:
   explicit Inbox(os::Notice notice) : notice_(std::move(notice)) {}
 
+  /// The next step handles the news, at most kPollEveryMs later.
   void put(std::function<void(Agent&)> news) {
-    {
-      const std::lock_guard lock{mutex_};
-      news_.push_back(std::move(news));
-    }
+    const std::lock_guard lock{mutex_};
+    news_.push_back(std::move(news));
+  }
+  /// A step handles the news at once.
+  void put_at_once(std::function<void(Agent&)> news) {
+    put(std::move(news));
     notice_.give();
   }
   void serve(Agent& agent) {
@@ -292,7 +295,7 @@ int run_node(const NodeOptions& options) {
                                              if (command.head.kind() == COMMAND_PREPARE)
                                                cell = std::make_shared<Result<model::Cell>>(descriptor::parse(
                                                    command.data, command.head.value().to_string()));
-                                             inbox.put([command, cell, &received](Agent& a) {
+                                             inbox.put_at_once([command, cell, &received](Agent& a) {
                                                received = cell;
                                                a.receive(command);
                                                received.reset();

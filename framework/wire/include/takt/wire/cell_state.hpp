@@ -74,10 +74,11 @@ class CellState {
                               const std::string& module) const;
   /// Returns true if the device is known, and each node with its name is lost.
   [[nodiscard]] bool has_lost(const std::string& device) const;
-  /// The last received status of a node.
+  /// The last received status of a node, until this cell state changes. A status is long, and a node looks at
+  /// those of all others in each step.
   struct LastStatus {
-    DeviceStatus status;
-    bool alive = true;
+    const DeviceStatus& status;
+    bool alive;
   };
   /// Returns the last received status of each device whose newest deployment is `id`, except the device
   /// `but`. The result includes lost devices, and devices that have undone the deployment.
