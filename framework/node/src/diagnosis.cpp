@@ -455,6 +455,17 @@ Finding sockets(const Machine& machine, const Trial&) {
   return finding;
 }
 
+Finding components(const Machine& machine, const Trial&) {
+  Finding finding{.name = "components",
+                  .found = "the kernel allows code to be executed from copies in memory",
+                  .why = "Takt loads each .so, and starts each signed program, from a copy in memory"};
+  if (machine.memfd_noexec.value_or(0) < 2) return finding;
+  finding.severity = Severity::spoils;
+  finding.found = "no .so can be loaded, because the kernel setting vm.memfd_noexec is 2";
+  finding.cure = "run sysctl -w vm.memfd_noexec=1";
+  return finding;
+}
+
 Finding files(const Machine& machine, const Trial&) {
   Finding finding{.name = "files",
                   .found = "no limit on open files is known",
@@ -528,7 +539,7 @@ std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
   std::vector<Finding> findings;
   for (const auto check :
        {preemption, priority, memory, swap, throttling, cpu_limit, isolation, interrupts, frequency, idle, clock, timers,
-        hyper_threads, virtual_machine, stolen, huge_pages, sockets, files, shared_memory, wake_up}) {
+        hyper_threads, virtual_machine, stolen, huge_pages, sockets, components, files, shared_memory, wake_up}) {
     Finding finding = check(machine, trial);
     // The kernel's settings cannot be changed inside a sealed container, so the cure must be applied on the
     // machine outside the container.

@@ -354,6 +354,7 @@ Machine read_machine(const std::string& root_name) {
   machine.receive_buffer_bytes = number_of<std::uint64_t>(root / "proc/sys/net/core/rmem_max");
   machine.send_buffer_bytes = number_of<std::uint64_t>(root / "proc/sys/net/core/wmem_max");
   machine.huge_pages = chosen_of(text_of(root / "sys/kernel/mm/transparent_hugepage/enabled"), '[', ']');
+  machine.memfd_noexec = number_of<int>(root / "proc/sys/vm/memfd_noexec");
   if (const auto balancing = number_of<int>(root / "proc/sys/kernel/numa_balancing"))
     machine.numa_balancing = *balancing != 0;
   machine.hypervisor = hypervisor_of(root);

@@ -38,8 +38,11 @@ Result<Fd> sealed_copy(const std::string& path) {
   if (!from || ::fstat(from.get(), &status) != 0) return errno_problem(path, "name a file that can be read");
   if (!S_ISREG(status.st_mode)) return fail(path + " is not a file", "name a file");
   Fd copy = memory_file(path.substr(path.find_last_of('/') + 1));
-  if (!copy && errno == EACCES)
-    return errno_problem("memfd_create for a copy of " + path, "run sysctl vm.memfd_noexec=0");
+  if (!copy && errno == EACCES) {
+    return errno_problem("the kernel allows no executable copy of " + path +
+                             " in memory, because of its setting vm.memfd_noexec",
+                         "run sysctl -w vm.memfd_noexec=1");
+  }
   if (!copy) return errno_problem("memfd_create for a copy of " + path, "free memory or file descriptors");
   constexpr std::size_t kAtOnce = std::size_t{1} << 30;
   ssize_t copied = 0;

@@ -76,7 +76,7 @@ TEST(Diagnosis, ExplainsEveryCheckEvenIfNothingIsKnownAboutTheMachine) {
     EXPECT_NE(each.why, "") << each.name;
     EXPECT_TRUE(names.insert(each.name).second) << each.name;
   }
-  EXPECT_EQ(names.size(), 20U);
+  EXPECT_EQ(names.size(), 21U);
 }
 
 TEST(Diagnosis, SuggestsAFixForEveryProblem) {
@@ -92,6 +92,7 @@ TEST(Diagnosis, SuggestsAFixForEveryProblem) {
   machine.receive_buffer_bytes = 212992;
   machine.huge_pages = "always";
   machine.hypervisor = "KVM";
+  machine.memfd_noexec = 2;
   machine.files = os::Limit{256, 256};
   machine.time = os::ProcessorTime{100, 5};
   os::Trial trial;
@@ -143,6 +144,17 @@ TEST(Diagnosis, AcceptsRightsThatOnlyTaktNodeHas) {
   EXPECT_EQ(finding("priority", good_machine(), trial).found,
             "SCHED_FIFO is granted to takt-node, whose file has capabilities");
   EXPECT_EQ(finding("memory", good_machine(), trial).severity, Severity::good);
+}
+
+TEST(Diagnosis, SaysThatAComponentCannotBeLoadedIfMemoryIsNotExecutable) {
+  os::Machine machine = good_machine();
+  machine.memfd_noexec = 1;  // copies that ask to be executable still are
+  EXPECT_EQ(finding("components", machine).severity, Severity::good);
+  machine.memfd_noexec = 2;
+  const Finding found = finding("components", machine);
+  EXPECT_EQ(found.severity, Severity::spoils);
+  EXPECT_THAT(found.found, HasSubstr("vm.memfd_noexec is 2"));
+  EXPECT_EQ(found.cure, "run sysctl -w vm.memfd_noexec=1");
 }
 
 TEST(Diagnosis, SaysWhyTaktNodeDoesNotStart) {

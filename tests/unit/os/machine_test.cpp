@@ -184,6 +184,7 @@ TEST_F(MachineInspection, ReadsTheOtherSettingsOfTheKernel) {
   put("sys/devices/system/clocksource/clocksource0/available_clocksource", "tsc hpet acpi_pm ");
   put("sys/kernel/mm/transparent_hugepage/enabled", "always [madvise] never");
   put("proc/sys/kernel/numa_balancing", "1");
+  put("proc/sys/vm/memfd_noexec", "2");
   put("proc/self/timerslack_ns", "50000");
   put("proc/sys/net/core/rmem_max", "212992");
   put("proc/swaps",
@@ -195,6 +196,7 @@ TEST_F(MachineInspection, ReadsTheOtherSettingsOfTheKernel) {
   EXPECT_THAT(machine.clocks, ElementsAre("tsc", "hpet", "acpi_pm"));
   EXPECT_EQ(machine.huge_pages, "madvise");
   EXPECT_EQ(machine.numa_balancing, true);
+  EXPECT_EQ(machine.memfd_noexec, 2);
   EXPECT_EQ(machine.timer_slack, microseconds{50});
   EXPECT_EQ(machine.receive_buffer_bytes, 212992U);
   EXPECT_FALSE(machine.send_buffer_bytes.has_value());

@@ -96,6 +96,9 @@ struct Machine {
   std::optional<std::uint64_t> send_buffer_bytes{};
   std::string huge_pages{};  ///< "always", "madvise" or "never"
   std::optional<bool> numa_balancing{};
+  /// The kernel setting vm.memfd_noexec. If it is 2, no code in memory that belongs to no file can be
+  /// executed.
+  std::optional<int> memfd_noexec{};
   std::string hypervisor{};  ///< name of the hypervisor's product, or "a hypervisor"; empty if none was
                              ///< detected
   /// The file that shows that this machine is a container, for example "/.dockerenv"; empty if it is none.
