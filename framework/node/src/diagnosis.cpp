@@ -505,6 +505,10 @@ Finding wake_up(const Machine&, const Trial& trial) {
     finding.severity = Severity::spoils;
     finding.found = "wake-ups could not be measured, because no thread could be started";
     finding.cure = "free memory, or raise the limit on threads";
+  } else if (w.p99 > kLateNote && !trial.priority && trial.node_is_real_time) {
+    finding.severity = Severity::note;
+    finding.found += "; this does not hold for takt-node, which is granted SCHED_FIFO";
+    finding.cure = "run takt doctor as root to measure wake-ups under SCHED_FIFO";
   } else if (w.p99 > kLateSpoils) {
     finding.severity = Severity::spoils;
     finding.cure = "correct the other findings, and run takt doctor again";

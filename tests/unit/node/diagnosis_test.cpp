@@ -146,6 +146,18 @@ TEST(Diagnosis, AcceptsRightsThatOnlyTaktNodeHas) {
   EXPECT_EQ(finding("memory", good_machine(), trial).severity, Severity::good);
 }
 
+TEST(Diagnosis, DoesNotBlameTaktNodeForLateWakeUpsOfAnotherProgramWithoutItsRights) {
+  os::Trial trial = good_trial();
+  trial.priority = fail("SCHED_FIFO 1 is denied", "be root");
+  trial.wake_ups.p99 = milliseconds{2};
+  EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::spoils);
+  trial.node_is_real_time = true;
+  const Finding found = finding("wake-up", good_machine(), trial);
+  EXPECT_EQ(found.severity, Severity::note);
+  EXPECT_THAT(found.found, HasSubstr("does not hold for takt-node"));
+  EXPECT_EQ(found.cure, "run takt doctor as root to measure wake-ups under SCHED_FIFO");
+}
+
 TEST(Diagnosis, SaysThatAComponentCannotBeLoadedIfMemoryIsNotExecutable) {
   os::Machine machine = good_machine();
   machine.memfd_noexec = 1;  // copies that ask to be executable still are
