@@ -1,6 +1,10 @@
 // Functions of the C library that takt-host replaces. A component that calls one of them calls the function
 // here, because the dynamic loader looks for it first in the program.
+#include <csignal>
+#include <ctime>
+
 #include <cerrno>
+#include <cstdint>
 #include <thread>
 
 #include <takt/host/host.hpp>
@@ -43,6 +47,34 @@ int pthread_create(pthread_t* id, const pthread_attr_t* attributes, void* (*body
   takt::host::check_thread_exit();
   end(value);
   __builtin_unreachable();
+}
+
+// Creates a timer. The C library runs the function of a SIGEV_THREAD timer on threads that it starts without
+// calling pthread_create() above, and does not delete the timer when the function is unloaded.
+int timer_create(clockid_t clock, sigevent* event, timer_t* timer) noexcept {
+  static auto* const create = original(&timer_create, "timer_create");
+  if (event == nullptr || event->sigev_notify != SIGEV_THREAD) return create(clock, event, timer);
+  const std::uint64_t id = takt::host::add_timer_of_module(
+      [expire = event->sigev_notify_function, value = event->sigev_value] { expire(value); });
+  if (id == 0) return create(clock, event, timer);
+  sigevent own = *event;
+  own.sigev_notify_function = [](sigval value) {
+    takt::host::run_timer_of_module(reinterpret_cast<std::uintptr_t>(value.sival_ptr));
+  };
+  own.sigev_value.sival_ptr = reinterpret_cast<void*>(static_cast<std::uintptr_t>(id));
+  const int failed = create(clock, &own, timer);
+  if (failed != 0) {
+    takt::host::timer_of_module_failed(id);
+  } else {
+    takt::host::timer_of_module_created(id, *timer, [timer = *timer] { timer_delete(timer); });
+  }
+  return failed;
+}
+
+int timer_delete(timer_t timer) noexcept {
+  static auto* const remove = original(&timer_delete, "timer_delete");
+  takt::host::timer_deleted(timer);
+  return remove(timer);
 }
 
 // A module cannot close file descriptors of the host, as libraries try that make a process a daemon.

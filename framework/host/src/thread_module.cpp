@@ -419,14 +419,15 @@ bool ThreadModule::unload() {
   properties_.clear();
   saved_ = {};
   if (component_ != nullptr) factory_->destroy(component_);
+  const std::string name{block_ != nullptr ? block_->name.view() : ""};
+  stop_timers(own_threads_);
   const bool still_used = own_threads_.use_count() > 1;
   if (still_used) {
     std::fprintf(stderr,
                  "module %s: a thread that it started still runs, so its code stays in memory; end the "
                  "module's threads in destruct()\n",
-                 block_ != nullptr ? std::string{block_->name.view()}.c_str() : "");
+                 name.c_str());
     library_.abandon();
-    own_threads_ = std::make_shared<const char>();
   }
   component_ = nullptr;
   factory_ = nullptr;
@@ -434,7 +435,14 @@ bool ThreadModule::unload() {
   start_ = run_ = recover_ = destruct_ = nullptr;
   condition_ = nullptr;
   error_ = nullptr;
-  library_ = {};
+  library_ = {};  // may delete timers, too
+  if (delete_timers(own_threads_)) {
+    std::fprintf(stderr,
+                 "module %s: the host has deleted a timer that the module left running (timer_create() with "
+                 "SIGEV_THREAD); delete the module's timers in destruct()\n",
+                 name.c_str());
+  }
+  if (still_used) own_threads_ = std::make_shared<const char>();
   return !still_used;
 }
 

@@ -167,6 +167,12 @@ void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&
 }
 
 void prepare_crash_stack() {
+  // If a signal is blocked, the kernel ends the process at once. The C library blocks all signals in the
+  // threads of timers.
+  sigset_t crashes;
+  ::sigemptyset(&crashes);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE}) ::sigaddset(&crashes, signal);
+  ::pthread_sigmask(SIG_UNBLOCK, &crashes, nullptr);
 #ifndef __SANITIZE_ADDRESS__  // the sanitizer itself gives each thread such a stack
   constexpr std::size_t kBytes = 64 * 1024;
   thread_local std::unique_ptr<std::array<char, kBytes>> stack;

@@ -35,6 +35,16 @@ void start_timers() {
   if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &every, nullptr);
 }
 
+volatile long expired = 0;
+void start_thread_timer(void (*expire)(sigval)) {
+  timer_t timer{};
+  sigevent event{};
+  event.sigev_notify = SIGEV_THREAD;
+  event.sigev_notify_function = expire;
+  const itimerspec every{{0, 1000000}, {0, 1000000}};
+  if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &every, nullptr);
+}
+
 void throw_int() { throw 42; }
 void throw_in_noexcept() noexcept { throw_int(); }
 
@@ -63,6 +73,8 @@ void commit(const std::string& deed) {
     for (const int number : {SIGALRM, SIGPROF, SIGRTMIN}) signal(number, handle);
     start_timers();
   }
+  if (deed == "thread timer") start_thread_timer([](sigval) { expired = expired + 1; });
+  if (deed == "crashing timer") start_thread_timer([](sigval) { crashes(nullptr); });
   if (deed == "close") {
     for (int fd = 0; fd < 1024; ++fd) close(fd);
   }

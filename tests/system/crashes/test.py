@@ -75,7 +75,8 @@ class Trespasses(takt_system.Case):
     def test_the_end_of_the_host_by_a_thread_of_a_module_is_attributed_to_the_module(self):
         for deed, hook, reason in (("crashing thread", "run", r"was killed by SIGSEGV \(Segmentation fault\)"),
                                    ("exiting thread", "error", "ended with status 3"),
-                                   ("thread of a thread", "run", r"was killed by SIGABRT \(Aborted\)")):
+                                   ("thread of a thread", "run", r"was killed by SIGABRT \(Aborted\)"),
+                                   ("crashing timer", "run", r"was killed by SIGSEGV \(Segmentation fault\)")):
             with self.subTest(deed=deed):
                 run = self.run_with(("culprit", deed, hook, 10))
                 run.wait_for_line("the host is started again")
@@ -98,6 +99,14 @@ class Trespasses(takt_system.Case):
                 self.done("set d.culprit deed none")  # the new instance starts no timers and sets no handlers
                 self.assert_swap_keeps_the_host()
                 self.end(run, 0)
+
+    def test_a_timer_that_a_swapped_module_leaves_running_is_deleted_and_reported(self):
+        run = self.run_with(("culprit", "thread timer", "start", 0))
+        self.done("set d.culprit deed none")  # the new instance starts no timer
+        self.assert_swap_keeps_the_host()
+        run.wait_for_line(r"module culprit: the host has deleted a timer that the module left running \(timer_create\(\) with SIGEV_THREAD\)")
+        self.end(run, 0)
+        self.assertEqual(LIFE, run.states("grid"))
 
     def test_a_module_cannot_close_file_descriptors_of_the_host(self):
         reason = "it tried to close file descriptors of the host, which stay open; close only those that the module has opened"

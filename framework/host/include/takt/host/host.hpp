@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace takt::host {
@@ -39,5 +40,18 @@ struct ModuleThread {
 std::unique_ptr<ModuleThread> thread_of_module(void* (*body)(void*), void* argument) noexcept;
 /// Runs the thread, and then deletes `thread`, a ModuleThread.
 void* run_thread_of_module(void* thread);
+
+/// If the calling thread is in a hook, or was started by a module, registers the timer that it is about to
+/// create. Each expiry of the timer starts a thread (SIGEV_THREAD), which must call run_timer_of_module()
+/// with the returned id. So a crash of `expire` is attributed to the module, and the timer ends when the
+/// module is unloaded. Returns 0 if the calling thread is not a module's.
+std::uint64_t add_timer_of_module(std::function<void()> expire);
+/// The timer has been created. `remove` deletes it.
+void timer_of_module_created(std::uint64_t id, const void* handle, std::function<void()> remove);
+void timer_of_module_failed(std::uint64_t id);
+/// A timer is about to be deleted, which may be one of a module.
+void timer_deleted(const void* handle);
+/// Calls `expire` of the timer, unless the timer was deleted or its module is being unloaded.
+void run_timer_of_module(std::uint64_t id);
 
 }  // namespace takt::host

@@ -73,7 +73,7 @@ struct CodeAt {
 void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept;
 
 /// Gives the calling thread a separate stack for the CrashHandler, so that the handler can also run after a
-/// stack overflow. The separate stack exists until the thread ends.
+/// stack overflow. The separate stack exists until the thread ends. Unblocks the signals of crashes.
 void prepare_crash_stack();
 
 }  // namespace takt::os
