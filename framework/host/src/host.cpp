@@ -14,7 +14,6 @@
 #include <takt/channel/flight_record.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/channel/saved_state.hpp>
-#include <takt/host/component_path.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/host/thread_module.hpp>
@@ -25,6 +24,7 @@
 #include <takt/os/futex.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
+#include <takt/os/sealed_copy.hpp>
 #include <takt/os/signals.hpp>
 #include "executor_threads.hpp"
 #include "hook_caller.hpp"
@@ -38,6 +38,10 @@ namespace takt::host {
 namespace {
 
 using channel::Doing;
+
+os::Library::Origin origin_of(const Request& request) {
+  return request.is_signed ? os::Library::Origin::ignored : os::Library::Origin::searched;
+}
 
 class Host {
  public:
@@ -333,9 +337,10 @@ Result<void> Host::call_hook(const Request& request) {
         const std::lock_guard lock{loading_};
         if (c_form_.count(path) != 0) globals = os::Library::Globals::own;
       }
-      auto copy = open_component(path);
+      // A copy of its own, because the loader loads the same copy only once.
+      auto copy = os::sealed_copy(*request.component, path);
       if (!copy) return copy.problems();
-      auto loaded = called.load(path, globals, sporadic, std::move(*copy));
+      auto loaded = called.load(path, globals, sporadic, std::move(*copy), origin_of(request));
       if (loaded && called.component() == nullptr) {
         const std::lock_guard lock{loading_};
         c_form_.insert(path);
@@ -398,6 +403,8 @@ Result<std::string> Host::swap(const Request& request) {
                  .place = saved_of(index),
                  .activity = block().swap,
                  .path = request.value,
+                 .component = *request.component,
+                 .origin = origin_of(request),
                  .properties = std::move(values),
                  .connect = [this, index, &next] { return connect(index, *next); },
                  .exclude =
@@ -543,11 +550,12 @@ void Host::end_without_node() {
 
 void Host::serve() {
   while (auto text = node_.receive_wait()) {
-    const auto request = decode_request(*text);
+    auto request = decode_request(*text);
     if (!request) {
       std::fprintf(stderr, "takt-host: %s\n", to_text(request.problems()).c_str());
       continue;
     }
+    request->component = std::make_shared<os::Fd>(node_.take_file());
     switch (request->what) {
       case Request::Do::call:
       case Request::Do::get:
@@ -604,6 +612,7 @@ int run_host() {
     std::fprintf(stderr, "takt-host: error: only takt-node starts this program; use takt run FILE\n");
     return 2;
   }
+  node.accept_files();
   auto channel = channel::Channel::attach(std::move(memory));
   auto first = node.receive_wait();
   auto record = channel::FlightRecord::attach(std::move(record_memory));

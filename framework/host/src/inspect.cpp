@@ -189,7 +189,8 @@ Result<void> load(ThreadModule& module, const std::string& path, os::Library::Gl
                   bool sporadic) {
   auto copy = open_component(path);
   if (!copy) return copy.problems();
-  return module.load(path, globals, sporadic, std::move(*copy));
+  const auto origin = *copy ? os::Library::Origin::ignored : os::Library::Origin::searched;
+  return module.load(path, globals, sporadic, std::move(*copy), origin);
 }
 
 json describe_loaded(const ThreadModule& module, const std::string& path) {

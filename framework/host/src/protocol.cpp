@@ -99,7 +99,7 @@ model::Executor executor_from(const json& value) {
 json json_of(const Request& request) {
   return {{"do", request.what},         {"module", request.module}, {"hook", request.hook},
           {"type", request.error_type}, {"id", request.id},         {"property", request.property},
-          {"value", request.value},     {"values", request.values}};
+          {"value", request.value},     {"values", request.values}, {"signed", request.is_signed}};
 }
 
 Request request_from(const json& value) {
@@ -110,7 +110,8 @@ Request request_from(const json& value) {
           .id = value.at("id"),
           .property = value.at("property"),
           .value = value.at("value"),
-          .values = value.at("values")};
+          .values = value.at("values"),
+          .is_signed = value.at("signed")};
 }
 
 template <class T, class Read>

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include <takt/executor/exchange.hpp>
-#include <takt/host/component_path.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/sealed_copy.hpp>
 
 namespace takt::host {
 
@@ -70,9 +70,9 @@ class Work {
     const auto globals =
         os::Library::is_loaded(swap_.path) ? os::Library::Globals::own : os::Library::Globals::shared;
     auto done = in(Doing::load, [&]() -> Result<void> {
-      auto copy = open_component(swap_.path);
+      auto copy = os::sealed_copy(swap_.component, swap_.path);
       if (!copy) return copy.problems();
-      auto loaded = swap_.next.load(swap_.path, globals, false, std::move(*copy));
+      auto loaded = swap_.next.load(swap_.path, globals, false, std::move(*copy), swap_.origin);
       if (loaded) loaded = swap_.next.match(swap_.before);
       return loaded ? swap_.connect() : loaded;
     });

@@ -37,6 +37,8 @@ struct Swap {
   channel::SavedState& place;             ///< the memory in which the module saves its state
   channel::Activity& activity;            ///< the activity of the calling thread, which is not real-time
   std::string path;                       ///< the file of `next`
+  const os::Fd& component;                ///< the content of this file
+  os::Library::Origin origin;             ///< whether its libraries are searched for beside the file
   irp::Property::Values properties;       ///< the current values of the module's properties
   std::function<Result<void>()> connect;  ///< connects the ports of `next` to its links
   std::function<std::unique_lock<std::mutex>()> exclude;  ///< no handler is called while the lock is held

@@ -77,13 +77,13 @@ Result<void> ThreadModule::call(Function function, Arguments&&... arguments) {
 ThreadModule::~ThreadModule() { unload(); }
 
 Result<void> ThreadModule::load(const std::string& path, os::Library::Globals globals, bool sporadic,
-                                os::Fd copy) {
+                                os::Fd copy, os::Library::Origin origin) {
   unload();
   static_cast<void>(take_loose_ports());
   static_cast<void>(take_loose_properties());
   static_cast<void>(take_loose_saved());
   const InInstance in_instance{own_threads_};
-  auto library = os::Library::open(path, globals, std::move(copy));
+  auto library = os::Library::open(path, globals, std::move(copy), origin);
   if (!library) return library.problems();
   library_ = std::move(*library);
   ports_ = take_loose_ports();  // the global ports, which os::Library::open() has just constructed

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include <takt/host/component_path.hpp>
 #include <takt/node/log.hpp>
 #include <takt/node/violations.hpp>
 #include <takt/os/core_dump.hpp>
+#include <takt/os/sealed_copy.hpp>
 
 namespace takt::node {
 
@@ -41,6 +43,8 @@ Result<void> HostProcess::start() {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   socket_ = std::move(sockets->first);
+  swapped_.clear();
+  unloadable_.clear();
   os::MessageSocket theirs = std::move(sockets->second);
 
   Inheritance more = inheritance_();
@@ -82,9 +86,62 @@ Result<void> HostProcess::start() {
   return {};
 }
 
+Result<HostProcess::Component> HostProcess::open(const std::string& path) {
+  auto copy = host::open_component(path);
+  if (!copy) return copy.problems();
+  const bool is_signed = static_cast<bool>(*copy);
+  if (!is_signed) copy = os::sealed_copy(path);
+  if (!copy) return copy.problems();
+  return Component{path, std::make_shared<const os::Fd>(std::move(*copy)), is_signed};
+}
+
+// A restarted host and a module that recovers load the component that was deployed, even if its file has
+// been replaced since, for example in preparation of an update. All modules of one file are deployed with the
+// same content.
+Result<HostProcess::Component> HostProcess::component_of(const host::Request& request) {
+  const bool swaps = request.what == host::Request::Do::swap;
+  const std::string& path = swaps ? request.value : parts_.paths[request.module];
+  Component& kept = (swaps ? swapped_ : components_)[request.module];
+  if (kept.copy != nullptr && !swaps && !request.afresh) return kept;
+  if (!swaps && !request.afresh) {
+    for (const auto& [module, other] : components_) {
+      if (other.copy != nullptr && other.path == path) return kept = other;
+    }
+  }
+  auto opened = open(path);
+  if (opened) kept = *opened;
+  return opened;
+}
+
+bool HostProcess::ask(const host::Request& request) {
+  const bool loads = request.what == host::Request::Do::swap ||
+                     (request.what == host::Request::Do::call && request.hook == channel::Doing::load);
+  if (!loads) return socket_.send(host::encode(request));
+  auto component = component_of(request);
+  if (!component) {
+    unloadable_.push_back(
+        {.request = request, .ok = false, .text = in_words(component.problems()), .warnings = {}});
+    return true;
+  }
+  host::Request with_component = request;
+  with_component.is_signed = component->is_signed;
+  return socket_.send(host::encode(with_component), std::move(component->copy));
+}
+
 std::optional<host::Answer> HostProcess::answer() {
+  if (!unloadable_.empty()) {
+    host::Answer answer = std::move(unloadable_.front());
+    unloadable_.pop_front();
+    return answer;
+  }
   while (auto text = socket_.receive()) {
-    if (auto answer = host::decode_answer(*text)) return std::move(*answer);
+    auto answer = host::decode_answer(*text);
+    if (!answer) continue;
+    if (answer->request.what == host::Request::Do::swap) {
+      const auto swapped = swapped_.extract(answer->request.module);
+      if (answer->ok && !swapped.empty()) components_[swapped.key()] = std::move(swapped.mapped());
+    }
+    return std::move(*answer);
   }
   return std::nullopt;
 }

@@ -1,7 +1,11 @@
 // A takt-host process, and the node's end of the socket to it.
 #pragma once
 
+#include <cstdint>
+#include <deque>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,7 +35,7 @@ class HostProcess final : public supervision::Host {
       : parts_(parts), share_(share), inheritance_(std::move(inheritance)) {}
 
   Result<void> start() override;
-  bool ask(const host::Request& request) override { return socket_.send(host::encode(request)); }
+  bool ask(const host::Request& request) override;
   std::optional<host::Answer> answer() override;
   std::optional<supervision::ProcessEnd> ended() override;
   void kill() override { child_.signal(os::kKill); }
@@ -45,6 +49,16 @@ class HostProcess final : public supervision::Host {
   void wait_on(std::vector<const os::Fd*>& fds) const;
 
  private:
+  /// The file of a component as it was when the component was deployed, swapped or reset.
+  struct Component {
+    std::string path;
+    std::shared_ptr<const os::Fd> copy;
+    bool is_signed = false;
+  };
+  static Result<Component> open(const std::string& path);
+  /// Returns the component that the request loads, and keeps it for later.
+  Result<Component> component_of(const host::Request& request);
+
   const supervision::Parts& parts_;
   const std::size_t share_;
   const std::function<Inheritance()> inheritance_;
@@ -52,7 +66,10 @@ class HostProcess final : public supervision::Host {
   os::Child child_;
   Output output_;
   int pid_ = 0;
-  std::optional<Symbols> symbols_;  // created after the first crash
+  std::map<std::uint32_t, Component> components_;  // by module; kept while the host restarts
+  std::map<std::uint32_t, Component> swapped_;     // those of swaps that have not been answered yet
+  std::deque<host::Answer> unloadable_;            // to requests whose component could not be opened
+  std::optional<Symbols> symbols_;                 // created after the first crash
 };
 
 /// Describes how a child process ended. If a signal ended the process, the description names its core dump,

@@ -114,14 +114,15 @@ struct Unload {
 // Loads the libraries that an object finds in a folder that is relative to its own ($ORIGIN). For the loader,
 // a copy of the object has no folder, but the copy finds a library that is loaded by the library's name
 // (DT_SONAME).
-std::vector<std::unique_ptr<void, Unload>> libraries_beside(const std::string& path) {
+std::vector<std::unique_ptr<void, Unload>> libraries_beside(const std::string& path,
+                                                            const std::string& copy) {
   const std::string folder = std::filesystem::absolute(path).parent_path();
   std::vector<std::string> candidates;
-  std::istringstream folders{library_folders(path)};
+  std::istringstream folders{library_folders(copy)};
   for (std::string place; std::getline(folders, place, ':');) {
     for (const std::string_view origin : {"$ORIGIN", "${ORIGIN}"}) {
       if (!place.starts_with(origin)) continue;
-      for (const std::string& name : needed_libraries(path))
+      for (const std::string& name : needed_libraries(copy))
         candidates.push_back(folder + place.substr(origin.size()) + "/" + name);
     }
   }
@@ -193,17 +194,17 @@ Library::~Library() {
   if (handle_ != nullptr) ::dlclose(handle_);
 }
 
-Result<Library> Library::open(const std::string& path, Globals globals, Fd copy) {
+Result<Library> Library::open(const std::string& path, Globals globals, Fd copy, Origin origin) {
   Library library;
-  std::vector<std::unique_ptr<void, Unload>> beside;  // needed only until the object itself uses them
   if (!copy) {
-    beside = libraries_beside(path);
     auto copied = sealed_copy(path);
     if (!copied) return copied.problems();
     copy = std::move(*copied);
   }
   if (is_cut_off(copy))
     return fail("cannot load " + path + ": a part of the file is missing", "copy it again");
+  std::vector<std::unique_ptr<void, Unload>> beside;  // needed only until the object itself uses them
+  if (origin == Origin::searched) beside = libraries_beside(path, path_of(copy));
   if (globals == Globals::own) {
     if (const std::string variable = shared_variable(copy); !variable.empty()) {
       return fail(path +

@@ -34,8 +34,14 @@ Fd memory_file(const std::string& name) {
 
 Result<Fd> sealed_copy(const std::string& path) {
   const Fd from{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  if (!from) return errno_problem(path, "name a file that can be read");
+  return sealed_copy(from, path);
+}
+
+Result<Fd> sealed_copy(const Fd& from, const std::string& path) {
+  if (!from) return error_problem(path, EMFILE);
   struct stat status {};
-  if (!from || ::fstat(from.get(), &status) != 0) return errno_problem(path, "name a file that can be read");
+  if (::fstat(from.get(), &status) != 0) return errno_problem(path, "name a file that can be read");
   if (!S_ISREG(status.st_mode)) return fail(path + " is not a file", "name a file");
   Fd copy = memory_file(path.substr(path.find_last_of('/') + 1));
   if (!copy && errno == EACCES) {
@@ -45,8 +51,9 @@ Result<Fd> sealed_copy(const std::string& path) {
   }
   if (!copy) return errno_problem("memfd_create for a copy of " + path, "free memory or file descriptors");
   constexpr std::size_t kAtOnce = std::size_t{1} << 30;
+  off_t at = 0;  // the position of `from` itself stays, because other descriptors may share it
   ssize_t copied = 0;
-  while ((copied = ::sendfile(copy.get(), from.get(), nullptr, kAtOnce)) > 0) {
+  while ((copied = ::sendfile(copy.get(), from.get(), &at, kAtOnce)) > 0) {
   }
   if (copied < 0) return errno_problem("copying " + path, "free memory");
   if (::fcntl(copy.get(), F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_GROW | F_SEAL_SHRINK | F_SEAL_SEAL) != 0)

@@ -25,7 +25,8 @@ void Supervisor::ask(Member& member, Doing hook, ErrorType type) {
   host_of(member).process->ask({.what = host::Request::Do::call,
                                 .module = member.index,
                                 .hook = hook,
-                                .error_type = static_cast<int>(type)});
+                                .error_type = static_cast<int>(type),
+                                .afresh = hook == Doing::load && member.state() == State::destruct});
 }
 
 void Supervisor::take_answers(Hosted& host) {

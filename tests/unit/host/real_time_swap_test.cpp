@@ -5,6 +5,7 @@
 
 #include <folders.hpp>
 #include <takt/channel/saved_state.hpp>
+#include <takt/os/sealed_copy.hpp>
 #include <takt/process.hpp>
 #include "swap.hpp"
 
@@ -44,6 +45,8 @@ class RealTimeSwap : public RealTimePath {
     auto next = std::make_unique<ThreadModule>();
     next->attach(&wake_word, &blocks[1]);
     next->stand_by();
+    const auto component = os::sealed_copy(kFolder + file);
+    EXPECT_TRUE(component.ok());
     Swapped swapped = carry_out({.index = 1,
                                  .block = blocks[1],
                                  .before = *runs,
@@ -53,6 +56,8 @@ class RealTimeSwap : public RealTimePath {
                                  .place = *saved,
                                  .activity = activity,
                                  .path = kFolder + file,
+                                 .component = *component,
+                                 .origin = os::Library::Origin::searched,
                                  .properties = {},
                                  .connect = [&]() -> Result<void> {
                                    connect(*next);

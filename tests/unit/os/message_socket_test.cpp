@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -63,6 +66,45 @@ TEST_F(SocketPair, NeverBlocksEvenIfBothEndsSend) {
     if (!there) there = theirs.receive();
   }
   EXPECT_TRUE(*here == large && *there == large);
+}
+
+TEST_F(SocketPair, PassesEachFileWithItsMessageEvenIfTheKernelsBufferIsFull) {
+  const auto pipe_of = [](std::array<int, 2> ends) {
+    EXPECT_EQ(::pipe(ends.data()), 0);
+    return std::pair{std::make_shared<const Fd>(ends[0]), Fd{ends[1]}};
+  };
+  const auto first = pipe_of({});
+  const auto second = pipe_of({});
+  ASSERT_EQ(::write(first.second.get(), "1", 1), 1);
+  ASSERT_EQ(::write(second.second.get(), "2", 1), 1);
+  theirs.accept_files();
+  const std::string large(1'000'000, 'x');
+  mine.send("without");
+  mine.send(large, first.first);
+  mine.send("another", second.first);
+  mine.send("last");
+  std::vector<std::pair<std::size_t, std::string>> received;
+  while (received.size() < 4) {
+    ASSERT_TRUE(mine.flush());
+    const auto message = theirs.receive();
+    if (!message) continue;
+    const Fd file = theirs.take_file();
+    std::string content(1, '-');
+    if (file) {
+      EXPECT_EQ(::read(file.get(), content.data(), 1), 1);
+    }
+    received.emplace_back(message->size(), content);
+  }
+  EXPECT_EQ(received, (std::vector<std::pair<std::size_t, std::string>>{
+                          {7, "-"}, {large.size(), "1"}, {7, "2"}, {4, "-"}}));
+}
+
+TEST_F(SocketPair, AcceptsFilesOnlyOnRequest) {
+  const std::size_t before = open_descriptors().size();
+  mine.send("with a file", std::make_shared<const Fd>(::dup(0)));
+  EXPECT_EQ(theirs.receive(), "with a file");
+  EXPECT_FALSE(theirs.take_file());
+  EXPECT_EQ(open_descriptors().size(), before);
 }
 
 TEST_F(SocketPair, DeliversMessagesSentBeforeTheOtherEndClosed) {

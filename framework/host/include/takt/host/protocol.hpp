@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <takt/channel/activity.hpp>
 #include <takt/core/result.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/os/fd.hpp>
 
 namespace takt::host {
 
@@ -62,6 +64,13 @@ struct Request {
   std::string value{};  ///< for set: the new value; for swap: the path
   /// For swap: the properties that the new instance does not take over from the running one, with their values
   std::map<std::string, std::string> values{};
+  /// For a call that loads: true if an operator has reset the module, so that the present file is loaded;
+  /// false to load the file that the module was loaded from before.
+  bool afresh = false;
+  /// For a call that loads, and for swap: a sealed copy of the component's file. It does not belong to the
+  /// encoded text, but is sent with it.
+  std::shared_ptr<const os::Fd> component{};
+  bool is_signed = false;  ///< the signature of the copy was checked; it finds no libraries through $ORIGIN
 };
 
 /// A message from the host to the node.

@@ -34,10 +34,11 @@ class ThreadModule final : public executor::Body {
   ThreadModule(const ThreadModule&) = delete;
   ThreadModule& operator=(const ThreadModule&) = delete;
 
-  /// Loads the file, or the sealed copy of it, if given. This runs the file's constructors. Fails if the file
-  /// cannot be loaded or has no run(). Also fails if `sporadic` is true and the file has neither condition()
-  /// nor an event port.
-  Result<void> load(const std::string& path, os::Library::Globals globals, bool sporadic, os::Fd copy = {});
+  /// Loads the file, or the sealed copy of it, if given (os::Library::open()). This runs the constructors.
+  /// Fails if the file cannot be loaded or has no run(). Also fails if `sporadic` is true and the file has
+  /// neither condition() nor an event port.
+  Result<void> load(const std::string& path, os::Library::Globals globals, bool sporadic, os::Fd copy = {},
+                    os::Library::Origin origin = os::Library::Origin::searched);
   /// Unloads the file, which runs the file's destructors. If a thread that the module has started still runs,
   /// reports it, leaves the file in memory, and returns false. The thread may then use this object, too, so
   /// do not delete it.

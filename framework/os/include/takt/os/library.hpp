@@ -17,6 +17,9 @@ class Library {
     own,     ///< each load gives a new object with its own copy of all global variables
   };
 
+  /// Whether the object finds libraries in folders relative to that of the file at `path` ($ORIGIN).
+  enum class Origin { searched, ignored };
+
   Library() = default;
   Library(Library&& other) noexcept;
   Library& operator=(Library&& other) noexcept;
@@ -29,7 +32,8 @@ class Library {
   /// program that overwrites the file cannot change the loaded code. If this fails, the problem contains the
   /// loader's reason. With Globals::own, also fails if the object has symbols that the loader would share
   /// between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
-  static Result<Library> open(const std::string& path, Globals globals, Fd copy = {});
+  static Result<Library> open(const std::string& path, Globals globals, Fd copy = {},
+                              Origin origin = Origin::searched);
 
   /// Returns true if the file at this path is already loaded with Globals::shared. Then open() with
   /// Globals::shared returns the loaded object, even if the file at this path has changed.
