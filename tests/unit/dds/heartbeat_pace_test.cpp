@@ -1,4 +1,4 @@
-// Tests how often a writer repeats a heartbeat, and a reader the request for its first heartbeat.
+// Tests how often a writer repeats a heartbeat or a sample, and a reader the request for its first heartbeat.
 #include "workarounds/heartbeat_pace.hpp"
 
 #include <gtest/gtest.h>
@@ -14,6 +14,7 @@ using takt::Instant;
 using takt::Nanoseconds;
 using takt::dds::FirstRequestPace;
 using takt::dds::HeartbeatPace;
+using takt::dds::ResendPace;
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
@@ -70,6 +71,43 @@ TEST(HeartbeatPace, ReturnsToThePeriodWhenAnswersArriveSoonAgain) {
   heartbeats(pace, seconds{0}, seconds{10}, milliseconds{300});
   heartbeats(pace, seconds{11}, seconds{16}, milliseconds{1});
   EXPECT_GE(heartbeats(pace, seconds{16}, seconds{17}, milliseconds{1}), 195);
+}
+
+/// A reader answers each heartbeat at once, and requests the same sample for ever. Returns when the writer
+/// sends heartbeats, in ms.
+std::vector<int> heartbeats_to_a_stuck_reader(ResendPace& resends, int end) {
+  HeartbeatPace pace;
+  std::vector<int> sent;
+  for (int ms = 0; ms < end; ms += 5) {
+    const Instant now{milliseconds{ms}};
+    const auto newest = static_cast<std::uint64_t>(ms / 100);  // the writer goes on writing
+    if (resends.is_paused(now, kPeriod / 2) || !pace.is_due(now, kPeriod, newest)) continue;
+    sent.push_back(ms);
+    pace.answered(now);
+    EXPECT_TRUE(resends.is_due(now, 7)) << "each heartbeat causes an answer after " << ms << " ms";
+  }
+  return sent;
+}
+
+TEST(ResendPace, SlowsTheHeartbeatsToAReaderThatIsStuckToOneASecond) {
+  ResendPace resends;
+  EXPECT_EQ(heartbeats_to_a_stuck_reader(resends, 5000),
+            (std::vector<int>{0, 10, 30, 70, 150, 310, 630, 1270, 2270, 3270, 4270}));
+  EXPECT_TRUE(resends.is_stuck(Instant{seconds{5}}));
+}
+
+TEST(ResendPace, BeginsAgainWhenTheReaderHasReceivedSomething) {
+  ResendPace resends;
+  heartbeats_to_a_stuck_reader(resends, 5000);
+  const Instant now{seconds{5}};
+  EXPECT_TRUE(resends.is_due(now, 8));
+  EXPECT_FALSE(resends.is_stuck(now));
+  EXPECT_TRUE(resends.is_paused(now + milliseconds{9}, {}));
+  EXPECT_FALSE(resends.is_paused(now + milliseconds{10}, {}));
+}
+
+TEST(ResendPace, PausesNothingThatWasNotRequested) {
+  EXPECT_FALSE(ResendPace{}.is_paused(Instant{seconds{1}}, {}));
 }
 
 TEST(FirstRequestPace, DoublesThePauseUpToALimit) {

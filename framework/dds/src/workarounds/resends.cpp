@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <tuple>
@@ -10,35 +11,25 @@
 
 #include <fastdds/rtps/writer/StatefulWriter.h>
 
+#include <takt/os/clock.hpp>
 #include <takt/os/network.hpp>
 #include "../packet_filter.hpp"
+#include "heartbeat_pace.hpp"
 #include "replaced_function.hpp"
 
 namespace {
 
 namespace rtps = eprosima::fastrtps::rtps;
-using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
-using std::chrono::seconds;
+using takt::Instant;
 
-constexpr auto kFirstPause = milliseconds{10};
-constexpr auto kLongestPause = milliseconds{1000};
-/// If a reader has missed a sample for so long, although the writer has sent it so many times, something on
-/// the path drops it. On a network that loses 30 % of all packets, one of 170,000 samples is lost ten times.
-constexpr seconds kStuck{3};
-constexpr int kManyTimes = 9;
 /// After this time without a request, the reader has probably left.
-constexpr seconds kForgotten{3};
+constexpr std::chrono::seconds kForgotten{3};
 constexpr std::size_t kMostRequests = 4096;
 
 /// The request of a reader for samples of a writer, or for fragments of one sample.
 struct Request {
-  std::uint64_t first = 0;    // the first missing sample or fragment
-  Clock::time_point since{};  // when the reader began to miss it
-  Clock::time_point answered{};
-  Clock::time_point heard{};
-  milliseconds pause = kFirstPause;
-  int answers = 0;
+  takt::dds::ResendPace pace;
+  Instant heard{};
   std::string obstacle;
 };
 /// The writer, the reader, and the number of the sample of which fragments are missing, or 0.
@@ -50,18 +41,15 @@ std::function<void(const std::string&)> tell;
 
 /// Returns true if the writer may answer this request now.
 bool is_due(const Key& key, std::uint64_t first) {
-  const auto now = Clock::now();
+  const Instant now = takt::os::now();
   const std::lock_guard lock{mutex};
   if (requests.size() == kMostRequests) requests.clear();
-  const auto [found, is_new] = requests.try_emplace(key);
-  Request& request = found->second;
-  if (is_new || request.first != first) request = {.first = first, .since = now, .obstacle = {}};
+  Request& request = requests[key];
   request.heard = now;
-  if (request.answers > 0 && now - request.answered < request.pause) return false;
-  if (request.answers > 0) request.pause = std::min(2 * request.pause, kLongestPause);
-  request.answered = now;
-  ++request.answers;
-  if (now - request.since > kStuck && request.answers > kManyTimes && request.obstacle.empty()) {
+  if (!request.pace.is_due(now, first)) return false;
+  if (!request.pace.is_stuck(now)) {
+    request.obstacle.clear();
+  } else if (request.obstacle.empty()) {
     request.obstacle = "IP packets of up to 1280 bytes do not reach " +
                        takt::os::in_dots(takt::dds::PacketFilter::sender()) + ", but shorter ones do";
     if (tell) tell(request.obstacle);
@@ -94,7 +82,7 @@ std::string obstacle_to(const wire::ParticipantNumber& participant) {
   for (const auto& [key, request] : requests) {
     const auto& prefix = std::get<1>(key).guidPrefix.value;
     if (std::equal(participant.begin(), participant.end(), prefix) && !request.obstacle.empty() &&
-        Clock::now() - request.heard < kForgotten)
+        os::now() - request.heard < kForgotten)
       return request.obstacle;
   }
   return {};
@@ -112,6 +100,15 @@ bool may_answer(const rtps::GUID_t& writer, const rtps::GUID_t& reader,
     if (missing.empty()) requests.erase({writer, reader, 0});
   }
   return missing.empty() || is_due({writer, reader, 0}, first);
+}
+
+bool is_answer_paused(const rtps::GUID_t& writer, const rtps::GUID_t& reader, Nanoseconds within) {
+  const Instant now = os::now();
+  const std::lock_guard lock{mutex};
+  auto each = requests.lower_bound({writer, reader, 0});
+  const auto end = requests.upper_bound({writer, reader, std::numeric_limits<std::uint64_t>::max()});
+  return each != end &&
+         std::all_of(each, end, [&](const auto& one) { return one.second.pace.is_paused(now, within); });
 }
 
 }  // namespace takt::dds

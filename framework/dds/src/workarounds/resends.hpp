@@ -11,6 +11,7 @@
 #include <fastdds/rtps/common/Guid.h>
 #include <fastdds/rtps/common/SequenceNumber.h>
 
+#include <takt/core/time.hpp>
 #include <takt/wire/rtps.hpp>
 
 namespace takt::dds {
@@ -27,5 +28,10 @@ void limit_resends(std::function<void(const std::string&)> tell);
 [[nodiscard]] bool may_answer(const eprosima::fastrtps::rtps::GUID_t& writer,
                               const eprosima::fastrtps::rtps::GUID_t& reader,
                               const eprosima::fastrtps::rtps::SequenceNumberSet_t& missing);
+
+/// Returns true if may_answer() would reject everything that the reader has requested and still misses, also
+/// if the request came `within` this time. A heartbeat would only cause such a request.
+[[nodiscard]] bool is_answer_paused(const eprosima::fastrtps::rtps::GUID_t& writer,
+                                    const eprosima::fastrtps::rtps::GUID_t& reader, Nanoseconds within);
 
 }  // namespace takt::dds

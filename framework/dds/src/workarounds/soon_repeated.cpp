@@ -18,6 +18,7 @@
 #include <takt/os/clock.hpp>
 #include "heartbeat_pace.hpp"
 #include "replaced_function.hpp"
+#include "resends.hpp"
 
 namespace eprosima::fastrtps::rtps {
 
@@ -128,10 +129,12 @@ bool RTPSParticipantImpl::createWriter(RTPSWriter** made, WriterAttributes& attr
 void StatefulWriter::send_heartbeat_to_all_readers() {
   const SequenceNumber_t oldest = get_seq_num_min();
   const SequenceNumber_t next = next_sequence_number();
+  const takt::Nanoseconds period{m_times.heartbeatPeriod.to_ns()};
   for (ReaderProxy* reader : matched_remote_readers_) {
     if (reader->is_reliable() &&
         reader->has_unacknowledged(oldest == SequenceNumber_t::unknown() ? next - 1 : oldest) &&
-        is_due(m_guid, reader->guid(), takt::Nanoseconds{m_times.heartbeatPeriod.to_ns()}, next.to64long()))
+        !takt::dds::is_answer_paused(m_guid, reader->guid(), period / 2) &&
+        is_due(m_guid, reader->guid(), period, next.to64long()))
       send_heartbeat_to_nts(*reader);
   }
 }
