@@ -129,6 +129,15 @@ void device(const Participant& participant, const Arguments& arguments) {
   next_line();
 }
 
+// Command `watch`: prints the name and the number of each status of a device that it receives
+void watch(const Participant& participant, const Arguments&) {
+  auto reader = must(dds::Reader<DeviceStatus>::create(
+      participant, {.sample = [](const DeviceStatus& status, wire::WriterId) {
+        print(status.device().to_string() + " " + std::to_string(status.sequence_number()));
+      }}));
+  next_line();
+}
+
 // Command `stop DEVICE`: sends a stop command to DEVICE and prints the answer
 void stop(const Participant& participant, const Arguments& arguments) {
   std::mutex mutex;
@@ -625,7 +634,8 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
       {"device", device}, {"stop", stop},   {"state", state},     {"transitions", transitions},
       {"server", server}, {"forge", forge}, {"tap", tap},         {"feed", feed},
       {"echo", echo},     {"show", show},   {"give", give},       {"statistics", statistics},
-      {"all", all},       {"keys", keys},   {"deceive", deceive}, {"returning", returning}};
+      {"all", all},       {"keys", keys},   {"deceive", deceive}, {"returning", returning},
+      {"watch", watch}};
   int status = 0;
   if (command == "client") {
     status = client(participant, arguments);

@@ -252,6 +252,26 @@ TEST(Device, IsReportedLostWhenItLeaves) {
   EXPECT_TRUE(soon([&] { return devices.events("d").ends_with("lost"); })) << devices.events("d");
 }
 
+TEST(DeviceTopic, IsAcknowledgedAtOnceIfTheWriterWaitsForIt) {
+  auto writer = dds::Writer<DeviceStatus>::create(participate());
+  ASSERT_TRUE(writer.ok());
+  DeviceStatus status;
+  status.path("test/d");
+  status.cell("test");
+  status.device("d");
+  status.node("n");
+  Peer peer{{"watch"}};
+  // Without a question, readers acknowledge once a second. So most waits would take longer than 200 ms.
+  int quick = 0;
+  EXPECT_TRUE(soon([&] {
+    status.sequence_number(status.sequence_number() + 1);
+    writer->write(status);
+    const bool received = peer.prints("d " + std::to_string(status.sequence_number()), 200ms);
+    quick = writer->wait_acknowledged(200ms) && received ? quick + 1 : 0;
+    return quick == 10;
+  }));
+}
+
 /// Returns a sample in its wire format, as hexadecimal digits.
 template <class Generated>
 std::string wire(typename Generated::type& sample) {
