@@ -89,6 +89,13 @@ bool Interfaces::allows(const os::Ipv4& address) const {
          std::find(options_.only.begin(), options_.only.end(), address) != options_.only.end();
 }
 
+bool Interfaces::receives(const os::Ipv4& to, int interface) const {
+  if (!is_group(to)) return allows(to);
+  const List groups = for_groups();
+  return std::any_of(groups.begin(), groups.end(),
+                     [&](const os::InterfaceAddress& each) { return each.interface == interface; });
+}
+
 void Interfaces::heard_at(const os::Ipv4& address) {
   const std::lock_guard lock{mutex_};
   heard_.insert(address);

@@ -67,6 +67,10 @@ class Interfaces {
   bool comes_from_here(const os::Ipv4& sender);
   /// Returns false if the participant must not use this address.
   [[nodiscard]] bool allows(const os::Ipv4& address) const;
+  /// Returns true if the participant takes a packet that was sent to this address, or to this multicast
+  /// group, and came in on this interface. The kernel also gives it those to other addresses, and to groups
+  /// that other processes of this machine receive on other interfaces.
+  [[nodiscard]] bool receives(const os::Ipv4& to, int interface) const;
   /// Notes that another machine has sent something to this address.
   void heard_at(const os::Ipv4& address);
 

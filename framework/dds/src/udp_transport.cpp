@@ -255,7 +255,7 @@ class UdpTransport final : public transport::TransportInterface {
 
   void receive(transport::TransportReceiverInterface& above, const Locator_t& port,
                const os::UdpSocket::Received& packet, std::span<const std::uint8_t> bytes) {
-    if (!may_come_in(packet)) return;
+    if (!interfaces_.receives(packet.to, packet.interface)) return;
     const bool here = interfaces_.comes_from_here(packet.from.address);
     if (!is_group(packet.to) && !here) interfaces_.heard_at(packet.to);
     if (!here) names_.heard(packet.from.address);
@@ -265,13 +265,6 @@ class UdpTransport final : public transport::TransportInterface {
       handles_packet_from_here = here;
       above.OnDataReceived(bytes.data(), static_cast<std::uint32_t>(readable), port, from);
     });
-  }
-
-  [[nodiscard]] bool may_come_in(const os::UdpSocket::Received& packet) const {
-    if (!is_group(packet.to)) return interfaces_.allows(packet.to);
-    const Interfaces::List groups = interfaces_.for_groups();
-    return std::any_of(groups.begin(), groups.end(),
-                       [&](const os::InterfaceAddress& each) { return each.interface == packet.interface; });
   }
 
   bool send(std::span<const std::uint8_t> bytes, const Locator_t& to) {

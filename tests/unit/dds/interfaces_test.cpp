@@ -103,5 +103,29 @@ TEST(Interfaces, UseOnlyTheGivenAddressesAndTheLoopbackInterface) {
       << "it belongs to this machine, although it must not be used";
 }
 
+TEST(Interfaces, TakeNoPacketThatWasSentToAnAddressThatTheyMustNotUse) {
+  Interfaces interfaces{{.only = {{10, 0, 3, 7}}}};
+  interfaces.update({kLoopback, address(2, 7), address(3, 7)});
+  EXPECT_TRUE(interfaces.receives({10, 0, 3, 7}, 3));
+  EXPECT_TRUE(interfaces.receives(os::kLoopbackAddress, 1));
+  EXPECT_FALSE(interfaces.receives({10, 0, 2, 7}, 2));
+}
+
+TEST(Interfaces, TakeNoMulticastPacketFromAnInterfaceThatIsNotUsedForGroups) {
+  Interfaces everywhere{{}};
+  Interfaces restricted{{.only = {{10, 0, 3, 7}}}};
+  Interfaces here{{.only = {}, .groups_stay_here = true}};
+  for (Interfaces* each : {&everywhere, &restricted, &here}) {
+    each->update({kLoopback, address(2, 7), address(3, 7)});
+    EXPECT_FALSE(each->receives(kGroup, 3)) << "the address is not announced yet";
+    each->settle();
+    EXPECT_TRUE(each->receives(kGroup, kLoopback.interface));
+  }
+  EXPECT_TRUE(everywhere.receives(kGroup, 2));
+  EXPECT_FALSE(restricted.receives(kGroup, 2));
+  EXPECT_TRUE(restricted.receives(kGroup, 3));
+  EXPECT_FALSE(here.receives(kGroup, 3));
+}
+
 }  // namespace
 }  // namespace takt::dds::interfaces_test
