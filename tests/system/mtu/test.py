@@ -59,12 +59,18 @@ class Mtu(networks.NetworkCase):
         self.assert_a_cell_runs(cell, {"TAKT_SECURITY": os.path.join(keys, "operators", "anna")})
         self.end(nodes)
 
-    def test_a_node_names_the_address_that_longer_packets_do_not_reach(self):
+    def test_devices_are_found_and_name_the_cause_if_only_ip_packets_up_to_600_bytes_arrive(self):
         self.limit(600)
         nodes = self.nodes(*DEVICES)
-        # Which of the announcements of the two nodes are too long depends on how many of them are sent together.
-        wait_until(lambda: any(re.search(r"IP packets of up to 1280 bytes do not reach 10\.77\.0\.\d, but shorter ones do", node.err)
-                               for node in nodes.values()), "a node to name the cause")
+        for _ in range(5):
+            self.assertEqual(set(DEVICES), set(self.status()))
+        self.assertEqual({machine: 0 for machine in MACHINES}, {machine: self.net.lost(machine) for machine in MACHINES},
+                         "number of packets that were too long")
+
+        def names_the_cause():
+            self.assertNotEqual(0, self.operator("log", "robot").status, "the answer is too long")
+            return re.search(r"IP packets of up to 1280 bytes do not reach 10\.77\.0\.3, but shorter ones do", nodes["robot"].err)
+        wait_until(names_the_cause, "the node to name the cause")
         self.end(nodes)
 
 

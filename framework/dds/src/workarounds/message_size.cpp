@@ -33,8 +33,14 @@ std::atomic<bool> is_secured{false};
 std::mutex mutex;
 std::set<takt::wire::ParticipantNumber> near;
 
+/// The bytes that are added to each message after Fast DDS has composed it.
+std::uint32_t addition() { return kStatistics + (is_secured ? kProtection : 0); }
 /// The longest message that Fast DDS may compose for another machine.
-std::uint32_t limit() { return takt::dds::kLongestFarMessage - kStatistics - (is_secured ? kProtection : 0); }
+std::uint32_t limit() { return takt::dds::kLongestFarMessage - addition(); }
+/// The longest message of discovery, unless it consists of one announcement that is longer. Announcements
+/// have about 400 bytes, so discovery also works over a path that drops IP packets above 576 bytes, and then
+/// the participant can tell that longer packets do not arrive.
+constexpr std::uint32_t kLongestAnnouncement = 576 - 28;
 
 bool is_far(const rtps::GuidPrefix_t& participant) {
   takt::wire::ParticipantNumber number{};
@@ -110,7 +116,9 @@ void WriterHistory::set_fragments(CacheChange_t* sample) {
 // become too long.
 bool RTPSMessageGroup::insert_submessage(const GuidPrefix_t& to, bool is_big) {
   const std::vector<GuidPrefix_t>& receivers = sender_->remote_participants();
-  if (full_msg_->length > RTPSMESSAGE_HEADER_SIZE && full_msg_->length + submessage_msg_->length > limit() &&
+  const std::uint32_t longest =
+      announces(endpoint_->getGuid().entityId) ? kLongestAnnouncement - addition() : limit();
+  if (full_msg_->length > RTPSMESSAGE_HEADER_SIZE && full_msg_->length + submessage_msg_->length > longest &&
       (receivers.empty() || std::ranges::any_of(receivers, &is_far))) {
     flush_and_reset();
     add_info_dst_in_buffer(full_msg_, to);
