@@ -93,12 +93,17 @@ void HostNames::found(std::size_t index, const Result<std::vector<os::Ipv4>>& re
   ended_.notify_all();
 }
 
+void HostNames::announced(const os::Ipv4& placeholder, const std::vector<os::Ipv4>& addresses) {
+  const std::lock_guard lock{mutex_};
+  hosts_.at(name_index(placeholder)).announced = addresses;
+}
+
 void HostNames::heard(const os::Ipv4& address) {
   if (hosts_.empty()) return;
   const std::lock_guard lock{mutex_};
   for (Host& host : hosts_) {
-    if (std::find(host.addresses.begin(), host.addresses.end(), address) != host.addresses.end())
-      host.heard = true;
+    for (const auto* list : {&host.addresses, &host.announced})
+      host.heard |= std::find(list->begin(), list->end(), address) != list->end();
   }
 }
 
@@ -110,7 +115,12 @@ void HostNames::wait(Nanoseconds limit) {
 std::vector<os::Ipv4> HostNames::addresses(const os::Ipv4& placeholder) const {
   const std::lock_guard lock{mutex_};
   const std::size_t index = name_index(placeholder);
-  return index < hosts_.size() ? hosts_[index].addresses : std::vector<os::Ipv4>{};
+  if (index >= hosts_.size()) return {};
+  std::vector<os::Ipv4> all = hosts_[index].addresses;
+  for (const os::Ipv4& each : hosts_[index].announced) {
+    if (std::find(all.begin(), all.end(), each) == all.end()) all.push_back(each);
+  }
+  return all;
 }
 
 std::string HostNames::unresolved() const {

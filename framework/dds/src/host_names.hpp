@@ -39,13 +39,16 @@ class HostNames : public std::enable_shared_from_this<HostNames> {
   os::Ipv4 add(const std::string& role, const std::string& host);
   /// Begins to look up the names whose turn it is, and tells what has changed. Call it often.
   void step(Instant now);
+  /// The host of this placeholder has announced these addresses. They are used as well as those of its name,
+  /// until it announces others.
+  void announced(const os::Ipv4& placeholder, const std::vector<os::Ipv4>& addresses);
   /// Notes that a packet has come from this address.
   void heard(const os::Ipv4& address);
   /// Waits until no look-up is under way, but only this long.
   void wait(Nanoseconds limit);
 
   static bool is_placeholder(const os::Ipv4& address) noexcept;
-  /// Returns where to send what is meant for this placeholder; nothing while its name has no address.
+  /// Returns where to send what is meant for this placeholder; nothing while no address is known.
   [[nodiscard]] std::vector<os::Ipv4> addresses(const os::Ipv4& placeholder) const;
   /// Returns a text about each name that has no address, separated by semicolons.
   [[nodiscard]] std::string unresolved() const;
@@ -55,6 +58,7 @@ class HostNames : public std::enable_shared_from_this<HostNames> {
     std::string role_and_name;
     std::string name;
     std::vector<os::Ipv4> addresses{};
+    std::vector<os::Ipv4> announced{};
     std::string reason{};  // why the last look-up has failed
     bool under_way = false;
     std::optional<Instant> looked_up{};  // when the last look-up began

@@ -35,7 +35,7 @@ void PacketFilter::pass(std::span<const std::uint8_t> packet, const os::Ipv4& fr
   sender_of_this_packet = from;
   // Fast DDS must not handle two announcements of a participant at once; see participant_removal.hpp.
   if (wire::concerns_participants(packet)) {
-    if (here) is_near(wire::sender_of(packet));
+    set_near(wire::sender_of(packet), here);
     receive_lock.handle_alone([&] { handle(readable); });
   } else {
     receive_lock.handle([&] { handle(readable); });

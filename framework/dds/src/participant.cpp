@@ -36,6 +36,7 @@
 #include "workarounds/removed_readers.hpp"
 #include "workarounds/resends.hpp"
 #include "workarounds/returning_readers.hpp"
+#include "workarounds/server_address.hpp"
 #include "workarounds/soon_repeated.hpp"
 #include "workarounds/spent_tokens.hpp"
 #include "workarounds/unmatched_writers.hpp"
@@ -79,7 +80,8 @@ rtps::Locator_t locator(const os::Ipv4& address, std::uint32_t port) {
 
 /// Sets how the participant finds others. Adds the names of other machines to `names`.
 Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery,
-                           std::uint32_t domain, const Interfaces& interfaces, HostNames& names) {
+                           std::uint32_t domain, const Interfaces& interfaces,
+                           const std::shared_ptr<HostNames>& names) {
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = duration(kParticipantLease);
@@ -89,6 +91,7 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   // The first announcements can be lost if two participants start at the same time.
   config.initial_announcements.count = 25;
   config.initial_announcements.period = {0, 20'000'000};
+  reach_server_at({});
   switch (discovery.kind) {
     case model::Discovery::Kind::multicast:
       break;
@@ -97,7 +100,7 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
         if (!model::is_valid_host(peer))
           return fail(in_quotes(peer) + " is not a valid peer",
                       "a peer is an IPv4 address or a host name, without a port");
-        builtin.initialPeersList.push_back(locator(names.add("peer", peer), 0));
+        builtin.initialPeersList.push_back(locator(names->add("peer", peer), 0));
       }
       // Interfaces keeps this group on the machine.
       builtin.initialPeersList.push_back(locator(kGroup, qos.wire_protocol().port.getMulticastPort(domain)));
@@ -122,7 +125,14 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
         config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
         rtps::RemoteServerAttributes server;
         server.ReadguidPrefix(kServerPrefix);
-        server.metatrafficUnicastLocatorList.push_back(locator(names.add("discovery server", host), port));
+        const os::Ipv4 address = names->add("discovery server", host);
+        server.metatrafficUnicastLocatorList.push_back(locator(address, port));
+        if (HostNames::is_placeholder(address))
+          reach_server_at(NamedServer{.prefix = server.guidPrefix,
+                                      .locator = locator(address, port),
+                                      .announced = [names, address](const std::vector<os::Ipv4>& addresses) {
+                                        names->announced(address, addresses);
+                                      }});
         config.m_DiscoveryServers.push_back(server);
       }
       break;
@@ -247,7 +257,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   qos.name(options.name.c_str());
   const auto names = std::make_shared<HostNames>(os::look_up, options.told);
   if (auto set = set_discovery(qos, options.discovery, static_cast<std::uint32_t>(options.domain),
-                               **interfaces, *names);
+                               **interfaces, names);
       !set)
     return refuse(set.problems());
   // Without DDS Security, a discovery message for several participants is sent once, to the multicast group.
@@ -287,7 +297,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
       made, publisher, subscriber, std::move(notices), std::move(unreached), std::move(listener), *transport,
       names, std::move(*news), std::move(*ending),
-      !options.security.empty() || options.discovery.kind != model::Discovery::Kind::multicast);
+      !options.security.empty() || options.discovery.kind == model::Discovery::Kind::peers);
   if (publisher == nullptr || subscriber == nullptr)
     return fail("DDS could not create a publisher and a subscriber", "see the message that DDS printed");
   return participant;
@@ -340,6 +350,7 @@ void OwnParticipant::follow_machine(std::stop_token end) {
     const bool was_halted = os::boot_time() - last > kParticipantLease - 2 * kAnnounceEvery;
     if (end.stop_requested()) return;
     names_->step(os::now());
+    follow_clients();
     if (was_halted && identity_) rejoin(*filter_, true);
     if (news_.take()) {
       while (os::wait_readable({&news_.fd()}, kMoreNewsMs)) news_.take();

@@ -1,10 +1,11 @@
-"""Tests how DDS uses the network interfaces of a machine. Two network namespaces simulate two machines that two cables connect.
+"""Tests how DDS uses the network interfaces of a machine, and how it follows addresses. Network namespaces simulate the machines.
 
 TAKT_DDS_PEER is the path of a program from tests/conformance/dds. These tests need root and iproute2."""
 import os
 import queue
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -15,6 +16,15 @@ import networks
 import takt_system
 
 PEER = os.environ["TAKT_DDS_PEER"]
+MODULE = """<module>
+  <name>%s</name> <filename>%s.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+  <period>20ms</period> <priority>1</priority>
+</module>"""
+# The device robot may write the topic t, and the others may read it.
+CELL = """<cell name="cell" security="required">
+  <device name="robot">%s</device> <device name="twin">%s</device> <device name="line">%s</device>
+  <connection from="robot.out.out" to="twin.in.in" topic="t"/> <connection from="robot.out.out" to="line.in.in" topic="t"/>
+</cell>""" % (MODULE % ("out", "port_source"), MODULE % ("in", "port_sink"), MODULE % ("in", "port_sink"))
 
 
 def ip(*arguments):
@@ -33,6 +43,9 @@ class TwoMachines:
             ip("-n", space, "link", "set", "lo", "up")
         for cable in (0, 1):
             self.create(cable)
+
+    def on(self, machine):
+        return ["ip", "netns", "exec", self.spaces[machine]]
 
     def create(self, cable):
         ip("link", "add", "net%d" % cable, "netns", self.spaces["robot"], "type", "veth", "peer", "name", "net%d" % cable,
@@ -78,7 +91,7 @@ class TwoMachines:
 
 class Peer:
     def __init__(self, network, machine, *arguments, **environment):
-        self.process = subprocess.Popen(["ip", "netns", "exec", network.spaces[machine], PEER, "0", *arguments],
+        self.process = subprocess.Popen([*network.on(machine), PEER, "0", *arguments],
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
                                         env={**os.environ, "PEER_INTERFACES": "all", **environment})
         self.lines = queue.Queue()
@@ -108,13 +121,8 @@ class Peer:
         self.process.stdout.close()
 
 
-class Interfaces(unittest.TestCase):
-    def setUp(self):
-        reason = networks.available()
-        if reason:
-            self.skipTest(reason)
-        self.net = TwoMachines()
-        self.addCleanup(self.net.end)
+class Matching(unittest.TestCase):
+    """Lets writers and readers on simulated machines find each other. self.net is the network."""
 
     def peer(self, machine, *arguments, **environment):
         peer = Peer(self.net, machine, *arguments, **environment)
@@ -140,6 +148,28 @@ class Interfaces(unittest.TestCase):
         for number in range(first, first + count):
             self.assertEqual("sample %d" % number, tap.line())
         self.assertTrue(feed.line().startswith("written %d failures 0" % (first + count - 1)))
+
+    def found_again(self, feed, tap, what):
+        """Waits until ten samples arrive one after the other."""
+        begin = time.monotonic()
+        while time.monotonic() < begin + takt_system.LONG:
+            last = self.match(feed, tap)
+            feed.write("10")
+            if [tap.line(1.0) for _ in range(10)] == ["sample %d" % (last + 1 + number) for number in range(10)]:
+                feed.line()
+                print("%s: found again after %.1f s" % (what, time.monotonic() - begin))
+                return
+            feed.line()
+        self.fail("%s: the samples do not arrive" % what)
+
+
+class Interfaces(Matching):
+    def setUp(self):
+        reason = networks.available()
+        if reason:
+            self.skipTest(reason)
+        self.net = TwoMachines()
+        self.addCleanup(self.net.end)
 
     def test_dds_uses_only_the_configured_network_interface(self):
         for cable in (0, 1):
@@ -206,19 +236,6 @@ class Interfaces(unittest.TestCase):
         self.assertTrue(feed.line().startswith("written %d failures 0" % (last + 50)))
         self.assert_arrive(feed, tap, last + 51, 10)
 
-    def found_again(self, feed, tap, what):
-        """Waits until ten samples arrive one after the other."""
-        begin = time.monotonic()
-        while time.monotonic() < begin + takt_system.LONG:
-            last = self.match(feed, tap)
-            feed.write("10")
-            if [tap.line(1.0) for _ in range(10)] == ["sample %d" % (last + 1 + number) for number in range(10)]:
-                feed.line()
-                print("%s: found again after %.1f s" % (what, time.monotonic() - begin))
-                return
-            feed.line()
-        self.fail("%s: the samples do not arrive" % what)
-
     def test_a_participant_uses_an_interface_again_that_was_removed_and_created_again(self):
         self.net.connect(0)
         tap = self.peer("line", "tap", "t", "reliable", "64")
@@ -278,6 +295,95 @@ class Interfaces(unittest.TestCase):
                     self.assert_arrive(feed, tap, last + 1, 10)
                     last += 10
                     time.sleep(0.1)
+
+    def test_secured_processes_of_one_machine_stay_connected_when_it_gets_another_address(self):
+        self.net.connect(0)
+        with tempfile.TemporaryDirectory() as folder:
+            cell = os.path.join(folder, "cell.xml")
+            with open(cell, "w") as file:
+                file.write(CELL)
+            keys = os.path.join(folder, "keys")
+            subprocess.run([os.path.join(takt_system.BIN, "takt"), "secure", "init", cell, keys, "--operator", "anna"],
+                           check=True, capture_output=True)
+
+            def secured(machine, device, *arguments):
+                return self.peer(machine, *arguments, "t", "reliable", "64", PEER_SECURITY=os.path.join(keys, "devices", device))
+            tap = secured("robot", "twin", "tap")
+            remote = secured("line", "line", "tap")
+            feed = secured("robot", "robot", "feed")
+            self.match(feed, remote)
+            last = self.match(feed, tap)
+            for host in (11, 12, 13):
+                self.net.change_address("robot", 0, host)
+                for _ in range(30):  # the participants follow the change within this time
+                    self.assert_arrive(feed, tap, last + 1, 10)
+                    last += 10
+                    time.sleep(0.05)
+                self.match(feed, remote)
+                last = self.match(feed, tap)
+
+
+class Served(Matching):
+    """The machine station runs the discovery server. The other machines only know its name."""
+    MACHINES = ("station", "spare", "line", "robot")
+    SERVER = {"PEER_DISCOVERY": "server=station:11811"}
+
+    def setUp(self):
+        reason = networks.available()
+        if reason:
+            self.skipTest(reason)
+        self.net = networks.Networks(*self.MACHINES)
+        self.net.__enter__()
+        self.addCleanup(self.net.__exit__)
+        self.net.no_multicast()
+        self.net.set_host_names(station=1)
+
+    def serve(self, machine):
+        return self.peer(machine, "device", "server", PEER_DISCOVERY="serve=0.0.0.0:11811")
+
+    def begin(self, machine):
+        """Starts the discovery server, and two clients that find each other."""
+        self.server = self.serve("station")
+        self.tap = self.peer(machine, "tap", "t", "reliable", "64", **self.SERVER)
+        self.feed = self.peer("robot", "feed", "t", "reliable", "64", **self.SERVER)
+        return self.match(self.feed, self.tap)
+
+    def assert_new_ones_are_found(self, what, **environment):
+        """Starts two more clients, and waits until the first ones find them."""
+        new = {**self.SERVER, **environment}
+        self.found_again(self.feed, self.peer("robot", "tap", "t", "reliable", "64", **new), "new reader after " + what)
+        while self.tap.line(0.2):  # what the first writer has written
+            pass
+        self.found_again(self.peer("spare", "feed", "t", "reliable", "64", **new), self.tap, "new writer after " + what)
+
+    def follow_addresses(self, machine):
+        last = self.begin(machine)
+        for number in (101, 102, 103):
+            self.net.set_address("station", number)
+            self.net.set_host_names(station=number)
+            if machine != "station":
+                self.assert_arrive(self.feed, self.tap, last + 1, 10)
+            self.assert_new_ones_are_found("a new address")
+            last = self.match(self.feed, self.tap)
+
+    def test_clients_follow_their_discovery_server_to_a_new_address(self):
+        self.follow_addresses("line")
+
+    def test_a_client_on_the_machine_of_the_discovery_server_follows_it_to_a_new_address(self):
+        self.follow_addresses("station")
+
+    def test_clients_follow_their_discovery_server_to_a_new_address_that_its_name_does_not_have(self):
+        self.begin("line")
+        self.net.set_address("station", 101)
+        self.assert_new_ones_are_found("a new address", PEER_DISCOVERY="server=10.77.0.101:11811")
+
+    def test_clients_follow_their_discovery_server_to_another_machine(self):
+        self.begin("line")
+        for machine in ("spare", "station"):
+            self.server.end()
+            self.net.set_host_names(station=self.net.number(machine))
+            self.server = self.serve(machine)
+            self.assert_new_ones_are_found("a restart on machine " + machine)
 
 
 if __name__ == "__main__":

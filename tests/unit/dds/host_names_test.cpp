@@ -208,5 +208,18 @@ TEST(HostNames, WaitUntilTheirLookUpsHaveEnded) {
   for (std::thread& each : services) each.join();
 }
 
+TEST_F(Names, AlsoLeadToTheAddressesThatTheirHostHasAnnounced) {
+  const Ipv4 placeholder = names_->add("discovery server", "base");
+  after(seconds{0});
+  answer("base", Addresses{kOne});
+  names_->announced(placeholder, {kOne, kTwo});
+  EXPECT_EQ(names_->addresses(placeholder), (Addresses{kOne, kTwo}));
+  names_->announced(placeholder, {kThree});
+  EXPECT_EQ(names_->addresses(placeholder), (Addresses{kOne, kThree}));
+  names_->heard(kThree);
+  after(seconds{3});
+  EXPECT_EQ(asked(), Texts{}) << "the host is alive";
+}
+
 }  // namespace
 }  // namespace takt::dds::host_names_test

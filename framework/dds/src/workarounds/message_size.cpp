@@ -31,7 +31,7 @@ constexpr std::size_t kMostNear =
 
 std::atomic<bool> is_secured{false};
 std::mutex mutex;
-std::set<takt::wire::ParticipantNumber> near;
+std::set<takt::wire::ParticipantNumber> all_near;
 
 /// The bytes that are added to each message after Fast DDS has composed it.
 std::uint32_t addition() { return kStatistics + (is_secured ? kProtection : 0); }
@@ -46,7 +46,7 @@ bool is_far(const rtps::GuidPrefix_t& participant) {
   takt::wire::ParticipantNumber number{};
   std::copy_n(participant.value, number.size(), number.begin());
   const std::lock_guard lock{mutex};
-  return !near.contains(number);
+  return !all_near.contains(number);
 }
 
 /// The longest payload of a fragment for another machine.
@@ -86,10 +86,13 @@ void keep_messages_short(bool secured) noexcept {
   is_secured = secured;
 }
 
-void is_near(const wire::ParticipantNumber& participant) {
+void set_near(const wire::ParticipantNumber& participant, bool near) {
   const std::lock_guard lock{mutex};
-  if (near.size() == kMostNear) near.clear();
-  near.insert(participant);
+  if (all_near.size() == kMostNear) all_near.clear();
+  if (near)
+    all_near.insert(participant);
+  else
+    all_near.erase(participant);
 }
 
 }  // namespace takt::dds

@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kLongestFarMessage = 1252;
 /// Security, which makes messages longer.
 void keep_messages_short(bool secured) noexcept;
 
-/// From now on, messages to this participant may be long, because it is on this machine.
-void is_near(const wire::ParticipantNumber& participant);
+/// Messages to this participant may be long if it is on this machine (`near`).
+void set_near(const wire::ParticipantNumber& participant, bool near);
 
 }  // namespace takt::dds

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fastdds/rtps/builtin/data/ParticipantProxyData.h>
@@ -36,6 +38,7 @@ constexpr std::chrono::milliseconds kSilence{500};
 std::function<void(takt::dds::PacketFilter&, bool)> leave_and_join;
 std::function<void()> set_own_addresses;
 std::function<void(bool changed)> announce;
+std::function<void()> assign_moved_clients;
 std::uint32_t sample_port = 0;
 
 bool follows_others = false;
@@ -99,6 +102,7 @@ void announce_addresses(const std::vector<os::Ipv4>& addresses) {
 
 std::uint32_t port_for_samples() noexcept { return sample_port; }
 void announce_again() { announce(false); }
+void follow_clients() { assign_moved_clients(); }
 void rejoin(PacketFilter& filter, bool also_here) { leave_and_join(filter, also_here); }
 
 }  // namespace takt::dds
@@ -125,6 +129,23 @@ bool PDP::initPDP(RTPSParticipantImpl* participant) {
     for (RemoteLocatorList* list : {&own.metatraffic_locators, &own.default_locators}) {
       if (!list->unicast.empty()) replace_addresses(list->unicast, list->unicast.begin()->port);
     }
+  };
+  assign_moved_clients = [this, known = std::map<GUID_t, std::vector<Locator_t>>{}]() mutable {
+    if (builtin_attributes().discovery_config.discoveryProtocol != DiscoveryProtocol::SERVER) return;
+    std::vector<ParticipantProxyData> moved;
+    {
+      const std::lock_guard lock{*mp_mutex};
+      std::map<GUID_t, std::vector<Locator_t>> now;
+      for (const ParticipantProxyData* each : participant_proxies_) {
+        const auto& unicast = each->metatraffic_locators.unicast;
+        const auto& locators = now[each->m_guid] = {unicast.begin(), unicast.end()};
+        const auto found = known.find(each->m_guid);
+        if (each != getLocalParticipantProxyData() && found != known.end() && found->second != locators)
+          moved.push_back(*each);
+      }
+      known = std::move(now);
+    }
+    for (ParticipantProxyData& each : moved) assignRemoteEndpoints(&each);
   };
   leave_and_join = [this](takt::dds::PacketFilter& filter, bool also_here) {
     using takt::dds::Silence;

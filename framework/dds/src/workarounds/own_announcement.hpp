@@ -33,6 +33,9 @@ void announce_addresses(const std::vector<os::Ipv4>& addresses);
 std::uint32_t port_for_samples() noexcept;
 /// Announces this participant once more.
 void announce_again();
+/// If the participant of this process is a discovery server, it sends discovery messages to the new addresses
+/// of clients that have announced some. Call this function often; it does nothing for other participants.
+void follow_clients();
 /// Makes the participant of this process forget others and be forgotten by them, and announces it again. For
 /// half a second in between, the process exchanges nothing with them. The listeners report that they are lost
 /// and found again. `also_here`: participants on this machine, too, and not only those on others. Any thread
