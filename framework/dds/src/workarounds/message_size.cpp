@@ -17,8 +17,6 @@ namespace {
 
 namespace rtps = eprosima::fastrtps::rtps;
 
-/// Fast DDS appends an empty statistics submessage to each message before it sends it.
-constexpr std::uint32_t kStatistics = 60;
 /// The bytes that DDS Security adds to a message: SRTPS_PREFIX, SEC_BODY and SRTPS_POSTFIX.
 constexpr std::uint32_t kProtection = 24 + 8 + 24;
 /// The bytes of a message with one DATA_FRAG, without its payload: the header, INFO_SRC (only with DDS
@@ -34,7 +32,7 @@ std::mutex mutex;
 std::set<takt::wire::ParticipantNumber> all_near;
 
 /// The bytes that are added to each message after Fast DDS has composed it.
-std::uint32_t addition() { return kStatistics + (is_secured ? kProtection : 0); }
+std::uint32_t addition() { return is_secured ? kProtection : 0; }
 /// The longest message that Fast DDS may compose for another machine.
 std::uint32_t limit() { return takt::dds::kLongestFarMessage - addition(); }
 /// The longest message of discovery, unless it consists of one announcement that is longer. Announcements
