@@ -50,8 +50,11 @@ constexpr const char* kServerPrefix =
                                             // discovery server
 /// Other participants forget this one if they hear nothing of it for this time.
 constexpr Nanoseconds kParticipantLease = std::chrono::seconds{3};
-constexpr int kAnnounceEveryMs = 250;
-constexpr Nanoseconds kAnnounceEvery = std::chrono::milliseconds{kAnnounceEveryMs};
+constexpr Nanoseconds kAnnounceEvery = std::chrono::seconds{1};
+constexpr int kFollowEveryMs = 250;
+/// After a halt of this time, other participants may have forgotten this one.
+constexpr Nanoseconds kHalted =
+    kParticipantLease - kAnnounceEvery - std::chrono::milliseconds{kFollowEveryMs};
 /// After the first notice of a change of the interfaces, wait for more: a change often takes several steps.
 constexpr int kMoreNewsMs = 100;
 /// The time in which most name services answer. Then the first announcements reach the peers.
@@ -85,11 +88,11 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = duration(kParticipantLease);
-  // A participant answers the announcement of a new participant at once, perhaps before the new participant
-  // can receive the answer. So participants repeat their announcements after a short time.
+  // Each message, not only an announcement, shows that a participant exists.
   config.leaseDuration_announcementperiod = duration(kAnnounceEvery);
-  // The first announcements can be lost if two participants start at the same time.
-  config.initial_announcements.count = 25;
+  // The first announcements can be lost if two participants start at the same time. Each pause between them
+  // is twice as long as the one before (own_announcement.cpp).
+  config.initial_announcements.count = 5;
   config.initial_announcements.period = {0, 20'000'000};
   reach_server_at({});
   switch (discovery.kind) {
@@ -345,9 +348,9 @@ void OwnParticipant::is_device(const rtps::GuidPrefix_t& participant, const std:
 void OwnParticipant::follow_machine(std::stop_token end) {
   const std::stop_callback wake{end, [this] { ending_.give(); }};
   for (Instant last = os::boot_time(); !end.stop_requested();) {
-    os::wait_readable({&news_.fd(), &ending_.fd()}, kAnnounceEveryMs);
-    // Other participants may have forgotten a process that was halted, or whose machine was suspended.
-    const bool was_halted = os::boot_time() - last > kParticipantLease - 2 * kAnnounceEvery;
+    os::wait_readable({&news_.fd(), &ending_.fd()}, kFollowEveryMs);
+    // The process was halted, or its machine was suspended.
+    const bool was_halted = os::boot_time() - last > kHalted;
     if (end.stop_requested()) return;
     names_->step(os::now());
     follow_clients();

@@ -14,6 +14,7 @@
 #include <fastdds/rtps/builtin/data/WriterProxyData.h>
 #include <fastdds/rtps/builtin/discovery/participant/PDP.h>
 #include <fastdds/rtps/builtin/discovery/participant/PDPSimple.h>
+#include <fastdds/rtps/resources/TimedEvent.h>
 #include <fastrtps/utils/IPLocator.h>
 #include "replaced_function.hpp"
 
@@ -22,14 +23,26 @@ namespace {
 namespace rtps = eprosima::fastrtps::rtps;
 
 using Begin = bool(rtps::PDP*, rtps::RTPSParticipantImpl*);
+using Assign = void(rtps::PDPSimple*, rtps::ParticipantProxyData*);
 using SetLocators = void(void*, const rtps::LocatorList_t&);
 using Matches = bool(void*);
+using SetInterval = void(rtps::PDP*);
 
 Begin* original() noexcept {
   static Begin* const found =
       takt::dds::replaced<Begin>("_ZN8eprosima8fastrtps4rtps3PDP7initPDPEPNS1_19RTPSParticipantImplE");
   return found;
 }
+
+Assign* original_assign() noexcept {
+  static Assign* const found = takt::dds::replaced<Assign>(
+      "_ZN8eprosima8fastrtps4rtps9PDPSimple21assignRemoteEndpointsEPNS1_20ParticipantProxyDataE");
+  return found;
+}
+
+// The announcements with short pauses after another participant was found: after 100 and 300 ms.
+constexpr std::uint32_t kMoreAnnouncements = 2;
+const eprosima::fastrtps::Duration_t kSoon{0, 100'000'000};
 
 // The longest time that another participant is expected to need to handle all packets sent to it.
 constexpr std::chrono::milliseconds kSilence{500};
@@ -39,6 +52,7 @@ std::function<void(takt::dds::PacketFilter&, bool)> leave_and_join;
 std::function<void()> set_own_addresses;
 std::function<void(bool changed)> announce;
 std::function<void()> assign_moved_clients;
+std::function<void()> announce_soon;
 std::uint32_t sample_port = 0;
 
 bool follows_others = false;
@@ -83,7 +97,10 @@ namespace takt::dds {
 void prepare_own_announcement(bool follows) noexcept {
   follows_others = follows;
   static_cast<void>(original());
+  static_cast<void>(original_assign());
   static_cast<void>(replaced<Matches>("_ZN8eprosima8fastrtps4rtps9PDPSimple20updateInfoMatchesEDPEv"));
+  static_cast<void>(
+      replaced<SetInterval>("_ZN8eprosima8fastrtps4rtps3PDP30set_next_announcement_intervalEv"));
   for (const char* name : {"_ZN8eprosima8fastrtps4rtps15ReaderProxyData30set_announced_unicast_locatorsERKNS_"
                            "7fastdds4rtps11LocatorListE",
                            "_ZN8eprosima8fastrtps4rtps15WriterProxyData30set_announced_unicast_locatorsERKNS_"
@@ -120,8 +137,37 @@ void WriterProxyData::set_announced_unicast_locators(const LocatorList_t& of_cre
 // Fast DDS asks this when a known participant announces something new.
 bool PDPSimple::updateInfoMatchesEDP() { return follows_others; }
 
+// Fast DDS sends the first announcements in a fixed period. If it is short, they fill a slow link; if it is
+// long, a lost one delays discovery.
+void PDP::set_next_announcement_interval() {
+  const std::lock_guard lock{*mp_mutex};
+  Duration_t& pause = initial_announcements_.period;
+  resend_participant_info_event_->update_interval(
+      initial_announcements_.count > 0 ? pause
+                                       : m_discovery.discovery_config.leaseDuration_announcementperiod);
+  if (initial_announcements_.count == 0) return;
+  --initial_announcements_.count;
+  pause = Duration_t{2 * pause.to_ns() / 1e9L};
+}
+
+// Called when this participant has found another one. Fast DDS then announces this participant once, perhaps
+// before the other one can receive it.
+void PDPSimple::assignRemoteEndpoints(ParticipantProxyData* other) {
+  original_assign()(this, other);
+  announce_soon();
+}
+
 bool PDP::initPDP(RTPSParticipantImpl* participant) {
   announce = [this](bool changed) { announceParticipantState(changed, false); };
+  announce_soon = [this] {
+    const std::lock_guard lock{*mp_mutex};
+    if (initial_announcements_.count > 0) return;
+    initial_announcements_.count = kMoreAnnouncements;
+    initial_announcements_.period = kSoon;
+    stopParticipantAnnouncement();
+    set_next_announcement_interval();
+    resetParticipantAnnouncement();
+  };
   set_own_addresses = [this] {
     const std::lock_guard lock{*mp_mutex};
     const std::lock_guard addresses{addresses_mutex};
